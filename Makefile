@@ -1,0 +1,67 @@
+# Everything starts here: each target makes what it needs, from Python 3.11, pip and make alone.
+
+VENV := .venv
+BIN := $(VENV)/bin
+# exists only while .venv is complete: a set-up that was cut off is begun again from nothing
+READY := $(VENV)/.ready
+PYTHONS := $(or $(PYTHON),python3.11 python3.12 python3.13 python3 python)
+USABLE := import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))
+PIP_FLAGS := --disable-pip-version-check $(if $(CI),--quiet) $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX))
+TESTS ?= tests
+JOBS ?= 2
+
+.DEFAULT_GOAL := help
+.PHONY: help install test lint format reproduce-thesis study-coverage clean distclean FORCE
+
+help: ## say what can be made
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@echo
+	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
+	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
+	@echo "  TORCH_INDEX=...  where else pip finds torch: https://download.pytorch.org/whl/cpu has a build"
+	@echo "                   without CUDA, which saves gigabytes on Linux"
+
+install: $(READY) ## set up .venv (the other targets do it by themselves)
+
+test: $(READY) ## run the tests
+	$(BIN)/python -m pytest -n $(JOBS) --durations=15 --durations-min=1 $(TESTS)
+
+lint: $(READY) ## check style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: $(READY) ## put every file in the house style
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+reproduce-thesis: $(READY) ## the thesis' tables beside what hybridid gets
+	$(BIN)/hybridid reproduce
+
+study-coverage: $(READY) ## do the stated 95 % intervals hold the truth? (simulated, minutes)
+	$(BIN)/python benchmarks/coverage.py
+
+clean: ## remove what tools and builds left behind (never outputs/ or data/)
+	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache
+	find . -path ./$(VENV) -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
+
+distclean: clean ## clean, and remove .venv
+	rm -rf $(VENV)
+
+# FORCE: a .venv whose Python is gone (upgraded or moved away) is made anew
+$(READY): pyproject.toml constraints.txt $(shell $(BIN)/python -c 1 2>/dev/null || echo FORCE)
+	@if [ -e $@ ] && $(BIN)/python -c 1 2>/dev/null; then \
+		echo "bringing $(VENV) up to date"; \
+	else \
+		python=$$(for p in $(PYTHONS); do "$$p" -c '$(USABLE)' >/dev/null 2>&1 && echo "$$p" && break; done); \
+		if [ -z "$$python" ]; then \
+			echo "no usable Python among: $(PYTHONS). Install Python 3.11, 3.12 or 3.13 with venv and pip," \
+				"or name one: make $(MAKECMDGOALS) PYTHON=/path/to/python3.11" >&2; \
+			exit 1; \
+		fi; \
+		echo "setting up $(VENV) with $$python (once, some minutes)"; \
+		rm -f $@ && "$$python" -m venv --clear $(VENV); \
+	fi
+	@rm -f $@
+	$(BIN)/python -m pip install $(PIP_FLAGS) --constraint constraints.txt --editable '.[dev]'
+	@touch $@
