@@ -1,0 +1,1 @@
+"""The terminal: picks the command, shows progress, prints results and errors. No science."""

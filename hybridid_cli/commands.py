@@ -1,0 +1,44 @@
+"""Every command, declared: its name, what it does, who carries it out. Light to import."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hybridid_cli import helptexts
+
+
+@dataclass(frozen=True)
+class Command:
+    """``handler`` is ``module:function`` taking ``(command name, words)``, imported when needed.
+
+    ``configured`` commands have a primary config ``conf/<name>.yaml`` and take overrides.
+    """
+
+    name: str
+    summary: str
+    details: str
+    handler: str
+    configured: bool = True
+
+
+_STAGES = "hybridid_cli.hydra_app:run"
+
+COMMANDS: tuple[Command, ...] = (
+    Command("run", "every stage in order, from record to plots", helptexts.RUN, _STAGES),
+    Command("preprocess", "read the records, check and filter them", helptexts.PREPROCESS, _STAGES),
+    Command("fit", "estimate the parameters", helptexts.FIT, _STAGES),
+    Command("validate", "score the fitted model on every record", helptexts.VALIDATE, _STAGES),
+    Command("plot", "draw the figures", helptexts.PLOT, _STAGES),
+    Command("cases", "list the cases and the records found", helptexts.CASES, "hybridid_cli.listing:cases", False),
+    Command(
+        "effects", "list the physics that can be added", helptexts.EFFECTS, "hybridid_cli.listing:effects", False
+    ),
+    Command("fetch", "download a case's public records", helptexts.FETCH, _STAGES),
+    Command("ui", "open the page of all runs (MLflow)", helptexts.UI, _STAGES),
+    Command(
+        "completion", "print the completion script of a shell", helptexts.COMPLETION,
+        "hybridid_cli.completion:command", False,
+    ),
+)  # fmt: skip
+
+BY_NAME = {command.name: command for command in COMMANDS}

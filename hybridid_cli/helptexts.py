@@ -1,0 +1,150 @@
+"""What ``--help`` says: plain text, written for a person, ready without importing anything."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+_OVERVIEW = """\
+hybridid: from a measured record and the physics you believe in, to a model that is accurate and still physics
+
+  hybridid <command> [case=NAME] [key=value ...] [flags]
+
+{commands}
+
+A first look
+  hybridid run case=emps                         record, fit, validation and plots of one machine
+  hybridid run case=emps estimator.horizon=1000  fitted over horizons of 1000 samples instead
+  hybridid effects                               the physics that can be composed onto a machine
+
+hybridid <command> --help tells more of a command. eval "$(hybridid completion bash)" completes names.
+"""
+
+_SHARED = """\
+Keys that every stage knows (hybridid {name} --cfg job prints them all)
+  case=NAME                the machine and its records (hybridid cases); default: emps
+  effects=[a,b@port,...]   the physics at its ports (hybridid effects)
+  parameters.NAME.KEY=X    guess, lower, upper or fixed of one parameter, as in parameters.M.lower=30
+  data=measured|simulated  insist on measured records, or on the case's virtual rig; default: auto
+  paths.data=DIR           where measured records lie; default: $HYBRIDID_DATA, else data/raw
+  out=DIR                  put the whole run tree there; default: outputs/<case>/<hash of the modelling config>
+  mlflow.enabled=false     do not log the run
+
+Flags
+  -m                       sweep: effects=[viscous],[viscous,coulomb] runs both; launcher=joblib side by side
+  --cfg job                print the config that would be used, and stop
+  --config-dir DIR         cases, plants and effects of your own: DIR/case/mine.yaml and Python files in DIR
+  --debug                  show where in the code an error arose
+"""
+
+RUN = """\
+Reads and checks the records, estimates the parameters, scores the model in free run and over horizons, and
+draws the figures. Stages whose inputs and settings have not changed are reused; each one says so.
+
+  hybridid run case=emps
+  hybridid run case=emps estimator.horizon=1000 effects=[viscous,coulomb,offset,asymmetric_viscous]
+  hybridid run -m case=emps launcher=joblib estimator.horizon=250,1000,null
+"""
+
+PREPROCESS = """\
+Maps the columns of each file to signals with units, checks them, applies preprocess.steps in order and writes
+preprocess/. With no measured record at hand the case's virtual rig stands in, and all that follows says simulated.
+
+  hybridid preprocess case=emps paths.data=/data/recordings
+  hybridid preprocess case=emps 'preprocess.steps=[{step: decimate, factor: 10}]'
+"""
+
+FIT = """\
+Estimates the parameters of plant and effects on the records of fit.records and writes fit/estimate.json.
+
+  hybridid fit case=emps                            over the whole record, free running
+  hybridid fit case=emps estimator.horizon=1000     over horizons of 1000 samples
+  hybridid fit case=emps estimator=multiple_shooting parameters.M.fixed=95.1
+
+Its own keys
+  fit.records=[...]        roles or names of the records to fit; default: [identification]
+  estimator=NAME           gauss_newton | multiple_shooting
+  estimator.horizon=N      samples over which the model runs free; null: the whole record
+  estimator.interval=N     samples between shooting states
+  estimator.starts=N       how many starts; the best is kept
+"""
+
+VALIDATE = """\
+Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, R2 and fit percentage by
+record, output and view, and tests of the residual.
+
+  hybridid validate case=emps validate.horizon=0.5
+
+Its own keys
+  validate.views=[...]     free_run: the whole record in one go; horizon: many short runs
+  validate.horizon=S       length of each short run in s, each from its own estimated initial state; default: 1.0
+  validate.initial_state=estimated|measured   of the free run
+  validate.records=[...]   roles or names; default: all
+  validate.lags=N          lags in samples of the residual's correlations
+"""
+
+PLOT = """\
+Draws record, model against data, error, friction over velocity, spectrum, residual correlation and the spread of
+errors, as files for a paper.
+
+  hybridid plot case=emps plot.formats=[pdf]
+
+Its own keys
+  plot.formats=[...]       pdf, svg, png
+"""
+
+CASES = """\
+Lists each case: what it is, its plant, inputs, outputs, effects, and which records are at hand here.
+
+  hybridid cases
+  hybridid cases emps
+  hybridid cases --config-dir mylab
+
+  --config-dir DIR         cases of your own too
+  paths.data=DIR           where measured records lie; default: $HYBRIDID_DATA, else data/raw
+"""
+
+EFFECTS = """\
+Lists each effect: its name, where it acts, its equation. With a name, also its parameters, units, source and what
+tells it from its look-alikes.
+
+  hybridid effects
+  hybridid effects viscous
+  hybridid effects mymodule:MY_EFFECT --config-dir mylab
+"""
+
+FETCH = """\
+Downloads the public records of a case to paths.data, checks them against their SHA-256 and resumes what was cut off.
+
+  hybridid fetch emps
+  hybridid fetch emps paths.data=/data/recordings
+"""
+
+UI = """\
+Opens MLflow's page on this machine alone (127.0.0.1): every run with its config, metrics, figures and files.
+
+  hybridid ui
+  hybridid ui port=8080 paths.outputs=/data/outputs
+
+Its own keys
+  port=N                   default: 5000
+  mlflow.tracking_uri=URI  default: sqlite:///outputs/mlflow.db
+"""
+
+COMPLETION = """\
+Prints the script that teaches a shell to complete commands, cases, keys and effects.
+
+  eval "$(hybridid completion bash)"             now
+  echo 'eval "$(hybridid completion bash)"' >> ~/.bashrc
+"""
+
+
+def overview(commands: Sequence[tuple[str, str]]) -> str:
+    """The text of ``hybridid --help``."""
+    lines = ["Commands", *[f"  {name:<12} {summary}" for name, summary in commands]]
+    return _OVERVIEW.format(commands="\n".join(lines))
+
+
+def of_command(name: str, summary: str, details: str, stages: bool) -> str:
+    """The text of ``hybridid <command> --help``."""
+    head = f"hybridid {name}: {summary}\n\n{details}"
+    return f"{head}\n{_SHARED.format(name=name)}" if stages and name not in ("ui", "fetch") else head

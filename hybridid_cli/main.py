@@ -1,0 +1,73 @@
+"""The entry point: finds the command and hands over. Help and misspelt commands need no more than this."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+from hybridid_cli import helptexts
+from hybridid_cli.commands import BY_NAME, COMMANDS
+from pipelines.errors import ConfigError, unknown
+
+WRONG_REQUEST = 2
+INTERRUPTED = 130
+
+
+def main() -> None:
+    """Run the command on ``sys.argv`` and exit with its code."""
+    try:
+        code = dispatch(sys.argv[1:])
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        print("\nhybridid: interrupted; what was unfinished is discarded, what was finished is kept", file=sys.stderr)
+        code = INTERRUPTED
+    except BrokenPipeError:  # `hybridid effects | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 0
+    sys.exit(code)
+
+
+def dispatch(words: Sequence[str]) -> int:
+    """Carry out ``words`` and return the exit code: 0, 1 (failed) or 2 (wrong request)."""
+    if not words or words[0] in ("-h", "--help"):
+        print(helptexts.overview([(c.name, c.summary) for c in COMMANDS]))
+        return 0
+    if words[0] == "--version":
+        from hybridid import __version__
+
+        print(f"hybridid {__version__}")
+        return 0
+    if words[0] == "help":
+        return dispatch([*words[1:2], "--help"])
+    if words[0] not in BY_NAME:
+        return complain(_not_a_command(words[0]))
+    command = BY_NAME[words[0]]
+    if any(word in ("-h", "--help") for word in words[1:]):
+        print(helptexts.of_command(command.name, command.summary, command.details, command.configured))
+        return 0
+    module, _, function = command.handler.partition(":")
+    try:
+        return int(getattr(importlib.import_module(module), function)(command.name, list(words[1:])))
+    except ConfigError as error:
+        if wants_traceback():
+            raise
+        return complain(str(error))
+
+
+def complain(message: str, code: int = WRONG_REQUEST) -> int:
+    """Say in one line what is wrong; returns ``code``."""
+    print(f"hybridid: {message}", file=sys.stderr)
+    return code
+
+
+def wants_traceback() -> bool:
+    """Whether the user asked to see where in the code an error arose."""
+    return os.environ.get("HYBRIDID_DEBUG") == "1" or os.environ.get("HYDRA_FULL_ERROR") == "1"
+
+
+def _not_a_command(word: str) -> str:
+    if word.startswith("-") or "=" in word:
+        return f"a command comes first, then {word}: hybridid <command> {word}; see hybridid --help"
+    return unknown("command", word, BY_NAME)

@@ -1,0 +1,1 @@
+"""The stages: each reads files, calls hybridid, writes files. They meet through files alone."""
