@@ -1,0 +1,56 @@
+"""What every test stands on: no network chatter, nobody's home touched, one thread a process."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+# before numpy is imported: pytest-xdist already uses every core
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+# figures go to files; MLflow sends its maker nothing
+os.environ.update(MPLBACKEND="Agg", MLFLOW_DISABLE_TELEMETRY="true", DO_NOT_TRACK="true")
+# a user's own settings must not decide what a test sees
+for variable in ("MLFLOW_TRACKING_URI", "MLFLOW_EXPERIMENT_NAME", "MLFLOW_RUN_ID", "HYDRA_FULL_ERROR"):
+    os.environ.pop(variable, None)
+
+DATA_VARIABLE = "HYBRIDID_DATA"
+NO_DATA = f"needs measured records: set {DATA_VARIABLE}"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A home folder of the test session's own, for this process and those it starts."""
+    home = tmp_path_factory.mktemp("home")
+    folders = {
+        "HOME": home,
+        "XDG_CACHE_HOME": home / ".cache",
+        "XDG_CONFIG_HOME": home / ".config",
+        "MPLCONFIGDIR": home / ".matplotlib",
+    }
+    with pytest.MonkeyPatch.context() as patch:
+        for name, folder in folders.items():
+            folder.mkdir(exist_ok=True)
+            patch.setenv(name, str(folder))
+        yield home
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Each test runs in an empty folder, so whatever it writes relatively stays out of the checkout."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="session")
+def measured() -> Path:
+    """The root of the measured records (``emps/DATA_EMPS.mat`` and so on), or a visible skip."""
+    if not os.environ.get(DATA_VARIABLE):
+        pytest.skip(NO_DATA)
+    root = Path(os.environ[DATA_VARIABLE])
+    if not root.is_dir():
+        pytest.fail(f"{DATA_VARIABLE} is {root}, which is not a folder")
+    return root

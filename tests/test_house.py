@@ -1,0 +1,99 @@
+"""The house keeps its promises: what git holds, how modules look, what a wheel carries."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("hybridid", "pipelines", "hybridid_cli")
+MODULES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
+LONGEST = 350
+# records come in these; the project makes its own in tests, and ships none
+RECORD_SUFFIXES = {".mat", ".parquet", ".h5", ".hdf5", ".npz", ".npy", ".zip", ".tdms", ".mf4", ".dat"}
+LARGEST = 256 * 1024
+
+
+def tracked() -> list[Path]:
+    """Every file that git holds."""
+    try:
+        listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("needs a git checkout")
+    return [ROOT / name for name in listing.stdout.split("\0") if name]
+
+
+def test_git_holds_no_record():
+    """No recording, and nothing large enough to be one under another name."""
+    suspects = [p for p in tracked() if p.suffix.lower() in RECORD_SUFFIXES or _size(p) > LARGEST]
+    assert suspects == []
+
+
+def test_git_holds_no_measured_record(measured):
+    """No file of the measured records, whatever its name, by size and content."""
+    recordings = {path.stat().st_size: path for path in measured.rglob("*") if path.is_file()}
+    for path in tracked():
+        twin = recordings.get(_size(path))
+        assert twin is None or twin.read_bytes() != path.read_bytes(), f"{path} is {twin}"
+
+
+def _size(path: Path) -> int:
+    return path.stat().st_size if path.is_file() else 0
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_module_is_short_and_says_what_it_is(path):
+    text = path.read_text()
+    assert len(text.splitlines()) <= LONGEST
+    assert not text.strip() or ast.get_docstring(ast.parse(text)), "has no docstring"
+
+
+def test_imports_stay_light():
+    """The science without its plots loads neither torch nor matplotlib, nor any of the terminal's tools."""
+    light = [p for p in MODULES if p.is_relative_to(ROOT / "hybridid") and "plotting" not in p.parts]
+    names = [".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for p in light]
+    heavy = "{'torch', 'matplotlib', 'mlflow', 'hydra', 'omegaconf'}"
+    code = f"import importlib, sys; [importlib.import_module(n) for n in {names!r}]; print({heavy} & set(sys.modules))"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True)
+    assert run.stdout.strip() == "set()"
+
+
+def test_constraints_pin_every_dependency():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = project["dependencies"] + project["optional-dependencies"]["dev"]
+    pinned = {_name(line) for line in (ROOT / "constraints.txt").read_text().splitlines() if "==" in line}
+    assert {_name(requirement) for requirement in wanted} <= pinned
+
+
+def _name(requirement: str) -> str:
+    """``Foo_bar>=1`` -> ``foo-bar``, as package indexes compare names."""
+    head = requirement.strip()
+    for mark in "<>=!~[; ":
+        head = head.split(mark)[0]
+    return head.lower().replace("_", "-").replace(".", "-")
+
+
+def test_wheel_carries_conf_and_editable_does_not(tmp_path):
+    """Built for real: a wheel holds ``conf/`` as ``hybridid_cli/conf``, an editable install reads the checkout."""
+    builder = pytest.importorskip("hatchling.builders.wheel", reason="needs hatchling").WheelBuilder(str(ROOT))
+    contents = {}
+    for version in ("standard", "editable"):
+        (wheel,) = builder.build(directory=str(tmp_path / version), versions=[version])
+        contents[version] = set(zipfile.ZipFile(wheel).namelist())
+    configs = {path.relative_to(ROOT / "conf").as_posix() for path in (ROOT / "conf").rglob("*.yaml")}
+    assert configs
+    assert configs == {
+        name.removeprefix("hybridid_cli/conf/") for name in contents["standard"] if name.endswith(".yaml")
+    }
+    assert "hybridid_cli/main.py" in contents["standard"]
+    assert not any("conf/" in name for name in contents["editable"])
+    outsiders = {name.split("/")[0] for name in contents["standard"]} - set(PACKAGES)
+    assert all(name.endswith(".dist-info") for name in outsiders), outsiders
