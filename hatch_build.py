@@ -1,4 +1,4 @@
-"""Build hook: a wheel carries ``conf/`` inside ``hybridid_cli``; an editable install reads the checkout's own."""
+"""Build hook: a wheel carries ``conf/`` inside ``hybridid_cli``, an editable install does not."""
 
 from typing import Any
 

@@ -9,8 +9,10 @@ import sys
 import tomllib
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import pytest
+from hatchling.builders.wheel import WheelBuilder
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("hybridid", "pipelines", "hybridid_cli")
@@ -21,10 +23,16 @@ RECORD_SUFFIXES = {".mat", ".parquet", ".h5", ".hdf5", ".npz", ".npy", ".zip", "
 LARGEST = 256 * 1024
 
 
+def output_of(words: list[str], **options: Any) -> str:
+    return subprocess.run(words, check=True, capture_output=True, text=True, **options).stdout
+
+
 def tracked() -> list[Path]:
     """Every file that git holds."""
     try:
-        listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True)
+        listing = subprocess.run(
+            ["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True
+        )
     except (OSError, subprocess.CalledProcessError):
         pytest.skip("needs a git checkout")
     return [ROOT / name for name in listing.stdout.split("\0") if name]
@@ -59,11 +67,14 @@ def test_imports_stay_light():
     """The science without its plots loads neither torch nor matplotlib, nor any of the terminal's tools."""
     light = [p for p in MODULES if p.is_relative_to(ROOT / "hybridid") and "plotting" not in p.parts]
     names = [".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for p in light]
-    heavy = "{'torch', 'matplotlib', 'mlflow', 'hydra', 'omegaconf'}"
-    code = f"import importlib, sys; [importlib.import_module(n) for n in {names!r}]; print({heavy} & set(sys.modules))"
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    run = subprocess.run([sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True)
-    assert run.stdout.strip() == "set()"
+    code = f"""
+import importlib, sys
+for name in {names!r}:
+    importlib.import_module(name)
+print({{"torch", "matplotlib", "mlflow", "hydra", "omegaconf"}} & set(sys.modules))
+"""
+    loaded = output_of([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)})
+    assert loaded.strip() == "set()"
 
 
 def test_constraints_pin_every_dependency():
@@ -82,8 +93,8 @@ def _name(requirement: str) -> str:
 
 
 def test_wheel_carries_conf_and_editable_does_not(tmp_path):
-    """Built for real: a wheel holds ``conf/`` as ``hybridid_cli/conf``, an editable install reads the checkout."""
-    builder = pytest.importorskip("hatchling.builders.wheel", reason="needs hatchling").WheelBuilder(str(ROOT))
+    """Built for real: a wheel holds ``conf/``, an editable install reads the checkout's own."""
+    builder = WheelBuilder(str(ROOT))
     contents = {}
     for version in ("standard", "editable"):
         (wheel,) = builder.build(directory=str(tmp_path / version), versions=[version])

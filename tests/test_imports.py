@@ -1,7 +1,7 @@
-"""Imports run one way: ``hybridid_cli -> pipelines -> hybridid``, and inside ``hybridid`` from each room to lower ones.
+"""Imports run one way: ``hybridid_cli -> pipelines -> hybridid``; inside ``hybridid``, from room to lower room.
 
-The checks read the source (also imports inside functions and under ``TYPE_CHECKING``), so they see what no run
-of the tests happens to execute. The last tests break each rule in a small tree and see that it is found.
+The checks read the source (also imports inside functions and under ``TYPE_CHECKING``), so they see what no
+test happens to execute. The last tests break each rule in a small tree and see that it is found.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def within(module: str, package: str) -> bool:
 
 def room(module: str) -> str:
     """``hybridid.plants.emps`` -> ``plants``."""
-    return (module.split(".") + [""])[1]
+    return [*module.split("."), ""][1]
 
 
 def reachable(graph: Graph, start: str) -> set[str]:
@@ -175,7 +175,11 @@ GOOD = {
 
 BAD = (
     ("hybridid/declarations.py", "from hybridid.model import Model", "declarations imports hybridid.model"),
-    ("hybridid/model.py", "def f():\n    import hybridid.estimators.fit", "model imports hybridid.estimators"),
+    (
+        "hybridid/model.py",
+        "def f():\n    import hybridid.estimators.fit",
+        "model imports hybridid.estimators",
+    ),
     ("hybridid/plants/emps.py", "from hybridid.effects.library import EFFECTS", "imports hybridid.effects"),
     ("hybridid/model.py", "from .declarations import Port", "imports relatively"),
     ("hybridid/attic.py", "import math", "names the room 'attic'"),
@@ -210,5 +214,7 @@ def test_checker_finds_each_violation(tmp_path, path, text, finding):
 
 
 def test_checker_finds_a_print(tmp_path):
-    write_tree(tmp_path, {**GOOD, "hybridid/model.py": "def f():\n    print('cost')", "pipelines/fit.py": "print(1)"})
+    write_tree(
+        tmp_path, {**GOOD, "hybridid/model.py": "def f():\n    print('cost')", "pipelines/fit.py": "print(1)"}
+    )
     assert prints(tmp_path) == ["hybridid.model:2 prints"]
