@@ -8,11 +8,15 @@ import subprocess
 import sys
 import tomllib
 import zipfile
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hatchling.builders.wheel import WheelBuilder
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+from packaging.version import Version
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("hybridid", "pipelines", "hybridid_cli")
@@ -77,19 +81,30 @@ print({{"torch", "matplotlib", "mlflow", "hydra", "omegaconf"}} & set(sys.module
     assert loaded.strip() == "set()"
 
 
-def test_constraints_pin_every_dependency():
+def test_constraints_pin_all_that_is_installed():
+    """Every package that hybridid stands on, however deep, has the version that ``constraints.txt`` names."""
+    lines = (ROOT / "constraints.txt").read_text().splitlines()
+    pins = {canonicalize_name(name): version for name, _, version in (line.partition("==") for line in lines)}
+    installed = {name: Version(metadata.version(name)).public for name in _needed()}
+    assert installed == {name: pins.get(name, "not pinned") for name in installed}
+
+
+def _needed() -> set[str]:
+    """The packages that pyproject.toml asks for here, and all that they ask for, less torch's choice of CUDA."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    wanted = project["dependencies"] + project["optional-dependencies"]["dev"]
-    pinned = {_name(line) for line in (ROOT / "constraints.txt").read_text().splitlines() if "==" in line}
-    assert {_name(requirement) for requirement in wanted} <= pinned
-
-
-def _name(requirement: str) -> str:
-    """``Foo_bar>=1`` -> ``foo-bar``, as package indexes compare names."""
-    head = requirement.strip()
-    for mark in "<>=!~[; ":
-        head = head.split(mark)[0]
-    return head.lower().replace("_", "-").replace(".", "-")
+    todo = [Requirement(text) for text in project["dependencies"] + project["optional-dependencies"]["dev"]]
+    seen: set[tuple[str, str]] = set()
+    while todo:
+        requirement = todo.pop()
+        if requirement.name.startswith(("cuda", "nvidia", "triton")):
+            continue
+        for extra in {"", *requirement.extras}:
+            key = (canonicalize_name(requirement.name), extra)
+            if key not in seen:
+                seen.add(key)
+                below = [Requirement(text) for text in metadata.requires(requirement.name) or []]
+                todo += [r for r in below if r.marker is None or r.marker.evaluate({"extra": extra})]
+    return {name for name, _ in seen}
 
 
 def test_wheel_carries_conf_and_editable_does_not(tmp_path):
@@ -108,3 +123,14 @@ def test_wheel_carries_conf_and_editable_does_not(tmp_path):
     assert not any("conf/" in name for name in contents["editable"])
     outsiders = {name.split("/")[0] for name in contents["standard"]} - set(PACKAGES)
     assert all(name.endswith(".dist-info") for name in outsiders), outsiders
+
+
+def test_make_without_a_usable_python_says_so_in_one_line(tmp_path):
+    words = ["make", "--no-print-directory", "install", f"VENV={tmp_path}/venv", "PYTHON=/no/python3.9"]
+    run = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
+    complaint = [line for line in run.stderr.splitlines() if not line.startswith("make")]
+    assert run.returncode != 0
+    assert len(complaint) == 1
+    assert "/no/python3.9" in complaint[0]
+    assert "3.11" in complaint[0]
+    assert not (tmp_path / "venv").exists()

@@ -1,4 +1,4 @@
-"""Imports run one way: ``hybridid_cli -> pipelines -> hybridid``; inside ``hybridid``, from room to lower room.
+"""Imports run one way: ``hybridid_cli -> pipelines -> hybridid``; in ``hybridid``, from room to lower room.
 
 The checks read the source (also imports inside functions and under ``TYPE_CHECKING``), so they see what no
 test happens to execute. The last tests break each rule in a small tree and see that it is found.
