@@ -90,7 +90,7 @@ def test_constraints_pin_all_that_is_installed():
 
 
 def _needed() -> set[str]:
-    """The packages that pyproject.toml asks for here, and all that they ask for, less torch's choice of CUDA."""
+    """The packages that pyproject.toml asks for here, and all that they ask for, less CUDA."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     todo = [Requirement(text) for text in project["dependencies"] + project["optional-dependencies"]["dev"]]
     seen: set[tuple[str, str]] = set()
