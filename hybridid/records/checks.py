@@ -1,0 +1,154 @@
+"""What makes a recording usable: checked whenever a ``Record`` is made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hybridid.records.clipping import clipped_runs
+from hybridid.records.record import Array, Channel, RecordError
+
+if TYPE_CHECKING:
+    from hybridid.records.record import Record
+
+MINIMUM_SAMPLES = 10
+# Time stamps printed with too few digits stray less than this; a lost or late sample strays more.
+STEP_TOLERANCE = 0.01  # of the sampling time
+# Steps that are each right may still add up: half a sample is where a delay would be read into the data.
+GRID_TOLERANCE = 0.5  # of the sampling time
+EVEN_REMEDY = "set resample to interpolate onto an even grid, or give dt if only the stamps are rounded"
+
+
+def check_record(record: Record) -> tuple[str, ...]:
+    """Warnings about ``record``, each one line.
+
+    Raises:
+        RecordError: if lengths or shapes disagree, names repeat, the record is shorter than
+            ``MINIMUM_SAMPLES``, a value is not finite, or time is not even and increasing.
+    """
+    where = f"record {record.name}"
+    _check_shapes(record, where)
+    _check_names(record, where)
+    if record.n < MINIMUM_SAMPLES:
+        raise RecordError(f"{where}: {record.n} samples are too few, at least {MINIMUM_SAMPLES} are needed")
+    check_finite(record.time, "time", "s", where)
+    check_increasing(record.time, where)
+    for role, channel, values in _signals(record):
+        check_finite(values, f"{role} {channel.name!r}", channel.unit, where, record.time)
+    check_even(record.time, where)
+    return tuple(_warnings(record, where))
+
+
+def check_finite(values: Array, what: str, unit: str, where: str, time: Array | None = None) -> None:
+    """Raise if a value of ``values`` (n,) is missing or infinite, naming the first.
+
+    Raises:
+        RecordError: with the channel, how many, and the first one's sample and time.
+    """
+    bad = np.flatnonzero(~np.isfinite(values))
+    if len(bad):
+        k = int(bad[0])
+        at = "" if time is None else f" (t = {time[k]:g} s)"
+        kind = "missing (NaN)" if np.isnan(values[k]) else "infinite"
+        raise RecordError(
+            f"{where}: {what} [{unit}] is {kind} at sample {k}{at}, "
+            f"{len(bad)} of {len(values)} samples are missing or infinite; repair or cut them first"
+        )
+
+
+def check_increasing(time: Array, where: str) -> None:
+    """Raise if a time stamp of ``time`` (n,) repeats or runs backward, naming the worst.
+
+    Raises:
+        RecordError: with how many, and the worst step's samples and stamps.
+    """
+    steps = np.diff(time)
+    wrong = steps <= 0
+    if wrong.any():
+        k = int(np.argmin(steps))
+        verb = "repeats" if steps[k] == 0 else "runs backward"
+        raise RecordError(
+            f"{where}: time {verb} from sample {k} to {k + 1} ({time[k]:.9g} s to {time[k + 1]:.9g} s), "
+            f"{int(wrong.sum())} of {len(steps)} steps do not advance; time stamps must increase"
+        )
+
+
+def check_even(time: Array, where: str) -> None:
+    """Raise if increasing stamps ``time`` (n,) stray from an even grid, naming the worst.
+
+    Each step must lie within ``STEP_TOLERANCE`` of the usual one, and each stamp within
+    ``GRID_TOLERANCE`` of the grid from the first to the last.
+
+    Raises:
+        RecordError: with how many, where the worst is, and what to do.
+    """
+    steps = np.diff(time)
+    dt = float(np.median(steps))
+    off = np.abs(steps - dt)
+    if off.max() > STEP_TOLERANCE * dt:
+        k = int(np.argmax(off))
+        raise RecordError(
+            f"{where}: time is uneven: step {steps[k]:.6g} s from sample {k} (t = {time[k]:g} s) "
+            f"where {dt:.6g} s is usual, {int((off > STEP_TOLERANCE * dt).sum())} of {len(steps)} steps are "
+            f"off by more than {STEP_TOLERANCE:.0%}; {EVEN_REMEDY}"
+        )
+    drift = np.abs(time - np.linspace(time[0], time[-1], len(time)))
+    if drift.max() > GRID_TOLERANCE * dt:
+        k = int(np.argmax(drift))
+        raise RecordError(
+            f"{where}: time drifts {drift[k] / dt:.2g} samples away from an even grid of {dt:.6g} s "
+            f"at sample {k} (t = {time[k]:g} s); {EVEN_REMEDY}"
+        )
+
+
+def _check_shapes(record: Record, where: str) -> None:
+    if record.time.ndim != 1:
+        raise RecordError(f"{where}: time has shape {record.time.shape}, expected (n,)")
+    for role, values, channels in _roles(record):
+        if values.ndim != 2 or values.shape[1] != len(channels):
+            expected = f"(n, {len(channels)}), one column for each of its channels"
+            raise RecordError(f"{where}: {role} have shape {values.shape}, expected {expected}")
+        if len(values) != record.n:
+            raise RecordError(f"{where}: lengths differ: time has {record.n} samples, {role} {len(values)}")
+    if not record.output_channels:
+        raise RecordError(f"{where}: it has no output; at least one is needed")
+
+
+def _check_names(record: Record, where: str) -> None:
+    names = ["time", *(channel.name for channel in record.channels)]
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise RecordError(f"{where}: the name {repeated[0]!r} is taken twice (time is one of them)")
+
+
+def _roles(record: Record) -> Iterator[tuple[str, Array, tuple[Channel, ...]]]:
+    yield "inputs", record.inputs, record.input_channels
+    yield "outputs", record.outputs, record.output_channels
+    if record.auxiliary is not None or record.auxiliary_channels:
+        values = np.empty((record.n, 0)) if record.auxiliary is None else record.auxiliary
+        yield "auxiliary signals", values, record.auxiliary_channels
+
+
+def _signals(record: Record) -> Iterator[tuple[str, Channel, Array]]:
+    for role, values, channels in _roles(record):
+        for j, channel in enumerate(channels):
+            yield role.removesuffix("s").removesuffix(" signal"), channel, values[:, j]
+
+
+def _warnings(record: Record, where: str) -> Iterator[str]:
+    for role, channel, values in _signals(record):
+        if role == "auxiliary":  # no model uses it
+            continue
+        if np.ptp(values) == 0:
+            yield f"{where}: {role} {channel.name!r} is constant ({values[0]:g} {channel.unit})"
+            continue
+        runs = clipped_runs(values)
+        if runs:
+            start, stop = runs[0]
+            yield (
+                f"{where}: {role} {channel.name!r} looks clipped: {len(runs)} times it stops at its extreme, "
+                f"first at {values[start]:g} {channel.unit} for {stop - start} samples "
+                f"from t = {record.time[start]:g} s; fine if that is how it was commanded"
+            )

@@ -1,0 +1,65 @@
+"""The columns of a recorded file, and how one is found by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+from hybridid.records.plain import unknown
+from hybridid.records.record import Array, RecordError
+
+
+@final
+@dataclass(frozen=True)
+class Columns(Mapping[str, Array]):
+    """The columns of one file, by name; ``unusable`` says of the others why they are none."""
+
+    path: Path
+    values_by_name: Mapping[str, Array]
+    unusable: Mapping[str, str]
+
+    def __getitem__(self, name: str) -> Array:
+        """The column ``name``, (n,), or (1,) for a scalar.
+
+        Raises:
+            RecordError: if the file has no such column of numbers; gives the nearest name.
+        """
+        if name in self.values_by_name:
+            return self.values_by_name[name]
+        if name in self.unusable:
+            raise RecordError(f"{self.path}: {name!r} cannot be a signal: {self.unusable[name]}")
+        raise RecordError(f"{self.path}: {unknown('column', name, self.values_by_name)}")
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.values_by_name
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.values_by_name)
+
+    def __len__(self) -> int:
+        return len(self.values_by_name)
+
+
+def find_column(name: str, tables: Sequence[Columns]) -> Array:
+    """The column called ``name``, or ``file:name``, wherever among ``tables`` it is.
+
+    Raises:
+        RecordError: if none has it, or more than one.
+    """
+    holders = [table for table in tables if name in table]
+    if len(holders) == 1:
+        return holders[0][name]
+    if holders:
+        among = ", ".join(f"{table.path.stem}:{name}" for table in holders)
+        raise RecordError(f"column {name!r} is in {len(holders)} files; say which: {among}")
+    file, _, rest = name.partition(":")
+    for table in tables:
+        if rest and file in (table.path.name, table.path.stem):
+            return table[rest]
+    for table in tables:
+        if name in table.unusable or len(tables) == 1:
+            return table[name]  # raises, and says why
+    where = ", ".join(table.path.name for table in tables)
+    raise RecordError(f"{where}: {unknown('column', name, [column for table in tables for column in table])}")

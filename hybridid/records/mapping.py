@@ -1,0 +1,204 @@
+"""From the columns of recorded files to a ``Record``: which column is which signal, in what unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hybridid.records.checks import check_finite
+from hybridid.records.columns import Columns, find_column
+from hybridid.records.plain import build, unknown
+from hybridid.records.readers import read_columns
+from hybridid.records.record import Array, Channel, Hold, Record, RecordError
+from hybridid.records.resample import Resample, resampled
+from hybridid.records.sources import DataRoot, digest_of, locate
+
+SECONDS: Mapping[str, float] = {
+    "s": 1.0,
+    "ms": 1e-3,
+    "us": 1e-6,
+    "µs": 1e-6,
+    "ns": 1e-9,
+    "min": 60,
+    "h": 3600,
+}
+
+
+@dataclass(frozen=True)
+class SignalMap:
+    """``signal = sign · scale · factor · column + offset``, in ``unit``.
+
+    ``factor`` names a scalar or a column of the same files (EMPS: force [N] = ``gtau`` · ``vir``);
+    ``offset`` is in ``unit``. Where several files have a column of that name, ``file:column``
+    (the file's name or its stem) says which.
+    """
+
+    name: str
+    unit: str
+    column: str
+    scale: float = 1.0
+    sign: int = 1
+    offset: float = 0.0
+    factor: str | None = None
+    hold: Hold = "zoh"
+    meaning: str = ""
+
+    def __post_init__(self) -> None:
+        if self.sign not in (1, -1):
+            raise RecordError(f"signal {self.name!r}: sign is {self.sign}, allowed: 1, -1")
+        if self.scale == 0 or not np.isfinite([self.scale, self.offset]).all():
+            raise RecordError(f"signal {self.name!r}: scale must be finite and not 0, offset finite")
+
+    @property
+    def channel(self) -> Channel:
+        return Channel(self.name, self.unit, self.hold, self.meaning)
+
+
+@dataclass(frozen=True)
+class TimeMap:
+    """The time axis: a ``column`` of stamps in ``unit``, or a known ``dt`` [s] or ``rate`` [Hz].
+
+    With ``dt`` or ``rate`` time starts at 0. ``same`` lists further time columns (of the other
+    files of one record) that must agree with ``column``.
+    """
+
+    column: str | None = None
+    unit: str = "s"
+    dt: float | None = None
+    rate: float | None = None
+    same: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        given = [name for name in ("column", "dt", "rate") if getattr(self, name) is not None]
+        if len(given) != 1:
+            got = ", ".join(given) or "none"
+            raise RecordError(f"time: exactly one of column, dt, rate is needed, got {got}")
+        if self.unit not in SECONDS:
+            raise RecordError(f"time: {unknown('unit', self.unit, SECONDS)}")
+        step = self.dt if self.dt is not None else self.rate
+        if step is not None and not 0 < step < np.inf:
+            raise RecordError(f"time: {given[0]} is {step:g}, it must be positive")
+        if self.same and self.column is None:
+            raise RecordError("time: same compares with column, which is not given")
+
+
+@dataclass(frozen=True)
+class RecordMap:
+    """All that a config says of one recording."""
+
+    files: tuple[str, ...]
+    time: TimeMap
+    inputs: tuple[SignalMap, ...]
+    outputs: tuple[SignalMap, ...]
+    auxiliary: tuple[SignalMap, ...] = ()
+    resample: Resample | float | None = None
+
+
+def record_map(values: Mapping[str, Any], where: str = "record") -> RecordMap:
+    """A ``RecordMap`` from plain keys and values, as a config holds them.
+
+    Raises:
+        RecordError: in one line for an unknown or missing key or an impossible value.
+    """
+    return build(RecordMap, values, where, RecordError)
+
+
+def read_record(name: str, plan: RecordMap, roots: Sequence[DataRoot | Path | str]) -> Record:
+    """The record that ``plan`` describes, its files found under ``roots``.
+
+    Raises:
+        RecordNotFoundError: if a file is under none of the roots.
+        RecordError: as ``build_record``.
+    """
+    files = [locate(file, roots) for file in plan.files]
+    return build_record(name, files, plan.time, plan.inputs, plan.outputs, plan.auxiliary, plan.resample)
+
+
+def build_record(
+    name: str,
+    files: Sequence[Path | str],
+    time: TimeMap,
+    inputs: Sequence[SignalMap],
+    outputs: Sequence[SignalMap],
+    auxiliary: Sequence[SignalMap] = (),
+    resample: Resample | float | None = None,
+) -> Record:
+    """One ``Record`` from the columns of one or several files.
+
+    Raises:
+        RecordError: if a file or column is missing or misnamed, lengths differ, or the record
+            does not pass its own check. Uneven time stamps pass if ``resample`` is given.
+    """
+    paths = [Path(file) for file in files]
+    if not paths:
+        raise RecordError(f"record {name}: it names no file")
+    tables = [read_columns(path) for path in paths]
+    signals = [*inputs, *outputs, *auxiliary]
+    if not signals:
+        raise RecordError(f"record {name}: it names no signal")
+    values = [_signal(signal, tables) for signal in signals]
+    stamps = _stamps(time, tables, len(values[0]))
+    _check_lengths(name, stamps, signals, values)
+    warnings: tuple[str, ...] = ()
+    if resample is not None:
+        where = f"record {name}"
+        check_finite(stamps, "time", "s", where)
+        for signal, column in zip(signals, values, strict=True):
+            check_finite(column, f"signal {signal.name!r}", signal.unit, where, stamps)
+        holds = [s.hold if i < len(inputs) else None for i, s in enumerate(signals)]
+        plan = resample if isinstance(resample, Resample) else Resample(resample)
+        stamps, values, warnings = resampled(stamps, values, holds, plan, where)
+    n_u, n_y = len(inputs), len(inputs) + len(outputs)
+    return Record(
+        name=name,
+        time=stamps,
+        inputs=_matrix(values[:n_u], len(stamps)),
+        outputs=_matrix(values[n_u:n_y], len(stamps)),
+        input_channels=tuple(s.channel for s in inputs),
+        output_channels=tuple(s.channel for s in outputs),
+        auxiliary=_matrix(values[n_y:], len(stamps)) if auxiliary else None,
+        auxiliary_channels=tuple(s.channel for s in auxiliary),
+        source=", ".join(map(str, paths)),
+        digest=digest_of(paths),
+        warnings=warnings,
+    )
+
+
+def _matrix(columns: Sequence[Array], n: int) -> Array:
+    return np.column_stack(columns) if columns else np.empty((n, 0))
+
+
+def _signal(signal: SignalMap, tables: Sequence[Columns]) -> Array:
+    """The samples of one signal in its unit, (n,)."""
+    column = find_column(signal.column, tables)
+    factor = find_column(signal.factor, tables) if signal.factor else np.ones(1)
+    if len(factor) not in (1, len(column)):
+        raise RecordError(
+            f"signal {signal.name!r}: factor {signal.factor!r} has {len(factor)} values, "
+            f"column {signal.column!r} {len(column)}; they must be as many, or one"
+        )
+    return signal.sign * signal.scale * factor * column + signal.offset
+
+
+def _stamps(time: TimeMap, tables: Sequence[Columns], n: int) -> Array:
+    """Time stamps in s; (n,) if they are counted, else as many as the column has."""
+    if time.column is None:
+        count = np.arange(n, dtype=float)
+        return count * time.dt if time.dt is not None else count / (time.rate or 1.0)
+    stamps = find_column(time.column, tables)
+    for other in time.same:
+        also = find_column(other, tables)
+        if len(also) != len(stamps) or not np.allclose(also, stamps, rtol=1e-9, atol=1e-9):
+            raise RecordError(f"time columns {time.column!r} and {other!r} differ: not recorded together")
+    return stamps * SECONDS[time.unit]
+
+
+def _check_lengths(name: str, stamps: Array, signals: Sequence[SignalMap], values: Sequence[Array]) -> None:
+    lengths = {"time": len(stamps), **{s.name: len(v) for s, v in zip(signals, values, strict=True)}}
+    if len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{signal} {n}" for signal, n in lengths.items())
+        raise RecordError(f"record {name}: lengths differ: {listed} samples")

@@ -1,0 +1,185 @@
+"""From a file to named columns of numbers: MATLAB (v5 and v7.3), CSV and Parquet.
+
+Everything numeric in a file is a column: a vector (n,), or a scalar as (1,). The signals of
+a matrix run along its longer axis and are addressed from zero, ``data_theta[2]`` for MATLAB's
+``data_theta(:,3)``; the fields of a structure with dots, ``run.position``; the columns of a
+CSV file without a header as ``[0]``, ``[1]``.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hybridid.records.columns import Columns
+from hybridid.records.record import Array, RecordError
+
+
+def read_columns(path: Path | str) -> Columns:
+    """Every column of the file at ``path``, read by its suffix.
+
+    Raises:
+        RecordError: if the suffix is none of ``READERS``, or the file is missing, broken or empty.
+    """
+    path = Path(path)
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise RecordError(f"{path}: {path.suffix or 'no suffix'} is not read; allowed: {', '.join(READERS)}")
+    if not path.is_file():
+        raise RecordError(f"{path}: no such file")
+    try:
+        found = list(reader(path))
+    except RecordError:
+        raise
+    except Exception as wrong:  # each library has errors of its own for a broken file
+        reason = " ".join(str(wrong).split()) or type(wrong).__name__
+        raise RecordError(f"{path}: not a readable {path.suffix} file: {reason[:200]}") from wrong
+    columns = Columns(
+        path,
+        {name: content for name, content in found if not isinstance(content, str)},
+        {name: content for name, content in found if isinstance(content, str)},
+    )
+    if not columns:
+        raise RecordError(f"{path}: it holds no column of numbers")
+    return columns
+
+
+Found = Iterator[tuple[str, "Array | str"]]  # a column's values, or why it cannot be one
+
+
+def _read_mat(path: Path) -> Found:
+    from pymatreader import read_mat
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # about classes and strings, which are no signals
+        variables = read_mat(path)
+    for name in sorted(variables):
+        if not name.startswith(("__", "#")):
+            yield from _flattened(name, variables[name])
+
+
+def _flattened(name: str, content: Any) -> Found:
+    """The columns in one MATLAB variable: structures and cells are opened, matrices cut."""
+    if isinstance(content, Mapping):
+        for key, value in content.items():
+            yield from _flattened(f"{name}.{key}", value)
+    elif isinstance(content, list):
+        for i, value in enumerate(content):
+            yield from _flattened(f"{name}[{i}]", value)
+    else:
+        yield from _cut(name, np.asarray(content))
+
+
+def _cut(name: str, array: np.ndarray) -> Found:
+    array = np.squeeze(array)
+    if array.dtype.kind not in "biuf":
+        yield name, f"it holds {_KINDS.get(array.dtype.kind, 'no numbers')}"
+    elif array.size == 0:
+        yield name, "it is empty"
+    elif array.ndim <= 1:
+        yield name, np.atleast_1d(array).astype(float)
+    elif array.ndim == 2:
+        signals = array.T if array.shape[0] >= array.shape[1] else array
+        yield from ((f"{name}[{j}]", signal.astype(float)) for j, signal in enumerate(signals))
+    else:
+        yield name, f"it has {array.ndim} dimensions, at most 2 are read"
+
+
+_KINDS = {"c": "complex numbers", "U": "text", "S": "text", "O": "objects", "M": "dates", "m": "durations"}
+
+
+def _read_csv(path: Path) -> Found:
+    import pandas as pd
+
+    encoding = _encoding(path)
+    with path.open(encoding=encoding, newline="") as file:
+        sample = file.read(65536)
+    lines = sample.splitlines()
+    preamble = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
+    first = lines[preamble] if lines else ""
+    separator = _separator(first)
+    decimal = "," if separator != "," and re.search(r"\d,\d", sample) else "."
+    cells = next(csv.reader([first], delimiter=separator), [])
+    has_header = any(not _is_number(cell, decimal) for cell in cells)
+    table = pd.read_csv(
+        path,
+        sep=separator,
+        decimal=decimal,
+        header=0 if has_header else None,
+        skiprows=preamble,
+        skipinitialspace=True,
+        encoding=encoding,
+        index_col=False,
+        low_memory=False,
+    )
+    for j, label in enumerate(table.columns):
+        series = table[label]
+        if series.isna().all():
+            if has_header and not str(label).startswith("Unnamed:"):
+                yield str(label).strip(), "it is empty"
+            continue  # a trailing separator makes one more column, of nothing
+        yield (str(label).strip() if has_header else f"[{j}]"), _numbers(series)
+
+
+def _encoding(path: Path) -> str:
+    """UTF-8 if it is that, else the Latin-1 in which older loggers write ° and µ."""
+    try:
+        path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return "latin-1"
+    return "utf-8-sig"
+
+
+def _separator(line: str) -> str:
+    """What divides the cells of ``line``: a tab or semicolon if there is one, then a comma."""
+    outside_quotes = re.sub(r'"[^"]*"', "", line)
+    return next((s for s in ("\t", ";", ",", "|") if s in outside_quotes), ",")
+
+
+def _is_number(cell: str, decimal: str) -> bool:
+    try:
+        float(cell.strip().replace(decimal, ".") or "nan")
+    except ValueError:
+        return False
+    return True
+
+
+def _numbers(series: Any) -> Array | str:
+    """A pandas column as floats, missing as NaN; dates as seconds since the first. Else why not."""
+    import pandas as pd
+    from pandas.api import types
+
+    if types.is_datetime64_any_dtype(series):
+        return (series - series.dropna().iloc[0]).dt.total_seconds().to_numpy(float)
+    if types.is_numeric_dtype(series) and not types.is_complex_dtype(series):
+        return series.to_numpy(float, na_value=np.nan)
+    numeric = pd.to_numeric(series, errors="coerce")
+    wrong = series[numeric.isna() & series.notna()]
+    if len(wrong) == 0:
+        return numeric.to_numpy(float, na_value=np.nan)
+    row = int(np.flatnonzero(series.index == wrong.index[0])[0])
+    return f"it holds {wrong.iloc[0]!r} at sample {row}, no number"
+
+
+def _read_parquet(path: Path) -> Found:
+    import pandas as pd
+
+    table = pd.read_parquet(path)
+    index = table.index
+    if index.name is not None:  # pandas writes a named index, often the time, beside the columns
+        table = table.reset_index()
+    for label in table.columns:
+        yield str(label), _numbers(table[label])
+
+
+READERS: Mapping[str, Callable[[Path], Found]] = {
+    ".mat": _read_mat,
+    ".csv": _read_csv,
+    ".parquet": _read_parquet,
+}

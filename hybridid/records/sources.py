@@ -1,0 +1,89 @@
+"""Where recordings lie, and which bytes they are."""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from hybridid.records.record import RecordError
+
+DATA_VARIABLE = "HYBRIDID_DATA"
+DEFAULT_ROOT = Path("data/raw")
+
+
+class RecordNotFoundError(RecordError):
+    """A recording that is not at hand: a case may fall back on its virtual rig."""
+
+
+@dataclass(frozen=True)
+class DataRoot:
+    """A folder under which recordings are looked for, and what named it."""
+
+    path: Path
+    named_by: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.path} ({self.named_by})" if self.named_by else str(self.path)
+
+
+def data_roots(
+    override: str | Path | None = None,
+    environment: Mapping[str, str] = os.environ,
+    default: Path = DEFAULT_ROOT,
+) -> tuple[DataRoot, ...]:
+    """Where to look, in order: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``."""
+    found = []
+    if override:
+        found.append(DataRoot(Path(override).expanduser(), "paths.data"))
+    if environment.get(DATA_VARIABLE):
+        found.append(DataRoot(Path(environment[DATA_VARIABLE]).expanduser(), f"${DATA_VARIABLE}"))
+    return (*found, DataRoot(default))
+
+
+def locate(relative_path: str | Path, roots: Sequence[DataRoot | Path | str]) -> Path:
+    """``relative_path`` under the first of ``roots`` that holds it; an absolute path is itself.
+
+    Raises:
+        RecordNotFoundError: in one line, with where it was looked for and a name like it that is there.
+    """
+    relative_path = Path(relative_path).expanduser()
+    if relative_path.is_absolute():
+        if relative_path.is_file():
+            return relative_path
+        raise RecordNotFoundError(f"{relative_path}: no such file{_namesake([relative_path])}")
+    named = [root if isinstance(root, DataRoot) else DataRoot(Path(root)) for root in roots]
+    candidates = [root.path / relative_path for root in named]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    looked = ", ".join(map(str, named)) or "nowhere: no data root is set"
+    raise RecordNotFoundError(
+        f"{relative_path} not found{_namesake(candidates)}; looked under {looked}; "
+        f"set paths.data or ${DATA_VARIABLE} to the folder that holds it"
+    )
+
+
+def _namesake(candidates: Iterable[Path]) -> str:
+    """``, did you mean X?`` if a folder looked into holds a file of nearly that name."""
+    for candidate in candidates:
+        if candidate.parent.is_dir():
+            there = {file.name.lower(): file for file in candidate.parent.iterdir() if file.is_file()}
+            near = difflib.get_close_matches(candidate.name.lower(), there, n=1, cutoff=0.6)
+            if near:
+                return f", did you mean {there[near[0]]}?"
+    return ""
+
+
+def digest_of(files: Sequence[Path]) -> str:
+    """SHA-256 in hexadecimal: of the file itself if it is one, of the sorted digests if several."""
+    digests = sorted(_sha256(file) for file in files)
+    return digests[0] if len(digests) == 1 else hashlib.sha256("\n".join(digests).encode()).hexdigest()
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

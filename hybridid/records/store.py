@@ -1,0 +1,97 @@
+"""A ``Record`` in one file, bit for bit: how the stages hand records on.
+
+The file is Parquet, so that pandas, MATLAB or a plotting tool reads it too: a column ``time``
+[s] and one for each channel, under its name. What else a record knows (roles, units, holds,
+provenance) is JSON in the file's metadata, under ``hybridid``.
+"""
+
+from __future__ import annotations
+
+import json
+import uuid
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hybridid.records.record import Array, Channel, Record, RecordError
+
+KEY = b"hybridid"
+FORMAT = 1
+ROLES = ("input", "output", "auxiliary")
+
+
+def save_record(record: Record, path: Path | str) -> Path:
+    """Write ``record`` to ``path`` (``.parquet``), whole or not at all; returns the path."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path = Path(path)
+    columns = {"time": record.time, **{c.name: record.signal(c.name) for c in record.channels}}
+    description = json.dumps(_description(record), ensure_ascii=False)
+    table = pa.table(columns).replace_schema_metadata({KEY: description.encode()})
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    try:
+        pq.write_table(table, temporary)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+    return path
+
+
+def load_record(path: Path | str) -> Record:
+    """The record that ``save_record`` wrote to ``path``.
+
+    Raises:
+        RecordError: if there is no such file, or it is not of ``save_record``'s making.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path = Path(path)
+    if not path.is_file():
+        raise RecordError(f"{path}: no such file")
+    try:
+        table = pq.read_table(path)
+        description = json.loads((table.schema.metadata or {})[KEY])
+    except (pa.ArrowException, OSError, KeyError, json.JSONDecodeError) as wrong:
+        raise RecordError(f"{path}: not a record that hybridid wrote") from wrong
+    if description.get("format") != FORMAT:
+        raise RecordError(
+            f"{path}: format {description.get('format')}, this version reads {FORMAT}; make it anew"
+        )
+    channels = {role: tuple(Channel(**c) for c in description.pop(role)) for role in ROLES}
+    del description["format"]
+    auxiliary = _matrix(table, channels["auxiliary"])
+    return Record(
+        time=table["time"].to_numpy(),
+        inputs=_matrix(table, channels["input"]),
+        outputs=_matrix(table, channels["output"]),
+        auxiliary=auxiliary if channels["auxiliary"] else None,
+        input_channels=channels["input"],
+        output_channels=channels["output"],
+        auxiliary_channels=channels["auxiliary"],
+        **{**description, "warnings": tuple(description["warnings"])},
+    )
+
+
+def _description(record: Record) -> dict[str, Any]:
+    roles = zip(
+        ROLES, (record.input_channels, record.output_channels, record.auxiliary_channels), strict=True
+    )
+    return {
+        "format": FORMAT,
+        "name": record.name,
+        "simulated": record.simulated,
+        "source": record.source,
+        "digest": record.digest,
+        "warnings": record.warnings,
+        **{role: [asdict(channel) for channel in channels] for role, channels in roles},
+    }
+
+
+def _matrix(table: Any, channels: tuple[Channel, ...]) -> Array:
+    columns = [table[channel.name].to_numpy() for channel in channels]
+    return np.column_stack(columns) if columns else np.empty((table.num_rows, 0))
