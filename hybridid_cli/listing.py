@@ -1,0 +1,150 @@
+"""``hybridid cases`` and ``hybridid effects``: what there is to choose from."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import RenderableType
+from rich.text import Text
+
+from hybridid.declarations import Port
+from hybridid.effects.effect import Dimension, Effect
+from hybridid.effects.library import EFFECTS, effect_named
+from hybridid_cli.config_files import conf_folder, options, user_folders
+from hybridid_cli.tables import rendered
+from pipelines.config import Settings
+from pipelines.errors import ConfigError, unknown
+from pipelines.imports import make_importable
+
+
+def cases(name: str, words: Sequence[str]) -> int:
+    """Print every case, or the one named."""
+    folders, rest = _arguments(words)
+    asked = [word.removeprefix("case=") for word in rest if "=" not in word or word.startswith("case=")]
+    overrides = [word for word in rest if "=" in word and not word.startswith("case=")]
+    known = options("case", folders)
+    for case in asked:
+        if case not in known:
+            raise ConfigError(unknown("case", case, known))
+    for case in asked or known:
+        print(rendered(_case(case, folders, overrides)))
+    return 0
+
+
+def effects(name: str, words: Sequence[str]) -> int:
+    """Print every effect, or the details of those named."""
+    folders, asked = _arguments(words)
+    make_importable(folder.resolve() for folder in folders)
+    if not asked:
+        print("\n".join(_described(effect) for effect in EFFECTS))
+        print("hybridid effects NAME also says what tells an effect from its look-alikes")
+        return 0
+    for word in asked:
+        try:
+            effect = effect_named(word)
+            print(f"{_described(effect)}{_paragraph('tells', effect.pattern)}\n")
+        except ValueError as error:
+            raise ConfigError(str(error)) from error
+    return 0
+
+
+# What a port may measure in, for units that depend on it.
+_LINEAR = Port("linear", "effort", effort_unit="N", effort_scale=1.0, position_unit="m")
+_ROTARY = Port("rotary", "effort", effort_unit="Nm", effort_scale=1.0, position_unit="rad")
+_SIGNAL = Port("signal", "input", effort_unit="signal", effort_scale=1.0)
+
+
+def _arguments(words: Sequence[str]) -> tuple[list[Path], list[str]]:
+    """The user's folders, and the words that are no flags."""
+    folders, rest, skip = user_folders(words), [], False
+    for word in words:
+        if skip:
+            skip = False
+        elif word.partition("=")[0] in ("--config-dir", "-cd"):
+            skip = "=" not in word
+        elif word.startswith("-"):
+            raise ConfigError(unknown("flag", word, ["--config-dir", "--help"]))
+        else:
+            rest.append(word)
+    for folder in folders:
+        if not folder.is_dir():
+            raise ConfigError(f"--config-dir {folder}: no such folder")
+    return folders, rest
+
+
+def _case(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> list[RenderableType]:
+    """One case as text: what it is, its model, its records and where they come from."""
+    from pipelines.modelling import model_of
+
+    settings = _settings(name, folders, overrides)
+    lines: list[RenderableType] = [Text(f"{name}: {settings.get('case.title', '')}", style="bold")]
+    if settings.get("case.source"):
+        lines.append(Text(f"  source   {settings['case.source']}"))
+    model = model_of(settings)
+    signals = {
+        "inputs": ", ".join(f"{s.name} [{s.unit}]" for s in model.inputs),
+        "outputs": ", ".join(f"{s.name} [{s.unit}]" for s in model.outputs),
+        "effects": ", ".join(f"{term.effect.id}@{term.port}" for term in model.terms),
+        "ports": ", ".join(f"{p.name} ({p.kind})" for p in model.plant.ports),
+    }
+    lines.append(Text(f"  plant    {model.plant.name}: {model.plant.meaning}"))
+    lines += [Text(f"  {key:<8} {value}") for key, value in signals.items()]
+    return [*lines, *_records(settings), Text("")]
+
+
+def _records(settings: Settings) -> list[RenderableType]:
+    from hybridid.records.record import RecordError
+    from pipelines.sources import Measured, sources_of
+
+    try:
+        sources = sources_of(settings)
+    except RecordError as error:
+        return [Text(f"  records  none at hand: {error}", style="yellow")]
+    lines: list[RenderableType] = []
+    for source in sources.found:
+        where = ", ".join(map(str, source.files)) if isinstance(source, Measured) else f"rig {source.rig.name}"
+        kind = "measured" if isinstance(source, Measured) else "simulated"
+        lines.append(Text(f"  record   {source.name} ({source.role}): {kind}, {where}"))
+    return [*lines, *(Text(f"  note     {remark}", style="yellow") for remark in sources.remarks)]
+
+
+def _settings(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> Settings:
+    """A case's config, composed by Hydra but without its application."""
+    from hydra import compose, initialize_config_dir
+    from hydra.errors import HydraException
+    from omegaconf import OmegaConf
+
+    from hybridid_cli.explain import explained
+
+    make_importable(folder.resolve() for folder in folders)
+    path = ",".join(f"file://{folder.resolve()}" for folder in folders)
+    words = [f"case={name}", f"hydra.searchpath=[{path}]", *overrides]
+    try:
+        with initialize_config_dir(str(conf_folder()), job_name="cases", version_base="1.3"):
+            config = OmegaConf.to_container(compose("run", overrides=words), resolve=True)
+    except HydraException as error:
+        raise ConfigError(explained(error, "run", overrides)[0]) from error
+    assert isinstance(config, dict)
+    return Settings(name, {str(k): v for k, v in config.items()}, tuple(folder.resolve() for folder in folders))
+
+
+def _described(effect: Effect) -> str:
+    """What an effect is: equation, parameters with units, source."""
+    lines = [f"{effect.id}: {effect.title}", f"  acts at   {effect.kind} ports", f"  equation  {effect.equation}"]
+    for parameter in effect.parameters:
+        zero = " (zero removes the effect)" if parameter.nests else ""
+        lines.append(f"  parameter {parameter.name} [{_unit(effect, parameter.dimension)}]: {parameter.meaning}{zero}")
+    lines += [f"  state     {s.name} [{_unit(effect, s.dimension)}]: {s.meaning}" for s in effect.states]
+    return "\n".join([*lines, _paragraph("source", effect.source)])
+
+
+def _paragraph(label: str, text: str) -> str:
+    return textwrap.fill(f"  {label:<9} {text}", width=110, subsequent_indent=" " * 12) + "\n"
+
+
+def _unit(effect: Effect, dimension: Dimension) -> str:
+    """The unit at a linear and at a rotary port, or in that of the signal."""
+    ports = (_LINEAR, _ROTARY) if effect.kind == "effort" else (_SIGNAL,)
+    return " or ".join(dict.fromkeys(dimension.unit(port) for port in ports))

@@ -1,0 +1,107 @@
+"""Results as a person reads them: tables of records, estimates and scores, and where the files went."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from rich.console import RenderableType
+from rich.text import Text
+
+from hybridid.plotting.units import engineering
+from hybridid_cli.tables import rendered, table
+from pipelines.findings import estimate_of, metric_rows, records_of
+from pipelines.stage import Outcome
+
+
+def summary(outcome: Outcome, command: str) -> str:
+    """What ``command`` found, as text: one table a stage, then the tree."""
+    shown = outcome.stages if command == "run" else (command,)
+    parts = [part for name in shown for part in _SECTIONS[name](outcome.tree)]
+    return rendered([*parts, Text(f"files: {outcome.tree}")])
+
+
+def _records(tree: Path) -> list[RenderableType]:
+    columns = [("record", ""), ("role", ""), ("samples", "right"), ("rate", "right"), ("data", ""), ("from", "")]
+    made = table("Records", columns)
+    notes: list[RenderableType] = []
+    for row in records_of(tree):
+        rate = f"{1 / row['dt']:.6g} Hz"
+        made.add_row(row["name"], row["role"], str(row["n"]), rate, _provenance(row), row["source"])
+        notes += [Text(f"WARNING: record {row['name']}: {line}", style="yellow") for line in row["warnings"]]
+    return [made, *notes]
+
+
+def _estimates(tree: Path) -> list[RenderableType]:
+    estimate = estimate_of(tree)
+    fitted = ", ".join(estimate["records"])
+    columns = [("parameter", ""), ("value", "right"), ("std", "right"), ("unit", ""), ("bounds", ""), ("", "")]
+    made = table(f"Estimates from {fitted} ({estimate['provenance']})", columns)
+    for name, p in estimate["parameters"].items():
+        bounds = f"[{_number(p['lower'], '-inf')}, {_number(p['upper'], 'inf')}]"
+        made.add_row(name, _number(p["value"]), _number(p["std"], "?", 2), p["unit"], bounds, _flags(p))
+    seconds = estimate["seconds"]
+    line = (
+        f"{estimate['status']} after {estimate['iterations']} iterations, cost {_number(estimate['cost'])}, "
+        f"build {seconds['build']:.2f} s, solve {seconds['solve']:.2f} s"
+    )
+    lines: list[RenderableType] = [made, Text(line)]
+    if not estimate["converged"]:
+        lines.append(Text("NOT CONVERGED: these numbers are where the solver stopped, no optimum", style="bold red"))
+    return lines + [Text(f"WARNING: {warning}", style="yellow") for warning in estimate["warnings"]]
+
+
+def _flags(parameter: dict[str, Any]) -> Text:
+    flags = [word for word, on in (("AT BOUND", parameter["at_bound"]), ("NOT IDENTIFIABLE", not parameter["identifiable"])) if on]
+    return Text(", ".join(flags), style="bold red")
+
+
+def _scores(tree: Path) -> list[RenderableType]:
+    columns = [(name, "") for name in ("record", "output", "view")]
+    columns += [(name, "right") for name in ("RMSE", "MSE", "R²", "fit %", "n")] + [("data", "")]
+    made = table("Scores", columns)
+    rows = metric_rows(tree)
+    for row in rows:
+        factor, unit = engineering(row["rmse"] or 0.0, row["unit"])
+        made.add_row(
+            row["record"], row["output"], _view(row), f"{_number(row['rmse'] and row['rmse'] * factor, '?', 4)} {unit}",
+            f"{_number(row['mse'], '?', 4)} {_squared(row['unit'])}", _fixed(row["r2"], 6), _fixed(row["fit_percent"], 2),
+            str(row["n"]), _provenance(row),
+        )  # fmt: skip
+    return [made]
+
+
+def _view(row: dict[str, Any]) -> str:
+    return f"horizon {row['horizon']:g} s" if row["view"] == "horizon" else "free run"
+
+
+def _squared(unit: str) -> str:
+    return f"{unit}²" if unit.isalpha() else f"({unit})²"
+
+
+def _figures(tree: Path) -> list[RenderableType]:
+    files = sorted(p.relative_to(tree) for p in (tree / "plot").iterdir() if p.suffix == ".png") or sorted(
+        p.relative_to(tree) for p in (tree / "plot").iterdir() if p.suffix != ".json"
+    )
+    return [Text("Figures", style="bold"), *(Text(f"  {path}") for path in files), Text("")]
+
+
+def _provenance(row: dict[str, Any]) -> Text:
+    return Text(row["provenance"], style="bold magenta" if row["provenance"] == "simulated" else "")
+
+
+def _number(value: float | None, missing: str = "?", digits: int = 6) -> str:
+    return missing if value is None else f"{value:.{digits}g}"
+
+
+def _fixed(value: float | None, places: int) -> str:
+    return "?" if value is None else f"{value:.{places}f}"
+
+
+_SECTIONS: dict[str, Callable[[Path], list[RenderableType]]] = {
+    "preprocess": _records,
+    "fit": _estimates,
+    "validate": _scores,
+    "plot": _figures,
+}

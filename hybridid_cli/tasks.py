@@ -1,0 +1,67 @@
+"""What Hydra runs for each command, in this process or in a launcher's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from hydra.core.hydra_config import HydraConfig
+from hydra.types import RunMode
+from omegaconf import DictConfig, OmegaConf
+
+from hybridid_cli.terminal import Terminal
+from pipelines.config import Settings
+from pipelines.errors import ConfigError
+from pipelines.imports import make_importable
+
+
+def settings_of(cfg: DictConfig) -> Settings:
+    """The composed config as plain settings; the user's own folders become importable."""
+    hydra = HydraConfig.get()
+    case = hydra.runtime.choices.get("case")
+    if not case:
+        raise ConfigError("no case: give case=NAME; hybridid cases lists them")
+    sources = [s.path for s in hydra.runtime.config_sources if s.schema == "file" and s.provider != "main"]
+    folders = tuple(Path(path) for path in sources)
+    make_importable(folders)
+    config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
+    assert isinstance(config, dict)
+    return Settings(case, {str(k): v for k, v in config.items()}, folders, hydra.mode == RunMode.MULTIRUN)
+
+
+def stages(cfg: DictConfig) -> None:
+    """Bring the stages of a command up to date, show what they found, and log the run."""
+    from hybridid_cli.results import summary
+    from pipelines.runner import run_stages
+    from pipelines.tracking import tracked
+
+    settings = settings_of(cfg)
+    hydra = HydraConfig.get()
+    command = str(hydra.job.config_name)
+    label = f"#{hydra.job.num} " if settings.in_sweep else ""
+    with Terminal(label, bar=not settings.in_sweep) as terminal, tracked(settings, command, terminal) as run:
+        outcome = run_stages(settings, command, terminal)
+        terminal.show(summary(outcome, command))
+        run.finish(outcome)
+
+
+def fetch(cfg: DictConfig) -> None:
+    """Download the records of a case."""
+    from pipelines.fetching import fetch_case
+
+    settings = settings_of(cfg)
+    with Terminal() as terminal:
+        for path in fetch_case(settings, terminal):
+            terminal.show(str(path))
+
+
+def ui(cfg: DictConfig) -> None:
+    """Serve MLflow's page on 127.0.0.1 until interrupted."""
+    from pipelines.tracking import serve
+
+    settings = settings_of(cfg)
+    with Terminal() as terminal:
+        serve(settings, terminal)
+
+
+TASKS: dict[str, Callable[[DictConfig], None]] = {"fetch": fetch, "ui": ui}

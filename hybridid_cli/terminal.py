@@ -1,0 +1,84 @@
+"""What a person sees while a command works: lines, warnings, a bar with the cost; log lines when nobody watches.
+
+Results go to stdout, everything else to stderr.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.text import Text
+
+from hybridid.estimators.estimate import Progress as Report
+
+_SECONDS_BETWEEN_LINES = 5.0
+
+
+class Terminal:
+    """A ``pipelines.watch.Watcher`` on this process' terminal; use it as a context.
+
+    ``label`` goes before every line (a sweep's job number); ``bar`` False never draws one.
+    """
+
+    def __init__(self, label: str = "", bar: bool = True) -> None:
+        self._label = label
+        self._console = Console(file=sys.stderr, highlight=False)
+        self._watched = bar and self._console.is_terminal
+        self._bar: Progress | None = None
+        self._task = TaskID(0)
+        self._last: tuple[float, str] = (0.0, "")
+
+    def __enter__(self) -> Terminal:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stop_bar()
+
+    def say(self, line: str) -> None:
+        self._line(Text(line))
+
+    def warn(self, line: str) -> None:
+        self._line(Text(f"WARNING: {line}", style="bold yellow"))
+
+    def show(self, text: str) -> None:
+        """A result, to stdout, in one piece however many processes share it."""
+        self._stop_bar()
+        sys.stdout.write(f"{self._label}{text}\n" if self._label else f"{text}\n")
+        sys.stdout.flush()
+
+    def progress(self, progress: Report) -> None:
+        cost = f"{progress.stage}: iteration {progress.iteration}, cost {progress.cost:.6g}"
+        if self._watched:
+            self._draw(cost, progress.fraction)
+            return
+        now, stage = time.monotonic(), progress.stage
+        if stage != self._last[1] or now - self._last[0] > _SECONDS_BETWEEN_LINES:
+            self._last = (now, stage)
+            self.say(cost)
+
+    def _line(self, line: Text) -> None:
+        if not self._console.is_terminal:
+            line = Text(f"{time.strftime('%H:%M:%S')} {self._label}{line.plain}")
+        elif self._label:
+            line = Text(self._label) + line
+        self._console.print(line, soft_wrap=True)
+
+    def _draw(self, text: str, fraction: float | None) -> None:
+        if self._bar is None:
+            columns = (BarColumn(bar_width=30), TextColumn("{task.description}"), TimeElapsedColumn())
+            self._bar = Progress(*columns, console=self._console, transient=True)
+            self._task = self._bar.add_task("", total=None)
+            self._bar.start()
+        total = None if fraction is None else 1.0
+        self._bar.update(self._task, description=text, completed=fraction or 0.0, total=total)
+
+    def _stop_bar(self) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None

@@ -1,0 +1,66 @@
+"""The words after the command, made ready for Hydra: flags and bare words are checked here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hybridid_cli.config_files import options, user_folders
+from pipelines.errors import ConfigError, unknown
+
+# flag -> whether a value follows
+FLAGS = {
+    "-m": False, "--multirun": False, "--cfg": True, "-c": True, "--resolve": False, "--package": True, "-p": True,
+    "--config-dir": True, "-cd": True, "--info": True, "-i": True, "--debug": False, "--run": False, "-r": False,
+}  # fmt: skip
+CFG = ("job", "hydra", "all")
+
+
+def prepared(command: str, words: Sequence[str]) -> list[str]:
+    """``words`` as Hydra takes them: a case may stand alone for ``fetch``, ``parameters.*`` may be new keys.
+
+    Raises:
+        ConfigError: for an unknown flag or a word that is no override.
+    """
+    ready: list[str] = []
+    value_of = ""
+    for word in words:
+        if value_of:
+            _check_flag_value(value_of, word)
+            value_of = ""
+        elif word.startswith("-"):
+            flag, has_value, value = word.partition("=")
+            if flag not in FLAGS:
+                raise ConfigError(unknown("flag", flag, FLAGS))
+            if has_value:
+                _check_flag_value(flag, value)
+            elif FLAGS[flag]:
+                value_of = flag
+        elif "=" not in word and not word.startswith("~"):
+            word = _bare(command, word, words)
+        elif word.startswith("parameters."):
+            word = f"++{word}"
+        ready.append(word)
+    if value_of:
+        raise ConfigError(f"{value_of} wants a value after it")
+    return [*(w for w in ready if w != "--debug"), *_sweep_folder(ready)]
+
+
+def _check_flag_value(flag: str, value: str) -> None:
+    if flag in ("--cfg", "-c") and value not in CFG:
+        raise ConfigError(unknown("value of --cfg", value, CFG))
+
+
+def _bare(command: str, word: str, words: Sequence[str]) -> str:
+    cases = options("case", user_folders(words))
+    if command == "fetch" and "," not in word:
+        return f"case={word}"
+    if word in cases:
+        raise ConfigError(f"{word!r} is no key=value; did you mean case={word}?")
+    raise ConfigError(f"{word!r} is no key=value, as in case=emps or estimator.horizon=1000")
+
+
+def _sweep_folder(words: Sequence[str]) -> list[str]:
+    """With ``-m out=DIR`` what Hydra notes of the sweep goes to DIR too."""
+    if not {"-m", "--multirun"} & set(words) or any(w.startswith("hydra.sweep.dir=") for w in words):
+        return []
+    return [f"hydra.sweep.dir={w.removeprefix('out=')}" for w in words if w.startswith("out=")][-1:]

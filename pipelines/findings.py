@@ -1,0 +1,79 @@
+"""What a run tree says: read from its files, for the terminal and for MLflow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from hybridid.estimators.estimate import Estimate
+from pipelines.storage import read_json
+
+RECORDS = "preprocess/records.json"
+ESTIMATE = "fit/estimate.json"
+METRICS = "validate/metrics.json"
+
+
+def records_of(tree: Path) -> list[dict[str, Any]]:
+    """One row a record: name, role, provenance, digest, n, dt, ..."""
+    return list(read_json(tree / RECORDS))
+
+
+def estimate_of(tree: Path) -> dict[str, Any]:
+    """``fit/estimate.json``."""
+    return dict(read_json(tree / ESTIMATE))
+
+
+def metric_rows(tree: Path) -> list[dict[str, Any]]:
+    """``validate/metrics.json``: rows of model, record, output, view, mse, rmse, r2, n."""
+    return list(read_json(tree / METRICS))
+
+
+def loaded_estimate(tree: Path) -> Estimate:
+    """The estimate as the fit left it; JSON's null is what is not finite."""
+    data = estimate_of(tree)
+    nan, inf = float("nan"), float("inf")
+    for parameter in data["parameters"].values():
+        instead = {"lower": -inf, "upper": inf, "std": nan, "value": nan}
+        parameter.update({key: instead[key] for key in instead if parameter[key] is None})
+    numbers = {key: [nan if v is None else v for v in data[key]] for key in ("history", "starts")}
+    matrices = {k: [[nan if v is None else v for v in row] for row in data[k]] for k in ("correlation", "initial_states")}
+    cost = nan if data["cost"] is None else data["cost"]
+    estimate = Estimate.from_dict({**data, **numbers, **matrices, "cost": cost})
+    return replace(estimate, seconds={k: float(v) for k, v in estimate.seconds.items()})
+
+
+def provenance_of(tree: Path) -> str:
+    """``measured``, ``simulated``, or both."""
+    return " and ".join(sorted({row["provenance"] for row in records_of(tree)}))
+
+
+def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
+    """Every finite number found by ``stages``, by a name that says what it is."""
+    found: dict[str, float | None] = {}
+    if "fit" in stages:
+        estimate = estimate_of(tree)
+        found |= {"fit.cost": estimate["cost"], "fit.iterations": estimate["iterations"]}
+        found |= {f"fit.seconds.{name}": value for name, value in estimate["seconds"].items()}
+        for name, parameter in estimate["parameters"].items():
+            found |= {f"parameter.{name}": parameter["value"], f"std.{name}": parameter["std"]}
+    if "validate" in stages:
+        for row in metric_rows(tree):
+            where = f"{row['record']}.{row['output']}.{row['view']}"
+            found |= {f"{where}.{score}": row[score] for score in ("mse", "rmse", "r2", "fit_percent")}
+    return {name: float(value) for name, value in found.items() if value is not None}
+
+
+def cost_history(tree: Path) -> list[float]:
+    """The cost after each iteration of the fit."""
+    return [float(cost) for cost in estimate_of(tree)["history"] if cost is not None]
+
+
+def facts(tree: Path) -> dict[str, str]:
+    """What identifies a run beside its config: digests of its data, status of its fit."""
+    said = {f"data.{row['name']}": str(row["digest"]) for row in records_of(tree)}
+    if (tree / ESTIMATE).exists():
+        estimate = estimate_of(tree)
+        said |= {"fit.status": str(estimate["status"]), "fit.converged": str(estimate["converged"]).lower()}
+    return said

@@ -1,0 +1,102 @@
+"""Runs the stages a command needs: those whose results are missing or stale, and no others."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import yaml
+
+from pipelines.config import Settings
+from pipelines.errors import ConfigError
+from pipelines.fit import FIT
+from pipelines.freshness import Fingerprint, fingerprint, folder_digest, why_stale, write_receipt
+from pipelines.modelling import fit_settings, model_of
+from pipelines.plot import PLOT
+from pipelines.preprocess import PREPROCESS
+from pipelines.stage import Job, Outcome, Stage
+from pipelines.tree import locked, point_latest, remove, replacing, tree_of, write_text
+from pipelines.validate import VALIDATE
+from pipelines.watch import Watcher
+
+STAGES: tuple[Stage, ...] = (PREPROCESS, FIT, VALIDATE, PLOT)
+
+
+def run_stages(settings: Settings, command: str, watcher: Watcher) -> Outcome:
+    """Bring the stages of ``command`` (a stage's name, or ``run`` for all) up to date.
+
+    Raises:
+        ConfigError: before anything is written, if the request cannot be carried out.
+        RecordError: if a record cannot be used.
+    """
+    model_of(settings), fit_settings(settings)  # a wrong name is said now, not after minutes
+    root = tree_of(settings)
+    if root.exists() and not root.is_dir():
+        raise ConfigError(f"out is {root}: a file stands there; give a folder")
+    with locked(root, watcher.say):
+        write_text(root / "config.yaml", yaml.safe_dump(dict(settings.config), sort_keys=False, allow_unicode=True))
+        ran = _bring_up_to_date(wanted(command), settings, root, watcher)
+        if settings.get("out") is None:
+            point_latest(root)
+    return Outcome(root, tuple(stage.name for stage in wanted(command)), tuple(ran))
+
+
+def wanted(command: str) -> tuple[Stage, ...]:
+    """The stage called ``command`` and all that it reads, in order; every stage for ``run``."""
+    if command == "run":
+        return STAGES
+    names = {command}
+    for stage in reversed(STAGES):
+        if stage.name in names:
+            names.update(stage.reads)
+    return tuple(stage for stage in STAGES if stage.name in names)
+
+
+def _bring_up_to_date(stages: tuple[Stage, ...], settings: Settings, root: Path, watcher: Watcher) -> list[str]:
+    """Run the stages whose results are missing or stale, saying why; returns their names."""
+    ran: list[str] = []
+    outdated: set[str] = set()
+    for stage in stages:
+        now = _made_from(stage, settings, root)
+        reasons = why_stale(root / stage.name, now)
+        if stage.name in outdated:
+            reasons = [f"the result of {name} changed" for name in stage.reads if name in ran]
+        if not reasons and not settings.get("force", False):
+            watcher.say(f"{stage.name}: fresh, reused")
+            continue
+        watcher.say(f"{stage.name}: {_because(reasons)}")
+        began = time.perf_counter()
+        with replacing(root / stage.name) as folder:
+            stage.run(Job(settings, root, folder, watcher))
+            write_receipt(folder, stage.name, now, time.perf_counter() - began)
+        ran.append(stage.name)
+        outdated |= _remove_readers(stage.name, root)
+    for name in sorted(outdated - set(ran)):
+        watcher.say(f"{name}: removed, it was made from results that have changed; hybridid {name} makes it again")
+    return ran
+
+
+def _made_from(stage: Stage, settings: Settings, root: Path) -> Fingerprint:
+    inputs = {f"the result of {name}": folder_digest(root / name) for name in stage.reads}
+    return fingerprint(settings.part(stage.keys), {**inputs, **stage.inputs(settings)}, stage.ignores)
+
+
+def _because(reasons: list[str]) -> str:
+    if not reasons:
+        return "fresh, made again (force)"
+    if reasons == ["not made yet"]:
+        return "not made yet"
+    more = f" and {len(reasons) - 2} more" if len(reasons) > 2 else ""
+    return f"stale, {'; '.join(reasons[:2])}{more}"
+
+
+def _remove_readers(name: str, root: Path) -> set[str]:
+    """Remove the results that were made from those of ``name``: beside new ones they would contradict."""
+    gone = {name}
+    removed = set()
+    for stage in STAGES:
+        if gone & set(stage.reads):
+            gone.add(stage.name)
+            if remove(root / stage.name):
+                removed.add(stage.name)
+    return removed

@@ -1,0 +1,174 @@
+"""Where each record of a case comes from: measured files where they are found, else the case's virtual rig."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from hybridid.records.mapping import RecordMap, build_record, record_map
+from hybridid.records.record import Record, RecordError
+from hybridid.records.sources import DataRoot, RecordNotFoundError, data_roots, digest_of, locate
+from hybridid.rigs.rig import Rig
+from pipelines.config import Settings
+from pipelines.errors import ConfigError, unknown
+from pipelines.imports import named
+
+KEYS = ("data", "records", "signals", "rig", "paths.data")
+CHOICES = ("auto", "measured", "simulated")
+ROLES = ("identification", "validation")
+_OWN = ("role", "run")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A record whose files are at hand."""
+
+    name: str
+    role: str
+    plan: RecordMap
+    files: tuple[Path, ...]
+
+    @property
+    def digest(self) -> str:
+        return digest_of(self.files)
+
+    def record(self) -> Record:
+        plan = self.plan
+        return build_record(
+            self.name, self.files, plan.time, plan.inputs, plan.outputs, plan.auxiliary, plan.resample
+        )
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A record that the case's virtual rig makes."""
+
+    name: str
+    role: str
+    rig: Rig
+    run: str
+    seed: int
+    duration: float | None
+
+    @property
+    def digest(self) -> str:
+        return self.rig.digest(self.run, self.seed, self.duration)
+
+    def record(self) -> Record:
+        return replace(self.rig.record(self.run, self.seed, self.duration), name=self.name, warnings=())
+
+
+Source = Measured | Simulated
+
+
+@dataclass(frozen=True)
+class Sources:
+    """A case's records, and in words what is not as one would wish."""
+
+    found: tuple[Source, ...]
+    remarks: tuple[str, ...] = ()
+
+
+def sources_of(settings: Settings) -> Sources:
+    """The case's records under ``data``: measured, simulated, or ``auto``.
+
+    ``auto`` takes the measured records that are found; with none found the rig makes them all.
+
+    Raises:
+        ConfigError: if the config of records, signals or rig is wrong.
+        RecordNotFoundError: if a measured record is insisted on, or there is no rig to stand in.
+    """
+    choice = settings.get("data", "auto")
+    if choice not in CHOICES:
+        raise ConfigError(unknown("value of data", str(choice), CHOICES))
+    records = _records(settings)
+    if choice == "simulated":
+        return Sources(_simulated(settings, records), ("simulated records, as data=simulated asks",))
+    roots = roots_of(settings)
+    found, missing = [], []
+    for name, entry in records.items():
+        try:
+            found.append(_measured(settings, name, entry, roots))
+        except RecordNotFoundError as error:
+            missing.append(f"record {name}: {error}")
+    if not missing:
+        return Sources(tuple(found))
+    if choice == "measured" or (not found and settings.get("rig") is None):
+        raise RecordNotFoundError(f"{missing[0]}{_fetch_hint(settings)}")
+    if found:
+        return Sources(tuple(found), tuple(missing))
+    remark = f"no measured record found; the virtual rig stands in, all that follows is SIMULATED{_fetch_hint(settings)}"
+    return Sources(_simulated(settings, records), (missing[0], remark))
+
+
+def roots_of(settings: Settings) -> tuple[DataRoot, ...]:
+    """Where records are looked for: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, the user's own folders."""
+    own = [DataRoot(folder, "--config-dir") for folder in settings.folders]
+    return (*data_roots(settings.get("paths.data")), *own)
+
+
+def digests(settings: Settings) -> dict[str, str]:
+    """What tells the records from others, by name."""
+    return {f"record {s.name}": f"{type(s).__name__.lower()} {s.digest}" for s in sources_of(settings).found}
+
+
+def chosen(rows: list[dict[str, Any]], wanted: Any, key: str) -> list[dict[str, Any]]:
+    """The rows whose name or role is in ``wanted``; all if it is null.
+
+    Raises:
+        ConfigError: if an entry matches none; ``key`` is the config key that holds them.
+    """
+    if wanted is None:
+        return rows
+    entries = [str(entry) for entry in wanted] if isinstance(wanted, list) else [str(wanted)]
+    known = {row["name"] for row in rows} | {row["role"] for row in rows}
+    for entry in entries:
+        if entry not in known:
+            raise ConfigError(unknown(f"record in {key}", entry, known))
+    return [row for row in rows if row["name"] in entries or row["role"] in entries]
+
+
+def _records(settings: Settings) -> dict[str, dict[str, Any]]:
+    given = settings.get("records")
+    if not isinstance(given, Mapping) or not all(isinstance(entry, Mapping) for entry in given.values()):
+        raise ConfigError(f"case {settings.case}: records must map names to files and role")
+    for name, entry in given.items():
+        if entry.get("role") not in ROLES:
+            raise ConfigError(unknown(f"role of record {name}:", str(entry.get("role")), ROLES))
+    return {str(name): dict(entry) for name, entry in given.items()}
+
+
+def _measured(settings: Settings, name: str, entry: Mapping[str, Any], roots: tuple[DataRoot, ...]) -> Measured:
+    own = {key: value for key, value in entry.items() if key not in _OWN}
+    try:
+        plan = record_map({**settings.get("signals", {}), **own}, f"record {name}")
+    except RecordError as error:
+        raise ConfigError(str(error)) from error
+    return Measured(name, entry["role"], plan, tuple(locate(file, roots) for file in plan.files))
+
+
+def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> tuple[Simulated, ...]:
+    given = settings.get("rig")
+    if given is None:
+        raise ConfigError(f"data=simulated: case {settings.case} has no virtual rig")
+    for key in given:
+        if key not in ("path", "seed", "duration"):
+            raise ConfigError(unknown("config key below rig", key, ("path", "seed", "duration")))
+    rig = named(given.get("path"), "rig.path")
+    rig = rig() if inspect.isclass(rig) else rig
+    if not isinstance(rig, Rig):
+        raise ConfigError(f"rig.path {given.get('path')} is a {type(rig).__name__}, not a hybridid.rigs.rig.Rig")
+    made = []
+    for name, entry in records.items():
+        run = str(entry.get("run", name))
+        if run not in rig.runs:
+            raise ConfigError(unknown(f"run of rig {rig.name}, for record {name}:", run, rig.runs))
+        made.append(Simulated(name, entry["role"], rig, run, given.get("seed") or 0, given.get("duration")))
+    return tuple(made)
+
+
+def _fetch_hint(settings: Settings) -> str:
+    return f"; hybridid fetch {settings.case} downloads the measured ones" if settings.get("case.fetch") else ""

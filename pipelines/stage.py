@@ -1,0 +1,49 @@
+"""What a stage is: its name, what makes its results stale, and the function that makes them; what running some did."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipelines.config import Settings
+from pipelines.watch import Watcher
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run of a stage: reads stage folders under ``tree``, writes into ``folder``."""
+
+    settings: Settings
+    tree: Path
+    folder: Path
+    watcher: Watcher
+
+
+@dataclass(frozen=True)
+class Stage:
+    """``keys``: config keys its results depend on; ``reads``: stages whose files it reads.
+
+    ``inputs`` gives digests of whatever else it reads; ``ignores`` names subpackages of
+    hybridid whose code does not touch its results.
+    """
+
+    name: str
+    keys: tuple[str, ...]
+    reads: tuple[str, ...]
+    run: Callable[[Job], None]
+    inputs: Callable[[Settings], Mapping[str, str]] = lambda settings: {}
+    ignores: tuple[str, ...] = ("plotting",)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command did: the run tree, the stages that are now up to date in it, those made anew."""
+
+    tree: Path
+    stages: tuple[str, ...]
+    ran: tuple[str, ...]
+
+    @property
+    def reused(self) -> tuple[str, ...]:
+        return tuple(name for name in self.stages if name not in self.ran)
