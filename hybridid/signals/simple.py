@@ -1,0 +1,101 @@
+"""Cutting, shifting and scaling."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybridid.records.record import Record
+from hybridid.signals.step import Step, StepError, edited, in_place
+
+EDGE = 1e-6  # of a sample: what rounding may leave between a time stamp and the bound that means it
+
+
+@dataclass(frozen=True)
+class Crop(Step):
+    """The samples with ``start <= t < stop`` [s], or those from ``samples[0]`` to before ``samples[1]``.
+
+    Half-open, so that parts that share a bound share no sample. Time stamps stay as they are.
+    """
+
+    start: float | None = None
+    stop: float | None = None
+    samples: tuple[int, int] | None = None
+
+    def __post_init__(self) -> None:
+        by_time = self.start is not None or self.stop is not None
+        if by_time == (self.samples is not None):
+            raise StepError("give start and/or stop in seconds, or samples: [first, end]")
+        if self.samples is not None and not 0 <= self.samples[0] < self.samples[1]:
+            raise StepError(f"samples {list(self.samples)} must be rising and not negative")
+        if self.start is not None and self.stop is not None and self.start >= self.stop:
+            raise StepError(f"start {self.start:g} s is not before stop {self.stop:g} s")
+
+    def apply(self, record: Record) -> Record:
+        first, end = self.samples or self._bounds(record)
+        if first >= end or end > record.n:
+            raise StepError(
+                f"samples {first} to {end} are not in record {record.name}: it has {record.n} samples, "
+                f"from {record.time[0]:g} s to {record.time[-1]:g} s"
+            )
+        return record.part(first, end)
+
+    def _bounds(self, record: Record) -> tuple[int, int]:
+        lower = -np.inf if self.start is None else self.start - EDGE * record.dt
+        upper = np.inf if self.stop is None else self.stop - EDGE * record.dt
+        return int(np.searchsorted(record.time, lower)), int(np.searchsorted(record.time, upper))
+
+
+@dataclass(frozen=True)
+class RemoveMean(Step):
+    """``x - mean(x)``; the mean over ``over: [start, stop]`` [s] if given, say a rest."""
+
+    signals: tuple[str, ...]
+    over: tuple[float, float] | None = None
+
+    @property
+    def touched(self) -> tuple[str, ...]:
+        return self.signals
+
+    def apply(self, record: Record) -> Record:
+        start, stop = self.over or (-np.inf, np.inf)
+        inside = (record.time >= start) & (record.time <= stop)
+        if not inside.any():
+            raise StepError(f"no sample of record {record.name} lies from {start:g} s to {stop:g} s")
+        return in_place(record, self.signals, lambda x: x - x[inside].mean())
+
+
+@dataclass(frozen=True)
+class Offset(Step):
+    """``x + value``, in the signal's unit."""
+
+    signals: tuple[str, ...]
+    value: float
+
+    @property
+    def touched(self) -> tuple[str, ...]:
+        return self.signals
+
+    def apply(self, record: Record) -> Record:
+        return in_place(record, self.signals, lambda x: x + self.value)
+
+
+@dataclass(frozen=True)
+class Scale(Step):
+    """``factor · x``, in ``unit`` if that changes it."""
+
+    signals: tuple[str, ...]
+    factor: float
+    unit: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.factor == 0:
+            raise StepError("factor is 0, which leaves no signal")
+
+    @property
+    def touched(self) -> tuple[str, ...]:
+        return self.signals
+
+    def apply(self, record: Record) -> Record:
+        return edited(record, {name: self.factor * record.signal(name) for name in self.signals}, self.unit)

@@ -1,0 +1,136 @@
+"""``Step``: one change to a record's signals, and the edits that steps share."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from hybridid.records.record import Array, Channel, Record
+
+Role = Literal["output", "auxiliary"]
+
+
+class StepError(ValueError):
+    """A step that cannot be done: the message says which, why, and what is allowed."""
+
+
+class Step(abc.ABC):
+    """One configured change: ``apply`` returns a new record and leaves the given one as it was.
+
+    A step is a frozen dataclass whose fields are the keys of its config.
+    """
+
+    @abc.abstractmethod
+    def apply(self, record: Record) -> Record:
+        """The record after the step.
+
+        Raises:
+            StepError: if a value does not suit the record (a cutoff above its Nyquist frequency).
+            RecordError: if the record has no such signal, or what is left of it is no record.
+        """
+
+    @property
+    def touched(self) -> tuple[str, ...]:
+        """The signals that the step reads or changes."""
+        return ()
+
+    @property
+    def causal_filter(self) -> str:
+        """What the step delays its signals by, in words; empty if it does not."""
+        return ""
+
+
+@dataclass(frozen=True)
+class Target:
+    """Where a step puts a signal that it makes from ``source``.
+
+    A new ``name`` is appended in ``role``; the source's own name replaces it where it is.
+    With ``demote`` the source becomes auxiliary, so that the new signal takes its place.
+    """
+
+    source: str
+    name: str
+    unit: str
+    role: Role = "output"
+    demote: bool = False
+
+    def placed(self, record: Record, values: Array) -> Record:
+        """``record`` with ``values`` (n,) as the signal ``name``.
+
+        Raises:
+            StepError: if another signal has that name.
+        """
+        if self.name == self.source:
+            return edited(record, {self.name: values}, self.unit)
+        if self.name in {channel.name for channel in record.channels}:
+            raise StepError(f"record {record.name} already has a signal {self.name!r}; choose another name")
+        appended = _appended(record, Channel(self.name, self.unit), values, self.role)
+        return _demoted(appended, self.source) if self.demote else appended
+
+
+def in_place(record: Record, names: tuple[str, ...], change: Callable[[Array], Array]) -> Record:
+    """``record`` with ``change`` applied to each of the signals ``names``.
+
+    Raises:
+        RecordError: if the record has no signal of one of the names.
+    """
+    return edited(record, {name: change(record.signal(name)) for name in names})
+
+
+def edited(record: Record, values: Mapping[str, Array], unit: str | None = None) -> Record:
+    """``record`` with the signals ``values`` (name to (n,)) in place of its own, in ``unit`` if given."""
+
+    def part(matrix: Array, channels: tuple[Channel, ...]) -> tuple[Array, tuple[Channel, ...]]:
+        columns = [values.get(c.name, matrix[:, j]) for j, c in enumerate(channels)]
+        units = tuple(replace(c, unit=unit) if unit is not None and c.name in values else c for c in channels)
+        return (np.column_stack(columns) if columns else matrix), units
+
+    inputs, input_channels = part(record.inputs, record.input_channels)
+    outputs, output_channels = part(record.outputs, record.output_channels)
+    auxiliary, auxiliary_channels = part(_auxiliary(record), record.auxiliary_channels)
+    return replace(
+        record,
+        inputs=inputs,
+        outputs=outputs,
+        auxiliary=auxiliary if auxiliary_channels else None,
+        input_channels=input_channels,
+        output_channels=output_channels,
+        auxiliary_channels=auxiliary_channels,
+    )
+
+
+def _appended(record: Record, channel: Channel, values: Array, role: Role) -> Record:
+    if role == "output":
+        return replace(
+            record,
+            outputs=np.column_stack([record.outputs, values]),
+            output_channels=(*record.output_channels, channel),
+        )
+    return replace(
+        record,
+        auxiliary=np.column_stack([_auxiliary(record), values]),
+        auxiliary_channels=(*record.auxiliary_channels, channel),
+    )
+
+
+def _demoted(record: Record, name: str) -> Record:
+    """The output ``name`` as an auxiliary signal; inputs and auxiliary signals stay what they are."""
+    names = [channel.name for channel in record.output_channels]
+    if name not in names:
+        return record
+    j = names.index(name)
+    return replace(
+        record,
+        outputs=np.delete(record.outputs, j, axis=1),
+        output_channels=tuple(c for c in record.output_channels if c.name != name),
+        auxiliary=np.column_stack([_auxiliary(record), record.outputs[:, j]]),
+        auxiliary_channels=(*record.auxiliary_channels, record.output_channels[j]),
+    )
+
+
+def _auxiliary(record: Record) -> Array:
+    return np.empty((record.n, 0)) if record.auxiliary is None else record.auxiliary

@@ -1,0 +1,98 @@
+"""The steps that ``preprocess`` knows, read from plain mappings and applied in order.
+
+``{step: butterworth, signals: [position], order: 4, cutoff: 50.0, zero_phase: true}``
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from hybridid.records.plain import build, unknown
+from hybridid.records.record import Record, RecordError
+from hybridid.signals.butterworth import Butterworth
+from hybridid.signals.calculus import Differentiate, Integrate, SavitzkyGolay
+from hybridid.signals.decimate import Decimate
+from hybridid.signals.simple import Crop, Offset, RemoveMean, Scale
+from hybridid.signals.step import Step, StepError
+
+STEPS: Mapping[str, type[Step]] = {
+    "butterworth": Butterworth,
+    "crop": Crop,
+    "decimate": Decimate,
+    "differentiate": Differentiate,
+    "integrate": Integrate,
+    "offset": Offset,
+    "remove_mean": RemoveMean,
+    "savitzky_golay": SavitzkyGolay,
+    "scale": Scale,
+}
+
+
+def parse_step(values: Mapping[str, Any], where: str = "step") -> Step:
+    """The step that a plain mapping describes: its kind under ``step``, the rest its fields.
+
+    Raises:
+        StepError: in one line, with the nearest right name, for an unknown step or key, a
+            missing key or an impossible value.
+    """
+    if not isinstance(values, Mapping) or "step" not in values:
+        raise StepError(f"{where}: key 'step' is missing in {values!r}; allowed: {', '.join(STEPS)}")
+    name = values["step"]
+    if name not in STEPS:
+        raise StepError(f"{where}: {unknown('step', name, STEPS)}")
+    rest = {key: value for key, value in values.items() if key != "step"}
+    return build(STEPS[name], rest, f"{where} ({name})", StepError)
+
+
+def parse_steps(steps: Sequence[Mapping[str, Any]], where: str = "step") -> tuple[Step, ...]:
+    """``parse_step`` of each, counted from 1 in what it complains about."""
+    return tuple(parse_step(values, f"{where} {i}") for i, values in enumerate(steps, start=1))
+
+
+def apply_steps(record: Record, steps: Sequence[Step | Mapping[str, Any]]) -> Record:
+    """``record`` after ``steps``, done in order.
+
+    A warning is added where an output passed a causal filter that an input did not: the model
+    would read its lag as dynamics of the machine.
+
+    Raises:
+        StepError: if a step is wrong in itself or does not suit the record.
+    """
+    parsed = [s if isinstance(s, Step) else parse_step(s, f"step {i}") for i, s in enumerate(steps, start=1)]
+    filters: dict[str, Counter[str]] = {channel.name: Counter() for channel in record.channels}
+    for i, step in enumerate(parsed, start=1):
+        try:
+            record = step.apply(record)
+        except (StepError, RecordError) as wrong:
+            raise StepError(f"step {i} ({_name(step)}): {wrong}") from wrong
+        _note(filters, step, record)
+    lags = tuple(_lags(record, filters))
+    return replace(record, warnings=(*record.warnings, *lags)) if lags else record
+
+
+def _name(step: Step) -> str:
+    return next((name for name, kind in STEPS.items() if type(step) is kind), type(step).__name__)
+
+
+def _note(filters: dict[str, Counter[str]], step: Step, record: Record) -> None:
+    """Keep for each signal the causal filters it passed; a new one has those of its source."""
+    if step.causal_filter:
+        for name in step.touched:
+            filters[name][step.causal_filter] += 1
+    for channel in record.channels:
+        if channel.name not in filters:
+            filters[channel.name] = Counter(filters[step.touched[0]])
+
+
+def _lags(record: Record, filters: Mapping[str, Counter[str]]) -> Iterator[str]:
+    for output in record.output_channels:
+        for channel in record.input_channels:
+            for causal in filters[output.name] - filters[channel.name]:
+                yield (
+                    f"record {record.name}: output {output.name!r} passed a causal {causal}, input "
+                    f"{channel.name!r} did not: the model will read the lag as dynamics; "
+                    "filter both alike or set zero_phase"
+                )
