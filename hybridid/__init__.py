@@ -1,0 +1,8 @@
+"""Measured record + believed physics -> a model that is accurate and still physics.
+
+Importable in a notebook: nothing here reads a config, logs a run or prints.
+Imports run one way: declarations <- plants, effects <- model <- simulation,
+estimators, validation.
+"""
+
+__version__ = "0.1.0"

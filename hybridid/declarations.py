@@ -1,0 +1,112 @@
+"""What a machine is made of, declared as data: signals, states, parameters and ports.
+
+A *port* is a place where physics can act or be missing. At an effort port an
+effect resists the motion: the plant's equation of motion reads
+``M a = driving effort - sum of the efforts of the effects at that port``.
+At an input or output port an effect changes the signal that passes through.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+PortKind = Literal["effort", "input", "output"]
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One measured quantity: its name, its unit and what it is."""
+
+    name: str
+    unit: str
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
+class State:
+    """One state of a plant or of an effect.
+
+    ``scale`` is a typical magnitude; the optimiser works with ``x / scale``.
+    ``observed_by`` names the output whose ``derivative``-th time derivative this
+    state is, when there is one; it gives the state a start from the data.
+    """
+
+    name: str
+    unit: str
+    scale: float = 1.0
+    lower: float = -math.inf
+    upper: float = math.inf
+    observed_by: str | None = None
+    derivative: int = 0
+    meaning: str = ""
+
+    def renamed(self, name: str) -> State:
+        return replace(self, name=name)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One constant of a model: ``lower <= value <= upper``, in ``unit``.
+
+    ``guess`` is where a fit starts when nothing better is known, ``scale`` a typical
+    magnitude. A ``fixed`` parameter is known and not estimated.
+
+    Raises:
+        ValueError: if the bounds are crossed or the guess lies outside them.
+    """
+
+    name: str
+    unit: str
+    guess: float
+    lower: float = -math.inf
+    upper: float = math.inf
+    scale: float = 0.0
+    fixed: bool = False
+    meaning: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.guess <= self.upper:
+            raise ValueError(
+                f"parameter {self.name}: guess {self.guess:g} is outside "
+                f"[{self.lower:g}, {self.upper:g}] {self.unit}"
+            )
+        if self.scale < 0 or not math.isfinite(self.scale):
+            raise ValueError(f"parameter {self.name}: scale must be positive and finite")
+        if self.scale == 0:
+            object.__setattr__(self, "scale", abs(self.guess) or 1.0)
+
+    def renamed(self, name: str) -> Parameter:
+        return replace(self, name=name)
+
+    def fixed_at(self, value: float) -> Parameter:
+        """The same parameter, known to be ``value``."""
+        return replace(self, guess=value, lower=value, upper=value, fixed=True)
+
+
+@dataclass(frozen=True)
+class Port:
+    """A place where physics can act.
+
+    The scales are what the machine typically sees there: effort (say 30 N), position
+    (0.2 m) and velocity (0.1 m/s). Effects take their guesses and bounds from them.
+    ``epsilon`` is the smoothing velocity of sign(v) ~ tanh(v / epsilon): small against
+    the slowest sliding that matters. Signal ports ("input", "output") use only
+    ``effort_unit`` and ``effort_scale``, for the signal itself.
+    """
+
+    name: str
+    kind: PortKind
+    effort_unit: str
+    effort_scale: float
+    position_unit: str = ""
+    position_scale: float = 1.0
+    velocity_scale: float = 1.0
+    epsilon: float = 1e-3
+    meaning: str = ""
+
+    @property
+    def time_scale(self) -> float:
+        """Seconds to cross the position scale at the velocity scale."""
+        return self.position_scale / self.velocity_scale

@@ -1,0 +1,46 @@
+"""The library of effects: one literal tuple, and the way to find an effect by name."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+
+from hybridid.effects import friction
+from hybridid.effects.effect import Effect
+
+EFFECTS: tuple[Effect, ...] = (
+    friction.OFFSET,
+    friction.VISCOUS,
+    friction.COULOMB,
+    friction.STRIBECK,
+    friction.ASYMMETRIC_VISCOUS,
+    friction.ASYMMETRIC_COULOMB,
+    friction.QUADRATIC_DRAG,
+)
+
+
+def effect_named(name: str) -> Effect:
+    """The effect called ``name``: a library id, or ``module.path:NAME`` of a user's own.
+
+    Raises:
+        ValueError: if there is none; the message gives the nearest name.
+    """
+    if ":" in name:
+        return _imported(name)
+    by_id = {effect.id: effect for effect in EFFECTS}
+    if name in by_id:
+        return by_id[name]
+    near = difflib.get_close_matches(name, by_id, n=1, cutoff=0.5)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    raise ValueError(f"unknown effect {name!r}: {hint}known: {', '.join(by_id)}, or module:NAME of your own")
+
+
+def _imported(name: str) -> Effect:
+    module_name, _, attribute = name.partition(":")
+    try:
+        effect = getattr(importlib.import_module(module_name), attribute)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"effect {name!r} cannot be imported: {error}") from error
+    if not isinstance(effect, Effect):
+        raise ValueError(f"{name!r} is a {type(effect).__name__}, not an Effect")
+    return effect

@@ -1,0 +1,7 @@
+"""Fitting: parameters and initial states from records."""
+
+from hybridid.estimators.estimate import Estimate, EstimatedParameter, Progress
+from hybridid.estimators.fit import fit
+from hybridid.estimators.settings import FitSettings
+
+__all__ = ["Estimate", "EstimatedParameter", "FitSettings", "Progress", "fit"]

@@ -1,0 +1,190 @@
+"""``fit``: a model and records in, an ``Estimate`` out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators import gauss_newton, multiple_shooting
+from hybridid.estimators.estimate import Estimate, EstimatedParameter, Progress, Solution
+from hybridid.estimators.problem import Problem, build_problem
+from hybridid.estimators.settings import FitSettings
+from hybridid.estimators.start import at_rest, best_initial_states, regression_start, scattered
+from hybridid.estimators.uncertainty import Uncertainty, uncertainty
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.simulation.stability import substeps_for
+
+Array = NDArray[np.float64]
+VAGUE = 0.5
+"""A standard error above this share of the value (or of its scale) marks a parameter that
+the records do not identify."""
+NEAR_BOUND = 1e-6
+SAME_OPTIMUM = 1e-3
+"""Relative difference of cost below which two starts count as arrived at one optimum."""
+
+
+def fit(
+    model: Model,
+    records: Sequence[Record],
+    settings: FitSettings | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    start_values: Mapping[str, float] | None = None,
+) -> Estimate:
+    """Fit the free parameters of ``model`` to ``records``.
+
+    Minimises the output error over the horizons that ``settings`` lays out, from one or
+    several starts, and keeps the lowest cost. ``start_values`` (by qualified name)
+    replaces the automatic start.
+
+    Raises:
+        ValueError: if a record does not fit the model, nothing is free to estimate, the
+            model is too stiff, or it diverges from every start.
+    """
+    settings = settings or FitSettings()
+    began = time.perf_counter()
+    if not model.free:
+        raise ValueError("every parameter is fixed: nothing to estimate")
+    first = _first_start(model, records, settings, start_values)
+    substeps = settings.substeps or substeps_for(model, first, records, margin=1.1)
+    measured = settings.initial_state == "measured"
+    problem = build_problem(model, records, settings.horizon, substeps, not measured, integrator=settings.integrator)
+    built = time.perf_counter()
+    starts = scattered(model, first, settings.starts, settings.seed)
+    found = [_solve(problem, p, settings, progress, k, len(starts)) for k, p in enumerate(starts)]
+    best = min(found, key=lambda solution: solution.cost)
+    if not np.isfinite(best.cost):
+        raise ValueError(f"the model diverges from every start on {', '.join(r.name for r in records)}: {best.status}")
+    solved = time.perf_counter()
+    return _estimate(
+        problem,
+        best,
+        uncertainty(problem, best.p, best.x0),
+        settings,
+        seconds={"build": built - began, "solve": solved - built},
+        starts=tuple(solution.cost for solution in found),
+    )
+
+
+def _first_start(
+    model: Model, records: Sequence[Record], settings: FitSettings, given: Mapping[str, float] | None
+) -> Array:
+    if given is not None:
+        return model.values(given)
+    regressed = regression_start(model, records) if settings.start == "regression" else None
+    return model.values() if regressed is None else regressed
+
+
+def _solve(
+    problem: Problem,
+    p: Array,
+    settings: FitSettings,
+    progress: Callable[[Progress], None] | None,
+    index: int,
+    count: int,
+) -> Solution:
+    """One start: choose initial states, descend, then look whether a horizon was trapped."""
+    measured = problem.measured_x0()
+    candidates = [measured, at_rest(problem, measured)] if problem.estimate_x0 else [measured]
+    stage = "fit" if count == 1 else f"start {index + 1} of {count}"
+
+    def watch(iteration: int, cost: float) -> None:
+        if progress:
+            progress(Progress(stage, iteration, cost, index / count))
+
+    solution = _descend(problem, p, best_initial_states(problem, p, candidates), settings, settings.continuation, watch)
+    if not np.isfinite(solution.cost):
+        return solution
+    freed = best_initial_states(problem, solution.p, [solution.x0, *candidates])
+    if np.array_equal(freed, solution.x0):
+        return solution
+    again = _descend(problem, solution.p, freed, settings, (1.0,), watch)
+    return again if again.cost < solution.cost else solution
+
+
+def _descend(
+    problem: Problem,
+    p: Array,
+    x0: Array,
+    settings: FitSettings,
+    factors: Sequence[float],
+    watch: Callable[[int, float], None],
+) -> Solution:
+    most, tolerance = settings.max_iterations, settings.tolerance
+    if settings.method == "gauss_newton":
+        return gauss_newton.solve(problem, p, x0, factors, most, tolerance, watch)
+    return multiple_shooting.solve(
+        problem, p, x0, settings.interval, factors, settings.hessian, most, tolerance, watch
+    )
+
+
+def _estimate(
+    problem: Problem,
+    solution: Solution,
+    doubt: Uncertainty,
+    settings: FitSettings,
+    seconds: Mapping[str, float],
+    starts: tuple[float, ...],
+) -> Estimate:
+    model = problem.model
+    parameters = tuple(
+        _estimated(model.parameters[k], float(solution.p[k]), float(std))
+        for k, std in zip(problem.positions, doubt.std, strict=True)
+    )
+    known = {q.name: float(v) for q, v in zip(model.parameters, solution.p, strict=True) if q.name not in problem.free}
+    return Estimate(
+        parameters=parameters,
+        known=known,
+        correlation=doubt.correlation,
+        initial_states=solution.x0,
+        origin=problem.windows.origin,
+        cost=solution.cost,
+        status=solution.status,
+        converged=solution.converged,
+        iterations=solution.iterations,
+        seconds=seconds,
+        substeps=problem.windows.substeps,
+        settings=settings,
+        history=solution.history,
+        starts=starts,
+        warnings=_warnings(problem, solution, parameters, starts),
+    )
+
+
+def _estimated(declared, value: float, std: float) -> EstimatedParameter:
+    span = declared.scale * NEAR_BOUND
+    return EstimatedParameter(
+        name=declared.name,
+        value=value,
+        std=std,
+        unit=declared.unit,
+        lower=declared.lower,
+        upper=declared.upper,
+        at_bound=bool(value <= declared.lower + span or value >= declared.upper - span),
+        identifiable=bool(np.isfinite(std) and std <= VAGUE * max(abs(value), declared.scale)),
+        meaning=declared.meaning,
+    )
+
+
+def _warnings(
+    problem: Problem, solution: Solution, parameters: Sequence[EstimatedParameter], starts: tuple[float, ...]
+) -> tuple[str, ...]:
+    notes = []
+    if not solution.converged:
+        notes.append(f"NOT CONVERGED: {solution.status}; the estimates are not at an optimum")
+    for p in parameters:
+        if p.at_bound:
+            notes.append(f"{p.name} = {p.value:.6g} {p.unit} is at a bound [{p.lower:g}, {p.upper:g}]")
+        if not p.identifiable:
+            notes.append(f"{p.name} is not identifiable from these records: standard error {p.std:.3g} {p.unit}")
+    needed = substeps_for(problem.model, solution.p, problem.records)
+    if needed > problem.windows.substeps:
+        notes.append(f"the fitted model wants {needed} steps a sample, {problem.windows.substeps} were used")
+    best = min(starts)
+    apart = sum(1 for cost in starts if cost > best * (1 + SAME_OPTIMUM))
+    if apart:
+        notes.append(f"{apart} of {len(starts)} starts ended at a higher cost: the cost has several valleys")
+    return tuple(notes)

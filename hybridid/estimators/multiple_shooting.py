@@ -1,0 +1,258 @@
+"""Multiple shooting with CasADi and IPOPT, the thesis' gray-box method.
+
+Each horizon is cut into intervals that start from a state of their own, a variable of
+the optimisation; equality constraints close the gaps (thesis Eq. 3-3). A horizon of one
+interval is N-step prediction, one horizon of one interval single shooting. Source: Bock,
+Plitt (1984), IFAC Proceedings 17(2), 1603-1608; Wächter, Biegler (2006), Math. Program. 106.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators.estimate import Solution
+from hybridid.estimators.problem import Problem
+from hybridid.simulation.initial import measured_states
+from hybridid.simulation.integrators import INTEGRATORS
+
+Array = NDArray[np.float64]
+EXPANDABLE = 60_000
+"""Operations of an unrolled interval above which it stays a loop: unrolling is quicker to
+run but its size grows with the interval."""
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """The shooting intervals of all horizons.
+
+    Shapes: ``time`` (m, L), ``stages`` (m, L, n_U), ``inputs`` (m, L, n_u), ``outputs``
+    (m, L, n_y), ``used`` (m, L). ``first`` marks the interval that opens a horizon,
+    ``nodes`` (m, n_x) are start values of the states.
+    """
+
+    time: Array
+    stages: Array
+    inputs: Array
+    outputs: Array
+    used: NDArray[np.bool_]
+    first: NDArray[np.bool_]
+    nodes: Array
+
+    @property
+    def count(self) -> int:
+        return len(self.first)
+
+
+def split(problem: Problem, interval: int, x0: Array) -> Intervals:
+    """Cut each horizon of the problem into intervals of ``interval`` samples.
+
+    A node starts from the smoothed record where an output shows the state, otherwise
+    from the horizon's initial state ``x0`` (w, n_x).
+    """
+    windows = problem.windows
+    length = min(interval, windows.length)
+    states = [measured_states(problem.model, record) for record in problem.records]
+    shown = np.array([s.observed_by is not None for s in problem.model.states])
+    rows: list[tuple[Array, ...]] = []
+    first: list[bool] = []
+    for k, (record, start, stop) in enumerate(windows.origin):
+        for begin in range(0, stop - start, length):
+            index = np.minimum(np.arange(begin, begin + length), stop - start - 1)
+            used = np.arange(begin, begin + length) < stop - start
+            node = x0[k] if begin == 0 else np.where(shown, states[record][start + begin], x0[k])
+            fields = (windows.time, windows.stages, windows.inputs, windows.outputs)
+            rows.append((*(a[k, index] for a in fields), used, node))
+            first.append(begin == 0)
+    time, stages, inputs, outputs, used, nodes = (np.stack(column) for column in zip(*rows, strict=True))
+    return Intervals(time, stages, inputs, outputs, used, np.array(first), nodes)
+
+
+def solve(
+    problem: Problem,
+    p: Array,
+    x0: Array,
+    interval: int,
+    factors: Sequence[float] = (1.0,),
+    hessian: str = "gauss_newton",
+    max_iterations: int = 100,
+    tolerance: float = 1e-6,
+    watch: Callable[[int, float], None] | None = None,
+) -> Solution:
+    """Minimise the problem's cost by multiple shooting from ``p`` (n_p,), ``x0`` (w, n_x).
+
+    ``factors`` multiply the smoothing velocities, one solve each, from the nodes of the last.
+    """
+    program = _Program(problem, split(problem, interval, x0))
+    nlp, gauss_newton = program.nlp()
+    callback = _Watch(nlp["x"].shape[0], len(program.gap_rows), watch) if watch else None
+    options = _options(max_iterations, tolerance, callback)
+    if hessian == "gauss_newton":
+        options["hess_lag"] = gauss_newton
+    solver = ca.nlpsol("fit", "ipopt", nlp, options)
+    lower, upper, variables = program.bounds(p)
+    iterations, history = 0, []
+    for factor in factors:
+        result = solver(x0=variables, p=problem.smoothed(p, factor), lbx=lower, ubx=upper, lbg=0, ubg=0)
+        variables = np.asarray(result["x"]).ravel()
+        stats = solver.stats()
+        iterations += int(stats["iter_count"])
+        history = stats.get("iterations", {}).get("obj", [])
+    q, nodes = program.unpack(variables, problem.smoothed(p, factors[-1]))
+    begin = nodes[program.intervals.first]
+    cost = problem.cost(problem.shooter(begin, q))
+    status = _status(stats["return_status"])
+    return Solution(q, begin, cost, status, bool(stats["success"]), iterations, tuple(map(float, history)))
+
+
+def _status(returned: str) -> str:
+    plain = {"Solve_Succeeded": "converged", "Solved_To_Acceptable_Level": "converged (acceptable level)"}
+    return plain.get(returned, returned.replace("_", " ").lower())
+
+
+def _options(max_iterations: int, tolerance: float, callback: ca.Callback | None) -> dict[str, object]:
+    options: dict[str, object] = {
+        "print_time": False,
+        "ipopt.print_level": 0,
+        "ipopt.sb": "yes",
+        "ipopt.linear_solver": "mumps",
+        "ipopt.max_iter": max_iterations,
+        "ipopt.tol": tolerance,
+        "ipopt.nlp_scaling_method": "none",
+        "ipopt.mu_strategy": "adaptive",
+    }
+    if callback is not None:
+        options["iteration_callback"] = callback
+    return options
+
+
+class _Watch(ca.Callback):
+    """Hands IPOPT's iterations on to ``watch(iteration, cost)``."""
+
+    def __init__(self, n: int, m: int, watch: Callable[[int, float], None]) -> None:
+        ca.Callback.__init__(self)
+        self.n, self.m, self.watch, self.iteration = n, m, watch, 0
+        self.construct("watch", {})
+
+    def get_n_in(self) -> int:
+        return int(ca.nlpsol_n_out())
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        sizes = {"x": self.n, "lam_x": self.n, "g": self.m, "lam_g": self.m, "f": 1}
+        return ca.Sparsity.dense(sizes.get(ca.nlpsol_out(i), 0), 1)
+
+    def eval(self, arg: list[ca.DM]) -> list[int]:
+        self.iteration += 1
+        self.watch(self.iteration, float(arg[ca.nlpsol_out().index("f")]))
+        return [0]
+
+
+@dataclass(frozen=True)
+class _Program:
+    """The nonlinear program: variables are scaled free parameters, then scaled nodes."""
+
+    problem: Problem
+    intervals: Intervals
+
+    @property
+    def x_scale(self) -> Array:
+        return np.array([s.scale for s in self.problem.model.states])
+
+    @property
+    def p_scale(self) -> Array:
+        return np.array([self.problem.model.parameters[k].scale for k in self.problem.positions])
+
+    @property
+    def gap_rows(self) -> list[int]:
+        """Constraint rows: the states of each interval that continues the one before."""
+        n_x = len(self.problem.model.states)
+        return [k * n_x + j for k in np.flatnonzero(~self.intervals.first) for j in range(n_x)]
+
+    def bounds(self, p: Array) -> tuple[Array, Array, Array]:
+        """Lower bounds, upper bounds and start of the scaled variables."""
+        chosen = [self.problem.model.parameters[k] for k in self.problem.positions]
+        states, nodes = self.problem.model.states, self.intervals.nodes / self.x_scale
+        low, high = (np.tile([getattr(s, side) for s in states], (len(nodes), 1)) for side in ("lower", "upper"))
+        low, high = low / self.x_scale, high / self.x_scale
+        if not self.problem.estimate_x0:
+            low[self.intervals.first] = high[self.intervals.first] = nodes[self.intervals.first]
+        start = np.concatenate([p[self.problem.positions] / self.p_scale, nodes.ravel()])
+        lower = np.concatenate([[q.lower for q in chosen] / self.p_scale, low.ravel()])
+        upper = np.concatenate([[q.upper for q in chosen] / self.p_scale, high.ravel()])
+        return lower, upper, np.clip(start, lower, upper)
+
+    def unpack(self, variables: Array, p: Array) -> tuple[Array, Array]:
+        n = len(self.problem.positions)
+        q = np.array(p)
+        q[self.problem.positions] = variables[:n] * self.p_scale
+        return q, variables[n:].reshape(self.intervals.count, -1) * self.x_scale
+
+    def nlp(self) -> tuple[dict[str, ca.MX], ca.Function]:
+        """CasADi's ``{x, p, f, g}`` and the Gauss-Newton Hessian ``sigma J' J`` of f.
+
+        ``p`` is the full parameter vector (n_p,); J is the Jacobian of the residuals.
+        """
+        problem, m = self.problem, self.intervals.count
+        n, n_x = len(problem.positions), len(problem.model.states)
+        variables = ca.MX.sym("w", n + m * n_x)
+        given = ca.MX.sym("p", len(problem.model.parameters))
+        scale = ca.repmat(ca.DM(self.x_scale), 1, m)
+        nodes = ca.reshape(variables[n:], n_x, m) * scale
+        ends, simulated = self._simulate(nodes, self._values(variables[:n], given))
+        residual = self._residual(simulated)
+        gap = (ends[:, : m - 1] - nodes[:, 1:]) / scale[:, 1:]
+        # The gap before interval k is column k - 1 of the ends.
+        rows = [row - n_x for row in self.gap_rows]
+        constraints = ca.vec(gap)[rows] if rows else ca.MX(0, 1)
+        nlp = {"x": variables, "p": given, "f": 0.5 * ca.sumsqr(residual), "g": constraints}
+        jacobian = ca.jacobian(residual, variables)
+        sigma, multipliers = ca.MX.sym("sigma"), ca.MX.sym("lam", len(rows))
+        hessian = ca.triu(sigma * ca.mtimes(jacobian.T, jacobian))
+        inputs, names = [variables, given, sigma, multipliers], ["x", "p", "lam_f", "lam_g"]
+        return nlp, ca.Function("gauss_newton", inputs, [hessian], names, ["triu_hess_gamma_x_x"])
+
+    def _values(self, scaled: ca.MX, given: ca.MX) -> ca.MX:
+        values = ca.vertsplit(given)
+        for k, position in enumerate(self.problem.positions):
+            values[position] = scaled[k] * self.p_scale[k]
+        return ca.vertcat(*values)
+
+    def _residual(self, simulated: ca.MX) -> ca.MX:
+        """``(y_hat - y) / s`` of the samples in use, as one column."""
+        data = self.intervals
+        n_y = data.outputs.shape[2]
+        measured = data.outputs.reshape(-1, n_y).T
+        weight = data.used.reshape(1, -1) / self.problem.scale[:, None]
+        return ca.vec((simulated - ca.DM(measured)) * ca.DM(weight))
+
+    def _simulate(self, nodes: ca.MX, values: ca.MX) -> tuple[ca.MX, ca.MX]:
+        """States at the interval ends (n_x, m) and outputs (n_y, m L)."""
+        data = self.intervals
+        m, length = data.time.shape
+        interval = _interval_function(self.problem, length).map(m)
+        flat = [ca.DM(a.reshape(m * length, -1).T) for a in (data.time, data.stages, data.inputs)]
+        ends, outputs = interval(nodes, *flat, ca.repmat(values, 1, m))
+        return ends, outputs
+
+
+def _interval_function(problem: Problem, length: int) -> ca.Function:
+    """``(x, t, U, u, p) -> (x after the interval, outputs (n_y, length))``."""
+    model, windows = problem.model, problem.windows
+    step = INTEGRATORS[problem.shooter.integrator](model, windows.dt, windows.substeps, windows.held)
+    x, t = ca.SX.sym("x", len(model.states)), ca.SX.sym("t")
+    stages = ca.SX.sym("U", windows.stages.shape[2])
+    u, p = ca.SX.sym("u", len(model.inputs)), ca.SX.sym("p", len(model.parameters))
+    sample = ca.Function("sample", [x, t, stages, u, p], [step(t, x, stages, p), model.h(t, x, u, p)], {"cse": True})
+    loop = sample.mapaccum("loop", length, 1)
+    mx = [ca.MX.sym(name, f.shape[0], f.shape[1] * k) for name, f, k in zip(
+        "xtUup", (x, t, stages, u, p), (1, length, length, length, 1), strict=True)]
+    states, outputs = loop(*mx[:4], ca.repmat(mx[4], 1, length))
+    function = ca.Function("interval", mx, [states[:, -1], outputs])
+    return function.expand() if sample.n_instructions() * length <= EXPANDABLE else function

@@ -1,0 +1,114 @@
+"""``Problem``: the weighted least-squares problem that every estimator here solves.
+
+``min over p, x0 of 1/2 sum ((y - y_hat(p, x0)) / s)^2`` over all horizons, with s (n_y,)
+the standard deviation of each output over the records.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.simulation.initial import measured_states
+from hybridid.simulation.shooter import Shooter, Shot
+from hybridid.simulation.windows import Windows, cut
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Model, data and what may move. ``estimate_x0`` False keeps the measured initial states."""
+
+    model: Model
+    records: tuple[Record, ...]
+    windows: Windows
+    shooter: Shooter
+    scale: Array
+    estimate_x0: bool
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        return self.shooter.free
+
+    @property
+    def positions(self) -> list[int]:
+        """Places of the free parameters in the parameter vector."""
+        names = [p.name for p in self.model.parameters]
+        return [names.index(name) for name in self.free]
+
+    def measured_x0(self) -> Array:
+        """Initial state of each horizon as the record shows it, (w, n_x)."""
+        by_record = [measured_states(self.model, record) for record in self.records]
+        return np.stack([by_record[index][start] for index, start, _ in self.windows.origin])
+
+    def residuals(self, shot: Shot) -> Array:
+        """``(y - y_hat) / s``, zero where a horizon is padded; shape (w, H, n_y)."""
+        error = (self.windows.outputs - shot.outputs) / self.scale
+        return np.where(self.windows.used[..., None], error, 0.0)
+
+    def cost(self, shot: Shot) -> float:
+        """Half the sum of squared residuals; infinite if the simulation diverged."""
+        r = self.residuals(shot)
+        with np.errstate(over="ignore", invalid="ignore"):
+            total = 0.5 * float(np.sum(r * r))
+        return total if np.isfinite(total) else np.inf
+
+    def smoothed(self, p: Array, factor: float) -> Array:
+        """``p`` with every port's smoothing velocity multiplied by ``factor``."""
+        q = np.array(p)
+        for k, parameter in enumerate(self.model.parameters):
+            if parameter.name.endswith(".epsilon"):
+                q[k] = parameter.guess * factor
+        return q
+
+    def with_windows(self, horizon: int | None, substeps: int) -> Problem:
+        """The same problem over other horizons or with other steps."""
+        windows = cut(self.records, horizon, substeps)
+        return replace(self, windows=windows, shooter=replace(self.shooter, windows=windows))
+
+
+def build_problem(
+    model: Model,
+    records: Sequence[Record],
+    horizon: int | None,
+    substeps: int,
+    estimate_x0: bool = True,
+    free: Sequence[str] | None = None,
+    integrator: str = "rk4",
+) -> Problem:
+    """The least-squares problem of ``model`` on ``records``; ``free`` defaults to all not fixed.
+
+    Raises:
+        ValueError: if a record's inputs or outputs are not the model's.
+    """
+    for record in records:
+        _check_signals(model, record)
+    windows = cut(records, horizon, substeps)
+    names = tuple(p.name for p in model.free) if free is None else tuple(free)
+    pooled = np.concatenate([record.outputs for record in records])
+    scale = pooled.std(axis=0)
+    scale[scale == 0] = 1.0
+    return Problem(model, tuple(records), windows, Shooter(model, windows, names, integrator), scale, estimate_x0)
+
+
+def _check_signals(model: Model, record: Record) -> None:
+    pairs = (
+        ("inputs", record.input_channels, model.inputs),
+        ("outputs", record.output_channels, model.outputs),
+    )
+    for what, channels, signals in pairs:
+        have, want = [c.name for c in channels], [s.name for s in signals]
+        if have != want:
+            raise ValueError(f"record {record.name} has {what} {have}, plant {model.plant.name} needs {want}")
+        for channel, signal in zip(channels, signals, strict=True):
+            if channel.unit != signal.unit:
+                raise ValueError(
+                    f"record {record.name}: {channel.name} is in {channel.unit}, "
+                    f"plant {model.plant.name} needs {signal.unit}"
+                )

@@ -1,0 +1,171 @@
+"""Where a fit starts: a regression on smoothed derivatives, and which initial states.
+
+With every state x seen through an output, ``x' = f(t, x, u, p)`` at the samples is a
+least-squares problem in p alone, the equation error. Noise biases it; it is a start, not
+an estimate. Source: Klein, Morelli (2006), Aircraft System Identification, ch. 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from hybridid.estimators.problem import Problem
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.simulation.initial import measured_states, smoothed_derivative
+
+Array = NDArray[np.float64]
+MOST_SAMPLES = 5000
+HALF_WIDTH = 25
+"""Samples on each side that the smoothing polynomial of the derivatives uses."""
+PRIOR = 0.3
+"""Weight of the guess against some thousand samples: it only decides between parameters
+that the samples cannot tell apart."""
+SPREAD = 1.0
+"""Further starts scatter by this standard deviation of the logarithm about the first."""
+
+
+def regression_start(model: Model, records: Sequence[Record]) -> Array | None:
+    """Parameter vector (n_p,) from the equation error, or None where states stay unseen.
+
+    Effects with states of their own keep their guesses.
+    """
+    skeleton = replace(model, terms=tuple(t for t in model.terms if not t.effect.states), adjustments={})
+    skeleton = replace(skeleton, adjustments={p.name: _as_adjustment(p) for p in _shared(model, skeleton)})
+    if any(s.observed_by is None for s in skeleton.states) or not skeleton.free:
+        return None
+    p = _equation_error(skeleton, records)
+    return model.values(dict(zip([q.name for q in skeleton.parameters], p, strict=True)))
+
+
+def _shared(model: Model, skeleton: Model):
+    names = {p.name for p in skeleton.parameters}
+    return [p for p in model.parameters if p.name in names]
+
+
+def _as_adjustment(parameter) -> dict[str, float]:
+    if parameter.fixed:
+        return {"fixed": parameter.guess}
+    return {"guess": parameter.guess, "lower": parameter.lower, "upper": parameter.upper}
+
+
+def _equation_error(model: Model, records: Sequence[Record]) -> Array:
+    t, x, rate, u = (np.concatenate(part) for part in zip(*(_sampled(model, r) for r in records), strict=True))
+    scale = rate.std(axis=0)
+    scale[scale == 0] = 1.0
+    error, slope = _functions(model, len(t), scale)
+    free = [k for k, q in enumerate(model.parameters) if not q.fixed]
+    chosen = [model.parameters[k] for k in free]
+    size = np.array([q.scale for q in chosen])
+    p = model.values()
+
+    def full(z: Array) -> Array:
+        q = np.array(p)
+        q[free] = z * size
+        return q
+
+    guess, prior = p[free] / size, PRIOR * np.eye(len(free))
+    fit = least_squares(
+        lambda z: np.append(error(t, x.T, u.T, rate.T, full(z)).full().ravel(), PRIOR * (z - guess)),
+        guess,
+        jac=lambda z: np.vstack([slope(t, x.T, u.T, rate.T, full(z)).full()[:, free] * size, prior]),
+        bounds=([q.lower / q.scale for q in chosen], [q.upper / q.scale for q in chosen]),
+        loss="soft_l1",
+        f_scale=0.1,
+    )
+    return full(fit.x)
+
+
+def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
+    """Times, states, their rates and inputs at up to ``MOST_SAMPLES`` inner samples."""
+    width = min(HALF_WIDTH, (record.n - 1) // 4)
+    states = measured_states(model, record, width)
+    rates = np.stack(
+        [smoothed_derivative(record.output(s.observed_by), record.dt, s.derivative + 1, width) for s in model.states],
+        axis=1,
+    )
+    step = max(1, record.n // MOST_SAMPLES)
+    inner = slice(width, record.n - width, step)
+    return record.time[inner], states[inner], rates[inner], record.inputs[inner]
+
+
+def _functions(model: Model, n: int, scale: Array) -> tuple[ca.Function, ca.Function]:
+    """Equation error over n samples as a column, and its Jacobian by p."""
+    n_x = len(model.states)
+    t, x, u = ca.SX.sym("t"), ca.SX.sym("x", n_x), ca.SX.sym("u", len(model.inputs))
+    rate, p = ca.SX.sym("r", n_x), ca.SX.sym("p", len(model.parameters))
+    error = (rate - model.f(t, x, u, p)) / ca.DM(scale)
+    one = ca.Function("error", [t, x, u, rate, p], [error])
+    slope = ca.Function("slope", [t, x, u, rate, p], [ca.densify(ca.jacobian(error, p)).T])
+    many = one.map(n)
+    slopes = slope.map(n)
+    symbols = [ca.MX.sym(name, *f.size()) for name, f in zip(
+        "txur", (ca.SX(1, n), ca.SX(n_x, n), ca.SX(len(model.inputs), n), ca.SX(n_x, n)), strict=True)]
+    q = ca.MX.sym("p", len(model.parameters))
+    spread = ca.repmat(q, 1, n)
+    return (
+        ca.Function("errors", [*symbols, q], [ca.vec(many(*symbols, spread))]),
+        ca.Function("slopes", [*symbols, q], [slopes(*symbols, spread).T]),
+    )
+
+
+def scattered(model: Model, p: Array, count: int, seed: int) -> list[Array]:
+    """``count`` starts: ``p`` itself, the declared shape starts, then random ones inside the bounds."""
+    rng = np.random.default_rng(seed)
+    starts = [np.array(p)]
+    for k, value in _shape_starts(model):
+        starts.append(np.array(p))
+        starts[-1][k] = value
+    free = [k for k, q in enumerate(model.parameters) if not q.fixed]
+    while len(starts) < count:
+        start = np.array(p)
+        for k in free:
+            q = model.parameters[k]
+            spread = rng.normal(0.0, SPREAD)
+            moved = start[k] * np.exp(spread) if start[k] else q.scale * spread
+            start[k] = np.clip(moved, q.lower, q.upper)
+        starts.append(start)
+    return starts[:count]
+
+
+def _shape_starts(model: Model) -> list[tuple[int, float]]:
+    names = [q.name for q in model.parameters]
+    return [
+        (names.index(f"{term.name}.{q.name}"), value * q.dimension.scale(model.plant.port(term.port)))
+        for term in model.terms
+        for q in term.effect.parameters
+        for value in q.starts
+    ]
+
+
+def best_initial_states(problem: Problem, p: Array, candidates: Sequence[Array]) -> Array:
+    """For each horizon the candidate initial state (w, n_x) with the lowest cost at ``p``."""
+    costs = np.stack([_cost_by_horizon(problem, p, x0) for x0 in candidates])
+    chosen = costs.argmin(axis=0)
+    return np.stack([candidates[c][k] for k, c in enumerate(chosen)])
+
+
+def at_rest(problem: Problem, x0: Array) -> Array:
+    """``x0`` with every state that is a derivative of an output at zero.
+
+    A horizon that opens in sticking has hardly any gradient by its initial velocity, so
+    a small error of the smoothed velocity can trap a fit.
+    """
+    resting = np.array(x0)
+    for j, state in enumerate(problem.model.states):
+        if state.derivative > 0:
+            resting[:, j] = 0.0
+    return resting
+
+
+def _cost_by_horizon(problem: Problem, p: Array, x0: Array) -> Array:
+    r = problem.residuals(problem.shooter(x0, p))
+    with np.errstate(over="ignore", invalid="ignore"):
+        cost = np.sum(r * r, axis=(1, 2))
+    return np.where(np.isfinite(cost), cost, np.inf)

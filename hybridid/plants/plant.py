@@ -1,0 +1,64 @@
+"""``Plant``: a machine's rigid skeleton, to which effects are added at named ports."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import casadi as ca
+
+from hybridid.declarations import Parameter, Port, Signal, State
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Position and velocity (CasADi scalars) of an effort port, in the port's units."""
+
+    position: ca.SX
+    velocity: ca.SX
+
+
+class Plant(abc.ABC):
+    """The equations of motion of a machine, without friction or any other effect.
+
+    A subclass declares its parts as class attributes and writes three methods. In
+    them ``x``, ``u`` and ``p`` hold CasADi scalars by name (``x.q``, ``u.force``,
+    ``p.M``), and ``effort`` maps each effort port to the summed effort of the effects
+    there, which *resists* the port's motion.
+    """
+
+    name: str
+    meaning: str
+    source: str
+    states: tuple[State, ...]
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+    parameters: tuple[Parameter, ...]
+    ports: tuple[Port, ...]
+
+    @abc.abstractmethod
+    def motion(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, Motion]:
+        """Position and velocity of every effort port."""
+
+    @abc.abstractmethod
+    def derivative(
+        self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace, effort: Mapping[str, ca.SX]
+    ) -> Mapping[str, ca.SX]:
+        """Time derivative of every state, by name."""
+
+    @abc.abstractmethod
+    def output(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, ca.SX]:
+        """Every output, by name."""
+
+    def port(self, name: str) -> Port:
+        """The port called ``name``.
+
+        Raises:
+            KeyError: if the plant has no such port.
+        """
+        for port in self.ports:
+            if port.name == name:
+                return port
+        raise KeyError(f"{self.name} has no port {name!r}; it has {', '.join(p.name for p in self.ports)}")

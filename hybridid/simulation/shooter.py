@@ -1,0 +1,138 @@
+"""``Shooter``: simulates many horizons at once, with or without sensitivities.
+
+The sensitivities follow the variational equation of the discrete map
+``x+ = step(x, p)``: ``S+ = step_x S + [0, step_p]`` with ``S = dx/d(x0, p)``, exact for
+the integrator in use. Source: Bock (1987), Randwertproblemmethoden zur
+Parameteridentifizierung, "internal numerical differentiation".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.model import Model
+from hybridid.simulation.integrators import INTEGRATORS
+from hybridid.simulation.windows import Windows
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Shot:
+    """Simulated horizons.
+
+    Shapes: ``outputs`` (w, H, n_y), ``states`` (w, H, n_x), and where asked for
+    ``by_state`` (w, H, n_y, n_x) = dy/dx0, ``by_parameter`` (w, H, n_y, n_free) = dy/dp.
+    """
+
+    outputs: Array
+    states: Array
+    by_state: Array | None = None
+    by_parameter: Array | None = None
+
+    @property
+    def finite(self) -> bool:
+        return bool(np.isfinite(self.outputs).all())
+
+
+@dataclass(frozen=True)
+class Shooter:
+    """Simulates ``windows`` with ``model``; ``free`` lists the parameters to differentiate by."""
+
+    model: Model
+    windows: Windows
+    free: tuple[str, ...] = ()
+    integrator: str = "rk4"
+
+    def __call__(self, x0: Array, p: Array, sensitivities: bool = False) -> Shot:
+        """Simulate every horizon from ``x0`` (w, n_x) at the parameters ``p`` (n_p,)."""
+        w, length, count = self.windows.count, self.windows.length, self.windows.chunk
+        n_x, n_y, n_s = len(self.model.states), len(self.model.outputs), len(self.model.states) + len(self.free)
+        compiled = self._sensitivity_chunk if sensitivities else self._chunk
+        held_p = np.tile(p, (w * count, 1))
+        start = (np.array(x0), np.tile(np.eye(n_s, n_x), (w, 1, 1)))[: 2 if sensitivities else 1]
+        # CasADi stacks columns, so a C-ordered (w, count, columns, rows) array is its (rows, w count columns).
+        next_shapes = [(w, count, n_x), (w, count, n_s, n_x)][: len(start)]
+        shapes = [*next_shapes, (w, count, n_x), (w, count, n_y), (w, count, n_s, n_y)][: 3 + 2 * (len(start) - 1)]
+        results = [np.empty((*shape[:1], length, *shape[2:])) for shape in shapes[len(start) :]]
+        for begin in range(0, length, count):
+            part = slice(begin, begin + count)
+            given = [*start, *(a[:, part] for a in self._data), held_p]
+            values = _call(compiled, given, shapes)
+            start = tuple(value[:, -1] for value in values[: len(start)])
+            for result, value in zip(results, values[len(start) :], strict=True):
+                result[:, part] = value
+        if not sensitivities:
+            return Shot(outputs=results[1], states=results[0])
+        by = results[2].swapaxes(2, 3)
+        return Shot(results[1], results[0], by_state=by[..., :n_x], by_parameter=by[..., n_x:])
+
+    @property
+    def _data(self) -> tuple[Array, Array, Array]:
+        return self.windows.time[..., None], self.windows.stages, self.windows.inputs
+
+    @cached_property
+    def _step(self) -> ca.Function:
+        windows = self.windows
+        return INTEGRATORS[self.integrator](self.model, windows.dt, windows.substeps, windows.held)
+
+    @cached_property
+    def _symbols(self) -> tuple[ca.SX, ...]:
+        n_u = len(self.model.inputs)
+        stages = self.windows.stages.shape[2]
+        sizes = (1, stages, n_u, len(self.model.parameters))
+        return tuple(ca.SX.sym(name, n) for name, n in zip("tUup", sizes, strict=True))
+
+    @cached_property
+    def _chunk(self) -> ca.Function:
+        t, stages, u, p = self._symbols
+        x = ca.SX.sym("x", len(self.model.states))
+        out = [self._step(t, x, stages, p), x, self.model.h(t, x, u, p)]
+        one = ca.Function("sample", [x, t, stages, u, p], [ca.densify(v) for v in out], {"cse": True})
+        return one.mapaccum("chunk", self.windows.chunk, 1).map(self.windows.count)
+
+    @cached_property
+    def _sensitivity_chunk(self) -> ca.Function:
+        t, stages, u, p = self._symbols
+        n_x = len(self.model.states)
+        x, s = ca.SX.sym("x", n_x), ca.SX.sym("S", n_x, n_x + len(self.free))
+        columns = _positions(self.model, self.free)
+        x_next, y = self._step(t, x, stages, p), self.model.h(t, x, u, p)
+        s_next, dy = (_total(value, x, p, s, columns) for value in (x_next, y))
+        out = [ca.densify(v) for v in (x_next, s_next, x, y, dy)]
+        one = ca.Function("sample", [x, s, t, stages, u, p], out, {"cse": True})
+        return one.mapaccum("chunk", self.windows.chunk, 2).map(self.windows.count)
+
+
+def _positions(model: Model, names: Sequence[str]) -> list[int]:
+    order = {parameter.name: k for k, parameter in enumerate(model.parameters)}
+    return [order[name] for name in names]
+
+
+def _total(value: ca.SX, x: ca.SX, p: ca.SX, s: ca.SX, columns: Sequence[int]) -> ca.SX:
+    """``d value / d(x0, p) = value_x S + [0, value_p]``."""
+    n_x = x.shape[0]
+    through = ca.jacobian(value, x) @ s
+    if columns:
+        direct = ca.jacobian(value, p)[:, list(columns)]
+        through = ca.horzcat(through[:, :n_x], through[:, n_x:] + direct)
+    return through
+
+
+def _call(function: ca.Function, given: Sequence[Array], shapes: Sequence[tuple[int, ...]]) -> list[Array]:
+    """Call ``function`` on numpy memory, without conversions."""
+    buffer, run = function.buffer()
+    arrays = [np.ascontiguousarray(a, dtype=float) for a in given]
+    results = [np.empty(shape) for shape in shapes]
+    for k, array in enumerate(arrays):
+        buffer.set_arg(k, memoryview(array))
+    for k, result in enumerate(results):
+        buffer.set_res(k, memoryview(result))
+    run()
+    return results

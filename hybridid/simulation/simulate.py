@@ -1,0 +1,61 @@
+"""Simulate a model over a record from one initial state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.simulation.initial import measured_states
+from hybridid.simulation.shooter import Shooter
+from hybridid.simulation.stability import substeps_for
+from hybridid.simulation.windows import cut
+
+Array = NDArray[np.float64]
+
+
+class Diverged(ArithmeticError):
+    """A simulation left the range of numbers; the message says when."""
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A simulated run: ``time`` (n,) s, ``states`` (n, n_x), ``outputs`` (n, n_y)."""
+
+    time: Array
+    states: Array
+    outputs: Array
+    state_names: tuple[str, ...]
+
+
+def simulate(
+    model: Model,
+    values: Mapping[str, float],
+    record: Record,
+    initial_state: Array | None = None,
+    substeps: int | None = None,
+    integrator: str = "rk4",
+) -> Trajectory:
+    """Free-run ``model`` over the inputs of ``record``.
+
+    Args:
+        values: parameter values by qualified name; guesses serve for the others.
+        initial_state: (n_x,); by default what the record's first samples say.
+        substeps: integration steps a sample; by default enough to be stable.
+
+    Raises:
+        Diverged: if the simulation does not stay finite.
+    """
+    p = model.values(values)
+    steps = substeps or substeps_for(model, p, [record])
+    x0 = measured_states(model, record)[0] if initial_state is None else np.asarray(initial_state, float)
+    shot = Shooter(model, cut([record], None, steps), integrator=integrator)(x0[None, :], p)
+    outputs, states = shot.outputs[0, : record.n], shot.states[0, : record.n]
+    if not np.isfinite(outputs).all():
+        first = int(np.argmin(np.isfinite(outputs).all(axis=1)))
+        raise Diverged(f"simulation of record {record.name} diverged at t = {record.time[first]:.4g} s")
+    return Trajectory(record.time, states, outputs, tuple(s.name for s in model.states))

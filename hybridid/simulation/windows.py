@@ -1,0 +1,98 @@
+"""``Windows``: records cut into horizons, each simulated from an initial state of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.records.record import Record
+from hybridid.simulation.holds import all_held, stage_inputs
+
+Array = NDArray[np.float64]
+CALL = 2500
+"""Samples that one call of a compiled function simulates, over all horizons together."""
+SHORTEST = 0.2
+"""A last horizon shorter than this share of the others is left out."""
+
+
+@dataclass(frozen=True)
+class Windows:
+    """``w`` horizons of ``length`` samples each, padded at their ends where ``used`` is False.
+
+    They are simulated ``chunk`` samples a call, so ``length`` is a multiple of it.
+
+    Shapes: ``time`` (w, length); ``stages`` (w, length, n_U) inputs of each step;
+    ``inputs`` (w, length, n_u); ``outputs`` (w, length, n_y); ``used`` (w, length).
+    ``origin`` gives (record index, first sample, end sample) of each.
+    """
+
+    dt: float
+    held: bool
+    substeps: int
+    chunk: int
+    time: Array
+    stages: Array
+    inputs: Array
+    outputs: Array
+    used: NDArray[np.bool_]
+    origin: tuple[tuple[int, int, int], ...]
+
+    @property
+    def count(self) -> int:
+        return len(self.origin)
+
+    @property
+    def length(self) -> int:
+        return self.time.shape[1]
+
+    @property
+    def samples(self) -> int:
+        """Number of samples that count."""
+        return int(self.used.sum())
+
+
+def cut(records: Sequence[Record], horizon: int | None, substeps: int) -> Windows:
+    """Cut ``records`` into horizons of ``horizon`` samples (None: each record whole).
+
+    Raises:
+        ValueError: if the records differ in sampling time or a horizon is shorter than 2.
+    """
+    dt = records[0].dt
+    for record in records:
+        if abs(record.dt - dt) > 1e-6 * dt:
+            raise ValueError(
+                f"records {records[0].name} and {record.name} differ in sampling time "
+                f"({dt:g} s, {record.dt:g} s): resample one of them in preprocess"
+            )
+    length = max(r.n for r in records) if horizon is None else min(horizon, max(r.n for r in records))
+    if length < 2:
+        raise ValueError(f"horizon of {length} samples: at least 2 are needed")
+    held = all(all_held(record) for record in records)
+    count = sum(-(-record.n // length) for record in records)
+    chunk = min(length, max(100, CALL // count))
+    padded = -(-length // chunk) * chunk
+    pieces = []
+    for index, record in enumerate(records):
+        stages = stage_inputs(record, substeps) if held else _unheld(record, substeps)
+        for start in range(0, record.n, length):
+            stop = min(start + length, record.n)
+            if start and stop - start < SHORTEST * length:
+                break
+            pieces.append((_piece(record, stages, start, stop, padded), (index, start, stop)))
+    arrays = [np.stack([piece[k] for piece, _ in pieces]) for k in range(5)]
+    return Windows(dt, held, substeps, chunk, *arrays, origin=tuple(origin for _, origin in pieces))
+
+
+def _piece(record: Record, stages: Array, start: int, stop: int, length: int) -> tuple[Array, ...]:
+    index = np.minimum(np.arange(start, start + length), stop - 1)
+    used = np.arange(start, start + length) < stop
+    return record.time[index], stages[index], record.inputs[index], record.outputs[index], used
+
+
+def _unheld(record: Record, substeps: int) -> Array:
+    """Stage inputs of a held record laid out like those of one that is not."""
+    stages = stage_inputs(record, substeps)
+    return np.tile(stages, (1, 2 * substeps + 1)) if all_held(record) else stages
