@@ -40,8 +40,8 @@ NEVER_BELOW_RIGS = ("casadi", "hybridid.simulation", "hybridid.effects", "hybrid
 STAGES = ("preprocess", "fit", "residual", "validate", "plot", "trace", "report", "sweep", "reproduce")
 
 # distributions whose import name differs, and those that work without being imported
-IMPORT_NAME = {"hydra-core": "hydra"}
-PLUGINS = {"hydra-joblib-launcher", "pyarrow"}
+IMPORT_NAME = {"hydra-core": "hydra", "pyyaml": "yaml"}
+PLUGINS = {"hydra-joblib-launcher"}
 
 Graph = Mapping[str, frozenset[str]]
 
