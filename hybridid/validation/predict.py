@@ -1,0 +1,124 @@
+"""Predictions in two views: free-run over the whole record, and over short horizons.
+
+A plant that integrates turns a small change of friction into millimetres by the end of a
+long record, so a free run says little of a better model; horizons, each from its own
+estimated initial state, say how good the equations are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators import gauss_newton
+from hybridid.estimators.problem import Problem, build_problem
+from hybridid.estimators.start import at_rest, best_initial_states
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.simulation.simulate import Diverged
+from hybridid.simulation.stability import substeps_for
+
+Array = NDArray[np.float64]
+VIEWS = ("free_run", "horizon")
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A model's outputs beside the measured ones.
+
+    Shapes: ``time`` (n,) s, ``measured`` and ``predicted`` (n, n_y), ``states`` (n, n_x).
+    ``breaks`` are the samples where a horizon begins, ``initial_states`` (w, n_x) theirs.
+    """
+
+    record: str
+    view: str
+    provenance: str
+    time: Array
+    measured: Array
+    predicted: Array
+    states: Array
+    output_names: tuple[str, ...]
+    output_units: tuple[str, ...]
+    state_names: tuple[str, ...]
+    breaks: tuple[int, ...]
+    initial_states: Array
+
+    @property
+    def error(self) -> Array:
+        """``measured - predicted``, (n, n_y)."""
+        return self.measured - self.predicted
+
+
+def free_run(
+    model: Model, values: Mapping[str, float], record: Record, initial_state: str = "estimated", integrator: str = "rk4"
+) -> Prediction:
+    """Simulate the whole record from one initial state.
+
+    ``initial_state`` is "estimated" (the one that fits the record best; the parameters
+    stay) or "measured" (what the first samples say).
+
+    Raises:
+        Diverged: if the simulation does not stay finite.
+    """
+    return _predict(model, values, record, None, initial_state, "free_run", integrator)
+
+
+def horizon_run(
+    model: Model, values: Mapping[str, float], record: Record, horizon: int, integrator: str = "rk4"
+) -> Prediction:
+    """Simulate each horizon of ``horizon`` samples from its own estimated initial state.
+
+    Raises:
+        Diverged: if the simulation does not stay finite.
+    """
+    return _predict(model, values, record, horizon, "estimated", "horizon", integrator)
+
+
+def _predict(
+    model: Model,
+    values: Mapping[str, float],
+    record: Record,
+    horizon: int | None,
+    initial_state: str,
+    view: str,
+    integrator: str,
+) -> Prediction:
+    if initial_state not in ("estimated", "measured"):
+        raise ValueError(f"validate.initial_state is {initial_state!r}, allowed: estimated, measured")
+    p = model.values(values)
+    estimate = initial_state == "estimated"
+    substeps = substeps_for(model, p, [record])
+    problem = build_problem(model, [record], horizon, substeps, estimate, free=(), integrator=integrator)
+    x0 = initial_states(problem, p) if estimate else problem.measured_x0()
+    shot = problem.shooter(x0, p)
+    used = problem.windows.used
+    time, predicted, states = (a[used] for a in (problem.windows.time, shot.outputs, shot.states))
+    if not np.isfinite(predicted).all():
+        first = int(np.argmin(np.isfinite(predicted).all(axis=1)))
+        raise Diverged(f"simulation of record {record.name} diverged at t = {time[first]:.4g} s")
+    return Prediction(
+        record=record.name,
+        view=view,
+        provenance=record.provenance,
+        time=time,
+        measured=problem.windows.outputs[used],
+        predicted=predicted,
+        states=states,
+        output_names=tuple(s.name for s in model.outputs),
+        output_units=tuple(s.unit for s in model.outputs),
+        state_names=tuple(s.name for s in model.states),
+        breaks=tuple(start for _, start, _ in problem.windows.origin),
+        initial_states=x0,
+    )
+
+
+def initial_states(problem: Problem, p: Array) -> Array:
+    """The initial state of each horizon that fits it best at fixed parameters, (w, n_x)."""
+    measured = problem.measured_x0()
+    candidates = [measured, at_rest(problem, measured)]
+    start = best_initial_states(problem, p, candidates)
+    found = gauss_newton.solve(problem, p, start).x0
+    return best_initial_states(problem, p, [found, *candidates])
