@@ -1,0 +1,158 @@
+"""The virtual EMPS: a carriage on a ball screw under a cascaded PD, as Janot, Gautier and Brunot ran it.
+
+    M q'' = force - f_v q' - f_c sign(q') - offset - planted effects
+    force = gain * saturated(kp kv (reference - position) - kv velocity + pulses),  held over 1 ms
+
+What the measured records show and the rig repeats: the command answers the position of its own
+sample (no delay), one encoder count is 5e-8 m, and the voltage holds the pulses of the validation run.
+
+Source: Janot, Gautier, Brunot (2019), "Data set and reference models of EMPS".
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.records.record import Channel
+from hybridid.rigs.law_library import ASYMMETRIC_VISCOUS, COULOMB, OFFSET, VISCOUS
+from hybridid.rigs.laws import Planted, RigError
+from hybridid.rigs.loop import CascadedPD, Drive, Encoder
+from hybridid.rigs.machine import Machine, Motion
+from hybridid.rigs.rig import Experiment, Rig
+from hybridid.rigs.trajectory import BangBang, Move
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EMPSTruth:
+    """``M q'' = force - f_v q' - f_c sign(q') - offset - planted``; M [kg], f_v [N s/m], f_c, offset [N].
+
+    ``planted`` are the effects that nobody declared.
+    """
+
+    M: float = 95.0
+    f_v: float = 203.0
+    f_c: float = 20.4
+    offset: float = -3.2
+    planted: tuple[Planted, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.M > 0 or self.f_c < 0:
+            raise RigError(f"EMPS rig: M is {self.M:g} kg (above 0), f_c {self.f_c:g} N (not below 0)")
+
+    @property
+    def machine(self) -> Machine:
+        """The carriage: one mass, one contact."""
+        believed = (VISCOUS(f_v=self.f_v), COULOMB(f_c=self.f_c), OFFSET(offset=self.offset))
+        return Machine(((self.M,),), ((1.0,),), ((1.0,),), ((*believed, *self.planted),))
+
+
+@dataclass(frozen=True)
+class SquareWave:
+    """A voltage of 0 and ``height`` [V] by turns, ``samples`` samples each, 0 first."""
+
+    height: float = 5.0
+    samples: int = 500
+
+    def __post_init__(self) -> None:
+        if self.samples < 1:
+            raise RigError(f"{self}: samples must be 1 or more")
+
+    def __call__(self, n: int) -> Array:
+        high = np.arange(n) // self.samples % 2 == 1
+        return np.where(high, self.height, 0.0)
+
+
+CONTROLLER = CascadedPD(kp=160.18, kv=243.45)
+DRIVE = Drive(gain=35.15, saturation=10.0)
+ENCODER = Encoder(resolution=5e-8, noise_std=1e-8)
+PULSES = SquareWave()
+# Speeds, accelerations and stroke of the measured reference, in moves of our own: a quick turn both
+# ways first, so that a short record has both directions.
+REFERENCE = BangBang(
+    lead_in=0.1,
+    moves=(
+        Move(0.017, 0.042, 0.84),
+        Move(0.0, 0.042, 0.84),
+        Move(0.065, 0.083, 0.84),
+        Move(0.2125, 0.125, 0.84, rest=0.1),
+        Move(0.245, 0.083, 0.6),
+        Move(0.0975, 0.125, 0.84),
+        Move(0.0325, 0.083, 0.6),
+        Move(0.0, 0.042, 0.84, rest=0.1),
+    ),
+)
+
+
+@dataclass(frozen=True)
+class EMPSConfig:
+    """Everything that decides an experiment on the virtual EMPS; SI units."""
+
+    truth: EMPSTruth = EMPSTruth()
+    controller: CascadedPD = CONTROLLER
+    drive: Drive = DRIVE
+    encoder: Encoder = ENCODER
+    reference: BangBang = REFERENCE
+    pulses: SquareWave = PULSES
+
+
+# The real machine's published physics, with the worn screw that the symmetric model does not know of.
+DEFAULT = EMPSConfig(truth=EMPSTruth(planted=(ASYMMETRIC_VISCOUS(difference=73.7),)))
+
+
+@final
+class EMPSRig(Rig):
+    """The electro-mechanical positioning system, simulated. Runs: ``identification`` and, with pulses
+    on the command, ``validation``."""
+
+    name = "emps"
+    runs = ("identification", "validation")
+    sampling_time = 1e-3
+    full_duration = 24.84
+    input_channels = (Channel("force", "N", "zoh", "motor force on the load side"),)
+    output_channels = (Channel("position", "m", meaning="carriage position"),)
+    auxiliary_channels = (Channel("reference", "m", meaning="commanded position"),)
+
+    def __init__(self, config: EMPSConfig = DEFAULT) -> None:
+        self.config = config
+
+    def configuration(self) -> dict[str, Any]:
+        plain = asdict(self.config)
+        plain["truth"]["planted"] = [planted.described() for planted in self.config.truth.planted]
+        return plain
+
+    def summary(self) -> str:
+        truth = self.config.truth
+        planted = ", ".join(str(planted) for planted in truth.planted) or "nothing"
+        return (
+            f"M {truth.M:g} kg, f_v {truth.f_v:g} N s/m, f_c {truth.f_c:g} N, offset {truth.offset:g} N, "
+            f"planted: {planted}"
+        )
+
+    def perform(self, run: str, time: Array, generator: np.random.Generator) -> Experiment:
+        config, n, dt = self.config, len(time), self.sampling_time
+        reference = config.reference.position(time)
+        pulses = config.pulses(n) if run == "validation" else np.zeros(n)
+        noise = config.encoder.noise(n, generator)
+        motion = Motion(config.truth.machine, positions=[0.0])
+        measured, force, position, velocity = (np.empty(n) for _ in range(4))
+        previous = oldest = config.encoder.read(0.0)
+        for k in range(n):
+            position[k], velocity[k] = motion.positions[0], motion.velocities[0]
+            measured[k] = config.encoder.read(position[k] + noise[k])
+            command = config.controller.command(reference[k], (measured[k], previous, oldest), dt)
+            force[k] = config.drive.gain * config.drive.voltage(command + pulses[k])
+            motion.advance(dt, force[k : k + 1])
+            previous, oldest = measured[k], previous
+        return Experiment(
+            time,
+            inputs={"force": force},
+            outputs={"position": measured},
+            auxiliary={"reference": reference},
+            truth={"position": position, "velocity": velocity},
+        )

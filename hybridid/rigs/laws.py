@@ -1,0 +1,128 @@
+"""``Law``: one physical phenomenon in the truth of a virtual rig, as a plain compiled function.
+
+The truth never uses the estimator's effects: a law is written here once more, in plain
+arithmetic, with a true sign. It is evaluated at one contact of a machine and *resists* its motion:
+
+    F = law(t, q, v, s, z, p, dz)
+
+with time ``t`` [s], position ``q``, velocity ``v`` and direction ``s`` of the contact (+1 or -1 while it
+slides, 0 while it sticks), the law's own states ``z``, its parameters ``p`` and, to be filled in, the
+states' rates ``dz``. A law writes ``f_c * s`` and ``s * v`` where a textbook writes sign(v) and |v|: within
+one direction it is then smooth, and the limits at ``v = 0``, ``s = +-1`` are the breakaway forces.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import hashlib
+import inspect
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+class RigError(ValueError):
+    """A virtual rig that cannot be run as asked: the message says what, where and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """One phenomenon: its equation, its parameters as (name, unit) and its number of states.
+
+    ``function`` has the signature above and must be plain numba-compilable Python.
+    ``dry`` says that the force jumps with the direction at rest, so that the contact can stick.
+    ``positive`` names the parameters that must be above zero.
+    """
+
+    name: str
+    equation: str
+    function: Callable[..., float]
+    parameters: tuple[tuple[str, str], ...]
+    states: int = 0
+    dry: bool = False
+    positive: tuple[str, ...] = ()
+    source: str = ""
+
+    def __call__(self, **values: float) -> Planted:
+        """The law at work with these values: ``STRIBECK(amplitude=5.0, velocity=0.01)``."""
+        return Planted(self, tuple(values.items()))
+
+    @property
+    def fingerprint(self) -> str:
+        """A hash of what the law computes, so that a changed law makes a new record."""
+        try:
+            text = inspect.getsource(self.function)
+        except (OSError, TypeError):
+            text = f"{self.function.__module__}.{self.function.__qualname__}"
+        return hashlib.sha256(f"{self.equation}\n{text}".encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Planted:
+    """A law with its values: a piece of the truth of a rig.
+
+    ``values`` are (name, value) pairs; they are kept in the order of ``law.parameters``.
+
+    Raises:
+        RigError: for a value that is missing, unknown, not finite or out of its range.
+    """
+
+    law: Law
+    values: tuple[tuple[str, float], ...]
+
+    def __post_init__(self) -> None:
+        given = dict(self.values)
+        names = [name for name, _ in self.law.parameters]
+        for name in given:
+            if name not in names:
+                raise RigError(f"law {self.law.name}: no parameter {name!r}{nearest(name, names)}")
+        for name in names:
+            self._check(name, given)
+        object.__setattr__(self, "values", tuple((name, float(given[name])) for name in names))
+
+    def _check(self, name: str, given: Mapping[str, float]) -> None:
+        if name not in given:
+            needed = ", ".join(f"{n} [{unit}]" for n, unit in self.law.parameters)
+            raise RigError(f"law {self.law.name}: {name} is missing; it needs {needed}")
+        if not math.isfinite(given[name]):
+            raise RigError(f"law {self.law.name}: {name} is {given[name]}, must be finite")
+        if name in self.law.positive and given[name] <= 0:
+            raise RigError(f"law {self.law.name}: {name} is {given[name]:g}, must be above 0")
+
+    def described(self) -> dict[str, Any]:
+        """Name, values and fingerprint as plain data, for a digest or a file."""
+        return {"law": self.law.name, "fingerprint": self.law.fingerprint, **dict(self.values)}
+
+    def __str__(self) -> str:
+        units = dict(self.law.parameters)
+        inside = ", ".join(f"{name} {value:g} {units[name]}".rstrip() for name, value in self.values)
+        return f"{self.law.name} ({inside})"
+
+
+def nearest(name: str, allowed: list[str]) -> str:
+    """``"; nearest: ..."`` for a misspelt name, or what is allowed."""
+    close = difflib.get_close_matches(name, allowed, n=1)
+    return f"; nearest: {close[0]}" if close else f"; allowed: {', '.join(allowed) or 'none'}"
+
+
+@functools.cache
+def compiled(function: Callable[..., float]) -> Any:
+    """The law as a numba C function, all laws of one type, so that one kernel takes any list of them."""
+    from numba import cfunc, types
+
+    row = types.Array(types.float64, 1, "C")
+    number = types.float64
+    return cfunc(number(number, number, number, number, row, row, row), cache=True)(function)
+
+
+def function_list(functions: list[Callable[..., float]]) -> Any:
+    """The laws as a numba list, without numba's warning that first-class functions are experimental."""
+    from numba.core.errors import NumbaExperimentalFeatureWarning
+    from numba.typed import List
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        return List([compiled(function) for function in functions])

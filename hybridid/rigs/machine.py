@@ -1,0 +1,155 @@
+"""``Machine``: masses, inputs and contacts, and ``Motion``: its motion through time.
+
+    mass q'' = input_matrix u - directions^T F,    F_c = sum of the laws at contact c
+
+Contact c moves with position ``directions[c] . q``. A carriage on its guide is one mass and one
+contact; a motor and a load joined by a shaft are two masses and three contacts, the third along
+``(1, -1)`` with a spring at work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hybridid.rigs.laws import Planted, RigError, function_list
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Machine:
+    """The truth of a rig.
+
+    ``mass`` (n, n), constant and positive definite; ``input_matrix`` (n, n_u); ``directions`` (c, n);
+    ``laws`` holds the laws at work at each of the c contacts.
+
+    Raises:
+        RigError: if shapes disagree, the mass is not positive definite, or dry contacts overlap so
+            that friction at rest could not be shared out between them.
+    """
+
+    mass: tuple[tuple[float, ...], ...]
+    input_matrix: tuple[tuple[float, ...], ...]
+    directions: tuple[tuple[float, ...], ...]
+    laws: tuple[tuple[Planted, ...], ...]
+
+    def __post_init__(self) -> None:
+        mass = np.array(self.mass, dtype=float)
+        n = len(mass)
+        if mass.shape != (n, n) or not np.allclose(mass, mass.T) or np.linalg.eigvalsh(mass).min() <= 0:
+            raise RigError(f"machine: mass must be symmetric and positive definite, is {self.mass}")
+        if np.array(self.input_matrix).shape[:1] != (n,) or np.array(self.directions).shape[1:] != (n,):
+            raise RigError(f"machine: {n} masses need {n} rows of inputs and directions of {n} numbers")
+        if len(self.laws) != len(self.directions):
+            raise RigError(f"machine: {len(self.directions)} contacts need as many sets of laws")
+        dry = np.array(self.directions)[list(self.dry)]
+        if len(dry) and np.linalg.matrix_rank(dry) < len(dry):
+            raise RigError("machine: contacts with dry friction must have independent directions")
+
+    @property
+    def coordinates(self) -> int:
+        """Number n of coordinates."""
+        return len(self.mass)
+
+    @property
+    def dry(self) -> tuple[bool, ...]:
+        """Which contacts can stick, shape (c,)."""
+        return tuple(any(planted.law.dry for planted in laws) for laws in self.laws)
+
+    @property
+    def planted(self) -> tuple[tuple[int, Planted], ...]:
+        """(contact, law) of every law at work, in the order of its states and parameters."""
+        return tuple((c, law) for c, laws in enumerate(self.laws) for law in laws)
+
+
+class Motion:
+    """The motion of a machine from ``positions`` at rest, all contacts sticking and laws' states at zero.
+
+    ``tolerance`` is the allowed local error of a step, relative and (in the states' SI units)
+    a hundredth of it absolute. ``max_step`` [s] caps the step below the interval advanced.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        positions: ArrayLike,
+        velocities: ArrayLike | None = None,
+        tolerance: float = 1e-9,
+        max_step: float = float("inf"),
+    ) -> None:
+        n, laws = machine.coordinates, machine.planted
+        states = sum(planted.law.states for _, planted in laws)
+        self.time = 0.0
+        self.events = 0
+        self._n, self._tolerance, self._max_step = n, tolerance, max_step
+        self._y = np.concatenate([np.asarray(positions, float), np.zeros(n + states)])
+        self._slip = np.zeros(len(machine.directions))
+        self._tables = _tables(machine)
+        if velocities is not None:
+            self._y[n : 2 * n] = velocities
+            self._slip[:] = np.sign(np.array(machine.directions) @ self._y[n : 2 * n])
+
+    @property
+    def positions(self) -> Array:
+        """Coordinates q, shape (n,)."""
+        return self._y[: self._n].copy()
+
+    @property
+    def velocities(self) -> Array:
+        """Their velocities, shape (n,)."""
+        return self._y[self._n : 2 * self._n].copy()
+
+    @property
+    def law_states(self) -> Array:
+        """The laws' own states, in the order of ``Machine.planted``."""
+        return self._y[2 * self._n :].copy()
+
+    @property
+    def slip(self) -> Array:
+        """Direction of each contact: +1 or -1 while it slides, 0 while it sticks; shape (c,)."""
+        return self._slip.copy()
+
+    def advance(self, duration: float, inputs: Array) -> None:
+        """Move on by ``duration`` [s] with ``inputs`` (n_u,) held.
+
+        Raises:
+            RigError: if the motion cannot be followed (a law that diverges or chatters).
+        """
+        from hybridid.rigs.integrator import advance
+
+        events = advance(
+            self.time, duration, inputs, self._y, self._slip, self._tolerance, self._max_step, *self._tables
+        )
+        if events < 0:
+            raise RigError(f"virtual rig: the truth cannot be integrated beyond {self.time:.6g} s")
+        self.events += events
+        self.time += duration
+
+
+def _tables(machine: Machine) -> Any:
+    """The machine as flat arrays for the compiled integrator."""
+    from hybridid.rigs.integrator import Tables
+
+    contacts, planted = zip(*machine.planted, strict=True)
+    parameters = [[value for _, value in one.values] for one in planted]
+    return Tables(
+        inverse_mass=np.linalg.inv(np.array(machine.mass, dtype=float)),
+        input_matrix=np.array(machine.input_matrix, dtype=float),
+        directions=np.array(machine.directions, dtype=float),
+        dry=np.array(machine.dry),
+        laws=function_list([one.law.function for one in planted]),
+        contact=np.array(contacts, dtype=np.int64),
+        state_start=_starts([one.law.states for one in planted]),
+        parameter_start=_starts([len(values) for values in parameters]),
+        parameters=np.array([value for values in parameters for value in values], dtype=float),
+    )
+
+
+def _starts(lengths: Sequence[int]) -> NDArray[np.int64]:
+    """First index of each part, and the end: (2, 0, 1) -> [0, 2, 2, 3]."""
+    return np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)

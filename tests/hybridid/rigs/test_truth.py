@@ -1,0 +1,131 @@
+"""The truth of the virtual EMPS against scipy with events, against its energy, and against a finer step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from hybridid.rigs.emps import DEFAULT, EMPSConfig, EMPSRig, EMPSTruth
+from hybridid.rigs.law_library import plant
+from hybridid.rigs.laws import Law
+from hybridid.rigs.machine import Motion
+
+DT = 1e-3
+M, F_V, F_C, OFFSET = 95.0, 203.0, 20.4, -3.2
+PEAK, V_S, K_3, DRAG = 6.0, 0.008, 4000.0, 300.0
+RICH = EMPSTruth(
+    planted=(
+        plant("stribeck", amplitude=PEAK, velocity=V_S),
+        plant("cubic_stiffness", k_3=K_3, q_0=0.1),
+        plant("quadratic_drag", c=DRAG),
+    )
+)
+
+
+def replay(machine, force, **settings):
+    """Positions (n,) and velocities (n,) under a recorded force, without the loop."""
+    motion = Motion(machine, [0.0], **settings)
+    q, v = [0.0], [0.0]
+    for k in range(len(force) - 1):
+        motion.advance(DT, force[k : k + 1])
+        q.append(motion.positions[0])
+        v.append(motion.velocities[0])
+    return np.array(q), np.array(v), motion
+
+
+def resistance(q, v, s):
+    stribeck = s * PEAK * np.exp(-((v / V_S) ** 2))
+    return F_V * v + s * F_C + OFFSET + stribeck + K_3 * (q - 0.1) ** 3 + s * DRAG * v**2
+
+
+def scipy_slide(q, v, s, force, duration):
+    """Sliding one way with solve_ivp, stopped at a standstill."""
+
+    def stop(t, y):
+        return y[1] if t > 1e-12 else s
+
+    stop.terminal, stop.direction = True, -s
+    return solve_ivp(
+        lambda t, y: [y[1], (force - resistance(y[0], y[1], s)) / M],
+        (0.0, duration),
+        [q, v],
+        method="DOP853",
+        events=stop,
+        rtol=1e-11,
+        atol=1e-14,
+    )
+
+
+def scipy_hold(q, v, s, force):
+    """One hold interval with solve_ivp, stopped at each standstill; returns (q, v, s) at its end."""
+    t = 0.0
+    while t < DT:
+        if s == 0:
+            up, down = resistance(q, 0.0, 1), resistance(q, 0.0, -1)
+            s = 1 if force > up else -1 if force < down else 0
+        if s == 0:
+            return q, 0.0, 0
+
+        part = scipy_slide(q, v, s, force, DT - t)
+        t, (q, v) = t + part.t[-1], part.y[:, -1]
+        if part.status == 1:
+            v, s = 0.0, 0
+    return q, v, s
+
+
+def test_it_agrees_with_scipy_and_its_events_on_a_second_with_sticking_and_a_turn():
+    force = EMPSRig(EMPSConfig(truth=RICH)).experiment(duration=1.2).inputs["force"]
+    mine, speed, motion = replay(RICH.machine, force)
+    q, v, s, theirs, stuck = 0.0, 0.0, 0, [0.0], 0
+    for held in force[:-1]:
+        q, v, s = scipy_hold(q, v, s, held)
+        theirs.append(q)
+        stuck += s == 0
+    assert stuck > 100
+    assert motion.events >= 2
+    assert {-1, 1} <= set(np.sign(speed))
+    assert np.abs(mine - theirs).max() < 1e-12
+
+
+def test_halving_the_step_and_tightening_the_tolerance_change_nothing_that_a_sensor_could_see():
+    truth = replace(
+        RICH,
+        planted=(
+            *RICH.planted,
+            plant("dahl", amplitude=4.0, stiffness=2e5),
+            plant("flexible_mode", mass=8.0, frequency=40.0, damping=0.01),
+        ),
+    )
+    force = EMPSRig(EMPSConfig(truth=truth)).experiment("validation", duration=3.0).inputs["force"]
+    normal, _, _ = replay(truth.machine, force)
+    halved, _, _ = replay(truth.machine, force, max_step=DT / 2)
+    tight, _, _ = replay(truth.machine, force, tolerance=1e-12)
+    assert np.abs(normal - halved).max() < 1e-9
+    assert np.abs(normal - tight).max() < 1e-9
+
+
+def _meter(t, q, v, s, z, p, dz):
+    """Power [W] that the irreversible laws take; exerts nothing."""
+    dz[0] = F_V * v * v + F_C * s * v + DRAG * s * v**3 + PEAK * s * v * np.exp(-((v / V_S) ** 2))
+    return 0.0
+
+
+def test_the_work_of_the_drive_is_found_again_as_heat_spring_and_motion():
+    meter = Law("meter", "z' = power of the friction, F = 0", _meter, (("scale", ""),), states=1)
+    truth = replace(RICH, planted=(*RICH.planted, meter(scale=1.0)))
+    force = EMPSRig(EMPSConfig(truth=truth)).experiment("validation", duration=4.0).inputs["force"]
+    q, v, motion = replay(truth.machine, force)
+    work = np.sum(force[:-1] * np.diff(q))
+    stored = 0.5 * M * v[-1] ** 2 + OFFSET * q[-1] + 0.25 * K_3 * ((q[-1] - 0.1) ** 4 - 0.1**4)
+    heat = motion.law_states[0]
+    assert heat > 5.0
+    assert work == pytest.approx(stored + heat, rel=1e-8)
+
+
+def test_the_default_truth_is_the_published_machine():
+    truth = DEFAULT.truth
+    assert (truth.M, truth.f_v, truth.f_c, truth.offset) == (M, F_V, F_C, OFFSET)
+    assert [str(planted) for planted in truth.planted] == ["asymmetric_viscous (difference 73.7 N s/m)"]
