@@ -1,0 +1,111 @@
+"""The documentation is true: its links lead somewhere, and its examples run and give what they should."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+ROOT = Path(__file__).parents[1]
+PAGES = [
+    *ROOT.glob("*.md"),
+    *sorted(p for d in ("docs", "data", "benchmarks") for p in (ROOT / d).rglob("*.md")),
+]
+OWN = ROOT / "docs" / "write-your-own.md"
+# a pendulum with a cable, simulated here: what the example is fitted to
+TRUTH = {"J": 0.02, "G": 0.9, "pivot.viscous.f_v": 0.015, "pivot.coulomb.f_c": 0.03, "pivot.cable.k_3": 0.08}
+DT, SAMPLES, EPSILON = 0.005, 2000, 0.01
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_somewhere(page):
+    links = re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", page.read_text())
+    inside = [link for link in links if not re.match(r"[a-z]+:", link)]
+    assert [link for link in inside if not (page.parent / link).exists()] == []
+
+
+def python_blocks(page: Path) -> list[str]:
+    return re.findall(r"```python\n(.*?)```", page.read_text(), flags=re.DOTALL)
+
+
+def test_concepts_run():
+    space: dict[str, object] = {}
+    for block in python_blocks(ROOT / "docs" / "concepts.md"):
+        exec(block, space)
+    assert "carriage.asymmetric_viscous.df_v" in {p.name for p in space["better"].parameters}
+
+
+@pytest.fixture(scope="module")
+def laboratory(tmp_path_factory):
+    """The folder that the page builds, file by file, beside a simulated recording."""
+    root = tmp_path_factory.mktemp("docs")
+    files = re.findall(r"^`(mylab/\S+)`\n\n```\w+\n(.*?)```", OWN.read_text(), flags=re.DOTALL | re.MULTILINE)
+    assert {name for name, _ in files} == {"mylab/pendulum.py", "mylab/case/pendulum.yaml"}
+    for name, text in files:
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text)
+    write_swing(root / "mylab" / "swing.csv")
+    return root
+
+
+def write_swing(path: Path) -> None:
+    """A held random torque on the true pendulum; as the rig's sensors give it: ms, A and backward degrees."""
+    generator = np.random.default_rng(0)
+    time = DT * np.arange(SAMPLES)
+    torque = np.repeat(generator.uniform(-0.8, 0.8, SAMPLES // 50), 50)
+    J, G, f_v, f_c, k_3 = TRUTH.values()
+
+    def motion(_, x, u):
+        resisting = f_v * x[1] + f_c * np.tanh(x[1] / EPSILON) + k_3 * x[0] ** 3
+        return [x[1], (u - G * np.sin(x[0]) - resisting) / J]
+
+    x, angle = np.array([0.3, 0.0]), np.empty(SAMPLES)
+    for k in range(SAMPLES):
+        angle[k] = x[0]
+        x = solve_ivp(motion, (0, DT), x, args=(torque[k],), method="LSODA", rtol=1e-9, atol=1e-11).y[:, -1]
+    angle += generator.normal(0, 1e-4, SAMPLES)
+    columns = np.column_stack([1e3 * time, torque / 0.05, -np.rad2deg(angle)])
+    np.savetxt(path, columns, delimiter=",", header="t_ms,current,angle_deg", comments="", fmt="%.9g")
+
+
+def run(words: list[str], folder: Path) -> str:
+    environment = {k: v for k, v in os.environ.items() if k != "HYBRIDID_DATA"}
+    environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(folder / "mylab")])
+    words = [sys.executable, *words]
+    done = subprocess.run(
+        words, cwd=folder, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_own_folder_is_fitted_by_the_command_of_the_page(laboratory):
+    command = re.search(r"^hybridid fit (.*)$", OWN.read_text(), flags=re.MULTILINE).group(1).split()
+    run(["-m", "hybridid_cli", "fit", *command, "out=fitted", "mlflow.enabled=false"], laboratory)
+    found = json.loads((laboratory / "fitted" / "fit" / "estimate.json").read_text())["parameters"]
+    for name, truth in TRUTH.items():
+        assert found[name]["value"] == pytest.approx(truth, rel=0.02), name
+        assert abs(found[name]["value"] - truth) < 4 * found[name]["std"], name
+
+
+def test_own_folder_is_listed(laboratory):
+    assert "a pendulum on a motor shaft" in run(
+        ["-m", "hybridid_cli", "cases", "--config-dir", "mylab"], laboratory
+    )
+    said = run(["-m", "hybridid_cli", "effects", "pendulum:CABLE", "--config-dir", "mylab"], laboratory)
+    assert "k_3 q³" in said
+    assert "our lab, 2026" in said
+
+
+def test_notebook_example_finds_the_same(laboratory):
+    said = run(["-c", python_blocks(OWN)[-1]], laboratory)
+    values = {line.split()[0]: float(line.split()[1]) for line in said.splitlines()}
+    assert values["J"] == pytest.approx(TRUTH["J"], rel=0.02)
+    assert values["pivot.cable.k_3"] == pytest.approx(TRUTH["pivot.cable.k_3"], rel=0.02)
