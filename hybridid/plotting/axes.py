@@ -1,0 +1,150 @@
+"""What the figures share on their axes: scaled units, thinned lines, limits and legends."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from hybridid.plotting.looks import Look
+from hybridid.plotting.style import part_of_width, shorten
+from hybridid.plotting.thinning import broken, thin
+from hybridid.plotting.units import axis_label, engineering
+
+Array = NDArray[np.float64]
+BLOCKS = 600  # extremes per line: finer than a printed dot at 180 mm and 200 dpi
+LINE = 24  # characters of a y label beside a panel of 25 mm
+USABLE = 0.86  # part of a figure's width that titles and legends may take above its axes
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A quantity's name, the factor that its values take and the unit that they then have."""
+
+    name: str
+    factor: float
+    unit: str
+
+    @property
+    def label(self) -> str:
+        return axis_label(self.name, self.unit)
+
+    def text(self, value: float) -> str:
+        """``value`` (unscaled) with three digits in this scale's unit."""
+        if not np.isfinite(value):
+            return "not finite"
+        return f"{value * self.factor:#.3g}".rstrip(".").replace("-", "−") + f" {self.unit}"
+
+
+def scale_for(name: str, unit: str, *values: Array) -> Scale:
+    """The scale on which the largest finite magnitude of ``values`` reads best."""
+    largest = max((np.abs(v[np.isfinite(v)]).max(initial=0.0) for v in values), default=0.0)
+    return Scale(name.replace("_", " "), *engineering(float(largest), unit))
+
+
+def time_scale(time: Array) -> Scale:
+    """Seconds, or ms and µs for a short record."""
+    return scale_for("time", "s", np.atleast_1d(time[-1] - time[0]))
+
+
+def draw(
+    axes: Axes,
+    x: Array,
+    y: Array,
+    style: Look,
+    label: str,
+    starts: Array | None = None,
+    steps: bool = False,
+) -> Line2D:
+    """A line through the extremes of ``y``, interrupted before each of ``starts``."""
+    x, y = thin(np.asarray(x, float), np.asarray(y, float), BLOCKS)
+    if starts is not None and len(starts):
+        x, y = broken(x, y, starts)
+    return axes.plot(
+        x, y, label=label, color=style.colour, linestyle=style.dashes, linewidth=style.width,
+        zorder=style.above, drawstyle="steps-post" if steps else "default",
+    )[0]  # fmt: skip
+
+
+def frame(values: Iterable[Array], margin: float = 0.06) -> tuple[float, float]:
+    """Limits around all finite values, with a margin; around zero if there is no span."""
+    finite = [v[np.isfinite(v)] for v in map(np.asarray, values)]
+    finite = [v for v in finite if len(v)]
+    if not finite:
+        return -1.0, 1.0
+    low, high = min(float(v.min()) for v in finite), max(float(v.max()) for v in finite)
+    span = (high - low) or abs(high) or 1.0
+    return low - margin * span, high + margin * span
+
+
+def frame_data(data: Array, models: Sequence[Array], reach: float = 0.6) -> tuple[float, float]:
+    """Limits around ``data`` that follow the models at most ``reach`` data spans further out.
+
+    A model that runs away must not flatten the measurement into a line.
+    """
+    low, high = frame([data], 0.0)
+    room = reach * (high - low)
+    lowest, highest = frame([data, *models])
+    return max(lowest, low - room), min(highest, high + room)
+
+
+def leaves(values: Array, limits: tuple[float, float]) -> bool:
+    """Whether any of ``values`` lies outside ``limits`` or is not finite."""
+    return bool(np.any(~np.isfinite(values) | (values < limits[0]) | (values > limits[1])))
+
+
+def name_y(axes: Axes, scale: Scale) -> None:
+    """Label the y axis, on as many lines as keep it beside its own panel."""
+    axes.set_ylabel("\n".join(textwrap.wrap(scale.label, LINE)))
+
+
+def legend_above(axes: Axes, title: str = "") -> None:
+    """A left-aligned ``title`` and the legend at its right, above ``axes``, where they cover nothing.
+
+    For axes as wide as the figure. The legend takes as many columns as fit beside the title.
+    """
+    handles = axes.get_legend_handles_labels()[0]
+
+    def legend(columns: int) -> Legend:
+        return axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns)
+
+    _fit(legend, len(handles), USABLE - part_of_width(axes.set_title(title)))
+
+
+def legend_on_top(figure: Figure, handles: Sequence[Artist]) -> None:
+    """One legend for all panels, under the figure's first line; the panels make room for it."""
+    engine = figure.get_layout_engine()
+    assert isinstance(engine, ConstrainedLayoutEngine)
+    top = engine.get()["rect"][3]
+
+    def legend(columns: int) -> Legend:
+        return figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(0.0, top), ncols=columns)
+
+    fitted = _fit(legend, len(handles), 0.98)
+    fitted.set_in_layout(False)
+    height = fitted.get_window_extent().height / figure.bbox.height
+    engine.set(rect=(0.0, 0.0, 1.0, top - height))
+
+
+def _fit(make: Callable[[int], Legend], entries: int, room: float) -> Legend:
+    """The legend in as many columns as ``room`` holds; labels too long for one column are cut."""
+    legend = make(max(entries, 1))
+    for columns in range(entries - 1, 0, -1):
+        if part_of_width(legend) <= room:
+            return legend
+        legend.remove()
+        legend = make(columns)
+    excess = part_of_width(legend) - room
+    longest = max(map(part_of_width, legend.get_texts()), default=0.0)
+    for text in legend.get_texts():
+        shorten(text, min(longest, longest - excess))
+    return legend

@@ -1,0 +1,117 @@
+"""Figure: models against data over the whole record, enlarged where the error is largest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from hybridid.plotting.axes import (
+    Scale,
+    draw,
+    frame,
+    frame_data,
+    leaves,
+    legend_on_top,
+    name_y,
+    scale_for,
+    time_scale,
+)
+from hybridid.plotting.looks import DATA, FOCUS, SOFT_INK, look
+from hybridid.plotting.series import Response, Subject, some_responses
+from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, shorten, styled
+
+ZOOM = 0.08  # part of the record that the lower panel enlarges
+Limits = tuple[float, float]
+
+
+@styled
+def comparison_plot(subject: Subject, responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
+    """The measured output with every model's response on it; below, the worst moment enlarged.
+
+    Raises:
+        PlotError: if there is no response to compare.
+    """
+    first = some_responses(subject, responses)[0]
+    figure = new_figure(width, 92, subject.title, subject.provenance)
+    overview, zoom = figure.subplots(2, 1)
+    time = time_scale(first.time)
+    scale = scale_for(subject.quantity, subject.unit, first.measured)
+    error = scale_for("error", subject.unit, *(r.error for r in responses))
+    worst, moment, size = _worst(responses)
+    whole, window = (float(first.time[0]), float(first.time[-1])), _window(first, moment)
+    limits = frame_data(first.measured, [r.predicted for r in responses])
+    labels = [_label(r, error, leaves(r.predicted, limits)) for r in responses]
+    for axes, part in ((overview, whole), (zoom, window)):
+        _draw_part(axes, subject.provenance, responses, labels, part, time, scale)
+    overview.set_ylim(limits[0] * scale.factor, limits[1] * scale.factor)
+    overview.axvspan(window[0] * time.factor, window[1] * time.factor, color=FOCUS, zorder=0)
+    legend_on_top(figure, overview.get_legend_handles_labels()[0])
+    zoom.set_facecolor(FOCUS)
+    zoom.set_ylim(*_zoom_limits(responses, window, limits, scale.factor))
+    zoom.axvline(moment * time.factor, color=SOFT_INK, linewidth=0.6, linestyle=(0, (1, 1.5)), zorder=1)
+    where = f"{error.text(size)} at {moment * time.factor:.4g} {time.unit}"
+    shorten(zoom.set_title(f"largest error, {where} (dotted line): {worst.model}"), 0.86)
+    zoom.set_xlabel(time.label)
+    figure.align_ylabels()
+    caption = (
+        f"Output {subject.quantity} of {subject.record} ({subject.provenance}) and of "
+        f"{', '.join(f'{r.model} ({r.view})' for r in responses)}; below, enlarged, the largest "
+        f"error, {where}."
+    )
+    return Plot(figure, "comparison", caption, subject.provenance)
+
+
+def _draw_part(
+    axes: Axes,
+    data: str,
+    responses: Sequence[Response],
+    labels: Sequence[str],
+    part: Limits,
+    time: Scale,
+    scale: Scale,
+) -> None:
+    """Data and models between two times, thinned for that part alone."""
+    first = responses[0]
+    inside = _inside(first, part)
+    draw(axes, first.time[inside] * time.factor, first.measured[inside] * scale.factor, DATA, data)
+    for index, (response, label) in enumerate(zip(responses, labels, strict=True)):
+        inside = _inside(response, part)
+        x, y = response.time[inside] * time.factor, response.predicted[inside] * scale.factor
+        draw(axes, x, y, look(index), label, response.starts * time.factor)
+    axes.set_xlim(part[0] * time.factor, part[1] * time.factor)
+    name_y(axes, scale)
+
+
+def _label(response: Response, error: Scale, outside: bool) -> str:
+    label = f"{response.model}, {response.view}: RMSE {error.text(response.rmse)}"
+    return label + " (leaves the axis)" if outside else label
+
+
+def _worst(responses: Sequence[Response]) -> tuple[Response, float, float]:
+    """The response with the largest finite error, when that is and how large."""
+    sizes = [np.nan_to_num(np.abs(r.error), nan=0.0, posinf=0.0) for r in responses]
+    worst = max(range(len(responses)), key=lambda k: float(sizes[k].max()))
+    at = int(sizes[worst].argmax())
+    return responses[worst], float(responses[worst].time[at]), float(sizes[worst][at])
+
+
+def _window(response: Response, moment: float) -> Limits:
+    start, stop = float(response.time[0]), float(response.time[-1])
+    length = ZOOM * (stop - start)
+    low = min(max(moment - length / 2, start), stop - length)
+    return low, low + length
+
+
+def _inside(response: Response, part: Limits) -> np.ndarray:
+    return (response.time >= part[0]) & (response.time <= part[1])
+
+
+def _zoom_limits(responses: Sequence[Response], window: Limits, limits: Limits, factor: float) -> Limits:
+    parts = []
+    for response in responses:
+        inside = _inside(response, window)
+        parts += [response.measured[inside], np.clip(response.predicted[inside], *limits)]
+    low, high = frame(parts)
+    return low * factor, high * factor

@@ -1,0 +1,171 @@
+"""Figure: the effort that resists a port's motion, over its velocity, total and by effect."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.container import ErrorbarContainer
+from matplotlib.figure import Figure
+
+from hybridid.declarations import Port
+from hybridid.plotting.axes import Array, Scale, draw, frame, legend_on_top, name_y, scale_for
+from hybridid.plotting.looks import DATA_GREY, INK, SOFT_INK, Look, look
+from hybridid.plotting.series import PlotError
+from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
+
+BINS = 30  # of equal width over the middle 99 % of the velocities
+LEAST_IN_BIN = 20  # samples, for a median and its spread
+DOTS = 6000  # of the data's cloud; more only makes it opaque
+
+
+@dataclass(frozen=True)
+class FrictionCurve:
+    """Efforts of one model's effects at a port, by name, each (n,) over ``velocity`` (n,).
+
+    A sorted velocity gives curves; the velocity of a trajectory gives the loops of effects
+    that have memory.
+    """
+
+    model: str
+    velocity: Array
+    efforts: Mapping[str, Array]
+
+    def __post_init__(self) -> None:
+        for name, effort in self.efforts.items():
+            if np.shape(effort) != np.shape(self.velocity):
+                raise PlotError(
+                    f"friction of {self.model}: effect {name} has {np.size(effort)} efforts for "
+                    f"{len(self.velocity)} velocities; they must be as many"
+                )
+
+    @property
+    def total(self) -> Array:
+        """Sum of the efforts, (n,)."""
+        return np.sum([np.zeros(len(self.velocity)), *self.efforts.values()], axis=0)
+
+
+@dataclass(frozen=True)
+class FrictionData:
+    """The resisting effort found from a record, e.g. ``force - M a``, both (n,)."""
+
+    velocity: Array
+    effort: Array
+
+
+@styled
+def friction_plot(
+    port: Port,
+    curves: Sequence[FrictionCurve],
+    record: str,
+    provenance: str,
+    data: FrictionData | None = None,
+    width: float = DOUBLE_COLUMN,
+) -> Plot:
+    """Every model's total effort over velocity, on the data; and by effect, a panel a model.
+
+    ``record`` and ``provenance`` say what the models were fitted on and the data come from.
+
+    Raises:
+        PlotError: if there is no curve.
+    """
+    if not curves:
+        raise PlotError(f"friction at {port.name}: no model's curve to plot; give at least one")
+    wide = is_wide(width)
+    height = 24 + (36 * max(2, len(curves)) if wide else 52 + 38 * len(curves))
+    figure = new_figure(width, height, f"{record} · friction at {port.name}", provenance)
+    overview, details = _layout(figure, len(curves), wide)
+    velocity = scale_for(f"velocity of {port.name}", f"{port.position_unit}/s", *(c.velocity for c in curves))
+    effort = scale_for("resisting effort", port.effort_unit, *(c.total for c in curves))
+    looks = _effect_looks(curves)
+    totals: list[Any] = []
+    effects: dict[str, Artist] = {}
+    seen = [c.total for c in curves]
+    if data is not None:
+        dots, spread = _cloud(overview, data, velocity, effort, provenance)
+        totals.append(dots)
+        seen.append(spread)
+    for index, curve in enumerate(curves):
+        total = (curve.velocity * velocity.factor, curve.total * effort.factor)
+        totals.append(draw(overview, *total, look(index), f"{curve.model}, total"))
+        draw(details[index], *total, replace(look(index), width=1.5), curve.model)
+        for name, values in curve.efforts.items():
+            label = name.replace("_", " ")
+            effects[name] = draw(details[index], total[0], values * effort.factor, looks[name], label)
+        details[index].set_ylim(frame([v * effort.factor for v in (*curve.efforts.values(), curve.total)]))
+        details[index].set_title(f"{curve.model}, by effect")
+    overview.set_title("total")
+    overview.set_ylim(frame([v * effort.factor for v in seen]))
+    for axes in (overview, *details):
+        _cross(axes)
+        axes.set_xlim(frame([c.velocity * velocity.factor for c in curves], 0.02))
+        name_y(axes, effort)
+    for axes in (overview, details[-1]):
+        axes.set_xlabel(velocity.label)
+    legend_on_top(figure, [*totals, *effects.values()])
+    return Plot(figure, f"friction_{port.name}", _caption(port, curves, record, provenance, data), provenance)
+
+
+def _layout(figure: Figure, count: int, wide: bool) -> tuple[Axes, list[Axes]]:
+    if wide:
+        grid = figure.add_gridspec(count, 2, width_ratios=(1.25, 1))
+        overview, cells = figure.add_subplot(grid[:, 0]), [grid[row, 1] for row in range(count)]
+    else:
+        grid = figure.add_gridspec(count + 1, 1, height_ratios=(1.5, *[1] * count))
+        overview, cells = figure.add_subplot(grid[0]), [grid[row + 1] for row in range(count)]
+    return overview, [figure.add_subplot(cell, sharex=overview) for cell in cells]
+
+
+def _effect_looks(curves: Sequence[FrictionCurve]) -> dict[str, Look]:
+    """A look for each effect, the same in every panel and none of the models'."""
+    names = dict.fromkeys(name for curve in curves for name in curve.efforts)
+    return {name: look(len(curves) + order) for order, name in enumerate(names)}
+
+
+def _cross(axes: Axes) -> None:
+    axes.axhline(0.0, color=SOFT_INK, linewidth=0.5, zorder=1)
+    axes.axvline(0.0, color=SOFT_INK, linewidth=0.5, zorder=1)
+
+
+def _cloud(
+    axes: Axes, data: FrictionData, velocity: Scale, effort: Scale, provenance: str
+) -> tuple[Artist | ErrorbarContainer, Array]:
+    """A thinned cloud and, in bins of velocity, the median with the middle 80 % of the efforts.
+
+    Returns the legend's handle and the efforts that the axes should hold.
+    """
+    step = max(1, len(data.velocity) // DOTS)
+    axes.plot(
+        data.velocity[::step] * velocity.factor, data.effort[::step] * effort.factor, ".",
+        color=DATA_GREY, markersize=2.2, markeredgewidth=0, alpha=0.5, rasterized=True, zorder=1,
+    )  # fmt: skip
+    first, last = np.quantile(data.velocity, (0.005, 0.995))
+    edges = np.linspace(float(first), float(last), BINS + 1)
+    members = [(data.velocity >= a) & (data.velocity < b) for a, b in pairwise(edges)]
+    full = [m for m in members if m.sum() >= LEAST_IN_BIN]
+    if not full:
+        return axes.plot([], [], ".", color=DATA_GREY, label=provenance)[0], data.effort
+    centre = np.array([np.median(data.velocity[m]) for m in full])
+    low, middle, high = np.array([np.quantile(data.effort[m], (0.1, 0.5, 0.9)) for m in full]).T
+    bars = np.array([middle - low, high - middle]) * effort.factor
+    label = f"{provenance}, median and 10–90 %"
+    handle = axes.errorbar(
+        centre * velocity.factor, middle * effort.factor, bars,
+        fmt="o", markersize=2.0, color=INK, elinewidth=0.5, zorder=2, label=label,
+    )  # fmt: skip
+    return handle, np.concatenate([low, high])
+
+
+def _caption(
+    port: Port, curves: Sequence[FrictionCurve], record: str, provenance: str, data: FrictionData | None
+) -> str:
+    found = "" if data is None else ", on the efforts found from the record (dots: medians, bars: 10–90 %)"
+    return (
+        f"Effort that resists the motion of {port.name} over its velocity, total and by effect, for "
+        f"{', '.join(c.model for c in curves)} on {record} ({provenance}){found}."
+    )

@@ -1,0 +1,109 @@
+"""Figure: amplitude spectra of data, models and errors (Welch)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from scipy import signal
+
+from hybridid.plotting.axes import Array, draw, legend_on_top, name_y, scale_for
+from hybridid.plotting.looks import DATA, look
+from hybridid.plotting.series import PlotError, Response, Subject, some_responses
+from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
+from hybridid.plotting.units import axis_label, per_root_hertz
+
+SEGMENTS = 4  # segment lengths in a record; half overlapping they give 7 averages
+LEAST_SAMPLES = 64
+DECADES = 9.0  # shown below the largest amplitude
+PER_DECADE = 40  # frequencies drawn; the power between two of them is averaged
+Spectrum = tuple[Array, Array]
+
+
+@styled
+def spectrum_plot(subject: Subject, responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
+    """Amplitude spectral density of the output with the models, and with their errors.
+
+    ``A(f) = sqrt(S(f))``, ``S`` Welch's one-sided power spectral density: Hann window,
+    half-overlapping segments, each without its mean, averaged in bands of 1/40 decade. The
+    jumps between horizons spread over all frequencies, so free runs are what to look at here.
+    Source: Welch (1967), "The use of fast Fourier transform for the estimation of power
+    spectra", IEEE Trans. Audio Electroacoust. 15(2).
+
+    Raises:
+        PlotError: if there is no response, or one is too short or not finite.
+    """
+    first = some_responses(subject, responses)[0]
+    data = _amplitude(first, first.measured)
+    models = [_amplitude(r, r.predicted) for r in responses]
+    errors = [_amplitude(r, r.error) for r in responses]
+    scale = scale_for("amplitude density", per_root_hertz(subject.unit), data[1])
+    limits = _limits([data, *errors])
+    wide = is_wide(width)
+    figure = new_figure(width, 66 if wide else 112, f"{subject.title} spectrum", subject.provenance)
+    panels = figure.subplots(*((1, 2) if wide else (2, 1)), sharex=True, sharey=True)
+    for axes, title, spectra in zip(panels, ("output", "error"), (models, errors), strict=True):
+        handles = [draw(axes, data[0], data[1] * scale.factor, DATA, subject.provenance)]
+        for index, (response, (frequency, amplitude)) in enumerate(zip(responses, spectra, strict=True)):
+            label = f"{response.model}, {response.view}"
+            handles.append(draw(axes, frequency, amplitude * scale.factor, look(index), label))
+        _dress(axes, data[0])
+        axes.set_title(title)
+        if axes is panels[0] or not wide:
+            name_y(axes, scale)
+        if axes is panels[-1] or wide:
+            axes.set_xlabel(axis_label("frequency", "Hz"))
+    legend_on_top(figure, handles)
+    panels[0].set_ylim(limits[0] * scale.factor, limits[1] * scale.factor)
+    return Plot(figure, "spectrum", _caption(subject, responses, data[0]), subject.provenance)
+
+
+def _amplitude(response: Response, values: Array) -> Spectrum:
+    """Frequencies in Hz without zero, and the amplitude density there."""
+    n = len(values)
+    if n < LEAST_SAMPLES:
+        raise PlotError(f"spectrum of {response.model}: {n} samples, at least {LEAST_SAMPLES} are needed")
+    if not np.isfinite(values).all():
+        raise PlotError(f"spectrum of {response.model}: the response is not finite (the model diverged)")
+    rate = (n - 1) / (response.time[-1] - response.time[0])
+    length = max(LEAST_SAMPLES // 2, n // SEGMENTS)
+    frequency, power = signal.welch(values, rate, window="hann", nperseg=length, detrend="constant")
+    return _logarithmic(frequency[1:], power[1:])
+
+
+def _logarithmic(frequency: Array, power: Array) -> Spectrum:
+    """Mean power in bands of equal width on the logarithmic axis, as amplitudes.
+
+    Low frequencies keep their own lines; high ones, far finer than print, lose their noise.
+    """
+    band = np.floor(PER_DECADE * np.log10(frequency / frequency[0]) + 0.5).astype(int)
+    _, of, count = np.unique(band, return_inverse=True, return_counts=True)
+    centre = np.bincount(of, weights=frequency) / count
+    return centre, np.sqrt(np.bincount(of, weights=power) / count)
+
+
+def _limits(spectra: Sequence[Spectrum]) -> tuple[float, float]:
+    """All amplitudes, but no more than ``DECADES`` below the largest."""
+    amplitudes = np.concatenate([amplitude for _, amplitude in spectra])
+    amplitudes = amplitudes[amplitudes > 0]
+    if not len(amplitudes):
+        return 0.1, 10.0
+    highest = float(amplitudes.max())
+    return max(float(amplitudes.min()), highest * 10.0**-DECADES) / 2, highest * 2
+
+
+def _dress(axes: Axes, frequency: Array) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(frequency[0], frequency[-1])
+    axes.minorticks_off()
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+
+
+def _caption(subject: Subject, responses: Sequence[Response], frequency: Array) -> str:
+    return (
+        f"Amplitude spectral density of {subject.quantity} on {subject.record} ({subject.provenance}), of "
+        f"{', '.join(f'{r.model} ({r.view})' for r in responses)} and of their errors, in "
+        f"{per_root_hertz(subject.unit)} after Welch (Hann window, resolution {frequency[0]:.3g} Hz)."
+    )

@@ -1,0 +1,190 @@
+"""One style for every figure: sizes, fonts, the provenance mark, and the files.
+
+Nothing here touches pyplot: figures are plain ``matplotlib.figure.Figure`` objects, and
+matplotlib's settings are changed only while one is drawn or written.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import tempfile
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ParamSpec
+
+import matplotlib
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.text import Text
+
+from hybridid.plotting.looks import GRID_GREY, INK, SOFT_INK, VERMILION
+
+SINGLE_COLUMN = 88.0  # mm, one column of a two-column page
+DOUBLE_COLUMN = 180.0  # mm, both columns
+PNG_DPI = 200
+HEADER = 5.5  # mm, the line on top that says what is shown and where it comes from
+MARGIN = 1.5  # mm
+MM_PER_INCH = 25.4
+
+_RC: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],  # travels with matplotlib: the same figure everywhere
+    "mathtext.fontset": "dejavusans",
+    "font.size": 7.0,
+    "axes.labelsize": 7.0,
+    "axes.titlesize": 7.0,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 4.0,
+    "legend.fontsize": 6.5,
+    "xtick.labelsize": 6.5,
+    "ytick.labelsize": 6.5,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": SOFT_INK,
+    "xtick.color": SOFT_INK,
+    "ytick.color": SOFT_INK,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "axes.linewidth": 0.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID_GREY,
+    "grid.linewidth": 0.4,
+    "xtick.major.width": 0.5,
+    "ytick.major.width": 0.5,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.minor.size": 1.5,
+    "ytick.minor.size": 1.5,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-5, 6),
+    "lines.linewidth": 0.9,
+    "lines.solid_capstyle": "round",
+    "lines.dash_capstyle": "butt",
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+    "legend.columnspacing": 1.6,
+    "legend.handletextpad": 0.6,
+    "legend.borderaxespad": 0.2,
+    "legend.borderpad": 0.2,
+    "figure.facecolor": "white",
+    "figure.constrained_layout.h_pad": 0.05,
+    "figure.constrained_layout.w_pad": 0.05,
+    "path.simplify": True,
+    "pdf.fonttype": 42,  # TrueType inside the file: text stays text, no Type 3 fonts
+    "svg.fonttype": "path",  # outlines inside the file: no font needed where it is read
+    "svg.hashsalt": "hybridid",  # the same figure gives the same bytes
+}
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure with the name of its files, its caption (one sentence) and where its data come from."""
+
+    figure: Figure
+    name: str
+    caption: str
+    provenance: str = "measured"
+
+
+def context() -> AbstractContextManager[None]:
+    """Matplotlib's own defaults with this style on top; what was set before returns at the end."""
+    defaults: dict[Any, Any] = dict(matplotlib.rcParamsDefault)
+    defaults.pop("backend", None)  # setting it would load that backend
+    return matplotlib.rc_context(defaults | _RC)
+
+
+def is_wide(width: float) -> bool:
+    """Whether panels find room side by side in a figure of ``width`` mm."""
+    return width > (SINGLE_COLUMN + DOUBLE_COLUMN) / 2
+
+
+Arguments = ParamSpec("Arguments")
+
+
+def styled(draw: Callable[Arguments, Plot]) -> Callable[Arguments, Plot]:
+    """A figure function that runs in this style."""
+
+    @functools.wraps(draw)
+    def drawn(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Plot:
+        with context():
+            return draw(*args, **kwargs)
+
+    return drawn
+
+
+def new_figure(width: float, height: float, title: str, provenance: str) -> Figure:
+    """An empty figure of ``width`` by ``height`` mm whose first line says what it shows.
+
+    The line ends in ``measured`` or ``simulated``; simulated data also get a framed mark in
+    the corner.
+    """
+    engine = ConstrainedLayoutEngine(rect=(0, 0, 1, 1 - HEADER / height))
+    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout=engine)
+    FigureCanvasAgg(figure)
+    left, right, middle = MARGIN / width, 1 - MARGIN / width, 1 - 0.55 * HEADER / height
+    if provenance != "measured":
+        frame = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": VERMILION, "linewidth": 0.8}
+        mark = figure.text(
+            right - 0.8 / width, middle, provenance.upper(), ha="right", va="center", gid="provenance",
+            color=VERMILION, fontweight="bold", bbox=frame,
+        )  # fmt: skip
+        right -= part_of_width(mark) + 4 * MARGIN / width
+    heading = figure.text(left, middle, title, ha="left", va="center", color=SOFT_INK, gid="heading")
+    shorten(heading, right - left, f" · {provenance}")
+    return figure
+
+
+def root(artist: Artist) -> Figure:
+    """The figure that ``artist`` belongs to."""
+    figure = artist.get_figure(root=True)
+    assert figure is not None
+    return figure
+
+
+def part_of_width(artist: Artist) -> float:
+    """Width of ``artist`` as a part of its figure's."""
+    figure = root(artist)
+    assert isinstance(figure.canvas, FigureCanvasAgg)
+    return float(artist.get_window_extent(figure.canvas.get_renderer()).width / figure.bbox.width)
+
+
+def shorten(text: Text, room: float, ending: str = "") -> None:
+    """Cut ``text`` with an ellipsis until it and ``ending`` fit into ``room`` of the figure's width."""
+    words = text.get_text()
+    text.set_text(words + ending)
+    while len(words) > 4 and part_of_width(text) > room:
+        words = words[:-1]
+        text.set_text(words.rstrip() + "…" + ending)
+
+
+def save(plot: Plot, folder: str | os.PathLike[str], name: str | None = None) -> list[Path]:
+    """Write ``plot`` as SVG, PDF and PNG into ``folder`` and return the three paths.
+
+    All three are drawn under temporary names first, so that none is ever half-written. Each
+    carries its caption and its provenance as metadata, and no date: equal data, equal bytes.
+    """
+    folder, name = Path(folder), name or plot.name
+    folder.mkdir(parents=True, exist_ok=True)
+    about = f"{plot.caption} Data: {plot.provenance}."
+    metadata = {
+        "svg": {"Title": name, "Description": about, "Keywords": [plot.provenance], "Date": None},
+        "pdf": {"Title": name, "Subject": about, "Keywords": plot.provenance, "CreationDate": None},
+        "png": {"Title": name, "Description": about, "Keywords": plot.provenance},
+    }
+    with context(), tempfile.TemporaryDirectory(dir=folder, prefix=".figure-") as scratch:
+        for kind, entries in metadata.items():
+            plot.figure.savefig(Path(scratch) / f"figure.{kind}", dpi=PNG_DPI, metadata=entries)
+        paths = [folder / f"{name}.{kind}" for kind in metadata]
+        for path in paths:
+            (Path(scratch) / f"figure{path.suffix}").replace(path)
+    return paths
