@@ -76,14 +76,14 @@ class TimeMap:
         given = [name for name in ("column", "dt", "rate") if getattr(self, name) is not None]
         if len(given) != 1:
             got = ", ".join(given) or "none"
-            raise RecordError(f"time: exactly one of column, dt, rate is needed, got {got}")
+            raise RecordError(f"time needs exactly one of column, dt, rate, got {got}")
         if self.unit not in SECONDS:
-            raise RecordError(f"time: {unknown('unit', self.unit, SECONDS)}")
+            raise RecordError(unknown("unit of time", self.unit, SECONDS))
         step = self.dt if self.dt is not None else self.rate
         if step is not None and not 0 < step < np.inf:
-            raise RecordError(f"time: {given[0]} is {step:g}, it must be positive")
+            raise RecordError(f"{given[0]} is {step:g}, it must be positive")
         if self.same and self.column is None:
-            raise RecordError("time: same compares with column, which is not given")
+            raise RecordError("same compares with column, which is not given")
 
 
 @dataclass(frozen=True)
@@ -145,13 +145,10 @@ def build_record(
     _check_lengths(name, stamps, signals, values)
     warnings: tuple[str, ...] = ()
     if resample is not None:
-        where = f"record {name}"
-        check_finite(stamps, "time", "s", where)
-        for signal, column in zip(signals, values, strict=True):
-            check_finite(column, f"signal {signal.name!r}", signal.unit, where, stamps)
-        holds = [s.hold if i < len(inputs) else None for i, s in enumerate(signals)]
         plan = resample if isinstance(resample, Resample) else Resample(resample)
-        stamps, values, warnings = resampled(stamps, values, holds, plan, where)
+        holds = [s.hold if i < len(inputs) else None for i, s in enumerate(signals)]
+        _check_finite(name, stamps, signals, values)
+        stamps, values, warnings = resampled(stamps, values, holds, plan, f"record {name}")
     n_u, n_y = len(inputs), len(inputs) + len(outputs)
     return Record(
         name=name,
@@ -202,3 +199,11 @@ def _check_lengths(name: str, stamps: Array, signals: Sequence[SignalMap], value
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{signal} {n}" for signal, n in lengths.items())
         raise RecordError(f"record {name}: lengths differ: {listed} samples")
+
+
+def _check_finite(name: str, stamps: Array, signals: Sequence[SignalMap], values: Sequence[Array]) -> None:
+    """Before resampling, which would spread a missing value over its neighbours."""
+    where = f"record {name}"
+    check_finite(stamps, "time", "s", where)
+    for signal, column in zip(signals, values, strict=True):
+        check_finite(column, f"signal {signal.name!r}", signal.unit, where, stamps)

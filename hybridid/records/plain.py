@@ -33,7 +33,7 @@ def build(cls: type[T], values: Mapping[str, Any], where: str, error: type[Value
 
     Raises:
         error: for an unknown or missing key or a value of the wrong kind, in one line that
-            starts with ``where``. A ``ValueError`` of ``cls`` itself is passed on likewise.
+            starts with ``where``; so for a ``ValueError`` that ``cls`` itself raises.
     """
     if not isinstance(values, Mapping):
         raise error(f"{where}: expected a mapping of keys to values, got {values!r}")
@@ -49,8 +49,6 @@ def build(cls: type[T], values: Mapping[str, Any], where: str, error: type[Value
     converted = {key: _convert(value, hints[key], f"{where}: {key}", error) for key, value in values.items()}
     try:
         return cls(**converted)
-    except error:
-        raise
     except ValueError as wrong:
         raise error(f"{where}: {wrong}") from wrong
 

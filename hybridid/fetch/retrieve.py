@@ -1,0 +1,77 @@
+"""``fetch``: a public archive's members on this machine, downloaded if they are not yet."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from filelock import FileLock
+
+from hybridid.fetch.archive import FetchError, PublicArchive, sha256_of
+from hybridid.fetch.download import DownloadError, Progress, download
+from hybridid.fetch.unpack import CorruptArchiveError, unpack
+
+
+def fetch(source: PublicArchive, cache: Path, progress: Progress | None = None) -> list[Path]:
+    """The members of ``source`` as ``cache/<its name>/<member>``, each the published one bit for bit.
+
+    What is there already is checked and not downloaded again. A download that was cut off goes on
+    where it ended, in this call or the next. Files appear under their names only when all are
+    checked; a wrong download is deleted. ``progress`` hears bytes done and, if known, in all.
+
+    Raises:
+        FetchError: in one line, with the page to visit, if the archive cannot be had or is not
+            the published one; also if another file stands where a member belongs, which is
+            left as it is.
+    """
+    folder = Path(cache) / source.name
+    paths = [folder / member for member in source.members]
+    if _present(source, folder):
+        return paths
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with FileLock(folder / ".lock"):
+            if not _present(source, folder):  # another process may have been faster
+                _obtain(source, folder, progress)
+    except OSError as wrong:
+        raise FetchError(f"{source.name}: cannot write to {folder}: {wrong.strerror or wrong}") from wrong
+    return paths
+
+
+def _present(source: PublicArchive, folder: Path) -> bool:
+    """Whether all members are there.
+
+    Raises:
+        FetchError: if one is there with other bytes: it may be someone's own, and is not replaced.
+    """
+    missing = 0
+    for member, published in source.members.items():
+        path = folder / member
+        if not path.exists():
+            missing += 1
+        elif (found := sha256_of(path)) != published:
+            raise FetchError(
+                f"{path} is not the published file (SHA-256 {found[:12]}..., published {published[:12]}...); "
+                "fetch replaces no file: move it away and fetch again"
+            )
+    return missing == 0
+
+
+def _obtain(source: PublicArchive, folder: Path, progress: Progress | None) -> None:
+    part = folder / f".{source.name}.part"
+    resumed = part.exists()
+    for fresh in (not resumed, True):
+        try:
+            download(source.url, part, progress)
+            unpack(source, part, folder)
+        except DownloadError as wrong:
+            host = urlsplit(source.url).hostname
+            kept = f" ({part.stat().st_size} bytes are kept, fetch again to resume)" if part.exists() else ""
+            raise FetchError(f"{source.name} from {host}: {wrong}{kept}; {source.by_hand(folder)}") from wrong
+        except CorruptArchiveError as wrong:
+            part.unlink(missing_ok=True)
+            if fresh:
+                raise FetchError(f"{source.name}: {wrong}; deleted; {source.by_hand(folder)}") from wrong
+            continue  # the beginning kept from an earlier call may be of another file: once more, from none
+        part.unlink()
+        return

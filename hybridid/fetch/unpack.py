@@ -1,0 +1,89 @@
+"""The wanted members out of a zip archive, each checked before any is put in place."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+import zipfile
+import zlib
+from pathlib import Path
+
+from hybridid.fetch.archive import PublicArchive, is_safe, sha256_of
+
+CHUNK = 1 << 20  # bytes
+
+
+class CorruptArchiveError(Exception):
+    """Bytes that are not the published ones."""
+
+
+def unpack(source: PublicArchive, archive: Path, folder: Path) -> None:
+    """The members of ``source`` from the zip file ``archive`` into ``folder``: all of them, or none.
+
+    Nothing is written under a name that the archive gives: members go where ``source`` says.
+
+    Raises:
+        CorruptArchiveError: if the file is no zip, has a path that leaves its folder, lacks a
+            member, or a SHA-256 is not the published one.
+    """
+    if not zipfile.is_zipfile(archive):
+        raise CorruptArchiveError(f"the server sent no zip archive{_beginning(archive)}")
+    if source.sha256 is not None:
+        _compare("the archive", sha256_of(archive), source.sha256)
+    try:
+        with (
+            zipfile.ZipFile(archive) as zipped,
+            tempfile.TemporaryDirectory(dir=folder, prefix=".") as scratch,
+        ):
+            unpacked = _unpacked(source, zipped, Path(scratch))
+            for member, path in unpacked.items():
+                target = folder / member
+                target.parent.mkdir(parents=True, exist_ok=True)
+                path.replace(target)
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError) as wrong:
+        raise CorruptArchiveError(f"the zip archive is broken: {wrong}") from wrong
+
+
+def _unpacked(source: PublicArchive, zipped: zipfile.ZipFile, scratch: Path) -> dict[str, Path]:
+    """Member to a checked temporary file, for all members."""
+    names = [info.filename for info in zipped.infolist() if not info.is_dir()]
+    unsafe = [name for name in names if not is_safe(name)]
+    if unsafe:
+        raise CorruptArchiveError(f"the zip archive holds {unsafe[0]!r}, a path that leaves its folder")
+    unpacked = {}
+    for i, (member, published) in enumerate(source.members.items()):
+        path = scratch / str(i)
+        _compare(member, _extract(zipped, _entry(names, member), path), published)
+        unpacked[member] = path
+    return unpacked
+
+
+def _entry(names: list[str], member: str) -> str:
+    """The archive's name for ``member``: itself, or the shortest path that ends in it."""
+    fitting = sorted((n for n in names if n == member or n.endswith(f"/{member}")), key=len)
+    if not fitting:
+        raise CorruptArchiveError(
+            f"the zip archive holds no {member}; it holds {', '.join(names[:10]) or 'nothing'}"
+        )
+    return fitting[0]
+
+
+def _extract(zipped: zipfile.ZipFile, entry: str, path: Path) -> str:
+    """Write one entry to ``path``; its SHA-256."""
+    digest = hashlib.sha256()
+    with zipped.open(entry) as content, path.open("wb") as file:
+        while chunk := content.read(CHUNK):
+            digest.update(chunk)
+            file.write(chunk)
+    return digest.hexdigest()
+
+
+def _compare(what: str, found: str, published: str) -> None:
+    if found != published:
+        raise CorruptArchiveError(f"{what} has SHA-256 {found[:12]}..., published is {published[:12]}...")
+
+
+def _beginning(archive: Path) -> str:
+    with archive.open("rb") as file:
+        head = file.read(64)
+    return " but a web page" if b"<html" in head.lower() or b"<!doctype" in head.lower() else ""

@@ -1,0 +1,194 @@
+"""A record refuses what cannot be used, says where, and lets sound recordings pass."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError, replace
+
+import numpy as np
+import pytest
+
+from hybridid.records.checks import MINIMUM_SAMPLES
+from hybridid.records.record import Channel, RecordError
+
+N = 200
+
+
+def test_a_sound_record_passes_without_a_word(make_record):
+    record = make_record()
+    assert record.warnings == ()
+    assert record.n == N
+    assert record.dt == pytest.approx(1e-3, rel=1e-12)
+    assert record.provenance == "measured"
+
+
+def test_arrays_are_copied_and_cannot_be_written(make_record):
+    time = np.arange(N) * 1e-3
+    record = make_record(time=time)
+    time[0] = -1.0
+    assert record.time[0] == 0.0
+    for array in (record.time, record.inputs, record.outputs, record.auxiliary):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
+    with pytest.raises(FrozenInstanceError):
+        record.name = "other"
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize(
+    ("part", "column", "said"),
+    [
+        ("inputs", 0, "input 'force' [N]"),
+        ("inputs", 1, "input 'road' [m]"),
+        ("outputs", 1, "output 'angle' [rad]"),
+        ("auxiliary", 0, "auxiliary 'reference' [m]"),
+    ],
+)
+def test_the_first_missing_value_is_named(make_record, part, column, said, value):
+    array = np.array(getattr(make_record(), part))
+    array[[17, 90], column] = value
+    with pytest.raises(RecordError) as caught:
+        make_record(**{part: array})
+    message = str(caught.value)
+    assert said in message
+    assert "sample 17 (t = 0.017 s)" in message
+    assert "2 of 200" in message
+    assert "\n" not in message
+
+
+def test_a_missing_time_stamp_is_named(make_record):
+    time = np.arange(N) * 1e-3
+    time[33] = np.nan
+    with pytest.raises(RecordError, match=r"time \[s\] is missing \(NaN\) at sample 33"):
+        make_record(time=time)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_one_displaced_stamp_is_found_where_it_is(make_record, seed):
+    """Wherever a stamp is late, repeated or before its predecessor, the message names that step."""
+    rng = np.random.default_rng(seed)
+    k = int(rng.integers(1, N - 1))
+    time = np.arange(N) * 1e-3
+    for shift, said in ((0.3e-3, "uneven"), (-1e-3, "repeats"), (-1.4e-3, "runs backward")):
+        moved = time.copy()
+        moved[k] += shift
+        with pytest.raises(RecordError, match=said) as caught:
+            make_record(time=moved)
+        assert f"sample {k - 1}" in str(caught.value) or f"sample {k} " in str(caught.value)
+
+
+def test_the_worst_of_several_uneven_steps_is_named(make_record):
+    time = np.arange(N) * 1e-3
+    time[50:] += 0.1e-3
+    time[120:] += 5e-3
+    with pytest.raises(RecordError, match=r"step 0.006 s from sample 119 .*2 of 199 steps.*resample"):
+        make_record(time=time)
+
+
+def test_a_lost_block_of_samples_is_uneven(make_record):
+    keep = np.r_[0:80, 95:N]
+    sound = make_record()
+    with pytest.raises(RecordError, match=r"step 0.016 s from sample 79 \(t = 0.079 s\)"):
+        replace(
+            sound,
+            time=sound.time[keep],
+            inputs=sound.inputs[keep],
+            outputs=sound.outputs[keep],
+            auxiliary=sound.auxiliary[keep],
+        )
+
+
+def test_a_clock_that_drifts_slowly_is_found(make_record):
+    """No step is off by a percent, yet the stamps stray by samples."""
+    n = 4000
+    steps = 1e-3 * (1 + 0.008 * np.linspace(-1, 1, n - 1))
+    time = np.concatenate([[0.0], np.cumsum(steps)])
+    with pytest.raises(RecordError, match=r"drifts .* samples away from an even grid"):
+        make_record(n=n, time=time)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_jitter_far_below_a_sample_passes(make_record, seed):
+    """EMPS: stamps stray by 3e-8 s at 1e-3 s. Also stamps kept in single precision."""
+    jitter = np.random.default_rng(seed).uniform(-3e-8, 3e-8, N)
+    assert make_record(time=np.arange(N) * 1e-3 + jitter).warnings == ()
+    assert make_record(n=25000, time=(np.arange(25000) * 1e-3).astype(np.float32)).warnings == ()
+
+
+def test_too_short_says_how_long_it_must_be(make_record):
+    assert make_record(n=MINIMUM_SAMPLES).n == MINIMUM_SAMPLES
+    with pytest.raises(
+        RecordError, match=f"{MINIMUM_SAMPLES - 1} samples are too few, at least {MINIMUM_SAMPLES}"
+    ):
+        make_record(n=MINIMUM_SAMPLES - 1)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"inputs": np.zeros((N - 1, 2))}, "lengths differ: time has 200 samples, inputs 199"),
+        ({"outputs": np.zeros((N, 3))}, r"outputs have shape \(200, 3\), expected \(n, 2\)"),
+        ({"outputs": np.zeros(N)}, r"outputs have shape \(200,\)"),
+        ({"auxiliary": None}, r"auxiliary signals have shape \(200, 0\), expected \(n, 1\)"),
+        ({"time": np.zeros((N, 1))}, r"time has shape \(200, 1\)"),
+        ({"outputs": np.zeros((N, 0)), "output_channels": ()}, "no output"),
+        ({"auxiliary_channels": (Channel("force", "N"),)}, "'force' is taken twice"),
+        ({"auxiliary_channels": (Channel("time", "s"),)}, "'time' is taken twice"),
+        ({"inputs": [["a", "b"]] * N}, "inputs is not an array of numbers"),
+    ],
+)
+def test_shapes_and_names_that_disagree_are_refused(make_record, changes, said):
+    with pytest.raises(RecordError, match=said):
+        make_record(**changes)
+
+
+def test_a_record_without_inputs_is_one(make_record):
+    """A pendulum let go."""
+    free = make_record(inputs=np.empty((N, 0)), input_channels=())
+    assert free.inputs.shape == (N, 0)
+
+
+def test_an_unknown_hold_is_refused():
+    with pytest.raises(RecordError, match="hold is 'cubic', allowed: zoh, foh, bandlimited"):
+        Channel("force", "N", "cubic")
+
+
+def test_a_constant_signal_is_worth_a_warning_an_auxiliary_one_is_not(make_record):
+    inputs = np.array(make_record().inputs)
+    inputs[:, 0] = 2.5
+    record = make_record(inputs=inputs, auxiliary=np.zeros((N, 1)))
+    assert record.warnings == ("record bench: input 'force' is constant (2.5 N)",)
+
+
+def test_signals_by_name(make_record):
+    record = make_record()
+    assert np.array_equal(record.output("angle"), record.outputs[:, 1])
+    assert np.array_equal(record.input("road"), record.inputs[:, 1])
+    assert np.array_equal(record.signal("force"), record.inputs[:, 0])
+    assert np.array_equal(record.signal("reference"), record.auxiliary[:, 0])
+    with pytest.raises(RecordError, match="unknown output 'positon': did you mean 'position'"):
+        record.output("positon")
+    with pytest.raises(RecordError, match="unknown input 'position'"):
+        record.input("position")
+
+
+def test_a_part_keeps_what_was_done_and_forgets_what_was_seen(make_record):
+    """Resampled stays resampled; a constant stretch cut away is no warning any more."""
+    outputs = np.array(make_record().outputs)
+    outputs[:, 0] = 0.0
+    outputs[150:, 0] = np.arange(50)
+    whole = make_record(outputs=outputs, warnings=("record bench: resampled",))
+    rest = whole.part(0, 100, name="rest")
+    assert rest.name == "rest"
+    assert rest.n == 100
+    assert rest.warnings == ("record bench: resampled", "record rest: output 'position' is constant (0 m)")
+    assert rest.part(0, 50, name="rest").warnings == rest.warnings
+    assert np.array_equal(whole.part(150, 200).output("position"), np.arange(50))
+    assert whole.part(150, 200).warnings == ("record bench: resampled",)
+    assert whole.part(150, 200).time[0] == whole.time[150]
+
+
+def test_copies_do_not_repeat_warnings(make_record):
+    outputs = np.array(make_record().outputs)
+    outputs[:, 0] = 1.0
+    record = make_record(outputs=outputs)
+    assert replace(replace(record, source="a"), source="b").warnings == record.warnings
