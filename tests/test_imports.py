@@ -22,10 +22,11 @@ PACKAGES = ("hybridid", "pipelines", "hybridid_cli")
 LAYERS = (
     ("declarations",),
     ("records", "plants", "effects"),
-    ("signals", "rigs", "model"),
+    ("signals", "rigs", "model", "fetch"),
     ("simulation",),
     ("estimators",),
     ("validation",),
+    ("trace",),
     ("plotting",),
 )
 LAYER = {room: rank for rank, rooms in enumerate(LAYERS) for room in rooms}
