@@ -16,6 +16,7 @@ Sections: TypeAlias = Array  # (number of second-order sections, 6)
 
 MAXIMUM_ORDER = 20
 SETTLED = 1e-3  # of a transient, by when padding may end
+HARDLY_SETTLED = 0.05  # of a transient: if even that outlasts a record, nothing in it is filtered rightly
 
 
 @dataclass(frozen=True)
@@ -95,8 +96,16 @@ def butterworth_sections(
 
 
 def forward_backward(sections: Sections, x: Array) -> Array:
-    """``H(1/z) H(z) x`` for x (n,): no phase; padded by as long as the filter takes to settle."""
-    return signal.sosfiltfilt(sections, x, padlen=min(_settling(sections), len(x) - 1))
+    """``H(1/z) H(z) x`` for x (n,): no phase; padded by as long as the filter takes to settle.
+
+    Raises:
+        StepError: if the signal is shorter than the filter's own transient.
+    """
+    if (transient := _settling(sections, HARDLY_SETTLED)) > len(x):
+        raise StepError(
+            f"the filter needs {transient} samples to settle, there are {len(x)}: raise the cutoff"
+        )
+    return signal.sosfiltfilt(sections, x, padlen=min(_settling(sections, SETTLED), len(x) - 1))
 
 
 def forward(sections: Sections, x: Array) -> Array:
@@ -104,7 +113,7 @@ def forward(sections: Sections, x: Array) -> Array:
     return signal.sosfilt(sections, x, zi=signal.sosfilt_zi(sections) * x[0])[0]
 
 
-def _settling(sections: Sections) -> int:
-    """Samples until the slowest pole has decayed to ``SETTLED``."""
+def _settling(sections: Sections, rest: float) -> int:
+    """Samples until the slowest pole's transient has decayed to ``rest`` of its beginning."""
     radius = max(float(np.abs(np.roots(section[3:])).max()) for section in sections)
-    return int(np.ceil(np.log(SETTLED) / np.log(radius)))
+    return int(np.ceil(np.log(rest) / np.log(radius)))
