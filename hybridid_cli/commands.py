@@ -21,6 +21,7 @@ class Command:
     configured: bool = True
 
 
+_LISTS = "hybridid_cli.listing"
 _STAGES = "hybridid_cli.hydra_app:run"
 
 COMMANDS: tuple[Command, ...] = (
@@ -29,10 +30,8 @@ COMMANDS: tuple[Command, ...] = (
     Command("fit", "estimate the parameters", helptexts.FIT, _STAGES),
     Command("validate", "score the fitted model on every record", helptexts.VALIDATE, _STAGES),
     Command("plot", "draw the figures", helptexts.PLOT, _STAGES),
-    Command("cases", "list the cases and the records found", helptexts.CASES, "hybridid_cli.listing:cases", False),
-    Command(
-        "effects", "list the physics that can be added", helptexts.EFFECTS, "hybridid_cli.listing:effects", False
-    ),
+    Command("cases", "list the cases and their records", helptexts.CASES, f"{_LISTS}:cases", False),
+    Command("effects", "list the physics that can be added", helptexts.EFFECTS, f"{_LISTS}:effects", False),
     Command("fetch", "download a case's public records", helptexts.FETCH, _STAGES),
     Command("ui", "open the page of all runs (MLflow)", helptexts.UI, _STAGES),
     Command(

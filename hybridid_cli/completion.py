@@ -1,4 +1,4 @@
-"""Completion of commands, cases, config keys and groups, effects and flags. Light: no Hydra, no CasADi at need."""
+"""Completion of commands, cases, config keys and groups, effects and flags. Light: never Hydra."""
 
 from __future__ import annotations
 
@@ -109,7 +109,9 @@ def _effect_lists(value: str) -> Iterator[str]:
     """``[viscous,cou`` -> ``[viscous,coulomb``: the list so far with each effect that is not in it."""
     done, comma, _ = value.rpartition(",")
     taken = done.strip("[").split(",")
-    yield from (f"effects={done + comma if comma else '['}{effect}" for effect in _effects() if effect not in taken)
+    yield from (
+        f"effects={done + comma if comma else '['}{effect}" for effect in _effects() if effect not in taken
+    )
 
 
 def _effects() -> list[str]:

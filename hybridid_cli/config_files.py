@@ -32,7 +32,12 @@ def user_folders(words: Sequence[str]) -> list[Path]:
 
 def groups(folders: Sequence[Path] = ()) -> list[str]:
     """The config groups, such as ``case`` and ``estimator``."""
-    found = {p.name for root in (*folders, conf_folder()) for p in root.iterdir() if p.is_dir() and any(p.glob("*.yaml"))}
+    found = {
+        p.name
+        for root in (*folders, conf_folder())
+        for p in root.iterdir()
+        if p.is_dir() and any(p.glob("*.yaml"))
+    }
     return sorted(found)
 
 
@@ -41,7 +46,9 @@ def options(group: str, folders: Sequence[Path] = ()) -> list[str]:
     return sorted({p.stem for root in (*folders, conf_folder()) for p in (root / group).glob("*.yaml")})
 
 
-def keys(command: str, choices: Mapping[str, str] | None = None, folders: Sequence[Path] = ()) -> dict[str, Any]:
+def keys(
+    command: str, choices: Mapping[str, str] | None = None, folders: Sequence[Path] = ()
+) -> dict[str, Any]:
     """Every dotted key of a command's config under the chosen options, with its plain value."""
     roots = (*folders, conf_folder())
     merged: dict[str, Any] = {}

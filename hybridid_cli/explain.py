@@ -5,7 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from hydra.errors import ConfigCompositionException, HydraException, MissingConfigException, OverrideParseException
+from hydra.errors import (
+    ConfigCompositionException,
+    HydraException,
+    MissingConfigException,
+    OverrideParseException,
+)
 from omegaconf.errors import OmegaConfBaseException
 
 from hybridid_cli.config_files import groups, keys, options, user_folders
@@ -38,7 +43,9 @@ def _config_problem(error: Exception, command: str, words: Sequence[str]) -> str
         group, _, name = str(error.missing_cfg_file).rpartition("/")
         return unknown(group or "config", name, error.options or options(group, folders))
     if isinstance(error, OverrideParseException):
-        return f"cannot read {error.override!r}: write key=value, and quote what the shell would split or change"
+        return (
+            f"cannot read {error.override!r}: write key=value, and quote what the shell would split or change"
+        )
     text = str(error)
     if match := re.search(r"Could not (?:override|append to config|delete) '([^']+)'", text):
         return _unknown_key(match[1], command, words)
@@ -56,7 +63,9 @@ def _config_problem(error: Exception, command: str, words: Sequence[str]) -> str
 def _unknown_key(key: str, command: str, words: Sequence[str]) -> str:
     """The nearest key, or group, to one that does not exist; listed are its would-be siblings."""
     folders = [folder for folder in user_folders(words) if folder.is_dir()]
-    choices = dict(word.split("=", 1) for word in words if "=" in word and word.split("=")[0] in groups(folders))
+    choices = dict(
+        word.split("=", 1) for word in words if "=" in word and word.split("=")[0] in groups(folders)
+    )
     known = {*keys(command, choices, folders), *groups(folders)}
     known |= {".".join(k.split(".")[: i + 1]) for k in known for i in range(k.count("."))}
     above = key.rpartition(".")[0]

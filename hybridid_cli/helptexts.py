@@ -26,11 +26,11 @@ Keys that every stage knows (hybridid {name} --cfg job prints them all)
   parameters.NAME.KEY=X    guess, lower, upper or fixed of one parameter, as in parameters.M.lower=30
   data=measured|simulated  insist on measured records, or on the case's virtual rig; default: auto
   paths.data=DIR           where measured records lie; default: $HYBRIDID_DATA, else data/raw
-  out=DIR                  put the whole run tree there; default: outputs/<case>/<hash of the modelling config>
+  out=DIR                  put the whole run tree there; default: outputs/<case>/<hash of the config>
   mlflow.enabled=false     do not log the run
 
 Flags
-  -m                       sweep: effects=[viscous],[viscous,coulomb] runs both; launcher=joblib side by side
+  -m                       sweep: estimator.horizon=250,1000 runs both; launcher=joblib side by side
   --cfg job                print the config that would be used, and stop
   --config-dir DIR         cases, plants and effects of your own: DIR/case/mine.yaml and Python files in DIR
   --debug                  show where in the code an error arose
@@ -47,7 +47,7 @@ draws the figures. Stages whose inputs and settings have not changed are reused;
 
 PREPROCESS = """\
 Maps the columns of each file to signals with units, checks them, applies preprocess.steps in order and writes
-preprocess/. With no measured record at hand the case's virtual rig stands in, and all that follows says simulated.
+preprocess/. With no measured record at hand the case's virtual rig stands in, and all that follows says so.
 
   hybridid preprocess case=emps paths.data=/data/recordings
   hybridid preprocess case=emps 'preprocess.steps=[{step: decimate, factor: 10}]'
@@ -69,27 +69,24 @@ Its own keys
 """
 
 VALIDATE = """\
-Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, R2 and fit percentage by
-record, output and view, and tests of the residual.
+Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, R2 and fit percentage
+by record, output and view, and tests of the residual.
 
   hybridid validate case=emps validate.horizon=0.5
 
 Its own keys
   validate.views=[...]     free_run: the whole record in one go; horizon: many short runs
-  validate.horizon=S       length of each short run in s, each from its own estimated initial state; default: 1.0
+  validate.horizon=S       length of each short run in s, each from an initial state of its own; default: 1.0
   validate.initial_state=estimated|measured   of the free run
   validate.records=[...]   roles or names; default: all
   validate.lags=N          lags in samples of the residual's correlations
 """
 
 PLOT = """\
-Draws record, model against data, error, friction over velocity, spectrum, residual correlation and the spread of
-errors, as files for a paper.
+Draws record, model against data, error, friction over velocity, spectrum, residual correlation and the
+spread of errors, as files for a paper.
 
-  hybridid plot case=emps plot.formats=[pdf]
-
-Its own keys
-  plot.formats=[...]       pdf, svg, png
+  hybridid plot case=emps
 """
 
 CASES = """\
@@ -104,8 +101,8 @@ Lists each case: what it is, its plant, inputs, outputs, effects, and which reco
 """
 
 EFFECTS = """\
-Lists each effect: its name, where it acts, its equation. With a name, also its parameters, units, source and what
-tells it from its look-alikes.
+Lists each effect: its name, where it acts, its equation, parameters with units, and source. With a name, also
+what tells it from its look-alikes.
 
   hybridid effects
   hybridid effects viscous
@@ -113,10 +110,13 @@ tells it from its look-alikes.
 """
 
 FETCH = """\
-Downloads the public records of a case to paths.data, checks them against their SHA-256 and resumes what was cut off.
+Downloads the public records of a case to paths.data, checks their SHA-256 and resumes what was cut off.
 
   hybridid fetch emps
   hybridid fetch emps paths.data=/data/recordings
+
+Its own keys
+  archive.url=URL          a mirror of the archive
 """
 
 UI = """\

@@ -20,16 +20,17 @@ def run(command: str, words: Sequence[str]) -> int:
     import hydra
 
     from hybridid_cli.explain import explained
-    from hybridid_cli.tasks import TASKS, stages
+    from hybridid_cli.tasks import Unfinished, task_of
 
     os.environ["HYDRA_FULL_ERROR"] = "1"  # exceptions come here whole; what the user sees is said below
     sys.argv = [f"hybridid {command}", *ready]
     application = hydra.main(config_path=str(conf_folder()), config_name=command, version_base="1.3")
     try:
-        application(TASKS.get(command, stages))()
-    except Exception as error:
+        application(task_of(command))()
+    except (Exception, Unfinished) as raised:
         if traceback:
             raise
+        error = raised.cause if isinstance(raised, Unfinished) else raised
         message, code = explained(error, command, words)
         return complain(message, code)
     return 0

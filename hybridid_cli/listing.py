@@ -104,7 +104,9 @@ def _records(settings: Settings) -> list[RenderableType]:
         return [Text(f"  records  none at hand: {error}", style="yellow")]
     lines: list[RenderableType] = []
     for source in sources.found:
-        where = ", ".join(map(str, source.files)) if isinstance(source, Measured) else f"rig {source.rig.name}"
+        where = (
+            ", ".join(map(str, source.files)) if isinstance(source, Measured) else f"rig {source.rig.name}"
+        )
         kind = "measured" if isinstance(source, Measured) else "simulated"
         lines.append(Text(f"  record   {source.name} ({source.role}): {kind}, {where}"))
     return [*lines, *(Text(f"  note     {remark}", style="yellow") for remark in sources.remarks)]
@@ -127,15 +129,23 @@ def _settings(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> S
     except HydraException as error:
         raise ConfigError(explained(error, "run", overrides)[0]) from error
     assert isinstance(config, dict)
-    return Settings(name, {str(k): v for k, v in config.items()}, tuple(folder.resolve() for folder in folders))
+    return Settings(
+        name, {str(k): v for k, v in config.items()}, tuple(folder.resolve() for folder in folders)
+    )
 
 
 def _described(effect: Effect) -> str:
     """What an effect is: equation, parameters with units, source."""
-    lines = [f"{effect.id}: {effect.title}", f"  acts at   {effect.kind} ports", f"  equation  {effect.equation}"]
+    lines = [
+        f"{effect.id}: {effect.title}",
+        f"  acts at   {effect.kind} ports",
+        f"  equation  {effect.equation}",
+    ]
     for parameter in effect.parameters:
         zero = " (zero removes the effect)" if parameter.nests else ""
-        lines.append(f"  parameter {parameter.name} [{_unit(effect, parameter.dimension)}]: {parameter.meaning}{zero}")
+        lines.append(
+            f"  parameter {parameter.name} [{_unit(effect, parameter.dimension)}]: {parameter.meaning}{zero}"
+        )
     lines += [f"  state     {s.name} [{_unit(effect, s.dimension)}]: {s.meaning}" for s in effect.states]
     return "\n".join([*lines, _paragraph("source", effect.source)])
 

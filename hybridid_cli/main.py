@@ -21,7 +21,10 @@ def main() -> None:
         code = dispatch(sys.argv[1:])
         sys.stdout.flush()
     except KeyboardInterrupt:
-        print("\nhybridid: interrupted; what was unfinished is discarded, what was finished is kept", file=sys.stderr)
+        print(
+            "\nhybridid: interrupted; what was unfinished is discarded, what was finished is kept",
+            file=sys.stderr,
+        )
         code = INTERRUPTED
     except BrokenPipeError:  # `hybridid effects | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

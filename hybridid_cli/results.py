@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from rich.text import Text
 
 from hybridid.plotting.units import engineering
 from hybridid_cli.tables import rendered, table
-from pipelines.findings import estimate_of, metric_rows, records_of
+from pipelines.findings import estimate_of, metric_rows, prepared_records
 from pipelines.stage import Outcome
 
 
@@ -23,10 +23,17 @@ def summary(outcome: Outcome, command: str) -> str:
 
 
 def _records(tree: Path) -> list[RenderableType]:
-    columns = [("record", ""), ("role", ""), ("samples", "right"), ("rate", "right"), ("data", ""), ("from", "")]
+    columns = [
+        ("record", ""),
+        ("role", ""),
+        ("samples", "right"),
+        ("rate", "right"),
+        ("data", ""),
+        ("from", ""),
+    ]
     made = table("Records", columns)
     notes: list[RenderableType] = []
-    for row in records_of(tree):
+    for row in (record.row for record in prepared_records(tree)):
         rate = f"{1 / row['dt']:.6g} Hz"
         made.add_row(row["name"], row["role"], str(row["n"]), rate, _provenance(row), row["source"])
         notes += [Text(f"WARNING: record {row['name']}: {line}", style="yellow") for line in row["warnings"]]
@@ -36,39 +43,61 @@ def _records(tree: Path) -> list[RenderableType]:
 def _estimates(tree: Path) -> list[RenderableType]:
     estimate = estimate_of(tree)
     fitted = ", ".join(estimate["records"])
-    columns = [("parameter", ""), ("value", "right"), ("std", "right"), ("unit", ""), ("bounds", ""), ("", "")]
+    columns = [
+        ("parameter", ""),
+        ("value", "right"),
+        ("std", "right"),
+        ("unit", ""),
+        ("bounds", ""),
+        ("", ""),
+    ]
     made = table(f"Estimates from {fitted} ({estimate['provenance']})", columns)
     for name, p in estimate["parameters"].items():
         bounds = f"[{_number(p['lower'], '-inf')}, {_number(p['upper'], 'inf')}]"
         made.add_row(name, _number(p["value"]), _number(p["std"], "?", 2), p["unit"], bounds, _flags(p))
     seconds = estimate["seconds"]
     line = (
-        f"{estimate['status']} after {estimate['iterations']} iterations, cost {_number(estimate['cost'])}, "
-        f"build {seconds['build']:.2f} s, solve {seconds['solve']:.2f} s"
+        f"{estimate['status']} after {estimate['iterations']} iterations on {estimate['provenance']} data, "
+        f"cost {_number(estimate['cost'])}, build {seconds['build']:.2f} s, solve {seconds['solve']:.2f} s"
     )
     lines: list[RenderableType] = [made, Text(line)]
     if not estimate["converged"]:
-        lines.append(Text("NOT CONVERGED: these numbers are where the solver stopped, no optimum", style="bold red"))
+        lines.append(
+            Text("NOT CONVERGED: these numbers are where the solver stopped, no optimum", style="bold red")
+        )
     return lines + [Text(f"WARNING: {warning}", style="yellow") for warning in estimate["warnings"]]
 
 
 def _flags(parameter: dict[str, Any]) -> Text:
-    flags = [word for word, on in (("AT BOUND", parameter["at_bound"]), ("NOT IDENTIFIABLE", not parameter["identifiable"])) if on]
+    flags = [
+        word
+        for word, on in (
+            ("AT BOUND", parameter["at_bound"]),
+            ("NOT IDENTIFIABLE", not parameter["identifiable"]),
+        )
+        if on
+    ]
     return Text(", ".join(flags), style="bold red")
 
 
 def _scores(tree: Path) -> list[RenderableType]:
-    columns = [(name, "") for name in ("record", "output", "view")]
-    columns += [(name, "right") for name in ("RMSE", "MSE", "R²", "fit %", "n")] + [("data", "")]
-    made = table("Scores", columns)
-    rows = metric_rows(tree)
-    for row in rows:
+    names = [(name, "") for name in ("record", "output", "view")]
+    scores = [(name, "right") for name in ("RMSE", "MSE", "R²", "fit %", "n")]
+    made = table("Scores", [*names, *scores, ("data", "")])
+    for row in metric_rows(tree):
         factor, unit = engineering(row["rmse"] or 0.0, row["unit"])
+        rmse = None if row["rmse"] is None else row["rmse"] * factor
         made.add_row(
-            row["record"], row["output"], _view(row), f"{_number(row['rmse'] and row['rmse'] * factor, '?', 4)} {unit}",
-            f"{_number(row['mse'], '?', 4)} {_squared(row['unit'])}", _fixed(row["r2"], 6), _fixed(row["fit_percent"], 2),
-            str(row["n"]), _provenance(row),
-        )  # fmt: skip
+            row["record"],
+            row["output"],
+            _view(row),
+            f"{_number(rmse, digits=4)} {unit}",
+            f"{_number(row['mse'], digits=4)} {_squared(row['unit'])}",
+            _fixed(row["r2"], 6),
+            _fixed(row["fit_percent"], 2),
+            str(row["n"]),
+            _provenance(row),
+        )
     return [made]
 
 
@@ -87,7 +116,7 @@ def _figures(tree: Path) -> list[RenderableType]:
     return [Text("Figures", style="bold"), *(Text(f"  {path}") for path in files), Text("")]
 
 
-def _provenance(row: dict[str, Any]) -> Text:
+def _provenance(row: Mapping[str, Any]) -> Text:
     return Text(row["provenance"], style="bold magenta" if row["provenance"] == "simulated" else "")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,6 +30,35 @@ def settings_of(cfg: DictConfig) -> Settings:
     return Settings(case, {str(k): v for k, v in config.items()}, folders, hydra.mode == RunMode.MULTIRUN)
 
 
+class Unfinished(BaseException):
+    """Carries a command's exception past Hydra, which would print its own words first."""
+
+    def __init__(self, cause: Exception) -> None:
+        super().__init__(str(cause))
+        self.cause = cause
+
+
+def task_of(command: str) -> Callable[[DictConfig], None]:
+    """What Hydra is to run for a command."""
+    return {"fetch": fetch, "ui": ui}.get(command, stages)
+
+
+def _said_by_us(task: Callable[[DictConfig], None]) -> Callable[[DictConfig], None]:
+    """``task`` whose exceptions leave Hydra at once; a sweep keeps them, so that other jobs go on."""
+
+    @functools.wraps(task)
+    def run(cfg: DictConfig) -> None:
+        try:
+            task(cfg)
+        except Exception as error:
+            if HydraConfig.get().mode == RunMode.MULTIRUN:
+                raise
+            raise Unfinished(error) from error
+
+    return run
+
+
+@_said_by_us
 def stages(cfg: DictConfig) -> None:
     """Bring the stages of a command up to date, show what they found, and log the run."""
     from hybridid_cli.results import summary
@@ -45,6 +75,7 @@ def stages(cfg: DictConfig) -> None:
         run.finish(outcome)
 
 
+@_said_by_us
 def fetch(cfg: DictConfig) -> None:
     """Download the records of a case."""
     from pipelines.fetching import fetch_case
@@ -55,6 +86,7 @@ def fetch(cfg: DictConfig) -> None:
             terminal.show(str(path))
 
 
+@_said_by_us
 def ui(cfg: DictConfig) -> None:
     """Serve MLflow's page on 127.0.0.1 until interrupted."""
     from pipelines.tracking import serve
@@ -62,6 +94,3 @@ def ui(cfg: DictConfig) -> None:
     settings = settings_of(cfg)
     with Terminal() as terminal:
         serve(settings, terminal)
-
-
-TASKS: dict[str, Callable[[DictConfig], None]] = {"fetch": fetch, "ui": ui}

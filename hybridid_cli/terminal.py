@@ -1,4 +1,4 @@
-"""What a person sees while a command works: lines, warnings, a bar with the cost; log lines when nobody watches.
+"""What is seen while a command works: lines, warnings, a bar with the cost; log lines if nobody watches.
 
 Results go to stdout, everything else to stderr.
 """
@@ -12,8 +12,6 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.text import Text
-
-from hybridid.estimators.estimate import Progress as Report
 
 _SECONDS_BETWEEN_LINES = 5.0
 
@@ -52,15 +50,14 @@ class Terminal:
         sys.stdout.write(f"{self._label}{text}\n" if self._label else f"{text}\n")
         sys.stdout.flush()
 
-    def progress(self, progress: Report) -> None:
-        cost = f"{progress.stage}: iteration {progress.iteration}, cost {progress.cost:.6g}"
+    def progress(self, work: str, state: str, fraction: float | None) -> None:
         if self._watched:
-            self._draw(cost, progress.fraction)
+            self._draw(f"{work}: {state}", fraction)
             return
-        now, stage = time.monotonic(), progress.stage
-        if stage != self._last[1] or now - self._last[0] > _SECONDS_BETWEEN_LINES:
-            self._last = (now, stage)
-            self.say(cost)
+        now = time.monotonic()
+        if work != self._last[1] or now - self._last[0] > _SECONDS_BETWEEN_LINES:
+            self._last = (now, work)
+            self.say(f"{work}: {state}")
 
     def _line(self, line: Text) -> None:
         if not self._console.is_terminal:

@@ -7,11 +7,9 @@ from collections.abc import Sequence
 from hybridid_cli.config_files import options, user_folders
 from pipelines.errors import ConfigError, unknown
 
-# flag -> whether a value follows
-FLAGS = {
-    "-m": False, "--multirun": False, "--cfg": True, "-c": True, "--resolve": False, "--package": True, "-p": True,
-    "--config-dir": True, "-cd": True, "--info": True, "-i": True, "--debug": False, "--run": False, "-r": False,
-}  # fmt: skip
+SWITCHES = ("-m", "--multirun", "--resolve", "--debug", "-r", "--run")
+WITH_VALUE = ("--config-dir", "-cd", "--cfg", "-c", "--package", "-p", "--info", "-i")
+FLAGS = (*SWITCHES, *WITH_VALUE)
 CFG = ("job", "hydra", "all")
 
 
@@ -33,7 +31,7 @@ def prepared(command: str, words: Sequence[str]) -> list[str]:
                 raise ConfigError(unknown("flag", flag, FLAGS))
             if has_value:
                 _check_flag_value(flag, value)
-            elif FLAGS[flag]:
+            elif flag in WITH_VALUE:
                 value_of = flag
         elif "=" not in word and not word.startswith("~"):
             word = _bare(command, word, words)

@@ -13,7 +13,8 @@ from pipelines.errors import ConfigError, unknown
 
 # What may stand in a config, section by section; None: the case decides what stands below.
 SECTIONS: Mapping[str, tuple[str, ...] | None] = {
-    "case": ("title", "source", "fetch"),
+    "case": ("title", "source"),
+    "archive": ("name", "url"),
     "plant": None,
     "rig": None,
     "data": None,
@@ -25,7 +26,6 @@ SECTIONS: Mapping[str, tuple[str, ...] | None] = {
     "estimator": None,
     "fit": ("records",),
     "validate": ("records", "views", "horizon", "initial_state", "lags"),
-    "plot": ("formats",),
     "paths": ("data", "outputs"),
     "out": None,
     "force": None,
@@ -117,5 +117,7 @@ def _check_section(name: str, value: Any, allowed: tuple[str, ...] | None) -> No
 def _case_key(case: str, value: Mapping[str, Any]) -> str:
     strange = sorted(set(value) - set(SECTIONS["case"] or ()))[0]
     if strange in SECTIONS:
-        return f"case {case}: begin its file with the line '# @package _global_', so that {strange} is a key of its own"
+        return (
+            f"case {case}: its file must begin with '# @package _global_', or {strange} is no key of its own"
+        )
     return unknown("config key below case", strange, SECTIONS["case"] or ())

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +15,23 @@ ESTIMATE = "fit/estimate.json"
 METRICS = "validate/metrics.json"
 
 
-def records_of(tree: Path) -> list[dict[str, Any]]:
-    """One row a record: name, role, provenance, digest, n, dt, ..."""
-    return list(read_json(tree / RECORDS))
+@dataclass(frozen=True)
+class Prepared:
+    """A record that ``preprocess`` left: ``file`` lies in the tree, ``row`` is all that it wrote of it."""
+
+    name: str
+    role: str
+    provenance: str
+    file: Path
+    row: Mapping[str, Any]
+
+
+def prepared_records(tree: Path) -> list[Prepared]:
+    """The records of ``preprocess/records.json``."""
+    return [
+        Prepared(r["name"], r["role"], r["provenance"], tree / r["file"], r)
+        for r in read_json(tree / RECORDS)
+    ]
 
 
 def estimate_of(tree: Path) -> dict[str, Any]:
@@ -38,7 +52,10 @@ def loaded_estimate(tree: Path) -> Estimate:
         instead = {"lower": -inf, "upper": inf, "std": nan, "value": nan}
         parameter.update({key: instead[key] for key in instead if parameter[key] is None})
     numbers = {key: [nan if v is None else v for v in data[key]] for key in ("history", "starts")}
-    matrices = {k: [[nan if v is None else v for v in row] for row in data[k]] for k in ("correlation", "initial_states")}
+    matrices = {
+        k: [[nan if v is None else v for v in row] for row in data[k]]
+        for k in ("correlation", "initial_states")
+    }
     cost = nan if data["cost"] is None else data["cost"]
     estimate = Estimate.from_dict({**data, **numbers, **matrices, "cost": cost})
     return replace(estimate, seconds={k: float(v) for k, v in estimate.seconds.items()})
@@ -46,7 +63,7 @@ def loaded_estimate(tree: Path) -> Estimate:
 
 def provenance_of(tree: Path) -> str:
     """``measured``, ``simulated``, or both."""
-    return " and ".join(sorted({row["provenance"] for row in records_of(tree)}))
+    return " and ".join(sorted({record.provenance for record in prepared_records(tree)}))
 
 
 def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
@@ -72,7 +89,7 @@ def cost_history(tree: Path) -> list[float]:
 
 def facts(tree: Path) -> dict[str, str]:
     """What identifies a run beside its config: digests of its data, status of its fit."""
-    said = {f"data.{row['name']}": str(row["digest"]) for row in records_of(tree)}
+    said = {f"data.{record.name}": str(record.row["digest"]) for record in prepared_records(tree)}
     if (tree / ESTIMATE).exists():
         estimate = estimate_of(tree)
         said |= {"fit.status": str(estimate["status"]), "fit.converged": str(estimate["converged"]).lower()}

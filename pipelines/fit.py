@@ -2,35 +2,62 @@
 
 from __future__ import annotations
 
+from hybridid.estimators.estimate import Progress
 from hybridid.estimators.fit import fit
 from hybridid.records.store import load_record
 from pipelines import modelling
-from pipelines.findings import records_of
+from pipelines.config import Settings
+from pipelines.findings import prepared_records
 from pipelines.fitted import describe_model
 from pipelines.modelling import fit_settings, model_of
-from pipelines.sources import chosen
+from pipelines.sources import chosen, sources_of
 from pipelines.stage import Job, Stage
 from pipelines.storage import write_json
+from pipelines.watch import Watcher
 
+MODEL_NAME = "gray box"
 KEYS = (*modelling.KEYS, "estimator", "fit.records")
 
 
 def run(job: Job) -> None:
     """Estimate the model's parameters on the records of ``fit.records``."""
-    rows = chosen(records_of(job.tree), job.settings.get("fit.records"), "fit.records")
-    records = [load_record(job.tree / row["file"]) for row in rows]
+    fitted = chosen(prepared_records(job.tree), job.settings.get("fit.records"), "fit.records")
+    records = [load_record(record.file) for record in fitted]
     model = model_of(job.settings)
-    estimate = fit(model, records, fit_settings(job.settings), job.watcher.progress)
+    estimate = fit(model, records, fit_settings(job.settings), lambda report: _show(report, job.watcher))
     about = {
         "case": job.settings.case,
-        "records": [row["name"] for row in rows],
-        "provenance": " and ".join(sorted({row["provenance"] for row in rows})),
+        "model": MODEL_NAME,
+        "records": [record.name for record in fitted],
+        "provenance": " and ".join(sorted({record.provenance for record in fitted})),
         "effects": [term.name for term in model.terms],
     }
     write_json(job.folder / "estimate.json", {**about, **estimate.to_dict()})
-    write_json(job.folder / "model.json", describe_model(job.settings, model))
+    write_json(
+        job.folder / "model.json", {**describe_model(job.settings, model), "provenance": about["provenance"]}
+    )
+
+
+def check(settings: Settings) -> None:
+    """Whether model, estimator and records can be had as configured.
+
+    Raises:
+        ConfigError: if not.
+    """
+    model_of(settings), fit_settings(settings)
+    chosen(sources_of(settings).found, settings.get("fit.records"), "fit.records")
+
+
+def _show(report: Progress, watcher: Watcher) -> None:
+    watcher.progress(report.stage, f"iteration {report.iteration}, cost {report.cost:.6g}", report.fraction)
 
 
 FIT = Stage(
-    "fit", KEYS, ("preprocess",), run, inputs=modelling.own_code, ignores=("plotting", "rigs", "validation")
+    "fit",
+    KEYS,
+    ("preprocess",),
+    run,
+    inputs=modelling.own_code,
+    check=check,
+    ignores=("plotting", "rigs", "validation", "fetch"),
 )

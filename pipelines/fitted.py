@@ -25,7 +25,9 @@ def describe_model(settings: Settings, model: Model) -> dict[str, Any]:
         "states": [{"name": s.name, "unit": s.unit} for s in model.states],
         "inputs": [{"name": s.name, "unit": s.unit} for s in model.inputs],
         "outputs": [{"name": s.name, "unit": s.unit} for s in model.outputs],
-        "terms": [{"name": t.name, "equation": t.effect.equation, "source": t.effect.source} for t in model.terms],
+        "terms": [
+            {"name": t.name, "equation": t.effect.equation, "source": t.effect.source} for t in model.terms
+        ],
     }
 
 

@@ -15,7 +15,9 @@ RECEIPT = "stage.json"
 Fingerprint = dict[str, dict[str, Any]]
 
 
-def fingerprint(config: Mapping[str, Any], inputs: Mapping[str, str], without: Iterable[str] = ()) -> Fingerprint:
+def fingerprint(
+    config: Mapping[str, Any], inputs: Mapping[str, str], without: Iterable[str] = ()
+) -> Fingerprint:
     """What results depend on: flat config keys, digests of what is read, and hybridid's own code.
 
     ``without`` names subpackages of hybridid that do not matter to the stage.
@@ -31,13 +33,13 @@ def why_stale(folder: Path, now: Fingerprint) -> list[str]:
     except (OSError, ValueError, KeyError):
         return ["not made yet"]
     now = json.loads(json.dumps(now, default=str))
-    reasons = []
-    for section, current in now.items():
-        before = then.get(section, {})
-        for key in sorted({*current, *before}):
-            if current.get(key) != before.get(key):
-                reasons.append(_reason(section, key, before.get(key), current.get(key)))
-    return reasons
+    return [
+        _reason(section, key, before.get(key), current.get(key))
+        for section, current in now.items()
+        for before in (then.get(section, {}),)
+        for key in sorted({*current, *before})
+        if current.get(key) != before.get(key)
+    ]
 
 
 def write_receipt(folder: Path, stage: str, made_from: Fingerprint, seconds: float) -> None:
@@ -76,7 +78,10 @@ def _reason(section: str, key: str, before: Any, now: Any) -> str:
     if section == "code":
         return "hybridid's version changed" if key == "hybridid" else "hybridid's code changed"
     if section == "inputs":
-        return f"{key} changed"
+        kinds = [str(digest).partition(" ")[0] for digest in (before, now) if digest]
+        return f"{key} changed" + (
+            f" ({' -> '.join(kinds)})" if len(set(kinds)) > 1 and len(kinds[0]) < 10 else ""
+        )
     return f"{key} changed ({_short(before)} -> {_short(now)})"
 
 

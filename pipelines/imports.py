@@ -67,7 +67,11 @@ def own_code_digests(paths: Iterable[str]) -> dict[str, str]:
 
 
 def _public(module: ModuleType) -> list[str]:
-    return [name for name, value in vars(module).items() if not name.startswith("_") and not inspect.ismodule(value)]
+    return [
+        name
+        for name, value in vars(module).items()
+        if not name.startswith("_") and not inspect.ismodule(value)
+    ]
 
 
 def _where(error: Exception) -> str:

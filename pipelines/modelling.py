@@ -28,7 +28,9 @@ def plant_of(settings: Settings) -> Plant:
         except TypeError as error:
             raise ConfigError(f"plant {settings['plant']}: {error}") from error
     if not isinstance(found, Plant):
-        raise ConfigError(f"plant {settings['plant']} is a {type(found).__name__}, not a hybridid.plants.plant.Plant")
+        raise ConfigError(
+            f"plant {settings['plant']} is a {type(found).__name__}, not a hybridid.plants.plant.Plant"
+        )
     return found
 
 
@@ -61,7 +63,9 @@ def model_of(settings: Settings) -> Model:
 
 def own_code(settings: Settings) -> dict[str, str]:
     """Digests of the user's own Python that the model is made of."""
-    return own_code_digests([settings["plant"], *(e.partition("@")[0] for e in effect_entries(settings) if ":" in e)])
+    return own_code_digests(
+        [settings["plant"], *(e.partition("@")[0] for e in effect_entries(settings) if ":" in e)]
+    )
 
 
 def effect_entries(settings: Settings) -> list[str]:
@@ -127,7 +131,9 @@ def _leaves(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, dict[str,
 
 def _ownable(plant: Plant, selected: list[Effect]) -> set[str]:
     """Names that parameters would have, were any effect put at any port."""
-    names = {p.name for p in plant.parameters} | {f"{p.name}.epsilon" for p in plant.ports if p.kind == "effort"}
+    names = {p.name for p in plant.parameters} | {
+        f"{p.name}.epsilon" for p in plant.ports if p.kind == "effort"
+    }
     for effect in (*EFFECTS, *selected):
         for port in plant.ports:
             if port.kind == effect.kind:

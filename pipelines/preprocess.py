@@ -1,4 +1,4 @@
-"""``preprocess``: from the files of a case, or its rig, to checked and filtered records in ``preprocess/``."""
+"""``preprocess``: from a case's files, or its rig, to checked and filtered records in ``preprocess/``."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ from typing import Any
 
 from hybridid.records.record import Record
 from hybridid.records.store import save_record
-from hybridid.signals.steps import apply_steps
+from hybridid.signals.step import StepError
+from hybridid.signals.steps import apply_steps, parse_steps
 from pipelines import sources
+from pipelines.config import Settings
+from pipelines.errors import ConfigError
 from pipelines.sources import Source, sources_of
 from pipelines.stage import Job, Stage
 from pipelines.storage import write_json
@@ -17,11 +20,8 @@ KEYS = (*sources.KEYS, "preprocess")
 
 def run(job: Job) -> None:
     """Read every record of the case, apply ``preprocess.steps``, store it beside what is to know of it."""
-    made = sources_of(job.settings)
-    for remark in made.remarks:
-        job.watcher.warn(remark)
     rows = []
-    for source in made.found:
+    for source in sources_of(job.settings).found:
         record = apply_steps(source.record(), job.settings.get("preprocess.steps", []))
         for warning in record.warnings:
             job.watcher.warn(f"record {source.name}: {warning}")
@@ -50,7 +50,21 @@ def _row(source: Source, record: Record) -> dict[str, Any]:
     }
 
 
+def check(settings: Settings) -> None:
+    """Whether the records can be found and the steps are steps.
+
+    Raises:
+        ConfigError: if a name or number in the config is wrong.
+        RecordNotFoundError: if there is neither a record nor a rig to stand in.
+    """
+    sources_of(settings)
+    try:
+        parse_steps(settings.get("preprocess.steps", []), "preprocess.steps")
+    except StepError as error:
+        raise ConfigError(str(error)) from error
+
+
 PREPROCESS = Stage(
-    "preprocess", KEYS, (), run, inputs=sources.digests,
-    ignores=("plotting", "effects", "plants", "estimators", "validation", "simulation"),
+    "preprocess", KEYS, (), run, inputs=sources.digests, check=check,
+    ignores=("plotting", "effects", "plants", "estimators", "validation", "simulation", "fetch"),
 )  # fmt: skip

@@ -11,9 +11,9 @@ from pipelines.config import Settings
 from pipelines.errors import ConfigError
 from pipelines.fit import FIT
 from pipelines.freshness import Fingerprint, fingerprint, folder_digest, why_stale, write_receipt
-from pipelines.modelling import fit_settings, model_of
 from pipelines.plot import PLOT
 from pipelines.preprocess import PREPROCESS
+from pipelines.sources import sources_of
 from pipelines.stage import Job, Outcome, Stage
 from pipelines.tree import locked, point_latest, remove, replacing, tree_of, write_text
 from pipelines.validate import VALIDATE
@@ -29,16 +29,23 @@ def run_stages(settings: Settings, command: str, watcher: Watcher) -> Outcome:
         ConfigError: before anything is written, if the request cannot be carried out.
         RecordError: if a record cannot be used.
     """
-    model_of(settings), fit_settings(settings)  # a wrong name is said now, not after minutes
-    root = tree_of(settings)
+    stages = wanted(command)
+    for stage in stages:
+        stage.check(settings)  # a wrong name is said now, not after minutes
+    sources = sources_of(settings)
+    root = tree_of(settings, sources.simulated)
     if root.exists() and not root.is_dir():
         raise ConfigError(f"out is {root}: a file stands there; give a folder")
+    for remark in sources.remarks:
+        watcher.warn(remark)
     with locked(root, watcher.say):
-        write_text(root / "config.yaml", yaml.safe_dump(dict(settings.config), sort_keys=False, allow_unicode=True))
-        ran = _bring_up_to_date(wanted(command), settings, root, watcher)
+        write_text(
+            root / "config.yaml", yaml.safe_dump(dict(settings.config), sort_keys=False, allow_unicode=True)
+        )
+        ran = _bring_up_to_date(stages, settings, root, watcher)
         if settings.get("out") is None:
             point_latest(root)
-    return Outcome(root, tuple(stage.name for stage in wanted(command)), tuple(ran))
+    return Outcome(root, tuple(stage.name for stage in stages), tuple(ran))
 
 
 def wanted(command: str) -> tuple[Stage, ...]:
@@ -52,7 +59,9 @@ def wanted(command: str) -> tuple[Stage, ...]:
     return tuple(stage for stage in STAGES if stage.name in names)
 
 
-def _bring_up_to_date(stages: tuple[Stage, ...], settings: Settings, root: Path, watcher: Watcher) -> list[str]:
+def _bring_up_to_date(
+    stages: tuple[Stage, ...], settings: Settings, root: Path, watcher: Watcher
+) -> list[str]:
     """Run the stages whose results are missing or stale, saying why; returns their names."""
     ran: list[str] = []
     outdated: set[str] = set()
@@ -72,7 +81,9 @@ def _bring_up_to_date(stages: tuple[Stage, ...], settings: Settings, root: Path,
         ran.append(stage.name)
         outdated |= _remove_readers(stage.name, root)
     for name in sorted(outdated - set(ran)):
-        watcher.say(f"{name}: removed, it was made from results that have changed; hybridid {name} makes it again")
+        watcher.say(
+            f"{name}: removed, it was made from results that have changed; hybridid {name} makes it again"
+        )
     return ran
 
 

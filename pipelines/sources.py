@@ -1,12 +1,12 @@
-"""Where each record of a case comes from: measured files where they are found, else the case's virtual rig."""
+"""Where a case's records come from: measured files where they are found, else the case's virtual rig."""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from hybridid.records.mapping import RecordMap, build_record, record_map
 from hybridid.records.record import Record, RecordError
@@ -20,6 +20,7 @@ KEYS = ("data", "records", "signals", "rig", "paths.data")
 CHOICES = ("auto", "measured", "simulated")
 ROLES = ("identification", "validation")
 _OWN = ("role", "run")
+_STANDS_IN = "no measured record found; the virtual rig stands in, all that follows is SIMULATED"
 
 
 @dataclass(frozen=True)
@@ -64,12 +65,29 @@ class Simulated:
 Source = Measured | Simulated
 
 
+class HasRole(Protocol):
+    """A record's name and what it is for."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def role(self) -> str: ...
+
+
+Named = TypeVar("Named", bound=HasRole)
+
+
 @dataclass(frozen=True)
 class Sources:
     """A case's records, and in words what is not as one would wish."""
 
     found: tuple[Source, ...]
     remarks: tuple[str, ...] = ()
+
+    @property
+    def simulated(self) -> bool:
+        return any(isinstance(source, Simulated) for source in self.found)
 
 
 def sources_of(settings: Settings) -> Sources:
@@ -88,6 +106,8 @@ def sources_of(settings: Settings) -> Sources:
     if choice == "simulated":
         return Sources(_simulated(settings, records), ("simulated records, as data=simulated asks",))
     roots = roots_of(settings)
+    if not roots[0].path.is_dir() and settings.get("paths.data"):
+        raise ConfigError(f"paths.data is {roots[0].path}: no such folder")
     found, missing = [], []
     for name, entry in records.items():
         try:
@@ -100,12 +120,11 @@ def sources_of(settings: Settings) -> Sources:
         raise RecordNotFoundError(f"{missing[0]}{_fetch_hint(settings)}")
     if found:
         return Sources(tuple(found), tuple(missing))
-    remark = f"no measured record found; the virtual rig stands in, all that follows is SIMULATED{_fetch_hint(settings)}"
-    return Sources(_simulated(settings, records), (missing[0], remark))
+    return Sources(_simulated(settings, records), (missing[0], f"{_STANDS_IN}{_fetch_hint(settings)}"))
 
 
 def roots_of(settings: Settings) -> tuple[DataRoot, ...]:
-    """Where records are looked for: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, the user's own folders."""
+    """``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, then the user's own folders."""
     own = [DataRoot(folder, "--config-dir") for folder in settings.folders]
     return (*data_roots(settings.get("paths.data")), *own)
 
@@ -115,20 +134,20 @@ def digests(settings: Settings) -> dict[str, str]:
     return {f"record {s.name}": f"{type(s).__name__.lower()} {s.digest}" for s in sources_of(settings).found}
 
 
-def chosen(rows: list[dict[str, Any]], wanted: Any, key: str) -> list[dict[str, Any]]:
-    """The rows whose name or role is in ``wanted``; all if it is null.
+def chosen(records: Sequence[Named], wanted: Any, key: str) -> list[Named]:
+    """The records whose name or role is in ``wanted``; all if it is null.
 
     Raises:
         ConfigError: if an entry matches none; ``key`` is the config key that holds them.
     """
     if wanted is None:
-        return rows
+        return list(records)
     entries = [str(entry) for entry in wanted] if isinstance(wanted, list) else [str(wanted)]
-    known = {row["name"] for row in rows} | {row["role"] for row in rows}
+    known = {word for record in records for word in (record.name, record.role)}
     for entry in entries:
         if entry not in known:
-            raise ConfigError(unknown(f"record in {key}", entry, known))
-    return [row for row in rows if row["name"] in entries or row["role"] in entries]
+            raise ConfigError(unknown(f"record in {key}:", entry, known))
+    return [record for record in records if {record.name, record.role} & set(entries)]
 
 
 def _records(settings: Settings) -> dict[str, dict[str, Any]]:
@@ -141,7 +160,9 @@ def _records(settings: Settings) -> dict[str, dict[str, Any]]:
     return {str(name): dict(entry) for name, entry in given.items()}
 
 
-def _measured(settings: Settings, name: str, entry: Mapping[str, Any], roots: tuple[DataRoot, ...]) -> Measured:
+def _measured(
+    settings: Settings, name: str, entry: Mapping[str, Any], roots: tuple[DataRoot, ...]
+) -> Measured:
     own = {key: value for key, value in entry.items() if key not in _OWN}
     try:
         plan = record_map({**settings.get("signals", {}), **own}, f"record {name}")
@@ -160,7 +181,9 @@ def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> 
     rig = named(given.get("path"), "rig.path")
     rig = rig() if inspect.isclass(rig) else rig
     if not isinstance(rig, Rig):
-        raise ConfigError(f"rig.path {given.get('path')} is a {type(rig).__name__}, not a hybridid.rigs.rig.Rig")
+        raise ConfigError(
+            f"rig.path {given.get('path')} is a {type(rig).__name__}, not a hybridid.rigs.rig.Rig"
+        )
     made = []
     for name, entry in records.items():
         run = str(entry.get("run", name))
@@ -171,4 +194,8 @@ def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> 
 
 
 def _fetch_hint(settings: Settings) -> str:
-    return f"; hybridid fetch {settings.case} downloads the measured ones" if settings.get("case.fetch") else ""
+    return (
+        f"; hybridid fetch {settings.case} downloads the measured ones"
+        if settings.get("archive.name")
+        else ""
+    )

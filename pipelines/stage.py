@@ -1,4 +1,4 @@
-"""What a stage is: its name, what makes its results stale, and the function that makes them; what running some did."""
+"""What a stage is, and what running some did."""
 
 from __future__ import annotations
 
@@ -22,10 +22,12 @@ class Job:
 
 @dataclass(frozen=True)
 class Stage:
-    """``keys``: config keys its results depend on; ``reads``: stages whose files it reads.
+    """Makes the files of one folder of a run tree.
 
-    ``inputs`` gives digests of whatever else it reads; ``ignores`` names subpackages of
-    hybridid whose code does not touch its results.
+    ``keys`` are the config keys its results depend on, ``reads`` the stages whose files it
+    reads, ``inputs`` digests of whatever else it reads. ``check`` raises a ``ConfigError``,
+    before anything is done, if the config cannot be carried out. ``ignores`` names
+    subpackages of hybridid whose code does not touch its results.
     """
 
     name: str
@@ -33,6 +35,7 @@ class Stage:
     reads: tuple[str, ...]
     run: Callable[[Job], None]
     inputs: Callable[[Settings], Mapping[str, str]] = lambda settings: {}
+    check: Callable[[Settings], None] = lambda settings: None
     ignores: tuple[str, ...] = ("plotting",)
 
 

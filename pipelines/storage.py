@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 def write_json(path: Path, data: Any) -> None:
     """Strict JSON: what is not finite becomes null."""
-    path.write_text(json.dumps(_strict(data), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    path.write_text(
+        json.dumps(_strict(data), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
+    )
 
 
 def read_json(path: Path) -> Any:

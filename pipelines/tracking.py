@@ -102,7 +102,9 @@ def _log_safely(run: Run, watcher: Watcher, error: Exception | None) -> None:
         _log(run, error)
     except Exception as trouble:  # whatever is wrong with the store, the results stand
         line = " ".join(str(trouble).split())[:200]
-        watcher.warn(f"not logged to MLflow ({type(trouble).__name__}: {line}); the results are complete without it")
+        watcher.warn(
+            f"not logged to MLflow ({type(trouble).__name__}: {line}); the results are complete without it"
+        )
 
 
 def _log(run: Run, error: Exception | None) -> None:
@@ -125,7 +127,9 @@ def _experiment(store: MlflowClient, settings: Settings) -> str:
         found = store.get_experiment_by_name(name)
         if found is not None:
             return str(found.experiment_id)
-        artifacts = None if settings.get("mlflow.tracking_uri") else (folder / "mlflow-artifacts" / name).as_uri()
+        artifacts = (
+            None if settings.get("mlflow.tracking_uri") else (folder / "mlflow-artifacts" / name).as_uri()
+        )
         return str(store.create_experiment(name, artifact_location=artifacts))
 
 
@@ -147,7 +151,9 @@ def _tags(run: Run, error: Exception | None) -> dict[str, Any]:
 def _log_parameters(store: MlflowClient, identity: str, settings: Settings) -> None:
     from mlflow.entities import Param
 
-    parameters = [Param(k, str(v)[:_LONGEST_PARAMETER]) for k, v in flat(settings.config).items() if k != "case.source"]
+    parameters = [
+        Param(k, str(v)[:_LONGEST_PARAMETER]) for k, v in flat(settings.config).items() if k != "case.source"
+    ]
     for start in range(0, len(parameters), _PARAMETERS_A_CALL):
         store.log_batch(identity, params=parameters[start : start + _PARAMETERS_A_CALL])
 
@@ -174,11 +180,16 @@ def _commit() -> dict[str, str]:
         if Path(_git(home, "rev-parse", "--show-toplevel")).resolve() != home:
             return {}  # installed somewhere inside another repository
         changed = bool(_git(home, "status", "--porcelain", "--untracked-files=no"))
-        return {"mlflow.source.git.commit": _git(home, "rev-parse", "HEAD"), "git.changed": str(changed).lower()}
+        return {
+            "mlflow.source.git.commit": _git(home, "rev-parse", "HEAD"),
+            "git.changed": str(changed).lower(),
+        }
     except (OSError, subprocess.SubprocessError):
         return {}
 
 
 def _git(folder: Path, *words: str) -> str:
-    said = subprocess.run(["git", "-C", str(folder), *words], capture_output=True, text=True, check=True, timeout=5)
+    said = subprocess.run(
+        ["git", "-C", str(folder), *words], capture_output=True, text=True, check=True, timeout=5
+    )
     return said.stdout.strip()

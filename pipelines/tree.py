@@ -17,12 +17,16 @@ _UNFINISHED = ".unfinished-"
 _REPLACED = ".replaced-"
 
 
-def tree_of(settings: Settings) -> Path:
-    """``out`` (in a sweep: ``out``/<digest>), else ``paths.outputs``/<case>/<digest>."""
+def tree_of(settings: Settings, simulated: bool) -> Path:
+    """``out`` (in a sweep: ``out``/<digest>), else ``paths.outputs``/<case>/<digest>.
+
+    Results from a virtual rig never take the place of measured ones: their digest says ``-simulated``.
+    """
+    name = f"{digest(settings)}-simulated" if simulated else digest(settings)
     out = settings.get("out")
     if out is not None:
-        return Path(str(out)) / digest(settings) if settings.in_sweep else Path(str(out))
-    return Path(str(settings["paths.outputs"])) / settings.case / digest(settings)
+        return Path(str(out)) / name if settings.in_sweep else Path(str(out))
+    return Path(str(settings["paths.outputs"])) / settings.case / name
 
 
 @contextmanager

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from hybridid.estimators.estimate import Progress
-
 
 class Watcher(Protocol):
     def say(self, line: str) -> None:
@@ -14,5 +12,5 @@ class Watcher(Protocol):
     def warn(self, line: str) -> None:
         """A fact that must not be overlooked."""
 
-    def progress(self, progress: Progress) -> None:
-        """How far a long computation is."""
+    def progress(self, work: str, state: str, fraction: float | None) -> None:
+        """How far a long ``work`` is: its ``state`` in words, the ``fraction`` done where it is known."""

@@ -1,0 +1,36 @@
+"""``fetch``: the public records of a case, into the first data root."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from hybridid.fetch import archive_named, fetch
+from pipelines.config import Settings
+from pipelines.errors import ConfigError
+from pipelines.sources import roots_of
+from pipelines.watch import Watcher
+
+
+def fetch_case(settings: Settings, watcher: Watcher) -> list[Path]:
+    """Download the case's archive, or find it there; returns the files.
+
+    Raises:
+        ConfigError: if the case has no public archive.
+        FetchError: if it cannot be had; the message gives the page to visit.
+    """
+    name = settings.get("archive.name")
+    if name is None:
+        raise ConfigError(f"case {settings.case} has no public archive to fetch")
+    archive = archive_named(str(name))
+    if settings.get("archive.url"):
+        archive = replace(archive, url=str(settings["archive.url"]))
+    root = roots_of(settings)[0]
+    watcher.say(f"{archive.name}: to {root.path / archive.name}; licence: {archive.licence}")
+    watcher.say(f"please cite: {archive.citation}")
+    return fetch(archive, root.path, lambda done, total: _report(watcher, archive.name, done, total))
+
+
+def _report(watcher: Watcher, name: str, done: int, total: int | None) -> None:
+    in_all = f" of {total / 1e6:.2f}" if total else ""
+    watcher.progress(f"fetch {name}", f"{done / 1e6:.2f}{in_all} MB", done / total if total else None)
