@@ -67,10 +67,20 @@ class Problem:
                 q[k] = parameter.guess * factor
         return q
 
-    def with_windows(self, horizon: int | None, substeps: int) -> Problem:
-        """The same problem over other horizons or with other steps."""
-        windows = cut(self.records, horizon, substeps)
+    def on(self, horizons: Sequence[int]) -> Problem:
+        """The same problem on some of its horizons, by number."""
+        return self._over(self.windows.select(horizons))
+
+    def without_ends(self, gap: int) -> Problem:
+        """The same problem with the last ``gap`` samples of each horizon left out."""
+        return self._over(self.windows.without_ends(gap))
+
+    def _over(self, windows: Windows) -> Problem:
         return replace(self, windows=windows, shooter=replace(self.shooter, windows=windows))
+
+    def estimating(self, free: Sequence[str]) -> Problem:
+        """The same problem with other parameters free."""
+        return replace(self, shooter=replace(self.shooter, free=tuple(free)))
 
 
 def build_problem(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,17 @@ class Windows:
     @property
     def length(self) -> int:
         return self.time.shape[1]
+
+    def select(self, chosen: Sequence[int]) -> Windows:
+        """Only the horizons with these numbers, in this order."""
+        rows = list(chosen)
+        arrays = {name: getattr(self, name)[rows] for name in ("time", "stages", "inputs", "outputs", "used")}
+        return replace(self, **arrays, origin=tuple(self.origin[k] for k in rows))
+
+    def without_ends(self, gap: int) -> Windows:
+        """The same horizons with their last ``gap`` samples not in use."""
+        ends = np.array([stop - start for _, start, stop in self.origin])
+        return replace(self, used=self.used & (np.arange(self.length) < ends[:, None] - gap))
 
     @property
     def samples(self) -> int:

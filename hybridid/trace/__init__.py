@@ -1,0 +1,1 @@
+"""Trace: from residual to named effect to better model, with evidence."""

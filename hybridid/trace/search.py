@@ -1,0 +1,151 @@
+"""The search: forward steps by refitting every admissible effect, with a backward check."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from hybridid.effects.effect import Effect
+from hybridid.model import Model
+from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.refit import DECLARED, Refit, refit
+from hybridid.trace.robustness import Survival, survival, variations
+from hybridid.trace.split import Split
+from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt, equivalents, judge
+
+Report = Callable[[str, int, int, str], None]
+"""``report(stage, done, of, what)``"""
+Mapper = Callable[[Callable[..., object], Iterable[tuple]], Iterable]
+"""``mapper(function, argument tuples)``: results in order; a process pool, or plain ``map``."""
+CONTINUATION = (10.0, 3.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """An effect taken into the model, with those the records cannot tell from it."""
+
+    trial: Trial
+    alike: tuple[Trial, ...]
+    survivals: tuple[Survival, ...]
+
+    @property
+    def name(self) -> str:
+        return self.trial.candidate.name
+
+
+@dataclass(frozen=True)
+class Step:
+    """One forward step: what the model was, every trial, and what was taken, if anything."""
+
+    base: Refit
+    trials: tuple[Trial, ...]
+    accepted: Accepted | None
+    dropped: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Search:
+    """The path from the declared model to the last; ``stopped`` says why it ended."""
+
+    steps: tuple[Step, ...]
+    final: Refit
+    accepted: tuple[Accepted, ...]
+    stopped: str
+
+
+def serial(function: Callable[..., object], arguments: Iterable[tuple]) -> Iterable:
+    """The plain mapper."""
+    return (function(*given) for given in arguments)
+
+
+def search(
+    model: Model,
+    split: Split,
+    effects: Sequence[Effect],
+    start: Sequence[dict[str, float]],
+    floor: float,
+    rules: Rules,
+    mapper: Mapper = serial,
+    report: Report = lambda stage, done, of, what: None,
+    ports: Sequence[str] | None = None,
+) -> Search:
+    """Add effects to ``model`` until none passes or the residual meets the noise ``floor``.
+
+    ``start`` holds parameter values to start the declared model from; ``floor`` is a loss.
+    """
+    base = refit(model, split, start, factors=CONTINUATION)
+    steps: list[Step] = []
+    accepted: list[Accepted] = []
+    while True:
+        if base.score.loss <= floor * rules.near_floor:
+            return Search(tuple(steps), base, tuple(accepted), "the residual meets the noise floor")
+        if len(accepted) >= rules.most_effects:
+            return Search(tuple(steps), base, tuple(accepted), f"{rules.most_effects} effects accepted, the most allowed")
+        step = _step(base, split, effects, rules, mapper, report, len(steps) + 1, ports)
+        if step.accepted is None or step.accepted.trial.refit is None:
+            steps.append(step)
+            return Search(tuple(steps), base, tuple(accepted), "no further effect passes")
+        base, kept, dropped = _backward(step.accepted.trial.refit, [*accepted, step.accepted], split, rules)
+        accepted = kept
+        steps.append(replace(step, dropped=dropped))
+
+
+def _step(
+    base: Refit,
+    split: Split,
+    effects: Sequence[Effect],
+    rules: Rules,
+    mapper: Mapper,
+    report: Report,
+    number: int,
+    ports: Sequence[str] | None,
+) -> Step:
+    candidates = list(admissible(base.model, effects, ports))
+    trials: list[Trial] = []
+    for trial in mapper(attempt, ((c, base, split, DECLARED) for c in candidates)):
+        trials.append(trial)
+        report(f"step {number}", len(trials), len(candidates), trial.candidate.name)
+    judged = judge(trials, rules)
+    while True:
+        passed = [t for t in judged if t.status == PASSED]
+        if not passed:
+            return Step(base, tuple(judged), None)
+        best = _preferred(passed, rules)
+        survivals = tuple(_survivals(base, best, split, rules, mapper))
+        lost = [s for s in survivals if not s.survives]
+        if not lost:
+            return Step(base, tuple(judged), Accepted(best, tuple(equivalents(best, judged, rules)), survivals))
+        why = ", ".join(f"{s.variation} (gain {s.gain:.1%})" for s in lost)
+        withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: the gain does not survive {why}")
+        judged = [withdrawn if t is best else t for t in judged]
+
+
+def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
+    """The best held-out error; among those alike, the one with the fewest parameters."""
+    best = max(passed, key=lambda t: t.gain)
+    alike = equivalents(best, passed, rules)
+    return min(alike, key=lambda t: (len(t.candidate.effect.parameters), -t.gain))
+
+
+def _survivals(base: Refit, best: Trial, split: Split, rules: Rules, mapper: Mapper) -> Iterable[Survival]:
+    return mapper(survival, ((base, best.refit, best.candidate.name, split, n, rules) for n in variations(split.records)))
+
+
+def _backward(
+    refitted: Refit, accepted: list[Accepted], split: Split, rules: Rules
+) -> tuple[Refit, list[Accepted], tuple[str, ...]]:
+    """Take out again each accepted effect that the later ones have made needless."""
+    dropped: list[str] = []
+    for one in accepted[:-1]:
+        poorer = refit(refitted.model.without(one.name), split, [_less(refitted, one.name)], refitted)
+        evidence = compare(poorer.score, refitted.score)
+        if evidence.gain < rules.worth or evidence.p_value > rules.alpha:
+            refitted = poorer
+            dropped.append(one.name)
+    return refitted, [one for one in accepted if one.name not in dropped], tuple(dropped)
+
+
+def _less(refitted: Refit, name: str) -> dict[str, float]:
+    kept = {p.name for p in refitted.model.without(name).parameters}
+    return {key: value for key, value in refitted.values.items() if key in kept}

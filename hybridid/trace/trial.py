@@ -1,0 +1,115 @@
+"""``Trial``: one candidate, refitted and judged."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from hybridid.model import Model
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.evidence import Comparison, Rules, compare, holm
+from hybridid.trace.refit import Numerics, Refit, refit
+from hybridid.trace.split import Split
+
+PASSED, REJECTED, UNIDENTIFIABLE = "passed", "rejected", "unidentifiable"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A candidate's refit, its evidence over the model without it, and what was decided."""
+
+    candidate: Candidate
+    refit: Refit | None
+    comparison: Comparison | None
+    p_adjusted: float = 1.0
+    status: str = REJECTED
+    reason: str = ""
+    failure: str = field(default="")
+
+    @property
+    def gain(self) -> float:
+        return self.comparison.gain if self.comparison else -math.inf
+
+    def own(self, quantity: str) -> dict[str, float]:
+        """The effect's own ``values`` or ``std`` by short name."""
+        assert self.refit is not None
+        table = getattr(self.refit, quantity)
+        return {p.name: table[f"{self.candidate.name}.{p.name}"] for p in self.candidate.effect.parameters}
+
+
+def attempt(candidate: Candidate, base: Refit, split: Split, numerics: Numerics) -> Trial:
+    """Add the candidate to the base model, refit everything, compare on held-out horizons."""
+    model: Model = candidate.added_to(base.model)
+    try:
+        found = refit(model, split, candidate.starts(model, base.values), base, numerics)
+    except (ValueError, ArithmeticError) as error:
+        return Trial(candidate, None, None, failure=str(error))
+    if not math.isfinite(found.cost):
+        return Trial(candidate, None, None, failure="the simulation diverges from every start")
+    return Trial(candidate, found, compare(base.score, found.score))
+
+
+def judge(trials: Sequence[Trial], rules: Rules) -> list[Trial]:
+    """Give every trial its status and reason; all tried together are one family."""
+    adjusted = holm([t.comparison.p_value if t.comparison else 1.0 for t in trials])
+    return [_decided(replace(t, p_adjusted=p), rules) for t, p in zip(trials, adjusted, strict=True)]
+
+
+def _decided(trial: Trial, rules: Rules) -> Trial:
+    if trial.comparison is None:
+        return replace(trial, status=REJECTED, reason=f"could not be fitted: {trial.failure}")
+    gain, p = trial.comparison.gain, trial.p_adjusted
+    if gain < rules.worth:
+        return replace(
+            trial, status=REJECTED, reason=f"held-out RMSE changes by {-gain:+.1%}; {rules.worth:.0%} less is asked"
+        )
+    if p > rules.alpha:
+        return replace(trial, status=REJECTED, reason=f"not significant: adjusted p = {p:.2g} over {rules.alpha:g}")
+    vague = _undetermined(trial, rules)
+    if vague:
+        return replace(trial, status=UNIDENTIFIABLE, reason=vague)
+    return replace(trial, status=PASSED, reason=f"held-out RMSE {gain:.1%} lower, adjusted p = {p:.2g}")
+
+
+def _undetermined(trial: Trial, rules: Rules) -> str:
+    """Why the effect's own parameters are not determined, or nothing if they are."""
+    values, errors = trial.own("values"), trial.own("std")
+    port = trial.refit.model.plant.port(trial.candidate.port)
+    for p in trial.candidate.effect.parameters:
+        declared, value, std = p.at(port), values[p.name], errors[p.name]
+        if not math.isfinite(std) or std > rules.vague * abs(value):
+            return f"{p.name} = {value:.4g} ± {std:.2g} {declared.unit} is not determined by these records"
+        span = 1e-3 * abs(value)
+        if value <= declared.lower + span or value >= declared.upper - span:
+            return f"{p.name} = {value:.4g} {declared.unit} ends at its bound: the effect degenerates"
+    return _collinear(trial, rules)
+
+
+def _collinear(trial: Trial, rules: Rules) -> str:
+    """Which parameter of the model the effect's own cannot be told from, if any."""
+    assert trial.refit is not None
+    names = list(trial.refit.std)
+    own = [k for k, name in enumerate(names) if name.startswith(f"{trial.candidate.name}.")]
+    others = [k for k in range(len(names)) if k not in own]
+    for k in own:
+        for j in others:
+            if abs(trial.refit.correlation[k, j]) > rules.collinear:
+                return f"{names[k].rsplit('.', 1)[-1]} cannot be told from {names[j]} in these records"
+    return ""
+
+
+def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
+    """The passed trials that held-out horizons cannot tell from ``best``, itself first.
+
+    Two effects are one class if the better's advantage is not significant, or is less
+    than ``rules.tie`` of the error.
+    """
+    others = [t for t in trials if t.status == PASSED and t is not best]
+    return [best, *(t for t in others if _alike(best, t, rules))]
+
+
+def _alike(best: Trial, other: Trial, rules: Rules) -> bool:
+    assert best.refit is not None and other.refit is not None
+    advantage = compare(other.refit.score, best.refit.score)
+    return advantage.gain < rules.tie or advantage.p_value > rules.alpha
