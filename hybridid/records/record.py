@@ -65,6 +65,7 @@ class Record:
     source: str = ""
     digest: str = ""
     warnings: tuple[str, ...] = field(default=())
+    _seen_by_check: tuple[str, ...] = field(init=False, repr=False, default=())
 
     def __post_init__(self) -> None:
         from hybridid.records.checks import check_record
@@ -73,8 +74,9 @@ class Record:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, self._frozen(name, value))
+        object.__setattr__(self, "_seen_by_check", check_record(self))
         # a copy brings its warnings along, and its check repeats them
-        found = dict.fromkeys((*self.warnings, *check_record(self)))
+        found = dict.fromkeys((*self.warnings, *self._seen_by_check))
         object.__setattr__(self, "warnings", tuple(found))
 
     def _frozen(self, name: str, value: Array) -> Array:
@@ -142,10 +144,7 @@ class Record:
 
         How the record was made is still true of a part; what the check saw in it may not be.
         """
-        from hybridid.records.checks import check_record
-
         cut = slice(start, stop)
-        seen_by_check = check_record(self)
         return replace(
             self,
             name=name or self.name,
@@ -153,5 +152,5 @@ class Record:
             inputs=self.inputs[cut],
             outputs=self.outputs[cut],
             auxiliary=None if self.auxiliary is None else self.auxiliary[cut],
-            warnings=tuple(w for w in self.warnings if w not in seen_by_check),
+            warnings=tuple(w for w in self.warnings if w not in self._seen_by_check),
         )

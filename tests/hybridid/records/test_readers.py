@@ -106,6 +106,7 @@ def test_csv_as_loggers_write_it(tmp_path, name):
     path.write_bytes(CSV[name].encode())
     columns = read_columns(path)
     assert dict(columns).keys() == {"t", "V1"}
+    assert columns.unusable == {}
     assert columns["t"].tolist() == [0.0, 0.1, 0.2]
     assert columns["V1"].tolist() == [1.5, -2.0, 0.3]
 

@@ -172,19 +172,25 @@ def test_signals_by_name(make_record):
 
 
 def test_a_part_keeps_what_was_done_and_forgets_what_was_seen(make_record):
-    """Resampled stays resampled; a constant stretch cut away is no warning any more."""
-    outputs = np.array(make_record().outputs)
-    outputs[:, 0] = 0.0
-    outputs[150:, 0] = np.arange(50)
-    whole = make_record(outputs=outputs, warnings=("record bench: resampled",))
-    rest = whole.part(0, 100, name="rest")
-    assert rest.name == "rest"
-    assert rest.n == 100
-    assert rest.warnings == ("record bench: resampled", "record rest: output 'position' is constant (0 m)")
-    assert rest.part(0, 50, name="rest").warnings == rest.warnings
-    assert np.array_equal(whole.part(150, 200).output("position"), np.arange(50))
-    assert whole.part(150, 200).warnings == ("record bench: resampled",)
-    assert whole.part(150, 200).time[0] == whole.time[150]
+    """Resampled stays resampled; a part without the clipped stretch is not clipped."""
+    wave = np.column_stack([np.clip(np.sin(np.arange(2000) / 50), -2, 0.8), np.arange(2000)])
+    whole = make_record(n=2000, outputs=wave, warnings=("record bench: resampled",))
+    assert whole.warnings[0] == "record bench: resampled"
+    assert "looks clipped" in whole.warnings[1]
+    assert whole.part(0, 45).warnings == ("record bench: resampled",)
+    clipped = whole.part(0, 200, name="first")
+    assert clipped.warnings[0] == "record bench: resampled"
+    assert "record first: output 'position' looks clipped" in clipped.warnings[1]
+    assert len(clipped.warnings) == 2
+
+
+def test_a_part_is_those_samples(make_record):
+    whole = make_record()
+    part = whole.part(50, 120)
+    assert part.n == 70
+    for field in ("time", "inputs", "outputs", "auxiliary"):
+        assert np.array_equal(getattr(part, field), getattr(whole, field)[50:120])
+    assert (part.name, part.digest, part.input_channels) == (whole.name, whole.digest, whole.input_channels)
 
 
 def test_copies_do_not_repeat_warnings(make_record):
