@@ -56,8 +56,9 @@ class Comparison:
 def compare(poorer: Score, richer: Score) -> Comparison:
     """Held-out evidence for ``richer`` over ``poorer``, scored on the same horizons."""
     ratio = (richer.likelihood - poorer.likelihood).sum(axis=1)
+    lower = np.isfinite(richer.loss) and poorer.loss > 0
     return Comparison(
-        gain=1.0 - richer.loss / poorer.loss if poorer.loss > 0 else 0.0,
+        gain=1.0 - richer.loss / poorer.loss if lower else 0.0,
         p_value=_one_sided(ratio),
         likelihood_gain=float(ratio.sum()),
     )

@@ -26,6 +26,7 @@ from hybridid.trace.split import Split
 Array = NDArray[np.float64]
 GLANCE = 8
 """Iterations spent on each start before the best is carried to convergence."""
+MOST_ITERATIONS = 40
 
 
 @dataclass(frozen=True)
@@ -165,7 +166,7 @@ def _best(
         best = min(glances, key=lambda solution: solution.cost)
         first, smoothing = [(best.p, best.x0)], smoothing[-1:]
     p, x = first[0]
-    return gauss_newton.solve(problem, p, x, smoothing)
+    return gauss_newton.solve(problem, p, x, smoothing, MOST_ITERATIONS)
 
 
 def _from(problem: Problem, p: Array, x0: Array) -> tuple[Array, Array]:

@@ -54,6 +54,31 @@ class Search:
     stopped: str
 
 
+def recheck(found: Search, split: Split, rules: Rules) -> Search:
+    """Look again, in the last model, at each class of effects that were alike when accepted.
+
+    What came later may tell them apart: every rival takes the accepted effect's place and
+    everything is refitted. A rival that then explains less leaves the class.
+    """
+    final = found.final
+    kept = []
+    for one in found.accepted:
+        rivals = [t for t in one.alike if t is not one.trial and _still_alike(final, one, t, split, rules)]
+        kept.append(replace(one, alike=(one.trial, *rivals)))
+    return replace(found, accepted=tuple(kept))
+
+
+def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules: Rules) -> bool:
+    if rival.candidate.name in {term.name for term in final.model.terms}:
+        return False
+    model = rival.candidate.added_to(final.model.without(one.name))
+    lent = rival.refit.values if rival.refit else {}
+    own = {key: value for key, value in lent.items() if key.startswith(f"{rival.candidate.name}.")}
+    other = refit(model, split, rival.candidate.starts(model, _less(final, one.name))[:-1] + [{**_less(final, one.name), **own}], final)
+    advantage = compare(other.score, final.score)
+    return advantage.gain < rules.tie or advantage.p_value > rules.alpha
+
+
 def serial(function: Callable[..., object], arguments: Iterable[tuple]) -> Iterable:
     """The plain mapper."""
     return (function(*given) for given in arguments)

@@ -1,0 +1,225 @@
+"""The effort missing at a port, over time, with an uncertainty band.
+
+    x' = f(t, x, u, p) with the port's resisting effort raised by w,   w a random walk
+
+A smoother finds the w(t) that makes the model agree with the record: an input estimated in
+simulation, never a second derivative of noise. The model is linearised about its own
+horizon predictions, then about the smoothed states; the walk's intensity maximises the
+innovations' likelihood. Source: Rauch, Tung, Striebel (1965), AIAA J. 3(8), 1445-1450;
+Särkkä (2013), Bayesian Filtering and Smoothing, ch. 5 and 12; the augmented input is the
+"disturbance model" of Muske, Badgwell (2002), J. Process Control 12(5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.effects.effect import Dimension, Effect, EffectParameter, EffectState
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.simulation.holds import all_held, stage_inputs
+from hybridid.simulation.integrators import INTEGRATORS
+from hybridid.simulation.stability import substeps_for
+from hybridid.trace.noise import noise_level
+from hybridid.validation.predict import horizon_run
+
+Array = NDArray[np.float64]
+INTENSITIES = np.logspace(-4, 2, 13)
+"""Standard deviation of the walk over one time scale of the port, in its effort scale."""
+PASSES = 2
+INITIAL_SPREAD = 10.0
+"""Initial standard deviation of states and effort, in their scales: nothing is assumed."""
+
+WALK = Effect(
+    id="missing_effort",
+    kind="effort",
+    title="missing effort",
+    equation="F = g w, w a random walk",
+    law=lambda at: at.p.g * at.z.w,
+    dynamics=lambda at: {"w": ca.SX(0)},
+    parameters=(EffectParameter("g", Dimension(), "switch", guess=1.0, nests=True),),
+    states=(EffectState("w", Dimension(effort=1), "missing effort"),),
+    source="Särkkä (2013), ch. 12",
+    pattern="whatever the model lacks at this port",
+)
+
+
+@dataclass(frozen=True)
+class MissingEffort:
+    """``effort`` (n,) that resists at ``port`` beyond the model, and its ``std`` (n,), in ``unit``.
+
+    ``position``, ``velocity``, ``acceleration`` (n,) are the port's smoothed motion and
+    ``since_reversal`` (n,) the travel since the velocity last changed sign.
+    """
+
+    record: str
+    provenance: str
+    port: str
+    unit: str
+    position_unit: str
+    time: Array
+    effort: Array
+    std: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    since_reversal: Array
+    intensity: float
+
+
+def missing_effort(
+    model: Model, values: Mapping[str, float], record: Record, port: str, horizon: int
+) -> MissingEffort:
+    """Estimate the effort that ``model`` at ``values`` lacks at an effort port.
+
+    Raises:
+        ValueError: if the port takes no effort.
+    """
+    where = model.plant.port(port)
+    if where.kind != "effort":
+        raise ValueError(f"port {port} is {where.kind}: a missing effort can only be estimated at an effort port")
+    walking = Model(model.plant, model.terms, model.adjustments).plus(WALK, port)
+    switch = f"{port}.{WALK.id}.g"
+    known = {**values, switch: 1.0, f"{port}.epsilon": walking_epsilon(walking, values, port)}
+    p = walking.values({k: v for k, v in known.items() if k in {q.name for q in walking.parameters}})
+    states = horizon_run(model, values, record, horizon).states
+    about = np.zeros((record.n, len(walking.states)))
+    about[: len(states), : states.shape[1]] = states
+    about[len(states) :] = about[len(states) - 1]
+    linear = _Linearised(walking, record, p)
+    scales = np.array([s.scale for s in walking.states])
+    noise = noise_level(record) ** 2
+    per_sample = where.effort_scale * np.sqrt(record.dt / where.time_scale)
+    intensity = INTENSITIES[len(INTENSITIES) // 2]
+    for turn in range(PASSES):
+        a, b, c, d = linear.about(about)
+        if turn == 0:
+            intensity = max(
+                INTENSITIES, key=lambda q: _filter(a, b, c, d, record.outputs, noise, scales, (q * per_sample) ** 2)[0]
+            )
+        walk = (intensity * per_sample) ** 2
+        _, mean, cov, predicted, spread = _filter(a, b, c, d, record.outputs, noise, scales, walk)
+        about, covariance = _smooth(a, mean, cov, predicted, spread)
+    return _result(walking, record, port, p, about, covariance, float(intensity))
+
+
+def walking_epsilon(model: Model, values: Mapping[str, float], port: str) -> float:
+    """The port's smoothing velocity: the fitted model's, or the declared one."""
+    return values.get(f"{port}.epsilon", model.plant.port(port).epsilon)
+
+
+def _result(
+    model: Model, record: Record, port: str, p: Array, states: Array, covariance: Array, intensity: float
+) -> MissingEffort:
+    where = model.plant.port(port)
+    index = [q.name for q in model.effort_ports].index(port)
+    n = record.n
+    motion = np.asarray(model.motions.map(n)(record.time[None, :], states.T, record.inputs.T, np.tile(p[:, None], n)))
+    position, velocity = motion[index].reshape(n, 2).T
+    return MissingEffort(
+        record=record.name,
+        provenance=record.provenance,
+        port=port,
+        unit=where.effort_unit,
+        position_unit=where.position_unit,
+        time=record.time,
+        effort=states[:, -1],
+        std=np.sqrt(np.maximum(covariance, 0.0)),
+        position=position,
+        velocity=velocity,
+        acceleration=np.gradient(velocity, record.time),
+        since_reversal=_since_reversal(position, velocity),
+        intensity=intensity,
+    )
+
+
+def _since_reversal(position: Array, velocity: Array) -> Array:
+    """Travel since the velocity last changed sign, (n,)."""
+    turned = np.flatnonzero(np.diff(np.sign(velocity)) != 0) + 1
+    last = np.zeros(len(velocity), dtype=int)
+    last[turned] = turned
+    return np.abs(position - position[np.maximum.accumulate(last)])
+
+
+@dataclass(frozen=True)
+class _Linearised:
+    """One sample's map and output, linearised about given states."""
+
+    model: Model
+    record: Record
+    p: Array
+
+    def about(self, states: Array) -> tuple[Array, Array, Array, Array]:
+        """``x+ = A x + b``, ``y = C x + d`` at every sample: (n, m, m), (n, m), (n, n_y, m), (n, n_y)."""
+        record, model = self.record, self.model
+        substeps = substeps_for(model, self.p, [record])
+        held = all_held(record)
+        step = INTEGRATORS["rk4"](model, record.dt, substeps, held)
+        t, x = ca.SX.sym("t"), ca.SX.sym("x", len(model.states))
+        stages = ca.SX.sym("U", step.size1_in(2))
+        u, q = ca.SX.sym("u", len(model.inputs)), ca.SX.sym("p", len(self.p))
+        following, output = step(t, x, stages, q), model.h(t, x, u, q)
+        parts = (following, ca.jacobian(following, x), output, ca.jacobian(output, x))
+        one = ca.Function("linear", [t, x, stages, u, q], [ca.densify(v) for v in parts])
+        n, m, n_y = record.n, len(model.states), len(model.outputs)
+        data = (record.time[None, :], states.T, stage_inputs(record, substeps).T, record.inputs.T)
+        x_next, a, y, c = (np.asarray(v) for v in one.map(n)(*data, np.tile(self.p[:, None], n)))
+        a = a.reshape(m, n, m).swapaxes(0, 1)
+        c = c.reshape(n_y, n, m).swapaxes(0, 1)
+        b = x_next.T - np.einsum("nij,nj->ni", a, states)
+        d = y.T - np.einsum("nij,nj->ni", c, states)
+        return tuple(np.ascontiguousarray(v) for v in (a, b, c, d))
+
+
+@numba.njit(cache=True)
+def _filter(a, b, c, d, y, noise, scales, walk):
+    """Kalman filter; the last state alone is disturbed, by variance ``walk`` a sample.
+
+    Returns the log-likelihood, filtered means and covariances, and predicted ones.
+    """
+    n, m = b.shape
+    mean, cov = np.zeros((n, m)), np.zeros((n, m, m))
+    predicted, spread = np.zeros((n, m)), np.zeros((n, m, m))
+    x = np.zeros(m)
+    p = np.diag((10.0 * scales) ** 2)
+    total = 0.0
+    for k in range(n):
+        predicted[k], spread[k] = x, p
+        for j in range(y.shape[1]):
+            row = c[k, j].copy()
+            gain = p @ row
+            s = row @ gain + noise[j]
+            e = y[k, j] - row @ x - d[k, j]
+            total -= 0.5 * (e * e / s + np.log(s))
+            x = x + gain * (e / s)
+            p = p - np.outer(gain, gain) / s
+            p = 0.5 * (p + p.T)
+        mean[k], cov[k] = x, p
+        x = a[k] @ x + b[k]
+        p = a[k] @ p @ a[k].T
+        p[m - 1, m - 1] += walk
+    return total, mean, cov, predicted, spread
+
+
+@numba.njit(cache=True)
+def _smooth(a, mean, cov, predicted, spread):
+    """Rauch-Tung-Striebel smoother: smoothed states (n, m) and the last state's variance (n,)."""
+    n, m = mean.shape
+    states = mean.copy()
+    variance = np.zeros(n)
+    p = cov[n - 1].copy()
+    variance[n - 1] = p[m - 1, m - 1]
+    for k in range(n - 2, -1, -1):
+        ridge = 1e-13 * np.diag(np.diag(spread[k + 1])) + 1e-300 * np.eye(m)
+        gain = np.linalg.solve(spread[k + 1] + ridge, a[k] @ cov[k]).T
+        states[k] = mean[k] + gain @ (states[k + 1] - predicted[k + 1])
+        p = cov[k] + gain @ (p - spread[k + 1]) @ gain.T
+        p = 0.5 * (p + p.T)
+        variance[k] = p[m - 1, m - 1]
+    return states, variance

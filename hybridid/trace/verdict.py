@@ -1,0 +1,117 @@
+"""The whole trace: search, class re-check, ceilings, verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from hybridid.effects.effect import Effect
+from hybridid.estimators.start import regression_start
+from hybridid.model import Model
+from hybridid.trace.ceiling import Ceiling, ceiling
+from hybridid.trace.evidence import Rules
+from hybridid.trace.noise import noise_level
+from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
+from hybridid.trace.split import Split
+
+Verdict = Literal["effect_found", "ambiguous", "nothing_missing", "unexplained"]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What was found, by which path, and what remains.
+
+    ``floor`` is the noise level of each output, in its unit; ``ceilings`` the held-out gain
+    that a learned effort could still bring to the last model, by port and variable.
+    ``remains`` names where structure is left that no effect of the library explains.
+    """
+
+    verdict: Verdict
+    search: Search
+    floor: Mapping[str, float]
+    ceilings: tuple[Ceiling, ...]
+    remains: tuple[str, ...]
+
+    @property
+    def model(self) -> Model:
+        return self.search.final.model
+
+    @property
+    def accepted(self) -> tuple[Accepted, ...]:
+        return self.search.accepted
+
+
+def trace(
+    model: Model,
+    split: Split,
+    effects: Sequence[Effect],
+    rules: Rules | None = None,
+    start: Sequence[Mapping[str, float]] | None = None,
+    mapper: Mapper = serial,
+    report: Report = lambda stage, done, of, what: None,
+    ports: Sequence[str] | None = None,
+) -> Trace:
+    """Find what ``model`` lacks on the records of ``split``.
+
+    ``effects`` are tried at every port of their kind (or only at ``ports``); ``mapper``
+    runs refits, in parallel if it likes; ``report(stage, done, of, what)`` follows them.
+
+    Raises:
+        ValueError: if a record does not fit the model or it diverges on the records.
+    """
+    rules = rules or Rules()
+    began = [dict(s) for s in start] if start else [_regressed(model, split)]
+    noise = np.max([noise_level(record) for record in split.records], axis=0)
+    spread = np.concatenate([record.outputs for record in split.records]).std(axis=0)
+    floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
+    found = search(model, split, effects, began, floor, rules, mapper, report, ports)
+    found = recheck(found, split, rules)
+    ceilings = _ceilings(found, split, mapper, report, ports)
+    remains = tuple(
+        f"at {c.port} over {c.over}" for c in ceilings if c.gain >= rules.worth and c.p_value <= rules.alpha
+    )
+    return Trace(
+        verdict=_verdict(found, remains),
+        search=found,
+        floor={s.name: float(v) for s, v in zip(model.outputs, noise, strict=True)},
+        ceilings=ceilings,
+        remains=remains,
+    )
+
+
+def _regressed(model: Model, split: Split) -> dict[str, float]:
+    records = [split.records[k] for k in sorted({_record_of(split, h) for h in split.fitted})]
+    start = regression_start(model, records)
+    values = model.values() if start is None else start
+    return {q.name: float(v) for q, v in zip(model.parameters, values, strict=True)}
+
+
+def _record_of(split: Split, horizon: int) -> int:
+    counts = np.cumsum([-(-record.n // split.horizon) for record in split.records])
+    return min(int(np.searchsorted(counts, horizon, side="right")), len(split.records) - 1)
+
+
+def _ceilings(
+    found: Search, split: Split, mapper: Mapper, report: Report, ports: Sequence[str] | None
+) -> tuple[Ceiling, ...]:
+    places = [
+        (found.final, split, port.name, over)
+        for port in found.final.model.effort_ports
+        if ports is None or port.name in ports
+        for over in ("velocity", "position")
+    ]
+    made = []
+    for one in mapper(ceiling, places):
+        made.append(one)
+        report("ceiling", len(made), len(places), f"{one.port} over {one.over}")
+    return tuple(made)
+
+
+def _verdict(found: Search, remains: Sequence[str]) -> Verdict:
+    """One word: an effect found alone, found in a class, something left unnamed, or nothing."""
+    if found.accepted:
+        return "ambiguous" if any(len(one.alike) > 1 for one in found.accepted) else "effect_found"
+    return "unexplained" if remains else "nothing_missing"
