@@ -14,16 +14,38 @@ HALF_WIDTH = 10
 """Samples on each side that the local polynomial uses."""
 ORDER = 3
 """Degree of the local polynomial: of the output itself 3, so that velocity is quadratic."""
+SHARE = 0.99
+"""Share of an output's power that counts as signal, the rest as noise."""
+MARGIN = 2.0
+"""The polynomial passes frequencies up to this multiple of the signal's highest."""
 
 
 def smoothed_derivative(samples: Array, dt: float, derivative: int, half_width: int = HALF_WIDTH) -> Array:
-    """Savitzky-Golay estimate of the ``derivative``-th time derivative, shape (n,)."""
+    """Savitzky-Golay estimate of the ``derivative``-th time derivative, shape (n,).
+
+    ``half_width`` is the most samples on each side that it uses; a signal that swings within
+    them gets fewer, or it would be smoothed away.
+    """
     n = len(samples)
-    width = min(2 * half_width + 1, n - (n + 1) % 2)
+    width = min(2 * min(half_width, widest_half_width(samples)) + 1, n - (n + 1) % 2)
     order = min(ORDER, width - 1)
     if derivative > order:
         return np.zeros(n)
     return savgol_filter(samples, width, order, deriv=derivative, delta=dt, mode="interp")
+
+
+def widest_half_width(samples: Array) -> int:
+    """Samples on each side that a cubic may span without smoothing the signal away.
+
+    A Savitzky-Golay filter of degree N and half width M passes up to (N + 1) / (3.2 M - 4.6) of
+    the Nyquist frequency. Source: Schafer (2011), IEEE Signal Processing Magazine 28(4), 111-117.
+    """
+    power = np.abs(np.fft.rfft(samples - samples.mean())) ** 2
+    total = np.cumsum(power)
+    if not total[-1] > 0:
+        return len(samples)
+    highest = MARGIN * max(int(np.searchsorted(total, SHARE * total[-1])), 1) / (len(power) - 1)
+    return max(ORDER // 2 + 1, int(((ORDER + 1) / highest + 4.6) / 3.2))
 
 
 def observed(model: Model) -> tuple[bool, ...]:
