@@ -42,7 +42,9 @@ class Scale:
         """``value`` (unscaled) with three digits in this scale's unit."""
         if not np.isfinite(value):
             return "not finite"
-        return f"{value * self.factor:#.3g}".rstrip(".").replace("-", "−") + f" {self.unit}"
+        scaled = value * self.factor
+        number = f"{scaled:.0f}" if abs(scaled) >= 1000 else f"{scaled:#.3g}".rstrip(".")
+        return number.replace("-", "−") + ("" if self.unit == "–" else f" {self.unit}")
 
 
 def scale_for(name: str, unit: str, *values: Array) -> Scale:
@@ -92,7 +94,7 @@ def frame_data(data: Array, models: Sequence[Array], reach: float = 0.6) -> tupl
     A model that runs away must not flatten the measurement into a line.
     """
     low, high = frame([data], 0.0)
-    room = reach * (high - low)
+    room = reach * ((high - low) or abs(high) or 1.0)
     lowest, highest = frame([data, *models])
     return max(lowest, low - room), min(highest, high + room)
 

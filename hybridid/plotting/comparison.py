@@ -19,7 +19,7 @@ from hybridid.plotting.axes import (
     time_scale,
 )
 from hybridid.plotting.looks import DATA, FOCUS, SOFT_INK, look
-from hybridid.plotting.series import Response, Subject, some_responses
+from hybridid.plotting.series import Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, shorten, styled
 
 ZOOM = 0.08  # part of the record that the lower panel enlarges
@@ -27,24 +27,24 @@ Limits = tuple[float, float]
 
 
 @styled
-def comparison_plot(subject: Subject, responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
+def comparison_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
     """The measured output with every model's response on it; below, the worst moment enlarged.
 
     Raises:
-        PlotError: if there is no response to compare.
+        PlotError: if there is no response, or they show different outputs or records.
     """
-    first = some_responses(subject, responses)[0]
-    figure = new_figure(width, 92, subject.title, subject.provenance)
+    whole = one_output(responses)
+    figure = new_figure(width, 92, whole.title, whole.provenance)
     overview, zoom = figure.subplots(2, 1)
-    time = time_scale(first.time)
-    scale = scale_for(subject.quantity, subject.unit, first.measured)
-    error = scale_for("error", subject.unit, *(r.error for r in responses))
+    time = time_scale(whole.time)
+    scale = scale_for(whole.output, whole.unit, whole.measured)
+    error = scale_for("error", whole.unit, *(r.error for r in responses))
     worst, moment, size = _worst(responses)
-    whole, window = (float(first.time[0]), float(first.time[-1])), _window(first, moment)
-    limits = frame_data(first.measured, [r.predicted for r in responses])
+    span, window = (float(whole.time[0]), float(whole.time[-1])), _window(whole, moment)
+    limits = frame_data(whole.measured, [r.predicted for r in responses])
     labels = [_label(r, error, leaves(r.predicted, limits)) for r in responses]
-    for axes, part in ((overview, whole), (zoom, window)):
-        _draw_part(axes, subject.provenance, responses, labels, part, time, scale)
+    for axes, part in ((overview, span), (zoom, window)):
+        _draw_part(axes, whole, responses, labels, part, time, scale)
     overview.set_ylim(limits[0] * scale.factor, limits[1] * scale.factor)
     overview.axvspan(window[0] * time.factor, window[1] * time.factor, color=FOCUS, zorder=0)
     legend_on_top(figure, overview.get_legend_handles_labels()[0])
@@ -56,16 +56,16 @@ def comparison_plot(subject: Subject, responses: Sequence[Response], width: floa
     zoom.set_xlabel(time.label)
     figure.align_ylabels()
     caption = (
-        f"Output {subject.quantity} of {subject.record} ({subject.provenance}) and of "
+        f"Output {whole.output} of {whole.record} ({whole.provenance}) and of "
         f"{', '.join(f'{r.model} ({r.view})' for r in responses)}; below, enlarged, the largest "
         f"error, {where}."
     )
-    return Plot(figure, "comparison", caption, subject.provenance)
+    return Plot(figure, "comparison", caption, whole.provenance)
 
 
 def _draw_part(
     axes: Axes,
-    data: str,
+    whole: Response,
     responses: Sequence[Response],
     labels: Sequence[str],
     part: Limits,
@@ -73,9 +73,9 @@ def _draw_part(
     scale: Scale,
 ) -> None:
     """Data and models between two times, thinned for that part alone."""
-    first = responses[0]
-    inside = _inside(first, part)
-    draw(axes, first.time[inside] * time.factor, first.measured[inside] * scale.factor, DATA, data)
+    inside = _inside(whole, part)
+    x, y = whole.time[inside] * time.factor, whole.measured[inside] * scale.factor
+    draw(axes, x, y, DATA, whole.provenance)
     for index, (response, label) in enumerate(zip(responses, labels, strict=True)):
         inside = _inside(response, part)
         x, y = response.time[inside] * time.factor, response.predicted[inside] * scale.factor

@@ -9,25 +9,26 @@ from matplotlib.axes import Axes
 
 from hybridid.plotting.axes import Scale, draw, frame, legend_above, name_y, scale_for, time_scale
 from hybridid.plotting.looks import SOFT_INK, look
-from hybridid.plotting.series import Response, Subject, some_responses
+from hybridid.plotting.series import Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 
 
 @styled
-def error_plot(subject: Subject, responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
-    """Measured minus model over time. A model keeps its look from panel to panel.
+def error_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
+    """Recorded minus model over time. A model keeps its look from panel to panel.
 
     Raises:
-        PlotError: if there is no response.
+        PlotError: if there is no response, or they show different outputs or records.
     """
-    time = time_scale(some_responses(subject, responses)[0].time)
+    whole = one_output(responses)
+    time = time_scale(whole.time)
     views = list(dict.fromkeys(r.view for r in responses))
     models = list(dict.fromkeys(r.model for r in responses))
-    figure = new_figure(width, 18 + 36 * len(views), f"{subject.title} error", subject.provenance)
+    figure = new_figure(width, 18 + 36 * len(views), f"{whole.title} error", whole.provenance)
     rows = figure.subplots(len(views), 1, sharex=True, squeeze=False)[:, 0]
     for axes, view in zip(rows, views, strict=True):
         shown = [r for r in responses if r.view == view]
-        scale = scale_for("error", subject.unit, *(r.error for r in shown))
+        scale = scale_for("error", whole.unit, *(r.error for r in shown))
         for response in shown:
             label = f"{response.model}, RMSE {scale.text(response.rmse)}"
             style = look(models.index(response.model))
@@ -35,9 +36,9 @@ def error_plot(subject: Subject, responses: Sequence[Response], width: float = D
             draw(axes, x, y, style, label, response.starts * time.factor)
         _dress(axes, shown, scale, view, time.factor)
     rows[-1].set_xlabel(time.label)
-    rows[0].set_xlim(responses[0].time[0] * time.factor, responses[0].time[-1] * time.factor)
+    rows[0].set_xlim(whole.time[0] * time.factor, whole.time[-1] * time.factor)
     figure.align_ylabels()
-    return Plot(figure, "error", _caption(subject, models, views, responses), subject.provenance)
+    return Plot(figure, "error", _caption(whole, models, views, responses), whole.provenance)
 
 
 def _dress(axes: Axes, shown: Sequence[Response], scale: Scale, view: str, to_time: float) -> None:
@@ -54,9 +55,9 @@ def _dress(axes: Axes, shown: Sequence[Response], scale: Scale, view: str, to_ti
     legend_above(axes, title=view)
 
 
-def _caption(subject: Subject, models: list[str], views: list[str], responses: Sequence[Response]) -> str:
+def _caption(whole: Response, models: list[str], views: list[str], responses: Sequence[Response]) -> str:
     dotted = "; dotted lines: where each horizon starts anew" if any(len(r.starts) for r in responses) else ""
     return (
-        f"Error (measured minus model) of {subject.quantity} on {subject.record} ({subject.provenance}): "
+        f"Error (recorded minus model) of {whole.output} on {whole.record} ({whole.provenance}): "
         f"{', '.join(models)}, {' and '.join(views)}{dotted}."
     )

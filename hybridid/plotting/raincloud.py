@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,72 +11,51 @@ from scipy.stats import gaussian_kde
 
 from hybridid.plotting.axes import Array, Scale, frame, scale_for
 from hybridid.plotting.looks import INK, SOFT_INK, look
-from hybridid.plotting.series import PlotError
+from hybridid.plotting.series import PlotError, Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 
 ROW = 15.0  # mm
 KERNEL_SAMPLES = 3000  # evenly over the record; more does not change the density
 DROPS = 350
+NAME = 30  # characters of a row's name that are printed
 CLOUD, BOX, RAIN = 0.42, 0.09, 0.30  # heights as parts of a row: above, on and below its line
 
 
-@dataclass(frozen=True)
-class ErrorSample:
-    """Errors (n,) of one model on one record; ``view`` as in ``Response``."""
-
-    model: str
-    record: str
-    values: Array
-    view: str = "free run"
-    provenance: str = "measured"
-
-    def __post_init__(self) -> None:
-        if not len(self.values) or not np.isfinite(self.values).all():
-            raise PlotError(
-                f"raincloud: the errors of {self.model} on {self.record} must be finite and at least one"
-            )
-
-    @property
-    def rmse(self) -> float:
-        return float(np.sqrt(np.mean(self.values**2)))
-
-
 @styled
-def raincloud_plot(
-    quantity: str, unit: str, samples: Sequence[ErrorSample], width: float = DOUBLE_COLUMN
-) -> Plot:
-    """Half violin (kernel density), box (5, 25, 50, 75, 95 %) and a thinned scatter of every sample.
+def raincloud_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
+    """A row a response: half violin (kernel density), box (5, 25, 50, 75, 95 %), thinned scatter.
 
     Source: Allen et al. (2019), "Raincloud plots", Wellcome Open Research 4:63.
 
     Raises:
-        PlotError: if there is no sample.
+        PlotError: if there is no response, they show different outputs, or an error is not finite.
     """
-    if not samples:
-        raise PlotError(f"raincloud of {quantity}: no errors to plot; give at least one sample")
-    provenance = _provenance(samples)
-    models = list(dict.fromkeys(s.model for s in samples))
-    scale = scale_for(f"{quantity} error", unit, *(s.values for s in samples))
-    figure = new_figure(width, 18 + ROW * len(samples), f"{quantity} error".replace("_", " "), provenance)
+    any_of = one_output(responses, one_record=False)
+    for response in responses:
+        if not len(response.time) or not np.isfinite(response.error).all():
+            raise PlotError(f"raincloud: errors of {response.model} on {response.record} are not finite")
+    provenance = _provenance(responses)
+    models = list(dict.fromkeys(r.model for r in responses))
+    scale = scale_for(f"{any_of.output} error", any_of.unit, *(r.error for r in responses))
+    figure = new_figure(width, 18 + ROW * len(responses), scale.name, provenance)
     axes = figure.subplots()
     axes.axvline(0.0, color=SOFT_INK, linewidth=0.5, zorder=1)
-    for row, sample in enumerate(samples):
-        colour = look(models.index(sample.model)).colour
-        _cloud(axes, -row, sample.values * scale.factor, colour)
+    for row, response in enumerate(responses):
+        _cloud(axes, -row, response.error * scale.factor, look(models.index(response.model)).colour)
     axes.set_xlabel(scale.label)
-    axes.set_xlim(frame([s.values * scale.factor for s in samples], 0.03))
-    _rows(axes, samples, scale)
-    listed = ", ".join(dict.fromkeys(f"{s.record} ({s.provenance})" for s in samples))
+    axes.set_xlim(frame([r.error * scale.factor for r in responses], 0.03))
+    _rows(axes, responses, scale)
+    listed = ", ".join(dict.fromkeys(f"{r.record} ({r.provenance})" for r in responses))
     caption = (
-        f"Errors (measured minus model) of {quantity} for {', '.join(models)} on {listed}: density, box "
+        f"Errors (recorded minus model) of {any_of.output} for {', '.join(models)} on {listed}: density, box "
         "(5, 25, 50, 75 and 95 %) and single samples, with the RMSE at the right."
     )
     return Plot(figure, "raincloud", caption, provenance)
 
 
-def _provenance(samples: Sequence[ErrorSample]) -> str:
+def _provenance(responses: Sequence[Response]) -> str:
     """``measured`` only if everything is."""
-    kinds = dict.fromkeys(s.provenance for s in samples)
+    kinds = dict.fromkeys(r.provenance for r in responses)
     return " and ".join(sorted(kinds))
 
 
@@ -106,20 +85,21 @@ def _box(values: Array) -> dict[str, float]:
     return dict(zip(("whislo", "q1", "med", "q3", "whishi"), map(float, quantiles), strict=True))
 
 
-def _rows(axes: Axes, samples: Sequence[ErrorSample], scale: Scale) -> None:
+def _rows(axes: Axes, responses: Sequence[Response], scale: Scale) -> None:
     """Names at the left, root mean square errors at the right, no vertical scale."""
-    places = [-row for row in range(len(samples))]
-    axes.set_yticks(places, [_name(s) for s in samples])
-    axes.set_ylim(-len(samples) + 0.55, 0.62)
+    places = [-row for row in range(len(responses))]
+    axes.set_yticks(places, [_name(r) for r in responses])
+    axes.set_ylim(-len(responses) + 0.55, 0.62)
     axes.tick_params(axis="y", length=0)
     axes.grid(False, axis="y")
     axes.spines["left"].set_visible(False)
     right = axes.secondary_yaxis("right")
-    right.set_yticks(places, [f"RMSE\n{scale.text(s.rmse)}" for s in samples])
+    right.set_yticks(places, [f"RMSE\n{scale.text(r.rmse)}" for r in responses])
     right.tick_params(length=0)
     right.spines["right"].set_visible(False)
 
 
-def _name(sample: ErrorSample) -> str:
-    mark = "" if sample.provenance == "measured" else f" ({sample.provenance})"
-    return f"{sample.model}\n{sample.view}\n{sample.record}{mark}"
+def _name(response: Response) -> str:
+    mark = "" if response.provenance == "measured" else f" ({response.provenance})"
+    lines = (response.model, response.view, response.record)
+    return "\n".join(textwrap.shorten(line, NAME, placeholder="…") for line in lines) + mark

@@ -1,4 +1,4 @@
-"""What the figures show: which quantity of which record, and what a model answered."""
+"""``Response``: what a model answered, beside what was recorded."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.records.record import Record
+from hybridid.validation.predict import Prediction
 
 Array = NDArray[np.float64]
 
@@ -19,58 +19,64 @@ class PlotError(ValueError):
 
 
 @dataclass(frozen=True)
-class Subject:
-    """The quantity that a figure shows, e.g. the output ``position`` in ``m`` of one record."""
-
-    record: str
-    quantity: str
-    unit: str
-    provenance: str = "measured"
-
-    @classmethod
-    def of(cls, record: Record, output: str | None = None) -> Subject:
-        """The output called ``output`` of ``record``, its first if ``None``.
-
-        Raises:
-            PlotError: if the record has no such output.
-        """
-        channels = {channel.name: channel for channel in record.output_channels}
-        name = next(iter(channels)) if output is None else output
-        if name not in channels:
-            near = difflib.get_close_matches(name, channels, n=1, cutoff=0.0)[0]
-            raise PlotError(
-                f"record {record.name}: no output {name!r} to plot; nearest {near!r}, "
-                f"allowed: {', '.join(channels)}"
-            )
-        return cls(record.name, name, channels[name].unit, record.provenance)
-
-    @property
-    def title(self) -> str:
-        return f"{self.record} · {self.quantity.replace('_', ' ')}"
-
-
-@dataclass(frozen=True)
 class Response:
-    """One model's response beside the measured output, both (n,), in the subject's unit.
+    """One model's response to one record, one output of it, all (n,) in ``unit``.
 
-    ``starts`` are the times at which a prediction begins anew from its own initial state
-    (the horizons' boundaries); empty for a free run. ``view`` is how it was made, in words:
-    ``free run``, ``horizons of 1 s``.
+    ``view`` says in words how it was made: ``free run``, ``horizons of 1 s``. ``starts`` are
+    the times at which a horizon begins anew from its own initial state; a free run has none.
+
+    Raises:
+        PlotError: if the lengths differ.
     """
 
     model: str
+    record: str
+    output: str
+    unit: str
     time: Array
     measured: Array
     predicted: Array
     view: str = "free run"
     starts: Array = field(default_factory=lambda: np.empty(0))
+    provenance: str = "measured"
 
     def __post_init__(self) -> None:
         if not len(self.time) == len(self.measured) == len(self.predicted):
             raise PlotError(
-                f"response of {self.model}: time, measured and predicted have {len(self.time)}, "
-                f"{len(self.measured)} and {len(self.predicted)} samples; they must be as long"
+                f"response of {self.model} to {self.record}: time, measured and predicted have "
+                f"{len(self.time)}, {len(self.measured)} and {len(self.predicted)} samples; "
+                "they must have as many"
             )
+
+    @classmethod
+    def of(cls, model: str, prediction: Prediction, output: str | None = None) -> Response:
+        """The output called ``output`` (the first if ``None``) of a prediction by ``model``.
+
+        Raises:
+            PlotError: if the prediction has no such output.
+        """
+        names = prediction.output_names
+        name = names[0] if output is None else output
+        if name not in names:
+            near = difflib.get_close_matches(name, names, n=1, cutoff=0.0)[0]
+            raise PlotError(
+                f"record {prediction.record}: no output {name!r} to plot; nearest {near!r}, "
+                f"allowed: {', '.join(names)}"
+            )
+        column = names.index(name)
+        starts = _starts(prediction)
+        return cls(
+            model=model,
+            record=prediction.record,
+            output=name,
+            unit=prediction.output_units[column],
+            time=prediction.time,
+            measured=prediction.measured[:, column],
+            predicted=prediction.predicted[:, column],
+            view=_view(prediction, starts),
+            starts=starts,
+            provenance=prediction.provenance,
+        )
 
     @property
     def error(self) -> Array:
@@ -79,17 +85,46 @@ class Response:
 
     @property
     def rmse(self) -> float:
-        """Root mean square error, in the subject's unit."""
+        """Root mean square error, in ``unit``."""
         return float(np.sqrt(np.mean(self.error**2)))
 
+    @property
+    def title(self) -> str:
+        return f"{self.record} · {self.output.replace('_', ' ')}"
 
-def some_responses(subject: Subject, responses: Sequence[Response]) -> Sequence[Response]:
-    """``responses``, of which there is at least one.
+
+def _starts(prediction: Prediction) -> Array:
+    """The times of ``prediction.breaks`` (samples of the record); none for a free run."""
+    if prediction.view == "free_run":
+        return np.empty(0)
+    return prediction.time[np.array(prediction.breaks) - prediction.breaks[0]]
+
+
+def _view(prediction: Prediction, starts: Array) -> str:
+    if prediction.view == "free_run":
+        return "free run"
+    stop = starts[1] if len(starts) > 1 else prediction.time[-1]
+    return f"horizons of {stop - starts[0]:.3g} s"
+
+
+def one_output(responses: Sequence[Response], one_record: bool = True) -> Response:
+    """The longest of ``responses``, which must all show one output (of one record).
 
     Raises:
-        PlotError: if there is none.
+        PlotError: if there is no response, or they show different things.
     """
     if not responses:
-        where = f"{subject.record}, {subject.quantity}"
-        raise PlotError(f"{where}: no model's response to plot; give at least one")
-    return responses
+        raise PlotError("no model's response to plot; give at least one")
+    longest = max(responses, key=lambda response: len(response.time))
+    for other in responses:
+        if (other.output, other.unit) != (longest.output, longest.unit):
+            raise PlotError(
+                f"cannot draw output {other.output} [{other.unit}] together with "
+                f"{longest.output} [{longest.unit}]; give responses of one output"
+            )
+        if one_record and other.record != longest.record:
+            raise PlotError(
+                f"cannot draw record {other.record} together with {longest.record}; "
+                "give responses to one record"
+            )
+    return longest

@@ -10,7 +10,7 @@ from scipy import signal
 
 from hybridid.plotting.axes import Array, draw, legend_on_top, name_y, scale_for
 from hybridid.plotting.looks import DATA, look
-from hybridid.plotting.series import PlotError, Response, Subject, some_responses
+from hybridid.plotting.series import PlotError, Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
 from hybridid.plotting.units import axis_label, per_root_hertz
 
@@ -22,7 +22,7 @@ Spectrum = tuple[Array, Array]
 
 
 @styled
-def spectrum_plot(subject: Subject, responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
+def spectrum_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
     """Amplitude spectral density of the output with the models, and with their errors.
 
     ``A(f) = sqrt(S(f))``, ``S`` Welch's one-sided power spectral density: Hann window,
@@ -32,19 +32,19 @@ def spectrum_plot(subject: Subject, responses: Sequence[Response], width: float 
     spectra", IEEE Trans. Audio Electroacoust. 15(2).
 
     Raises:
-        PlotError: if there is no response, or one is too short or not finite.
+        PlotError: if there is no response, they show different things, or one is too short or not finite.
     """
-    first = some_responses(subject, responses)[0]
-    data = _amplitude(first, first.measured)
+    whole = one_output(responses)
+    data = _amplitude(whole, whole.measured)
     models = [_amplitude(r, r.predicted) for r in responses]
     errors = [_amplitude(r, r.error) for r in responses]
-    scale = scale_for("amplitude density", per_root_hertz(subject.unit), data[1])
+    scale = scale_for("amplitude density", per_root_hertz(whole.unit), data[1])
     limits = _limits([data, *errors])
     wide = is_wide(width)
-    figure = new_figure(width, 66 if wide else 112, f"{subject.title} spectrum", subject.provenance)
+    figure = new_figure(width, 66 if wide else 112, f"{whole.title} spectrum", whole.provenance)
     panels = figure.subplots(*((1, 2) if wide else (2, 1)), sharex=True, sharey=True)
     for axes, title, spectra in zip(panels, ("output", "error"), (models, errors), strict=True):
-        handles = [draw(axes, data[0], data[1] * scale.factor, DATA, subject.provenance)]
+        handles = [draw(axes, data[0], data[1] * scale.factor, DATA, whole.provenance)]
         for index, (response, (frequency, amplitude)) in enumerate(zip(responses, spectra, strict=True)):
             label = f"{response.model}, {response.view}"
             handles.append(draw(axes, frequency, amplitude * scale.factor, look(index), label))
@@ -56,7 +56,7 @@ def spectrum_plot(subject: Subject, responses: Sequence[Response], width: float 
             axes.set_xlabel(axis_label("frequency", "Hz"))
     legend_on_top(figure, handles)
     panels[0].set_ylim(limits[0] * scale.factor, limits[1] * scale.factor)
-    return Plot(figure, "spectrum", _caption(subject, responses, data[0]), subject.provenance)
+    return Plot(figure, "spectrum", _caption(whole, responses, data[0]), whole.provenance)
 
 
 def _amplitude(response: Response, values: Array) -> Spectrum:
@@ -101,9 +101,9 @@ def _dress(axes: Axes, frequency: Array) -> None:
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
 
 
-def _caption(subject: Subject, responses: Sequence[Response], frequency: Array) -> str:
+def _caption(whole: Response, responses: Sequence[Response], frequency: Array) -> str:
     return (
-        f"Amplitude spectral density of {subject.quantity} on {subject.record} ({subject.provenance}), of "
+        f"Amplitude spectral density of {whole.output} on {whole.record} ({whole.provenance}), of "
         f"{', '.join(f'{r.model} ({r.view})' for r in responses)} and of their errors, in "
-        f"{per_root_hertz(subject.unit)} after Welch (Hann window, resolution {frequency[0]:.3g} Hz)."
+        f"{per_root_hertz(whole.unit)} after Welch (Hann window, resolution {frequency[0]:.3g} Hz)."
     )

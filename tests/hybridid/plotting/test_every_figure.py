@@ -1,0 +1,132 @@
+"""What holds for each figure: units, provenance, room for every word, small files, no global state."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import matplotlib
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from hybridid.plotting.style import DOUBLE_COLUMN, SINGLE_COLUMN, context, save
+
+WIDTHS = (SINGLE_COLUMN, DOUBLE_COLUMN)
+UNIT = re.compile(r"\[[^\]]+\]$")
+SVG_LIMIT = 500_000  # bytes
+
+
+def test_every_labelled_axis_carries_its_unit(make, figure_name):
+    labels = [label for axes in _all_axes(make(figure_name).figure) for label in _labels(axes)]
+    assert len(labels) >= 1
+    assert [label for label in labels if not UNIT.search(label.replace("\n", " "))] == []
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_every_word_has_room(make, figure_name, width):
+    figure = make(figure_name, simulated=True, width=width).figure
+    texts = _drawn_texts(figure)
+    page = Bbox.from_bounds(0, 0, figure.bbox.width, figure.bbox.height).padded(0.5)
+    assert len(texts) > 5
+    corners = {name: [page.contains(x, y) for x, y in box.corners()] for name, box in texts}
+    assert [name for name, inside in corners.items() if not all(inside)] == []
+    pairs = itertools.combinations(texts, 2)
+    assert [(a, b) for (a, box), (b, other) in pairs if box.padded(-1).overlaps(other.padded(-1))] == []
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_legend_covers_data(make, figure_name, width):
+    figure = make(figure_name, width=width).figure
+    with context():
+        figure.draw_without_rendering()
+    legends = [*figure.legends, *(a.get_legend() for a in figure.axes if a.get_legend())]
+    panels = [axes.get_window_extent().padded(-1) for axes in figure.axes]
+    boxes = [legend.get_window_extent() for legend in legends]
+    assert [box for box in boxes if any(box.overlaps(panel) for panel in panels)] == []
+    assert all(box.x0 >= -1 and box.x1 <= figure.bbox.x1 + 1 for box in boxes)
+
+
+def test_simulated_data_are_marked_and_measured_data_named(make, figure_name):
+    simulated, measured = make(figure_name, simulated=True), make(figure_name)
+    marks = simulated.figure.findobj(lambda artist: artist.get_gid() == "provenance")
+    assert [mark.get_text() for mark in marks] == ["SIMULATED"]
+    assert measured.figure.findobj(lambda artist: artist.get_gid() == "provenance") == []
+    for plot, word in ((simulated, "simulated"), (measured, "measured")):
+        heading = plot.figure.findobj(lambda artist: artist.get_gid() == "heading")[0]
+        assert heading.get_text().endswith(f"· {word}")
+        assert plot.provenance == word
+        assert f"({word})" in plot.caption
+
+
+def test_the_caption_is_one_sentence(make, figure_name):
+    caption = make(figure_name).caption
+    assert caption.endswith(".")
+    assert caption[0].isupper()
+    assert ". " not in caption
+    assert len(caption) < 420
+
+
+def test_three_small_files_come_out(make, figure_name, tmp_path):
+    plot = make(figure_name, simulated=True)
+    paths = save(plot, tmp_path)
+    assert [path.name for path in paths] == [f"{plot.name}.{kind}" for kind in ("svg", "pdf", "png")]
+    assert sorted(tmp_path.iterdir()) == sorted(paths)
+    svg, pdf, png = (path.read_bytes() for path in paths)
+    assert len(svg) < SVG_LIMIT
+    assert b"simulated" in svg
+    assert b"/Subtype /Type3" not in pdf  # fonts are embedded as TrueType
+    assert pdf.startswith(b"%PDF")
+    assert png.startswith(b"\x89PNG")
+
+
+def test_matplotlib_stays_as_it_was(make, figure_name, tmp_path):
+    before = dict(matplotlib.rcParams)
+    save(make(figure_name), tmp_path)
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_pyplot_is_never_loaded(tmp_path):
+    code = (
+        "import sys\n"
+        "from hybridid.plotting import comparison, error, friction, parameters, raincloud, record\n"
+        "from hybridid.plotting import residual_correlation, spectrum, style\n"
+        "style.save(style.Plot(style.new_figure(88, 40, 'a', 'measured'), 'a', 'A.'), sys.argv[1])\n"
+        "print('matplotlib.pyplot' in sys.modules)\n"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path)]
+    ran = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == "False"
+
+
+def _all_axes(figure: Figure) -> list[Axes]:
+    """Every axes, those inside others too."""
+    return [a for a in figure.findobj(Axes) if a.get_visible()]
+
+
+def _labels(axes: Axes) -> list[str]:
+    return [text for text in (axes.get_xlabel(), axes.get_ylabel()) if text]
+
+
+def _drawn_texts(figure: Figure) -> list[tuple[str, Bbox]]:
+    """Every word that is printed, with its place; ticks outside the limits are not printed."""
+    with context():
+        figure.draw_without_rendering()
+        renderer = figure.canvas.get_renderer()
+        hidden = {id(label) for axis in figure.findobj(Axis) for label in _unprinted(axis)}
+        texts = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip()]
+        return [(t.get_text(), t.get_window_extent(renderer)) for t in texts if id(t) not in hidden]
+
+
+def _unprinted(axis: Axis) -> Iterator[Text]:
+    printed = {id(tick) for tick in axis._update_ticks()}  # what axis.draw itself asks
+    for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
+        for label in (tick.label1, tick.label2):
+            if id(tick) not in printed or not label.get_visible():
+                yield label
