@@ -210,7 +210,7 @@ def _epsilon(port: Port) -> Parameter:
 
 
 def _adjusted(parameter: Parameter, changes: Mapping[str, float]) -> Parameter:
-    """The declared parameter with a user's guess, bounds or fixed value."""
+    """The declared parameter with a user's guess, bounds or fixed value; bounds free a known one."""
     if changes.get("fixed") is not None:
         return parameter.fixed_at(float(changes["fixed"]))
     lower = float(changes.get("lower", parameter.lower))
@@ -221,7 +221,8 @@ def _adjusted(parameter: Parameter, changes: Mapping[str, float]) -> Parameter:
         if guess in (lower, upper) and math.isfinite(upper - lower):
             guess = 0.5 * (lower + upper)
     scale = parameter.scale if guess == 0 else abs(float(guess))
-    return replace(parameter, guess=float(guess), lower=lower, upper=upper, scale=scale)
+    known = parameter.fixed and "lower" not in changes and "upper" not in changes
+    return replace(parameter, guess=float(guess), lower=lower, upper=upper, scale=scale, fixed=known)
 
 
 def _assemble(model: Model) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:

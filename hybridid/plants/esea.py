@@ -18,7 +18,7 @@ class ESEA(Plant):
     delta is the motor's angle, theta the link's. The friction of the thesis, F_f(delta'), is composed
     onto ``motor``. F_elastomer resists the twist delta - theta, and so brakes the motor and drives the link:
     a joint that stiffens, dissipates or has play is composed there. The inertias and the spring are known
-    (fixed); ``parameters: {K_e: {fixed: null, lower: 4, upper: 16}}`` frees one.
+    (fixed); bounds, as in ``parameters: {K_e: {lower: 4, upper: 16}}``, free one.
 
     Source: thesis Eqs. 5-1 to 5-4 and Table 5.1, whose I and J are in kg·m² (printed m⁴).
     """
