@@ -1,0 +1,1 @@
+"""The thesis' experiments, tables and figures beside ours."""
