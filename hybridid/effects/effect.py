@@ -5,48 +5,36 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from types import SimpleNamespace
+from typing import Any, Literal
 
 import casadi as ca
 
 from hybridid.declarations import Parameter, Port, PortKind, State
-
-
-@dataclass(frozen=True)
-class Dimension:
-    """A unit as powers of a port's effort, position and time: N·s/m is (1, -1, 1)."""
-
-    effort: int = 0
-    position: int = 0
-    time: int = 0
-
-    def scale(self, port: Port) -> float:
-        """The natural magnitude of such a quantity at ``port``, in SI units."""
-        return port.effort_scale**self.effort * port.position_scale**self.position * port.time_scale**self.time
-
-    def unit(self, port: Port) -> str:
-        """The unit's name at ``port``, such as ``N·s/m``; ``"1"`` if dimensionless."""
-        powers = ((port.effort_unit, self.effort), (port.position_unit, self.position), ("s", self.time))
-        above = [_power(name, n) for name, n in powers if n > 0]
-        below = [_power(name, -n) for name, n in powers if n < 0]
-        text = "·".join(above) or "1"
-        if below:
-            text += "/" + (f"({'·'.join(below)})" if len(below) > 1 else below[0])
-        return text
-
-
-def _power(name: str, exponent: int) -> str:
-    base = f"({name})" if exponent > 1 and not name.isalnum() else name
-    return base + {1: "", 2: "²", 3: "³"}[exponent]
+from hybridid.effects.dimension import Dimension
+from hybridid.effects.pickling import reduced
 
 
 @dataclass(frozen=True)
 class EffectParameter:
     """A constant of an effect. Numbers are multiples of its dimension's scale at the port.
 
+    ``absolute`` numbers are in SI units instead: the time constant of an amplifier does not
+    follow from how fast the machine moves. ``nests`` marks a parameter whose zero gives the
+    model without the effect.
+
     ``starts`` are further starting values for a shape parameter whose cost has several
-    valleys (a Stribeck velocity, a pitch). ``nests`` marks a parameter whose zero gives
-    the model without the effect.
+    valleys (a Stribeck velocity, a pitch). ``periodogram`` says that better ones are the
+    peaks of the missing effort's periodogram over the port's ``"position"`` (a parameter of
+    position: the period) or over ``"time"`` (a frequency).
+
+    A ``fixed`` parameter belongs to how the law is written (a smoothing width, the window of
+    a delay line) and is not estimated; its ``starts`` are alternatives to try, each fixed. A
+    width is called ``epsilon``, so that a fit's continuation lowers it with the ports' own.
+
+    Raises:
+        ValueError: if the guess or a start lies outside the bounds.
     """
 
     name: str
@@ -57,10 +45,28 @@ class EffectParameter:
     upper: float = math.inf
     starts: tuple[float, ...] = ()
     nests: bool = False
+    absolute: bool = False
+    fixed: bool = False
+    periodogram: Literal["", "position", "time"] = ""
+
+    def __post_init__(self) -> None:
+        for value in (self.guess, *self.starts):
+            if not self.lower <= value <= self.upper:
+                raise ValueError(
+                    f"parameter {self.name}: {value:g} is outside [{self.lower:g}, {self.upper:g}]"
+                )
+
+    def scale_at(self, port: Port) -> float:
+        """What one means at ``port``, in SI units."""
+        return 1.0 if self.absolute else self.dimension.scale(port)
+
+    def starts_at(self, port: Port) -> tuple[float, ...]:
+        """The further starting values in the units of ``port``."""
+        return tuple(value * self.scale_at(port) for value in self.starts)
 
     def at(self, port: Port) -> Parameter:
         """The parameter in the units of ``port``, under its short name."""
-        s = self.dimension.scale(port)
+        s = self.scale_at(port)
         return Parameter(
             name=self.name,
             unit=self.dimension.unit(port),
@@ -68,20 +74,38 @@ class EffectParameter:
             lower=self.lower * s,
             upper=self.upper * s,
             scale=abs(self.guess) * s or s,
+            fixed=self.fixed,
             meaning=self.meaning,
         )
 
 
 @dataclass(frozen=True)
 class EffectState:
-    """An inner state of an effect (bristle deflection, load position), zero at the start."""
+    """An inner state of an effect (bristle deflection, load position), zero at the start.
+
+    ``scale``, ``lower`` and ``upper`` are multiples of its dimension's scale at the port. A
+    state that ``follows`` the signal of an output port starts from the record instead.
+    """
 
     name: str
     dimension: Dimension
     meaning: str
+    scale: float = 1.0
+    lower: float = -math.inf
+    upper: float = math.inf
+    follows: bool = False
 
     def at(self, port: Port) -> State:
-        return State(self.name, self.dimension.unit(port), scale=self.dimension.scale(port), meaning=self.meaning)
+        s = self.dimension.scale(port)
+        return State(
+            self.name,
+            self.dimension.unit(port),
+            scale=self.scale * s,
+            lower=self.lower * s,
+            upper=self.upper * s,
+            observed_by=port.name if self.follows and port.kind == "output" else None,
+            meaning=self.meaning,
+        )
 
 
 @dataclass(frozen=True)
@@ -122,7 +146,14 @@ class Effect:
     At an effort port ``law`` gives the effort F that resists the motion; at an input or
     output port it gives what is added to the signal. With every ``nests`` parameter at
     zero it gives nothing, so models nest. ``dynamics`` gives the time derivative of each
-    state. ``pattern`` says what tells the effect from its look-alikes.
+    state. ``pattern`` says what tells the effect from its ``look_alikes`` (ids of effects
+    that a record easily confuses it with), ``separating_experiment`` what to record so that
+    they come apart.
+
+    ``position_units`` (empty: any) and ``ports``, patterns of port names (empty: any), say
+    where the effect makes sense; a search keeps to it, a user who names the port need not.
+
+    Effects travel to other processes by name: see ``hybridid.effects.pickling``.
     """
 
     id: str
@@ -135,9 +166,26 @@ class Effect:
     parameters: tuple[EffectParameter, ...] = ()
     states: tuple[EffectState, ...] = ()
     dynamics: Callable[[Local], Mapping[str, ca.SX]] | None = None
+    look_alikes: tuple[str, ...] = ()
+    separating_experiment: str = ""
+    position_units: tuple[str, ...] = ()
+    ports: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if bool(self.states) != (self.dynamics is not None):
             raise ValueError(f"effect {self.id}: states and dynamics go together")
         if not any(p.nests for p in self.parameters):
             raise ValueError(f"effect {self.id}: no parameter nests it (whose zero removes it)")
+        names = [p.name for p in self.parameters] + [s.name for s in self.states]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"effect {self.id}: two of its parameters and states are called {name}")
+
+    def admissible_at(self, port: Port) -> bool:
+        """Whether the effect makes sense at ``port``: its kind, unit of position and name."""
+        if port.kind != self.kind or (self.position_units and port.position_unit not in self.position_units):
+            return False
+        return not self.ports or any(fnmatchcase(port.name.lower(), pattern) for pattern in self.ports)
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        return reduced(self) or super().__reduce_ex__(protocol)

@@ -1,4 +1,4 @@
-"""Friction that depends on the sliding velocity alone: memoryless, dissipative."""
+"""Friction that depends on the sliding velocity alone: memoryless."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ import math
 
 import casadi as ca
 
-from hybridid.effects.effect import Dimension, Effect, EffectParameter
+from hybridid.effects.dimension import DAMPING, EFFORT, VELOCITY, Dimension
+from hybridid.effects.effect import Effect, EffectParameter
 
-EFFORT = Dimension(effort=1)
-VELOCITY = Dimension(position=1, time=-1)
-DAMPING = Dimension(effort=1, position=-1, time=1)
 DRAG = Dimension(effort=1, position=-2, time=2)
 
 _ARMSTRONG = "Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), Automatica 30(7), 1083-1138"
@@ -26,6 +24,11 @@ OFFSET = Effect(
     ),
     source="thesis Eq. 6-1; Janot, Gautier, Brunot (2019), Eq. (1)",
     pattern="the same in both directions of motion and at rest; asymmetric Coulomb friction vanishes at rest",
+    look_alikes=("asymmetric_coulomb", "gravity", "linear_stiffness", "maxwell"),
+    separating_experiment=(
+        "hold still under slowly rising command from both sides until break-away, at several positions: "
+        "an offset shifts both break-away efforts alike and everywhere, also at rest"
+    ),
 )
 
 VISCOUS = Effect(
@@ -39,6 +42,11 @@ VISCOUS = Effect(
     ),
     source="thesis Eqs. 5-5 and 6-2",
     pattern="proportional to the velocity, odd; quadratic drag bends upwards",
+    look_alikes=("quadratic_drag", "coulomb", "maxwell"),
+    separating_experiment=(
+        "constant-velocity runs at five speeds over a decade, in both directions: effort over speed is a "
+        "straight line through the origin"
+    ),
 )
 
 COULOMB = Effect(
@@ -47,11 +55,14 @@ COULOMB = Effect(
     title="Coulomb friction",
     equation="F = f_c sign(v), sign(v) ≈ tanh(v/ε)",
     law=lambda at: at.p.f_c * at.sign,
-    parameters=(
-        EffectParameter("f_c", EFFORT, "Coulomb friction level", guess=0.3, lower=0.0, nests=True),
-    ),
+    parameters=(EffectParameter("f_c", EFFORT, "Coulomb friction level", guess=0.3, lower=0.0, nests=True),),
     source="thesis Eq. 6-2; " + _ARMSTRONG,
     pattern="a step where the velocity changes sign, flat elsewhere",
+    look_alikes=("stribeck", "dahl", "lugre", "bouc_wen", "input_dead_zone"),
+    separating_experiment=(
+        "slow reversals of a small amplitude and constant-velocity runs: the step is as sharp in position"
+        " as the sensor can see, and its height is the same at every speed"
+    ),
 )
 
 STRIBECK = Effect(
@@ -61,13 +72,20 @@ STRIBECK = Effect(
     equation="F = df_s exp(-(v/v_s)²) sign(v),  df_s = f_s - f_c",
     law=lambda at: at.p.df_s * ca.exp(-((at.velocity / at.p.v_s) ** 2)) * at.sign,
     parameters=(
-        EffectParameter("df_s", EFFORT, "static above Coulomb level, f_s - f_c", guess=0.1, lower=0.0, nests=True),
+        EffectParameter(
+            "df_s", EFFORT, "static above Coulomb level, f_s - f_c", guess=0.1, lower=0.0, nests=True
+        ),
         EffectParameter(
             "v_s", VELOCITY, "Stribeck velocity", guess=0.1, lower=0.01, upper=2.0, starts=(0.03, 0.3)
         ),
     ),
     source="thesis Eq. 5-6 with the decaying sign of the exponent (printed growing); " + _ARMSTRONG,
     pattern="friction falls with speed just after break-away, then levels",
+    look_alikes=("coulomb", "dahl", "lugre", "input_delay", "input_lag"),
+    separating_experiment=(
+        "constant-velocity runs in both directions at ten speeds, logarithmically spaced from far below "
+        "to far above v_s: the falling branch shows without acceleration, delay or pre-sliding"
+    ),
 )
 
 ASYMMETRIC_VISCOUS = Effect(
@@ -83,6 +101,11 @@ ASYMMETRIC_VISCOUS = Effect(
     ),
     source="Janot, Gautier, Brunot (2019), Eq. (12); Janot, Gautier, Young (2017), Int. J. Control 90(4)",
     pattern="even in velocity and linear in speed; quadratic drag is odd, offset does not grow with speed",
+    look_alikes=("asymmetric_coulomb", "offset", "asymmetric_damper"),
+    separating_experiment=(
+        "constant-velocity runs at several speeds in both directions over one stretch: the difference "
+        "between the directions grows in proportion to the speed"
+    ),
 )
 
 ASYMMETRIC_COULOMB = Effect(
@@ -92,10 +115,18 @@ ASYMMETRIC_COULOMB = Effect(
     equation="F = -(df_c/2) sign(v)²,  df_c = f_c(v<0) - f_c(v>0)",
     law=lambda at: -0.5 * at.p.df_c * at.sign**2,
     parameters=(
-        EffectParameter("df_c", EFFORT, "Coulomb level backwards minus forwards, Fc- - Fc+", guess=0.0, nests=True),
+        EffectParameter(
+            "df_c", EFFORT, "Coulomb level backwards minus forwards, Fc- - Fc+", guess=0.0, nests=True
+        ),
     ),
     source="Janot, Gautier, Brunot (2019), Eq. (12)",
     pattern="constant while sliding, the same sign in both directions, zero at rest; an offset stays at rest",
+    look_alikes=("offset", "asymmetric_viscous", "gravity"),
+    separating_experiment=(
+        "long rests under a small command between slow runs in both directions: an offset acts, or is "
+        "carried by stiction, at rest as well; at several speeds the difference between the directions "
+        "stays the same"
+    ),
 )
 
 QUADRATIC_DRAG = Effect(
@@ -104,9 +135,12 @@ QUADRATIC_DRAG = Effect(
     title="quadratic drag",
     equation="F = c_d v |v|",
     law=lambda at: at.p.c_d * at.velocity * at.speed,
-    parameters=(
-        EffectParameter("c_d", DRAG, "drag coefficient", guess=0.1, lower=-math.inf, nests=True),
-    ),
+    parameters=(EffectParameter("c_d", DRAG, "drag coefficient", guess=0.1, lower=-math.inf, nests=True),),
     source="Batchelor (1967), An Introduction to Fluid Dynamics, sec. 5.11",
     pattern="odd in velocity and growing with its square",
+    look_alikes=("viscous", "coulomb"),
+    separating_experiment=(
+        "constant-velocity runs up to the highest speed allowed: effort over speed squared is a straight "
+        "line there, where viscous friction is left behind"
+    ),
 )

@@ -5,7 +5,18 @@ from __future__ import annotations
 import difflib
 import importlib
 
-from hybridid.effects import friction
+from hybridid.effects import (
+    contact,
+    delay,
+    disturbance,
+    elastic,
+    friction,
+    inertia,
+    limits,
+    paths,
+    presliding,
+    varying_friction,
+)
 from hybridid.effects.effect import Effect
 
 EFFECTS: tuple[Effect, ...] = (
@@ -16,6 +27,32 @@ EFFECTS: tuple[Effect, ...] = (
     friction.ASYMMETRIC_VISCOUS,
     friction.ASYMMETRIC_COULOMB,
     friction.QUADRATIC_DRAG,
+    presliding.DAHL,
+    presliding.LUGRE,
+    presliding.BOUC_WEN,
+    varying_friction.POSITION_FRICTION,
+    varying_friction.FRICTION_DRIFT,
+    varying_friction.ASYMMETRIC_DAMPER,
+    disturbance.COGGING,
+    disturbance.PERIODIC_DISTURBANCE,
+    elastic.LINEAR_STIFFNESS,
+    elastic.CUBIC_STIFFNESS,
+    elastic.FREE_PLAY,
+    elastic.MAXWELL,
+    elastic.GRAVITY,
+    contact.END_STOP,
+    contact.WHEEL_LIFT_OFF,
+    inertia.ADDED_INERTIA,
+    inertia.FLEXIBLE_MODE,
+    inertia.BACKLASH,
+    paths.INPUT_GAIN,
+    delay.INPUT_DELAY,
+    paths.INPUT_LAG,
+    limits.INPUT_SATURATION,
+    limits.INPUT_DEAD_ZONE,
+    paths.SENSOR_LAG,
+    paths.SENSOR_SCALE,
+    paths.SENSOR_OFFSET,
 )
 
 

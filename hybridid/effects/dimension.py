@@ -1,0 +1,62 @@
+"""``Dimension``: a unit as powers of a port's effort, position and time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hybridid.declarations import Port
+
+_DIGITS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_NAMED = {"N·s²/m": "kg", "N·m·s²/rad": "kg·m²", "Nm·s²/rad": "kg·m²"}
+"""Units that have a name of their own (rad counts as 1)."""
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A unit as powers of a port's effort, position and time: N·s/m is (1, -1, 1)."""
+
+    effort: int = 0
+    position: int = 0
+    time: int = 0
+
+    def scale(self, port: Port) -> float:
+        """The natural magnitude of such a quantity at ``port``, in SI units."""
+        return (
+            port.effort_scale**self.effort * port.position_scale**self.position * port.time_scale**self.time
+        )
+
+    def unit(self, port: Port) -> str:
+        """The unit's name at ``port``, such as ``N·s/m``; ``"1"`` if dimensionless.
+
+        Where effort and position have one unit (an electronic oscillator: volts), it cancels.
+        """
+        powers: dict[str, int] = {}
+        for name, power in (
+            (port.effort_unit, self.effort),
+            (port.position_unit, self.position),
+            ("s", self.time),
+        ):
+            powers[name] = powers.get(name, 0) + power
+        above = [_power(name, n) for name, n in powers.items() if n > 0]
+        below = [_power(name, -n) for name, n in powers.items() if n < 0]
+        text = "·".join(above) or "1"
+        if below:
+            simple = len(below) == 1 and not set(below[0]) & set("/·")
+            text += f"/{below[0]}" if simple else f"/({'·'.join(below)})"
+        return _NAMED.get(text, text)
+
+
+def _power(name: str, exponent: int) -> str:
+    base = f"({name})" if exponent > 1 and set(name) & set("/·²³") else name
+    return base if exponent == 1 else base + str(exponent).translate(_DIGITS)
+
+
+ONE = Dimension()
+TIME = Dimension(time=1)
+FREQUENCY = Dimension(time=-1)
+EFFORT = Dimension(effort=1)
+POSITION = Dimension(position=1)
+VELOCITY = Dimension(position=1, time=-1)
+STIFFNESS = Dimension(effort=1, position=-1)
+DAMPING = Dimension(effort=1, position=-1, time=1)
+INERTIA = Dimension(effort=1, position=-1, time=2)

@@ -1,0 +1,135 @@
+"""What happens to a signal on its way into the machine or out to the sensor.
+
+A lag's pole runs away as its time constant falls to zero. Here it stops at a floor: with
+``T_e = √(T² + floor²)`` the increment ``(T/T_e) (z - u)``, ``T_e z' = u - z`` is smooth in T, exactly
+nothing at T = 0, has the lag's slow behaviour (a delay of T) at every T, and for T well above the floor
+is the lag ``1/(1 + T s)``.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from hybridid.effects.dimension import EFFORT, ONE, TIME
+from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
+
+LAG = EffectParameter(
+    "T", TIME, "time constant", guess=2e-3, lower=0.0, upper=10.0, starts=(2e-2,), nests=True, absolute=True
+)
+FLOOR = EffectParameter(
+    "floor",
+    TIME,
+    "fastest pole's time constant, fixed: below the sampling time",
+    guess=5e-4,
+    lower=1e-9,
+    fixed=True,
+    absolute=True,
+)
+
+
+def _lag_time(at: Local) -> ca.SX:
+    return ca.sqrt(at.p.T**2 + at.p.floor**2)
+
+
+def _lagged(at: Local) -> ca.SX:
+    return at.p.T / _lag_time(at) * (at.z.z - at.signal)
+
+
+def _lag_rate(at: Local) -> dict[str, ca.SX]:
+    return {"z": (at.signal - at.z.z) / _lag_time(at)}
+
+
+_LAG_EQUATION = "y = {0} + (T/T_e) (z - {0}),  T_e z' = {0} - z,  T_e = √(T² + floor²): 1/(1 + T s)"
+_ASTROM = "Åström, Murray (2021), Feedback Systems, 2nd ed."
+
+INPUT_GAIN = Effect(
+    id="input_gain",
+    kind="input",
+    title="input gain that is off",
+    equation="u → (1 + g) u",
+    law=lambda at: at.p.g * at.signal,
+    parameters=(
+        EffectParameter(
+            "g", ONE, "relative error of the gain", guess=0.02, lower=-0.9, upper=10.0, nests=True
+        ),
+    ),
+    source="Ljung (1999), System Identification, 2nd ed., sec. 4.3 (gain of a process)",
+    pattern=(
+        "scales everything the input does; where inertia and friction are free too they take it up, so it"
+        " speaks only where one of them is known or the machine has several inputs"
+    ),
+    look_alikes=("added_inertia", "input_saturation", "sensor_scale"),
+    separating_experiment="measure the effort itself, or repeat the run with a known inertia attached",
+)
+
+INPUT_LAG = Effect(
+    id="input_lag",
+    kind="input",
+    title="lag of the drive",
+    equation=_LAG_EQUATION.format("u"),
+    law=_lagged,
+    dynamics=_lag_rate,
+    parameters=(LAG, FLOOR),
+    states=(EffectState("z", EFFORT, "lagged input"),),
+    source=_ASTROM + ", sec. 6.3 (first-order lag); its floor as in hybridid.effects.paths",
+    pattern="late as a delay is at low frequency, but weaker too at high frequency; steps arrive rounded",
+    look_alikes=("input_delay", "sensor_lag", "stribeck", "flexible_mode"),
+    separating_experiment=(
+        "steps or a chirp of the command beyond 1/(2π T), with the drive's output measured: a lag rounds "
+        "and attenuates, a delay only shifts"
+    ),
+)
+
+
+SENSOR_LAG = Effect(
+    id="sensor_lag",
+    kind="output",
+    title="lag of the sensor",
+    equation=_LAG_EQUATION.format("y"),
+    law=_lagged,
+    dynamics=_lag_rate,
+    parameters=(LAG, FLOOR),
+    states=(EffectState("z", EFFORT, "lagged signal", follows=True),),
+    source=_ASTROM + ", sec. 6.3 (first-order lag); its floor as in hybridid.effects.paths",
+    pattern="the output is late in proportion to its rate of change, and so is a delay on the drive's side",
+    look_alikes=("input_lag", "input_delay", "flexible_mode"),
+    separating_experiment=(
+        "a second, fast sensor for one run; failing that, a disturbance that does not come through the "
+        "drive: only the sensor's lag delays its effect"
+    ),
+)
+
+SENSOR_SCALE = Effect(
+    id="sensor_scale",
+    kind="output",
+    title="sensor scale that is off",
+    equation="y → (1 + e) y",
+    law=lambda at: at.p.e * at.signal,
+    parameters=(
+        EffectParameter(
+            "e", ONE, "relative error of the scale", guess=0.01, lower=-0.9, upper=10.0, nests=True
+        ),
+    ),
+    source="Fraden (2016), Handbook of Modern Sensors, 5th ed., ch. 3 (calibration error)",
+    pattern=(
+        "proportional to the output itself, at rest too; on a machine whose inertia is free it hides in that"
+    ),
+    look_alikes=("input_gain", "linear_stiffness", "sensor_offset"),
+    separating_experiment="compare the output with a gauge at two known positions, or with a second sensor",
+)
+
+SENSOR_OFFSET = Effect(
+    id="sensor_offset",
+    kind="output",
+    title="sensor offset",
+    equation="y → y + b",
+    law=lambda at: at.p.b,
+    parameters=(EffectParameter("b", EFFORT, "what the sensor reads at zero", guess=0.0, nests=True),),
+    source="Fraden (2016), Handbook of Modern Sensors, 5th ed., ch. 3 (offset error)",
+    pattern=(
+        "a constant on the output that moves nothing; where only differences of the output matter (a "
+        "position that is integrated) no record shows it"
+    ),
+    look_alikes=("offset", "sensor_scale"),
+    separating_experiment="read the sensor with the machine known to be at zero, before and after the run",
+)

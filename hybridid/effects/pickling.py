@@ -1,0 +1,63 @@
+"""How an effect travels to another process: by where it can be imported from.
+
+Laws are mostly lambdas, which do not pickle. An effect that stands in a module, of the library
+or of a user, is sent as ``module:NAME`` and imported on arrival. One that stands nowhere (made
+inside a function, say) travels with its content if its law and dynamics are plain functions.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pickle
+import sys
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+
+class EffectNotSendable(pickle.PicklingError, ValueError):
+    """An effect that no other process could find; the message says what to do."""
+
+
+def reduced(effect: Any) -> tuple[Callable[..., Any], tuple[str, str]] | None:
+    """``effect`` as "import this name from that module"; None if it may travel with its content.
+
+    Raises:
+        EffectNotSendable: if it can do neither.
+    """
+    functions = [function for function in (effect.law, effect.dynamics) if function is not None]
+    where = _home(effect, functions)
+    if where is not None:
+        return imported, where
+    for function in functions:
+        if not _importable(function):
+            raise EffectNotSendable(
+                f"effect {effect.id} stands in no module and its law is a lambda or inner function: another "
+                f"process cannot find it; write NAME = Effect(...) at the top of a module"
+            )
+    return None
+
+
+def imported(module: str, name: str) -> Any:
+    """The attribute ``name`` of ``module``, imported if need be."""
+    return getattr(importlib.import_module(module), name)
+
+
+def _home(effect: Any, functions: list[Callable[..., Any]]) -> tuple[str, str] | None:
+    """Module and name under which ``effect`` stands: in the module of its law, else in any other."""
+    likely = [getattr(function, "__module__", None) for function in functions]
+    for module in [*likely, *list(sys.modules)]:
+        name = _name_in(sys.modules.get(str(module)), effect)
+        if name is not None:
+            return str(module), name
+    return None
+
+
+def _name_in(module: ModuleType | None, effect: Any) -> str | None:
+    attributes = dict(getattr(module, "__dict__", {}))
+    return next((name for name, value in attributes.items() if value is effect), None)
+
+
+def _importable(function: Callable[..., Any]) -> bool:
+    module = sys.modules.get(getattr(function, "__module__", ""))
+    return getattr(module, getattr(function, "__qualname__", ""), None) is function

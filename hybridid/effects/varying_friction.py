@@ -1,0 +1,97 @@
+"""Friction whose level varies: with position, over the run, between rebound and compression."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from hybridid.effects.dimension import DAMPING, STIFFNESS, VELOCITY, Dimension
+from hybridid.effects.effect import Effect, EffectParameter
+
+BEND = Dimension(effort=1, position=-2)
+EFFORT_RATE = Dimension(effort=1, time=-1)
+DAMPING_RATE = Dimension(effort=1, position=-1)
+
+POSITION_FRICTION = Effect(
+    id="position_friction",
+    kind="effort",
+    title="friction whose level depends on position",
+    equation="F = (slope q + bend q²) sign(v)",
+    law=lambda at: (at.p.slope * at.position + at.p.bend * at.position**2) * at.sign,
+    parameters=(
+        EffectParameter(
+            "slope", STIFFNESS, "change of the Coulomb level with position", guess=0.1, nests=True
+        ),
+        EffectParameter(
+            "bend", BEND, "change of that slope with position: wear in mid-stroke", guess=0.0, nests=True
+        ),
+    ),
+    source=(
+        "Armstrong-Hélouvry (1991), Control of Machines with Friction, Kluwer, ch. 4 (position dependence)"
+    ),
+    pattern=(
+        "flips with the direction of motion, as friction does, and its level follows the position; a "
+        "spring or cogging does not flip. The level at q = 0 is Coulomb friction's"
+    ),
+    look_alikes=("linear_stiffness", "cogging", "friction_drift", "coulomb"),
+    separating_experiment=(
+        "slow constant-velocity runs over the whole stroke, forwards and backwards: half the difference "
+        "between the directions is friction over position, half the sum is spring, cogging and gravity"
+    ),
+)
+
+FRICTION_DRIFT = Effect(
+    id="friction_drift",
+    kind="effort",
+    title="friction that drifts over the run",
+    equation="F = t (r_c sign(v) + r_v v)",
+    law=lambda at: at.time * (at.p.r_c * at.sign + at.p.r_v * at.velocity),
+    parameters=(
+        EffectParameter("r_c", EFFORT_RATE, "drift of the Coulomb level", guess=0.001, nests=True),
+        EffectParameter("r_v", DAMPING_RATE, "drift of the viscous coefficient", guess=0.001, nests=True),
+    ),
+    source=(
+        "Bittencourt, Gunnarsson (2012), ASME J. Dyn. Syst. Meas. Control 134(5), 051013 (friction over "
+        "temperature), to first order in time"
+    ),
+    pattern=(
+        "friction that is higher or lower at the end of the record than at its beginning, at the same motion"
+    ),
+    look_alikes=("position_friction", "coulomb", "viscous"),
+    separating_experiment="repeat one short motion from cold to warm and return to where it began in between",
+)
+
+ASYMMETRIC_DAMPER = Effect(
+    id="asymmetric_damper",
+    kind="effort",
+    title="damper that differs between rebound and compression",
+    equation="F = -(dc/2) (√(v² + v_k²) - v_k),  dc = c(v<0) - c(v>0) well above v_k",
+    law=lambda at: -0.5 * at.p.dc * (ca.sqrt(at.velocity**2 + at.p.v_k**2) - at.p.v_k),
+    parameters=(
+        EffectParameter(
+            "dc", DAMPING, "damping in rebound (v < 0) minus in compression (v > 0)", guess=0.2, nests=True
+        ),
+        EffectParameter(
+            "v_k",
+            VELOCITY,
+            "knee: below it a bleed orifice serves both directions alike",
+            guess=0.05,
+            lower=1e-3,
+            upper=3.0,
+            starts=(0.005, 0.5),
+        ),
+    ),
+    source=(
+        "Dixon (2007), The Shock Absorber Handbook, 2nd ed., ch. 5 to 7; Duym, Stiens, Reybrouck (1997), "
+        "Vehicle System Dynamics 27(2), 109-127"
+    ),
+    pattern=(
+        "even in velocity, flat at low speed where only the bleed orifice works, linear in speed above "
+        "the knee; asymmetric viscous friction has its kink at zero"
+    ),
+    look_alikes=("asymmetric_viscous", "quadratic_drag", "offset"),
+    separating_experiment=(
+        "sine sweeps of the deflection at peak velocities from a tenth to ten times the knee: the "
+        "asymmetry must vanish at the low end"
+    ),
+    ports=("*suspension*", "*damper*", "*absorber*", "*strut*"),
+)
