@@ -12,11 +12,11 @@ from hybridid.estimators import gauss_newton, multiple_shooting
 from hybridid.estimators.estimate import Estimate, EstimatedParameter, Progress, Solution
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.settings import FitSettings
-from hybridid.estimators.start import at_rest, best_initial_states, regression_start, scattered
+from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates
 from hybridid.estimators.uncertainty import Uncertainty, uncertainty
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.stability import substeps_for
+from hybridid.simulation.stability import MOST, substeps_for, substeps_wanted
 
 Array = NDArray[np.float64]
 VAGUE = 0.5
@@ -25,6 +25,8 @@ the records do not identify."""
 NEAR_BOUND = 1e-6
 SAME_OPTIMUM = 1e-3
 """Relative difference of cost below which two starts count as arrived at one optimum."""
+REFINEMENTS = 3
+"""How often a fit that ends where the integrator needs shorter steps goes on with them."""
 
 
 def fit(
@@ -49,15 +51,18 @@ def fit(
     if not model.free:
         raise ValueError("every parameter is fixed: nothing to estimate")
     first = _first_start(model, records, settings, start_values)
-    substeps = settings.substeps or substeps_for(model, first, records, margin=1.1)
-    measured = settings.initial_state == "measured"
-    problem = build_problem(model, records, settings.horizon, substeps, not measured, integrator=settings.integrator)
+    substeps = settings.substeps or substeps_for(model, first, records, 1.1, settings.integrator)
+    problem = _problem(model, records, settings, substeps)
     built = time.perf_counter()
     starts = scattered(model, first, settings.starts, settings.seed)
     found = [_solve(problem, p, settings, progress, k, len(starts)) for k, p in enumerate(starts)]
     best = min(found, key=lambda solution: solution.cost)
     if not np.isfinite(best.cost):
-        raise ValueError(f"the model diverges from every start on {', '.join(r.name for r in records)}: {best.status}")
+        raise ValueError(
+            f"the model diverges from every start on {', '.join(r.name for r in records)}: {best.status}"
+        )
+    if settings.substeps is None:
+        problem, best = _refined(problem, best, settings, progress)
     solved = time.perf_counter()
     return _estimate(
         problem,
@@ -67,6 +72,36 @@ def fit(
         seconds={"build": built - began, "solve": solved - built},
         starts=tuple(solution.cost for solution in found),
     )
+
+
+def _problem(model: Model, records: Sequence[Record], settings: FitSettings, substeps: int) -> Problem:
+    estimate_x0 = settings.initial_state == "estimated"
+    return build_problem(
+        model, records, settings.horizon, substeps, estimate_x0, integrator=settings.integrator
+    )
+
+
+def _refined(
+    problem: Problem,
+    solution: Solution,
+    settings: FitSettings,
+    progress: Callable[[Progress], None] | None,
+) -> tuple[Problem, Solution]:
+    """The solution with as short a step as it needs itself: the start may have needed fewer."""
+    for _ in range(REFINEMENTS):
+        needed = substeps_wanted(problem.model, solution.p, problem.records, integrator=settings.integrator)
+        if not problem.windows.substeps < needed <= MOST:
+            break
+        problem = _problem(problem.model, problem.records, settings, needed)
+        watch = _reporter(progress, f"fit with {needed} steps a sample", 1.0)
+        solution = _descend(problem, solution.p, solution.x0, settings, (1.0,), watch)
+    return problem, solution
+
+
+def _reporter(
+    progress: Callable[[Progress], None] | None, stage: str, fraction: float
+) -> Callable[[int, float], None]:
+    return lambda iteration, cost: progress(Progress(stage, iteration, cost, fraction)) if progress else None
 
 
 def _first_start(
@@ -87,15 +122,12 @@ def _solve(
     count: int,
 ) -> Solution:
     """One start: choose initial states, descend, then look whether a horizon was trapped."""
-    measured = problem.measured_x0()
-    candidates = [measured, at_rest(problem, measured)] if problem.estimate_x0 else [measured]
+    candidates = x0_candidates(problem, p) if problem.estimate_x0 else [problem.measured_x0()]
     stage = "fit" if count == 1 else f"start {index + 1} of {count}"
-
-    def watch(iteration: int, cost: float) -> None:
-        if progress:
-            progress(Progress(stage, iteration, cost, index / count))
-
-    solution = _descend(problem, p, best_initial_states(problem, p, candidates), settings, settings.continuation, watch)
+    watch = _reporter(progress, stage, index / count)
+    solution = _descend(
+        problem, p, best_initial_states(problem, p, candidates), settings, settings.continuation, watch
+    )
     if not np.isfinite(solution.cost):
         return solution
     freed = best_initial_states(problem, solution.p, [solution.x0, *candidates])
@@ -134,7 +166,11 @@ def _estimate(
         _estimated(model.parameters[k], float(solution.p[k]), float(std))
         for k, std in zip(problem.positions, doubt.std, strict=True)
     )
-    known = {q.name: float(v) for q, v in zip(model.parameters, solution.p, strict=True) if q.name not in problem.free}
+    known = {
+        q.name: float(v)
+        for q, v in zip(model.parameters, solution.p, strict=True)
+        if q.name not in problem.free
+    }
     return Estimate(
         parameters=parameters,
         known=known,
@@ -179,10 +215,14 @@ def _warnings(
         if p.at_bound:
             notes.append(f"{p.name} = {p.value:.6g} {p.unit} is at a bound [{p.lower:g}, {p.upper:g}]")
         if not p.identifiable:
-            notes.append(f"{p.name} is not identifiable from these records: standard error {p.std:.3g} {p.unit}")
-    needed = substeps_for(problem.model, solution.p, problem.records)
-    if needed > problem.windows.substeps:
-        notes.append(f"the fitted model wants {needed} steps a sample, {problem.windows.substeps} were used")
+            notes.append(
+                f"{p.name} is not identifiable from these records: standard error {p.std:.3g} {p.unit}"
+            )
+    used, integrator = problem.windows.substeps, problem.shooter.integrator
+    needed = substeps_wanted(problem.model, solution.p, problem.records, integrator=integrator)
+    if needed > used:
+        wanted = f"{needed}" if needed <= MOST else f"more than {MOST}"
+        notes.append(f"the fitted model wants {wanted} steps of {integrator} a sample, {used} were used")
     best = min(starts)
     apart = sum(1 for cost in starts if cost > best * (1 + SAME_OPTIMUM))
     if apart:

@@ -18,7 +18,8 @@ from scipy.optimize import least_squares
 from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.initial import measured_states, smoothed_derivative
+from hybridid.simulation.initial import measured_states, observed, smoothed_derivative
+from hybridid.simulation.unobserved import free_run_states
 
 Array = NDArray[np.float64]
 MOST_SAMPLES = 5000
@@ -56,7 +57,9 @@ def _as_adjustment(parameter) -> dict[str, float]:
 
 
 def _equation_error(model: Model, records: Sequence[Record]) -> Array:
-    t, x, rate, u = (np.concatenate(part) for part in zip(*(_sampled(model, r) for r in records), strict=True))
+    t, x, rate, u = (
+        np.concatenate(part) for part in zip(*(_sampled(model, r) for r in records), strict=True)
+    )
     scale = rate.std(axis=0)
     scale[scale == 0] = 1.0
     error, slope = _functions(model, len(t), scale)
@@ -87,7 +90,10 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
     width = min(HALF_WIDTH, (record.n - 1) // 4)
     states = measured_states(model, record, width)
     rates = np.stack(
-        [smoothed_derivative(record.output(s.observed_by), record.dt, s.derivative + 1, width) for s in model.states],
+        [
+            smoothed_derivative(record.output(s.observed_by), record.dt, s.derivative + 1, width)
+            for s in model.states
+        ],
         axis=1,
     )
     step = max(1, record.n // MOST_SAMPLES)
@@ -105,8 +111,12 @@ def _functions(model: Model, n: int, scale: Array) -> tuple[ca.Function, ca.Func
     slope = ca.Function("slope", [t, x, u, rate, p], [ca.densify(ca.jacobian(error, p)).T])
     many = one.map(n)
     slopes = slope.map(n)
-    symbols = [ca.MX.sym(name, *f.size()) for name, f in zip(
-        "txur", (ca.SX(1, n), ca.SX(n_x, n), ca.SX(len(model.inputs), n), ca.SX(n_x, n)), strict=True)]
+    symbols = [
+        ca.MX.sym(name, *f.size())
+        for name, f in zip(
+            "txur", (ca.SX(1, n), ca.SX(n_x, n), ca.SX(len(model.inputs), n), ca.SX(n_x, n)), strict=True
+        )
+    ]
     q = ca.MX.sym("p", len(model.parameters))
     spread = ca.repmat(q, 1, n)
     return (
@@ -149,6 +159,18 @@ def best_initial_states(problem: Problem, p: Array, candidates: Sequence[Array])
     costs = np.stack([_cost_by_horizon(problem, p, x0) for x0 in candidates])
     chosen = costs.argmin(axis=0)
     return np.stack([candidates[c][k] for k, c in enumerate(chosen)])
+
+
+def x0_candidates(problem: Problem, p: Array) -> list[Array]:
+    """Initial states (w, n_x) of the horizons to choose from: as the record shows them, at rest,
+    and, where no output shows some of them, from a free run at ``p`` (n_p,)."""
+    measured = problem.measured_x0()
+    candidates = [measured, at_rest(problem, measured)]
+    if not all(observed(problem.model)):
+        runs = [free_run_states(problem.model, p, record) for record in problem.records]
+        run = np.stack([runs[index][start] for index, start, _ in problem.windows.origin])
+        candidates += [run, np.where(observed(problem.model), measured, run)]
+    return candidates
 
 
 def at_rest(problem: Problem, x0: Array) -> Array:

@@ -24,7 +24,9 @@ class EMPS(Plant):
     )
     inputs = (Signal("force", "N", "motor force on the load side"),)
     outputs = (Signal("position", "m", "carriage position"),)
-    parameters = (Parameter("M", "kg", guess=80.0, lower=1.0, upper=1000.0, meaning="moving mass, load side"),)
+    parameters = (
+        Parameter("M", "kg", guess=80.0, lower=1.0, upper=1000.0, meaning="moving mass, load side"),
+    )
     ports = (
         Port(
             "carriage",

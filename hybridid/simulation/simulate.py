@@ -45,13 +45,13 @@ def simulate(
     Args:
         values: parameter values by qualified name; guesses serve for the others.
         initial_state: (n_x,); by default what the record's first samples say.
-        substeps: integration steps a sample; by default enough to be stable.
+        substeps: integration steps a sample; by default enough for the integrator.
 
     Raises:
         Diverged: if the simulation does not stay finite.
     """
     p = model.values(values)
-    steps = substeps or substeps_for(model, p, [record])
+    steps = substeps or substeps_for(model, p, [record], integrator=integrator)
     x0 = measured_states(model, record)[0] if initial_state is None else np.asarray(initial_state, float)
     shot = Shooter(model, cut([record], None, steps), integrator=integrator)(x0[None, :], p)
     outputs, states = shot.outputs[0, : record.n], shot.states[0, : record.n]

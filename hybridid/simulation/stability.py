@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -10,44 +10,125 @@ from numpy.typing import NDArray
 
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.initial import measured_states
+from hybridid.simulation.shooter import Shooter
+from hybridid.simulation.unobserved import filled_states
+from hybridid.simulation.windows import cut
 
 Array = NDArray[np.float64]
-COMFORTABLE = 1.0
-"""|eigenvalue| times step that RK4 integrates with an error below 1 %; its limit is 2.78."""
-PROBES = 200
 MOST = 50
 """A model stiffer than this many steps a sample wants another integrator."""
+COMFORTABLE = 1.0
+"""|eigenvalue| times step that RK4 integrates, overdamped, with an error below 1 %; its limit is 2.78."""
+LEAST_DAMPING = 0.02
+"""A mode damped less than this counts as damped so: few records show fifty swings of one."""
+PROBES = 200
+ACCURACY = 2e-4
+"""Change of the outputs, in standard deviations, below which halving the step is no use."""
+HORIZON = 100
+"""Samples over which the effect of a shorter step is looked at."""
+HORIZONS = 50
 
 
-def stiffness(model: Model, p: Array, records: Sequence[Record]) -> float:
-    """Largest |eigenvalue| of df/dx in 1/s, over the record and at rest."""
+def substeps_for(
+    model: Model, p: Array, records: Sequence[Record], margin: float = 1.0, integrator: str = "rk4"
+) -> int:
+    """Steps a sample with which ``integrator`` is stable and accurate at ``p`` (n_p,).
+
+    ``margin`` above 1 asks for that much more.
+
+    Raises:
+        ValueError: if more than ``MOST`` steps would be needed, or there is no such integrator.
+    """
+    steps = substeps_wanted(model, p, records, margin, integrator)
+    if steps > MOST:
+        raise ValueError(REMEDY[integrator].format(most=MOST))
+    return steps
+
+
+def substeps_wanted(
+    model: Model, p: Array, records: Sequence[Record], margin: float = 1.0, integrator: str = "rk4"
+) -> int:
+    """As ``substeps_for``, but ``MOST + 1`` for whatever is more than ``MOST``.
+
+    Raises:
+        ValueError: if there is no such integrator.
+    """
+    if integrator not in RULES:
+        raise ValueError(f"unknown integrator {integrator!r}: known: {', '.join(RULES)}")
+    return min(RULES[integrator](model, p, records, margin), MOST + 1)
+
+
+def by_eigenvalues(model: Model, p: Array, records: Sequence[Record], margin: float) -> int:
+    """Steps that keep ``|λ| h`` below ``COMFORTABLE ζ^(1/4) / margin`` for every mode λ.
+
+    RK4 misses ``|λ h|⁵/120`` of a mode in a step, and a mode remembers ``1 / (ζ |λ| h)`` steps, with
+    ζ = -Re λ / |λ|: a lightly damped resonance needs shorter steps than the decay of a friction.
+    """
+    needed = 1.0
+    for modes in _modes(model, p, records):
+        size = np.abs(modes)
+        damping = np.clip(
+            np.divide(-modes.real, size, out=np.ones_like(size), where=size > 0), LEAST_DAMPING, 1
+        )
+        needed = max(needed, float(np.max(size * records[0].dt * margin / (COMFORTABLE * damping**0.25))))
+    return int(np.ceil(needed))
+
+
+def by_halving(model: Model, p: Array, records: Sequence[Record], margin: float) -> int:
+    """Steps, doubled until doubling them moves the outputs by less than ``ACCURACY / margin``.
+
+    An implicit method is stable at any step, so only what the outputs show decides. They
+    are compared over up to ``HORIZONS`` short horizons, each from a state of a free run.
+    """
+    states = [filled_states(model, p, record) for record in records]
+    steps, before = 1, _outputs(model, p, records, states, 1)
+    while steps <= MOST:
+        after = _outputs(model, p, records, states, 2 * steps)
+        if _change(before, after) <= ACCURACY / margin:
+            return steps
+        steps, before = 2 * steps, after
+    return steps
+
+
+RULES: Mapping[str, Callable[[Model, Array, Sequence[Record], float], int]] = {
+    "rk4": by_eigenvalues,
+    "rodas3": by_halving,
+}
+"""How each integrator's steps are chosen."""
+REMEDY: Mapping[str, str] = {
+    "rk4": "the model is too stiff for RK4, which would need more than {most} steps a sample: "
+    "set estimator.integrator to rodas3, raise the port's epsilon or lower a stiffness",
+    "rodas3": "the model is too fast for these records: {most} steps a sample do not resolve it; "
+    "raise the port's epsilon or lower a stiffness",
+}
+
+
+def _modes(model: Model, p: Array, records: Sequence[Record]) -> Iterator[Array]:
+    """Eigenvalues (n_x,) of df/dx in 1/s at rest and at some samples of each record."""
     x = ca.SX.sym("x", len(model.states))
     t, u = ca.SX.sym("t"), ca.SX.sym("u", len(model.inputs))
     q = ca.SX.sym("p", len(model.parameters))
-    jacobian = ca.Function("A", [t, x, u, q], [ca.jacobian(model.f(t, x, u, q), x)])
-    largest = 0.0
+    jacobian = ca.Function("A", [t, x, u, q], [ca.densify(ca.jacobian(model.f(t, x, u, q), x))])
     for record in records:
-        states = measured_states(model, record)
+        states = filled_states(model, p, record)
         for k in np.unique(np.linspace(0, record.n - 1, PROBES).astype(int)):
             for state in (states[k], np.zeros(states.shape[1])):
                 matrix = np.asarray(jacobian(record.time[k], state, record.inputs[k], p))
                 if np.isfinite(matrix).all():
-                    largest = max(largest, float(np.abs(np.linalg.eigvals(matrix)).max()))
-    return largest
+                    yield np.linalg.eigvals(matrix)
 
 
-def substeps_for(model: Model, p: Array, records: Sequence[Record], margin: float = 1.0) -> int:
-    """Steps a sample that keep ``|eigenvalue| h`` below ``COMFORTABLE / margin``.
+def _outputs(model: Model, p: Array, records: Sequence[Record], states: Sequence[Array], steps: int) -> Array:
+    """Outputs over the horizons that are compared, each from its sample's state, (w, H, n_y)."""
+    windows = cut(records, HORIZON, steps)
+    windows = windows.select(np.unique(np.linspace(0, windows.count - 1, HORIZONS).astype(int)).tolist())
+    x0 = np.stack([states[index][start] for index, start, _ in windows.origin])
+    return Shooter(model, windows, integrator="rodas3")(x0, p).outputs
 
-    Raises:
-        ValueError: if more than ``MOST`` steps would be needed.
-    """
-    rate = stiffness(model, p, records)
-    steps = max(1, int(np.ceil(rate * records[0].dt * margin / COMFORTABLE)))
-    if steps > MOST:
-        raise ValueError(
-            f"the model is too stiff for RK4: {rate:.3g} 1/s would need {steps} steps a sample "
-            f"(at most {MOST}); raise the port's epsilon or lower a stiffness"
-        )
-    return steps
+
+def _change(before: Array, after: Array) -> float:
+    """RMS difference of the outputs over their deviation within the horizons; 0 if they stand still."""
+    difference = np.sqrt(np.mean((after - before) ** 2, axis=(0, 1)))
+    spread = np.sqrt(np.mean((after - after[:, :1]) ** 2, axis=(0, 1)))
+    ratio = np.divide(difference, spread, out=np.zeros_like(spread), where=spread > 0)
+    return float(np.max(ratio)) if np.isfinite(ratio).all() else np.inf

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hybridid.estimators import gauss_newton
 from hybridid.estimators.problem import Problem, build_problem
-from hybridid.estimators.start import at_rest, best_initial_states
+from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.simulate import Diverged
@@ -53,7 +53,11 @@ class Prediction:
 
 
 def free_run(
-    model: Model, values: Mapping[str, float], record: Record, initial_state: str = "estimated", integrator: str = "rk4"
+    model: Model,
+    values: Mapping[str, float],
+    record: Record,
+    initial_state: str = "estimated",
+    integrator: str = "rk4",
 ) -> Prediction:
     """Simulate the whole record from one initial state.
 
@@ -90,7 +94,7 @@ def _predict(
         raise ValueError(f"validate.initial_state is {initial_state!r}, allowed: estimated, measured")
     p = model.values(values)
     estimate = initial_state == "estimated"
-    substeps = substeps_for(model, p, [record])
+    substeps = substeps_for(model, p, [record], integrator=integrator)
     problem = build_problem(model, [record], horizon, substeps, estimate, free=(), integrator=integrator)
     x0 = initial_states(problem, p) if estimate else problem.measured_x0()
     shot = problem.shooter(x0, p)
@@ -117,8 +121,7 @@ def _predict(
 
 def initial_states(problem: Problem, p: Array) -> Array:
     """The initial state of each horizon that fits it best at fixed parameters, (w, n_x)."""
-    measured = problem.measured_x0()
-    candidates = [measured, at_rest(problem, measured)]
+    candidates = x0_candidates(problem, p)
     start = best_initial_states(problem, p, candidates)
     found = gauss_newton.solve(problem, p, start).x0
     return best_initial_states(problem, p, [found, *candidates])
