@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PYTHONS := $(or $(PYTHON),python3.11 python3.12 python3.13 python3 python)
 USABLE := import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))
-PIP_FLAGS := --disable-pip-version-check $(if $(CI),--quiet) $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX))
+PIP_FLAGS := --disable-pip-version-check $(if $(CI),--quiet)
 TESTS ?= tests
 JOBS ?= 2
 
@@ -18,8 +18,6 @@ help: ## say what can be made
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
 	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
-	@echo "  TORCH_INDEX=...  where else pip finds torch: https://download.pytorch.org/whl/cpu has a build"
-	@echo "                   without CUDA, which saves gigabytes on Linux"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
