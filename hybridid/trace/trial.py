@@ -32,10 +32,10 @@ class Trial:
         return self.comparison.gain if self.comparison else -math.inf
 
     def own(self, quantity: str) -> dict[str, float]:
-        """The effect's own ``values`` or ``std`` by short name."""
+        """The effect's own ``values`` or ``std`` by short name; a known constant has no std."""
         assert self.refit is not None
-        table = getattr(self.refit, quantity)
-        return {p.name: table[f"{self.candidate.name}.{p.name}"] for p in self.candidate.effect.parameters}
+        table, prefix = getattr(self.refit, quantity), f"{self.candidate.name}."
+        return {name.removeprefix(prefix): value for name, value in table.items() if name.startswith(prefix)}
 
 
 def attempt(candidate: Candidate, base: Refit, split: Split, numerics: Numerics) -> Trial:
@@ -74,13 +74,18 @@ def _decided(trial: Trial, rules: Rules) -> Trial:
 
 def _undetermined(trial: Trial, rules: Rules) -> str:
     """Why the effect's own parameters are not determined, or nothing if they are."""
-    values, errors = trial.own("values"), trial.own("std")
+    assert trial.refit is not None
+    values, errors = trial.own("values"), trial.refit.std
     port = trial.refit.model.plant.port(trial.candidate.port)
     for p in trial.candidate.effect.parameters:
-        declared, value, std = p.at(port), values[p.name], errors[p.name]
-        if not math.isfinite(std) or std > rules.vague * abs(value):
+        declared, value = p.at(port), values[p.name]
+        if declared.fixed:
+            continue
+        std = errors[f"{trial.candidate.name}.{p.name}"]
+        size = abs(value) if p.nests else max(abs(value), declared.scale)
+        if not math.isfinite(std) or std > rules.vague * size:
             return f"{p.name} = {value:.4g} ± {std:.2g} {declared.unit} is not determined by these records"
-        span = 1e-3 * abs(value)
+        span = 1e-3 * max(abs(value), 1e-3 * declared.scale)
         if value <= declared.lower + span or value >= declared.upper - span:
             return f"{p.name} = {value:.4g} {declared.unit} ends at its bound: the effect degenerates"
     return _collinear(trial, rules)
