@@ -17,7 +17,7 @@ from scipy.signal import lfilter
 from hybridid.estimators import gauss_newton
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.problem import Problem, build_problem
-from hybridid.estimators.start import at_rest, best_initial_states
+from hybridid.estimators.start import at_rest, best_initial_states, x0_candidates
 from hybridid.estimators.uncertainty import autoregression, uncertainty
 from hybridid.model import Model
 from hybridid.simulation.stability import substeps_for
@@ -107,9 +107,11 @@ def refit(
     problem = _problem(model, split, numerics, starts[0])
     fitted, held = problem.on(split.fitted), problem.on(split.held_out)
     x0 = _initial(fitted, None if before is None else before.fitted_x0)
-    solution = _best(fitted, x0, [_smooth(problem, model.values(s), numerics) for s in starts], factors, numerics)
+    begun = [problem.smoothed(model.values(s), numerics.smoothing) for s in starts]
+    solution = _best(fitted, x0, begun, factors, numerics, before is None)
     held_x0 = _initial(held, None if before is None else before.held_x0)
     judged = held.estimating(())
+    _, held_x0 = _from(judged, solution.p, held_x0, before is None)
     held_x0 = gauss_newton.solve(judged, solution.p, held_x0, (numerics.smoothing,)).x0
     doubt = uncertainty(fitted, solution.p, solution.x0)
     ours, theirs = _errors(fitted, solution.p, solution.x0), _errors(judged, solution.p, held_x0)
@@ -142,10 +144,6 @@ def _problem(model: Model, split: Split, numerics: Numerics, start: Mapping[str,
     return problem.without_ends(split.gap)
 
 
-def _smooth(problem: Problem, p: Array, numerics: Numerics) -> Array:
-    return problem.smoothed(p, numerics.smoothing)
-
-
 def _initial(problem: Problem, lent: Array | None) -> Array:
     """Initial states: those lent by a model with fewer states, or the measured ones."""
     measured = problem.measured_x0()
@@ -156,11 +154,16 @@ def _initial(problem: Problem, lent: Array | None) -> Array:
 
 
 def _best(
-    problem: Problem, x0: Array, starts: Sequence[Array], factors: Sequence[float], numerics: Numerics
+    problem: Problem,
+    x0: Array,
+    starts: Sequence[Array],
+    factors: Sequence[float],
+    numerics: Numerics,
+    alone: bool,
 ) -> Solution:
     """The lowest descent over the starts: a glance at each, then the best to convergence."""
     smoothing = [factor * numerics.smoothing for factor in factors]
-    first = [_from(problem, p, x0) for p in starts]
+    first = [_from(problem, p, x0, alone) for p in starts]
     if len(first) > 1:
         glances = [gauss_newton.solve(problem, p, x, smoothing[-1:], GLANCE, 1e-3) for p, x in first]
         best = min(glances, key=lambda solution: solution.cost)
@@ -169,9 +172,10 @@ def _best(
     return gauss_newton.solve(problem, p, x, smoothing, MOST_ITERATIONS)
 
 
-def _from(problem: Problem, p: Array, x0: Array) -> tuple[Array, Array]:
-    measured = problem.measured_x0()
-    return p, best_initial_states(problem, p, [x0, measured, at_rest(problem, measured)])
+def _from(problem: Problem, p: Array, x0: Array, alone: bool) -> tuple[Array, Array]:
+    """A start with its best initial states; ``alone`` no poorer model lends any."""
+    candidates = x0_candidates(problem, p) if alone else [problem.measured_x0(), at_rest(problem, x0)]
+    return p, best_initial_states(problem, p, [x0, *candidates])
 
 
 def _errors(problem: Problem, p: Array, x0: Array) -> list[Array]:
