@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Sequence
 
+from hybridid_cli import interrupt
 from hybridid_cli.config_files import conf_folder
 from hybridid_cli.main import complain, wants_traceback
 from hybridid_cli.words import prepared
@@ -28,6 +29,7 @@ def run(command: str, words: Sequence[str]) -> int:
     try:
         application(task_of(command))()
     except (Exception, Unfinished) as raised:
+        interrupt.check()
         if traceback:
             raise
         error = raised.cause if isinstance(raised, Unfinished) else raised

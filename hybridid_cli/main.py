@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from hybridid_cli import helptexts
+from hybridid_cli import helptexts, interrupt
 from hybridid_cli.commands import BY_NAME, COMMANDS
 from pipelines.errors import ConfigError, unknown
 
@@ -17,15 +17,15 @@ INTERRUPTED = 130
 
 def main() -> None:
     """Run the command on ``sys.argv`` and exit with its code."""
+    interrupt.install()
     try:
         code = dispatch(sys.argv[1:])
         sys.stdout.flush()
     except KeyboardInterrupt:
-        print(
-            "\nhybridid: interrupted; what was unfinished is discarded, what was finished is kept",
-            file=sys.stderr,
+        interrupt.ignore_from_now()
+        code = complain(
+            "interrupted; what was unfinished is discarded, what was finished is kept", INTERRUPTED
         )
-        code = INTERRUPTED
     except BrokenPipeError:  # `hybridid effects | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0

@@ -10,6 +10,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
+from hybridid_cli import interrupt
 from hybridid_cli.terminal import Terminal
 from pipelines.config import Settings
 from pipelines.errors import ConfigError
@@ -63,14 +64,20 @@ def stages(cfg: DictConfig) -> None:
     """Bring the stages of a command up to date, show what they found, and log the run."""
     from hybridid_cli.results import summary
     from pipelines.runner import run_stages
+    from pipelines.sources import sources_of
     from pipelines.tracking import tracked
 
     settings = settings_of(cfg)
     hydra = HydraConfig.get()
     command = str(hydra.job.config_name)
     label = f"#{hydra.job.num} " if settings.in_sweep else ""
+    label += "[simulated] " if sources_of(settings).simulated else ""
     with Terminal(label, bar=not settings.in_sweep) as terminal, tracked(settings, command, terminal) as run:
-        outcome = run_stages(settings, command, terminal)
+        try:
+            outcome = run_stages(settings, command, terminal)
+        except Exception:
+            interrupt.check()
+            raise
         terminal.show(summary(outcome, command))
         run.finish(outcome)
 
@@ -89,7 +96,7 @@ def fetch(cfg: DictConfig) -> None:
 @_said_by_us
 def ui(cfg: DictConfig) -> None:
     """Serve MLflow's page on 127.0.0.1 until interrupted."""
-    from pipelines.tracking import serve
+    from pipelines.serving import serve
 
     settings = settings_of(cfg)
     with Terminal() as terminal:

@@ -13,6 +13,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
+from hybridid_cli import interrupt
+
 _SECONDS_BETWEEN_LINES = 5.0
 
 
@@ -39,6 +41,7 @@ class Terminal:
         self._stop_bar()
 
     def say(self, line: str) -> None:
+        interrupt.check()
         self._line(Text(line))
 
     def warn(self, line: str) -> None:
@@ -50,7 +53,11 @@ class Terminal:
         sys.stdout.write(f"{self._label}{text}\n" if self._label else f"{text}\n")
         sys.stdout.flush()
 
+    def carry_on(self) -> None:
+        interrupt.check()
+
     def progress(self, work: str, state: str, fraction: float | None) -> None:
+        interrupt.check()
         if self._watched:
             self._draw(f"{work}: {state}", fraction)
             return

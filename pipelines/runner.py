@@ -74,17 +74,28 @@ def _bring_up_to_date(
             watcher.say(f"{stage.name}: fresh, reused")
             continue
         watcher.say(f"{stage.name}: {_because(reasons)}")
-        began = time.perf_counter()
-        with replacing(root / stage.name) as folder:
-            stage.run(Job(settings, root, folder, watcher))
-            write_receipt(folder, stage.name, now, time.perf_counter() - began)
+        if _changed_by(stage, now, settings, root, watcher):
+            outdated |= _remove_readers(stage.name, root)
         ran.append(stage.name)
-        outdated |= _remove_readers(stage.name, root)
     for name in sorted(outdated - set(ran)):
         watcher.say(
             f"{name}: removed, it was made from results that have changed; hybridid {name} makes it again"
         )
     return ran
+
+
+def _changed_by(
+    stage: Stage, made_from: Fingerprint, settings: Settings, root: Path, watcher: Watcher
+) -> bool:
+    """Run ``stage``; whether its results differ from those that were there."""
+    folder = root / stage.name
+    before = folder_digest(folder)
+    began = time.perf_counter()
+    with replacing(folder) as new:
+        stage.run(Job(settings, root, new, watcher))
+        watcher.carry_on()  # IPOPT takes Ctrl-C for an early end of its own
+        write_receipt(new, stage.name, made_from, time.perf_counter() - began)
+    return folder_digest(folder) != before
 
 
 def _made_from(stage: Stage, settings: Settings, root: Path) -> Fingerprint:

@@ -60,18 +60,6 @@ def tracked(settings: Settings, command: str, watcher: Watcher) -> Iterator[Run]
     _log_safely(run, watcher, None)
 
 
-def serve(settings: Settings, watcher: Watcher) -> None:
-    """MLflow's page for the store, on 127.0.0.1 alone, until interrupted."""
-    import sys
-
-    uri = tracking_uri(settings)
-    client(settings)  # the page must not race a first run to make the store
-    port = str(settings.get("port", 5000))
-    watcher.say(f"http://127.0.0.1:{port} shows {uri}; Ctrl-C ends it")
-    words = ["server", "--backend-store-uri", uri, "--host", "127.0.0.1", "--port", port]
-    subprocess.run([sys.executable, "-m", "mlflow", *words], check=True)
-
-
 def tracking_uri(settings: Settings) -> str:
     """``mlflow.tracking_uri``, else the sqlite file beside the run trees."""
     return str(settings.get("mlflow.tracking_uri") or f"sqlite:///{_store_folder(settings) / 'mlflow.db'}")
