@@ -1,29 +1,40 @@
-"""Standard errors that allow for autocorrelated residuals.
+"""Standard errors that allow for autocorrelated residuals and for a model that is not the truth.
 
 With J (N, n) the residuals' Jacobian by the parameters, initial states projected out, and
-Sigma the covariance of the residuals, ``cov = H^-1 (J' Sigma J) H^-1``, ``H = J' J``. Each
-output's residual is described by an autoregression, so that ``J' Sigma J`` is an integral
-over frequency of its spectrum times J's cross-spectra. For white residuals this is the
-classical ``sigma^2 H^-1``. Source: Ljung (1999), System Identification, sec. 9.3;
-Hannan (1970), Multiple Time Series, ch. VII.
+Sigma the covariance of the noise, ``cov = H^-1 (J' Sigma J) H^-1``, ``H = J' J``. The middle
+is found twice, and each parameter keeps the larger of its two standard errors:
+
+- from noise as ``hybridid.estimators.noise`` finds it: stationary, good for a few horizons
+  too. For white residuals this is the classical ``sigma^2 H^-1``.
+- from the scores of the horizons, ``sum_w g_w g_w'`` with ``g_w = J_w' r_w``, where there are
+  enough of them: it asks nothing of the residual inside a horizon, which in a model that
+  lacks an effect is louder in some motions than in others.
+
+Source: Ljung (1999), System Identification, sec. 9.3; Liang, Zeger (1986), Biometrika 73(1).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_toeplitz
+from scipy.signal import lfilter
 
+from hybridid.estimators.noise import Absorbed, Autoregression, autoregression, noise_of
 from hybridid.estimators.problem import Problem
+from hybridid.simulation.shooter import Shot
+
+__all__ = ["Uncertainty", "autoregression", "uncertainty"]
 
 Array = NDArray[np.float64]
 BLIND = 1e-3
 """Share of a null direction of the Jacobian above which a parameter counts as not shown."""
-MOST_LAGS = 50
-"""Longest autoregression tried; its order minimises the Bayesian information criterion."""
+SINGULAR = 1e-11
+"""Ratio of singular values below which a direction counts as null: the simulation's rounding."""
+ENOUGH = 10
+"""Horizons from which on their scores say something of their spread."""
 
 
 @dataclass(frozen=True)
@@ -53,19 +64,36 @@ def uncertainty(problem: Problem, p: Array, x0: Array) -> Uncertainty:
     """
     shot = problem.shooter(x0, p, sensitivities=True)
     scale = np.array([problem.model.parameters[k].scale for k in problem.positions])
-    residuals = problem.residuals(shot)
-    jacobian = _projected(problem, shot.by_parameter * scale, shot.by_state)
-    n, n_y = len(scale), residuals.shape[2]
-    q, spread, condition = _orthogonal(jacobian.reshape(-1, n))
-    basis = q.reshape(jacobian.shape)
-    states = x0.size if problem.estimate_x0 else 0
-    rows = problem.windows.samples * n_y
-    used = problem.windows.used
-    middle = sum((_sandwich(basis[:, :, k], residuals[:, :, k], used) for k in range(n_y)), np.zeros((n, n)))
-    middle *= rows / max(rows - n - states, 1)
+    states, jacobian = _projected(problem, shot)
+    q, spread, condition = _orthogonal(jacobian.reshape(-1, len(scale)) * scale)
+    fitted = Absorbed(problem.residuals(shot), problem.windows.used, states, q.reshape(jacobian.shape))
     with np.errstate(invalid="ignore"):
-        covariance = spread @ middle @ spread.T * np.outer(scale, scale)
-    return Uncertainty(_unknowable(spread, covariance), condition)
+        noise, scores = (
+            spread @ middle @ spread.T * np.outer(scale, scale)
+            for middle in (_of_noise(fitted, problem.windows.origin), _of_scores(fitted))
+        )
+        more = np.sqrt(np.maximum(np.diag(scores) / np.diag(noise), 1.0))
+    more[~np.isfinite(more)] = 1.0
+    return Uncertainty(_unknowable(spread, noise * np.outer(more, more)), condition)
+
+
+def _projected(problem: Problem, shot: Shot) -> tuple[Array, Array]:
+    """The weighted Jacobians of the residual, padding left out.
+
+    By the initial states an orthonormal basis within each horizon, (w, H, n_y, n_x), none
+    where they are known; by the parameters (w, H, n_y, n) with that basis projected out.
+    """
+    used = problem.windows.used[..., None, None]
+    jp, jx = (np.where(used, by / problem.scale[:, None], 0.0) for by in (shot.by_parameter, shot.by_state))
+    if not problem.estimate_x0:
+        return jx[..., :0], jp
+    w, length, n_y, n = jp.shape
+    tall_x, tall_p = jx.reshape(w, length * n_y, -1), jp.reshape(w, length * n_y, n)
+    norms = np.linalg.norm(tall_x, axis=1, keepdims=True)
+    basis, _ = np.linalg.qr(tall_x / np.where(norms > 0, norms, 1.0))
+    # a state that no sample shows takes nothing from the residual
+    basis = np.where(norms > 0, basis, 0.0)
+    return basis.reshape(jx.shape), (tall_p - basis @ (basis.swapaxes(1, 2) @ tall_p)).reshape(jp.shape)
 
 
 def _orthogonal(jacobian: Array) -> tuple[Array, Array, float]:
@@ -78,7 +106,7 @@ def _orthogonal(jacobian: Array) -> tuple[Array, Array, float]:
     d = np.where(norms > 0, norms, 1.0)
     q, r = np.linalg.qr(jacobian / d)
     u, s, vt = np.linalg.svd(r)
-    floor = np.finfo(float).eps * len(jacobian) ** 0.5
+    floor = SINGULAR * s.max(initial=1.0)
     condition = float(s[0] / max(s[-1], np.finfo(float).tiny)) if len(s) else 1.0
     inverse = (vt.T / np.maximum(s, floor)) @ u.T
     blind = (np.abs(vt[s <= floor]) > BLIND).any(axis=0)
@@ -95,55 +123,58 @@ def _unknowable(spread: Array, covariance: Array) -> Array:
     return covariance
 
 
-def _projected(problem: Problem, by_p: Array, by_x: Array) -> Array:
-    """The weighted parameter Jacobian with each horizon's initial state projected out, (w, H, n_y, n)."""
-    used = problem.windows.used[..., None, None]
-    weight = np.where(used, 1.0 / problem.scale[:, None], 0.0)
-    jp, jx = by_p * weight, by_x * weight
-    if not problem.estimate_x0:
-        return jp
-    w, length, n_y, n = jp.shape
-    tall_x, tall_p = jx.reshape(w, length * n_y, -1), jp.reshape(w, length * n_y, n)
-    norms = np.linalg.norm(tall_x, axis=1, keepdims=True)
-    basis, _ = np.linalg.qr(tall_x / np.where(norms > 0, norms, 1.0))
-    return (tall_p - basis @ (basis.swapaxes(1, 2) @ tall_p)).reshape(jp.shape)
+def _of_noise(fitted: Absorbed, origin: tuple[tuple[int, int, int], ...]) -> Array:
+    """``Q' Sigma Q`` (n, n) for stationary noise, which runs on from one horizon to the next.
 
-
-def _sandwich(jacobian: Array, residual: Array, used: NDArray[np.bool_]) -> Array:
-    """``J' Sigma J`` for one output: (w, H, n), (w, H) -> (n, n)."""
-    pieces = [row[keep] for row, keep in zip(residual, used, strict=True)]
-    coefficients, innovation = autoregression(pieces)
-    size = 2 * jacobian.shape[1]
-    transform = np.fft.rfft(jacobian, size, axis=1)
-    response = np.fft.rfft(np.concatenate([[1.0], -coefficients]), size)
-    spectrum = innovation / np.abs(response) ** 2
-    weight = np.full(len(spectrum), 2.0 / size)
-    weight[0] = weight[-1] = 1.0 / size
-    return np.einsum("wfi,f,wfj->ij", transform.conj(), spectrum * weight, transform).real
-
-
-def autoregression(pieces: Sequence[Array]) -> tuple[Array, float]:
-    """Autoregression of a residual in pieces: coefficients (order,) and innovation variance.
-
-    Yule-Walker on the pooled autocovariance, always stable; the order minimises BIC.
+    Sigma is built from what passes through the autoregressions, begun a record's length before
+    the record; outputs whose innovations are correlated share it.
     """
-    total = sum(len(piece) for piece in pieces)
-    most = min(MOST_LAGS, min(len(piece) for piece in pieces) // 4, total // 20)
-    covariance = np.array([_autocovariance(pieces, lag) for lag in range(most + 1)]) / max(total, 1)
-    best = (np.zeros(0), covariance[0])
-    if covariance[0] <= 0:
-        return best
-    lowest = total * np.log(covariance[0])
-    for order in range(1, most + 1):
-        a = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
-        variance = float(covariance[0] - a @ covariance[1 : order + 1])
-        if variance <= 0:
-            break
-        criterion = total * np.log(variance) + order * np.log(total)
-        if criterion < lowest:
-            lowest, best = criterion, (a, variance)
-    return best
+    n, n_y = fitted.parameters.shape[3], fitted.residual.shape[2]
+    noises = noise_of(fitted)
+    middle, innovations = np.zeros((n, n)), []
+    runs = list(_runs(fitted, origin))
+    for _, residual in runs:
+        innovations.append([lfilter(ar.taps, [1.0], e) for ar, e in zip(noises, residual.T, strict=True)])
+    alike = _correlation(np.concatenate(innovations, axis=1))
+    for basis, _ in runs:
+        through = [_driven(ar, basis[:, k]) for k, ar in enumerate(noises)]
+        for k in range(n_y):
+            for m in range(n_y):
+                middle += alike[k, m] * through[k].T @ through[m]
+    return middle
 
 
-def _autocovariance(pieces: Sequence[Array], lag: int) -> float:
-    return sum(float(piece[lag:] @ piece[: len(piece) - lag]) for piece in pieces if len(piece) > lag)
+def _runs(fitted: Absorbed, origin: tuple[tuple[int, int, int], ...]) -> Iterator[tuple[Array, Array]]:
+    """Basis (N, n_y, n) and residual (N, n_y) of the horizons that follow each other without a gap."""
+    begin = 0
+    for k in range(1, len(origin) + 1):
+        if k < len(origin) and origin[k][:2] == (origin[k - 1][0], origin[k - 1][2]):
+            continue
+        run = slice(begin, k)
+        yield fitted.parameters[run][fitted.used[run]], fitted.residual[run][fitted.used[run]]
+        begin = k
+
+
+def _driven(noise: Autoregression, basis: Array) -> Array:
+    """How the innovations drive each direction of the basis (N, n), (2 N, n), latest innovation first."""
+    back = np.concatenate([basis[::-1], np.zeros_like(basis)])
+    return np.sqrt(noise.variance) * lfilter([1.0], noise.taps, back, axis=0)
+
+
+def _correlation(innovations: Array) -> Array:
+    """Correlation (n_y, n_y) of series (n_y, N); one that is all zero is like no other."""
+    products = innovations @ innovations.T
+    size = np.sqrt(np.diag(products))
+    size[size == 0] = 1.0
+    alike = products / np.outer(size, size)
+    np.fill_diagonal(alike, 1.0)
+    return alike
+
+
+def _of_scores(fitted: Absorbed) -> Array:
+    """``sum_w g_w g_w'`` (n, n), zero where the horizons are too few."""
+    count, n = len(fitted.used), fitted.parameters.shape[3]
+    if count < max(ENOUGH, 2 * n):
+        return np.zeros((n, n))
+    scores = np.einsum("whkn,whk->wn", fitted.parameters, fitted.residual)
+    return scores.T @ scores * count / (count - n)

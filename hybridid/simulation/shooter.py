@@ -9,7 +9,7 @@ Parameteridentifizierung, "internal numerical differentiation".
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import casadi as ca
@@ -27,14 +27,14 @@ Array = NDArray[np.float64]
 class Shot:
     """Simulated horizons.
 
-    Shapes: ``outputs`` (w, H, n_y), ``states`` (w, H, n_x), and where asked for
+    Shapes: ``outputs`` (w, H, n_y), ``states`` (w, H, n_x), and where asked for (else empty)
     ``by_state`` (w, H, n_y, n_x) = dy/dx0, ``by_parameter`` (w, H, n_y, n_free) = dy/dp.
     """
 
     outputs: Array
     states: Array
-    by_state: Array | None = None
-    by_parameter: Array | None = None
+    by_state: Array = field(default_factory=lambda: np.empty(0))
+    by_parameter: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def finite(self) -> bool:
@@ -53,13 +53,19 @@ class Shooter:
     def __call__(self, x0: Array, p: Array, sensitivities: bool = False) -> Shot:
         """Simulate every horizon from ``x0`` (w, n_x) at the parameters ``p`` (n_p,)."""
         w, length, count = self.windows.count, self.windows.length, self.windows.chunk
-        n_x, n_y, n_s = len(self.model.states), len(self.model.outputs), len(self.model.states) + len(self.free)
+        n_x, n_y, n_s = (
+            len(self.model.states),
+            len(self.model.outputs),
+            len(self.model.states) + len(self.free),
+        )
         compiled = self._sensitivity_chunk if sensitivities else self._chunk
         held_p = np.tile(p, (w * count, 1))
         start = (np.array(x0), np.tile(np.eye(n_s, n_x), (w, 1, 1)))[: 2 if sensitivities else 1]
         # CasADi stacks columns, so a C-ordered (w, count, columns, rows) array is its (rows, w count columns).
         next_shapes = [(w, count, n_x), (w, count, n_s, n_x)][: len(start)]
-        shapes = [*next_shapes, (w, count, n_x), (w, count, n_y), (w, count, n_s, n_y)][: 3 + 2 * (len(start) - 1)]
+        shapes = [*next_shapes, (w, count, n_x), (w, count, n_y), (w, count, n_s, n_y)][
+            : 3 + 2 * (len(start) - 1)
+        ]
         results = [np.empty((*shape[:1], length, *shape[2:])) for shape in shapes[len(start) :]]
         for begin in range(0, length, count):
             part = slice(begin, begin + count)
