@@ -1,29 +1,23 @@
-"""What the figures share on their axes: scaled units, thinned lines, limits and legends."""
+"""What the figures share on their axes: scaled units, thinned lines and limits."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from hybridid.plotting.looks import Look
-from hybridid.plotting.style import part_of_width, shorten
 from hybridid.plotting.thinning import broken, thin
 from hybridid.plotting.units import axis_label, engineering
 
 Array = NDArray[np.float64]
 BLOCKS = 600  # extremes per line: finer than a printed dot at 180 mm and 200 dpi
 LINE = 24  # characters of a y label beside a panel of 25 mm
-USABLE = 0.86  # part of a figure's width that titles and legends may take above its axes
 
 
 @dataclass(frozen=True)
@@ -107,46 +101,3 @@ def leaves(values: Array, limits: tuple[float, float]) -> bool:
 def name_y(axes: Axes, scale: Scale) -> None:
     """Label the y axis, on as many lines as keep it beside its own panel."""
     axes.set_ylabel("\n".join(textwrap.wrap(scale.label, LINE)))
-
-
-def legend_above(axes: Axes, title: str = "") -> None:
-    """A left-aligned ``title`` and the legend at its right, above ``axes``, where they cover nothing.
-
-    For axes as wide as the figure. The legend takes as many columns as fit beside the title.
-    """
-    handles = axes.get_legend_handles_labels()[0]
-
-    def legend(columns: int) -> Legend:
-        return axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns)
-
-    _fit(legend, len(handles), USABLE - part_of_width(axes.set_title(title)))
-
-
-def legend_on_top(figure: Figure, handles: Sequence[Artist]) -> None:
-    """One legend for all panels, under the figure's first line; the panels make room for it."""
-    engine = figure.get_layout_engine()
-    assert isinstance(engine, ConstrainedLayoutEngine)
-    top = engine.get()["rect"][3]
-
-    def legend(columns: int) -> Legend:
-        return figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(0.0, top), ncols=columns)
-
-    fitted = _fit(legend, len(handles), 0.98)
-    fitted.set_in_layout(False)
-    height = fitted.get_window_extent().height / figure.bbox.height
-    engine.set(rect=(0.0, 0.0, 1.0, top - height))
-
-
-def _fit(make: Callable[[int], Legend], entries: int, room: float) -> Legend:
-    """The legend in as many columns as ``room`` holds; labels too long for one column are cut."""
-    legend = make(max(entries, 1))
-    for columns in range(entries - 1, 0, -1):
-        if part_of_width(legend) <= room:
-            return legend
-        legend.remove()
-        legend = make(columns)
-    excess = part_of_width(legend) - room
-    longest = max(map(part_of_width, legend.get_texts()), default=0.0)
-    for text in legend.get_texts():
-        shorten(text, min(longest, longest - excess))
-    return legend

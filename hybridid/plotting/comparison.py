@@ -7,20 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from hybridid.plotting.axes import (
-    Scale,
-    draw,
-    frame,
-    frame_data,
-    leaves,
-    legend_on_top,
-    name_y,
-    scale_for,
-    time_scale,
-)
+from hybridid.plotting.axes import Scale, draw, frame, frame_data, leaves, name_y, scale_for, time_scale
+from hybridid.plotting.legends import USABLE, legend_on_top
+from hybridid.plotting.lettering import shorten
 from hybridid.plotting.looks import DATA, FOCUS, SOFT_INK, look
 from hybridid.plotting.series import Response, one_output
-from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, shorten, styled
+from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 
 ZOOM = 0.08  # part of the record that the lower panel enlarges
 Limits = tuple[float, float]
@@ -38,7 +30,7 @@ def comparison_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN)
     overview, zoom = figure.subplots(2, 1)
     time = time_scale(whole.time)
     scale = scale_for(whole.output, whole.unit, whole.measured)
-    error = scale_for("error", whole.unit, *(r.error for r in responses))
+    error = scale_for("error", whole.unit, np.array([_readable([r.rmse for r in responses])]))
     worst, moment, size = _worst(responses)
     span, window = (float(whole.time[0]), float(whole.time[-1])), _window(whole, moment)
     limits = frame_data(whole.measured, [r.predicted for r in responses])
@@ -51,8 +43,9 @@ def comparison_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN)
     zoom.set_facecolor(FOCUS)
     zoom.set_ylim(*_zoom_limits(responses, window, limits, scale.factor))
     zoom.axvline(moment * time.factor, color=SOFT_INK, linewidth=0.6, linestyle=(0, (1, 1.5)), zorder=1)
-    where = f"{error.text(size)} at {moment * time.factor:.4g} {time.unit}"
-    shorten(zoom.set_title(f"largest error, {where} (dotted line): {worst.model}"), 0.86)
+    largest = scale_for("error", whole.unit, np.array([size])).text(size)
+    where = f"{largest} at {moment * time.factor:.4g} {time.unit}"
+    shorten(zoom.set_title(worst.model), USABLE, f": largest error, {where} (dotted line)")
     zoom.set_xlabel(time.label)
     figure.align_ylabels()
     caption = (
@@ -87,6 +80,12 @@ def _draw_part(
 def _label(response: Response, error: Scale, outside: bool) -> str:
     label = f"{response.model}, {response.view}: RMSE {error.text(response.rmse)}"
     return label + " (leaves the axis)" if outside else label
+
+
+def _readable(values: Sequence[float]) -> float:
+    """The largest value within three decades of the smallest: a model that ran away does not count."""
+    found = [v for v in values if np.isfinite(v) and v > 0]
+    return max((v for v in found if v < 1e3 * min(found)), default=0.0)
 
 
 def _worst(responses: Sequence[Response]) -> tuple[Response, float, float]:

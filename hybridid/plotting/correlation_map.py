@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 
 from hybridid.plotting.axes import Array
+from hybridid.plotting.lettering import root, shorten
 from hybridid.plotting.looks import INK
-from hybridid.plotting.style import root, shorten
 
 WRITTEN = 8  # parameters up to which the numbers stand in the cells
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from hybridid.plotting.axes import Scale, draw, frame, legend_above, name_y, scale_for, time_scale
+from hybridid.plotting.axes import Scale, draw, frame, name_y, scale_for, time_scale
+from hybridid.plotting.legends import legend_above
 from hybridid.plotting.looks import SOFT_INK, look
 from hybridid.plotting.series import Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled

@@ -14,7 +14,8 @@ from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 
 from hybridid.declarations import Port
-from hybridid.plotting.axes import Array, Scale, draw, frame, legend_on_top, name_y, scale_for
+from hybridid.plotting.axes import Array, Scale, draw, frame, name_y, scale_for
+from hybridid.plotting.legends import legend_on_top
 from hybridid.plotting.looks import DATA_GREY, INK, SOFT_INK, Look, look
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
@@ -77,7 +78,7 @@ def friction_plot(
     if not curves:
         raise PlotError(f"friction at {port.name}: no model's curve to plot; give at least one")
     wide = is_wide(width)
-    height = 24 + (36 * max(2, len(curves)) if wide else 52 + 38 * len(curves))
+    height = 20 + (36 * max(2, len(curves)) if wide else 52 + 38 * len(curves))
     figure = new_figure(width, height, f"{record} · friction at {port.name}", provenance)
     overview, details = _layout(figure, len(curves), wide)
     velocity = scale_for(f"velocity of {port.name}", f"{port.position_unit}/s", *(c.velocity for c in curves))

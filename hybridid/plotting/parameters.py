@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 
 from hybridid.declarations import Parameter
 from hybridid.estimators.estimate import Estimate, EstimatedParameter
-from hybridid.plotting.axes import frame, legend_on_top
+from hybridid.plotting.axes import frame
 from hybridid.plotting.correlation_map import correlation_map, short_names
+from hybridid.plotting.legends import legend_on_top
 from hybridid.plotting.looks import INK, SOFT_INK, look
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled

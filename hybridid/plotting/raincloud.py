@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,6 +9,7 @@ from matplotlib.axes import Axes
 from scipy.stats import gaussian_kde
 
 from hybridid.plotting.axes import Array, Scale, frame, scale_for
+from hybridid.plotting.lettering import cut
 from hybridid.plotting.looks import INK, SOFT_INK, look
 from hybridid.plotting.series import PlotError, Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
@@ -101,5 +101,4 @@ def _rows(axes: Axes, responses: Sequence[Response], scale: Scale) -> None:
 
 def _name(response: Response) -> str:
     mark = "" if response.provenance == "measured" else f" ({response.provenance})"
-    lines = (response.model, response.view, response.record)
-    return "\n".join(textwrap.shorten(line, NAME, placeholder="…") for line in lines) + mark
+    return "\n".join(cut(line, NAME) for line in (response.model, response.view, response.record)) + mark

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybridid.plotting.axes import Array, draw, frame, legend_above, name_y, scale_for, time_scale
+from hybridid.plotting.axes import Array, draw, frame, name_y, scale_for, time_scale
+from hybridid.plotting.legends import legend_above
 from hybridid.plotting.looks import BLUE, DASHED, DOTTED, INK, SKY, VERMILION, Look
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 from hybridid.records.record import Channel, Record

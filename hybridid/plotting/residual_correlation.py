@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from hybridid.plotting.axes import Array, Scale, draw, frame, name_y, scale_for
+from hybridid.plotting.lettering import shorten
 from hybridid.plotting.looks import BLUE, SKY, SOFT_INK, Look
-from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, shorten, styled
+from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
 from hybridid.validation.residual_tests import LEVEL, ResidualTests
 
 STEMS = 80  # lags up to which each is drawn as a stem of its own

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy import signal
 
-from hybridid.plotting.axes import Array, draw, legend_on_top, name_y, scale_for
+from hybridid.plotting.axes import Array, draw, name_y, scale_for
+from hybridid.plotting.legends import legend_on_top
 from hybridid.plotting.looks import DATA, look
 from hybridid.plotting.series import PlotError, Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled

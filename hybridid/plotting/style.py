@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any, ParamSpec
 
 import matplotlib
-from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.text import Text
+from matplotlib.transforms import ScaledTranslation
 
+from hybridid.plotting.lettering import part_of_width, shorten
 from hybridid.plotting.looks import GRID_GREY, INK, SOFT_INK, VERMILION
 
 SINGLE_COLUMN = 88.0  # mm, one column of a two-column page
@@ -131,40 +131,19 @@ def new_figure(width: float, height: float, title: str, provenance: str) -> Figu
     engine = ConstrainedLayoutEngine(rect=(0, 0, 1, 1 - HEADER / height))
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout=engine)
     FigureCanvasAgg(figure)
-    left, right, middle = MARGIN / width, 1 - MARGIN / width, 1 - 0.55 * HEADER / height
+    left, right = MARGIN / width, 1 - MARGIN / width
+    # a fixed distance below the top edge, also when a legend makes the figure higher
+    line = figure.transFigure + ScaledTranslation(0, -0.55 * HEADER / MM_PER_INCH, figure.dpi_scale_trans)
     if provenance != "measured":
         frame = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": VERMILION, "linewidth": 0.8}
         mark = figure.text(
-            right - 0.8 / width, middle, provenance.upper(), ha="right", va="center", gid="provenance",
-            color=VERMILION, fontweight="bold", bbox=frame,
+            right - 0.8 / width, 1, provenance.upper(), ha="right", va="center", transform=line,
+            color=VERMILION, fontweight="bold", bbox=frame, gid="provenance",
         )  # fmt: skip
         right -= part_of_width(mark) + 4 * MARGIN / width
-    heading = figure.text(left, middle, title, ha="left", va="center", color=SOFT_INK, gid="heading")
+    heading = figure.text(left, 1, title, va="center", transform=line, color=SOFT_INK, gid="heading")
     shorten(heading, right - left, f" · {provenance}")
     return figure
-
-
-def root(artist: Artist) -> Figure:
-    """The figure that ``artist`` belongs to."""
-    figure = artist.get_figure(root=True)
-    assert figure is not None
-    return figure
-
-
-def part_of_width(artist: Artist) -> float:
-    """Width of ``artist`` as a part of its figure's."""
-    figure = root(artist)
-    assert isinstance(figure.canvas, FigureCanvasAgg)
-    return float(artist.get_window_extent(figure.canvas.get_renderer()).width / figure.bbox.width)
-
-
-def shorten(text: Text, room: float, ending: str = "") -> None:
-    """Cut ``text`` with an ellipsis until it and ``ending`` fit into ``room`` of the figure's width."""
-    words = text.get_text()
-    text.set_text(words + ending)
-    while len(words) > 4 and part_of_width(text) > room:
-        words = words[:-1]
-        text.set_text(words.rstrip() + "…" + ending)
 
 
 def save(plot: Plot, folder: str | os.PathLike[str], name: str | None = None) -> list[Path]:

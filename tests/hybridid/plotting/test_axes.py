@@ -1,4 +1,4 @@
-"""Scales, limits and legends."""
+"""Scales and limits."""
 
 from __future__ import annotations
 
@@ -9,12 +9,9 @@ from hybridid.plotting.axes import (
     frame,
     frame_data,
     leaves,
-    legend_above,
-    legend_on_top,
     scale_for,
     time_scale,
 )
-from hybridid.plotting.style import context, new_figure
 
 
 def test_a_scale_reads_well_and_ignores_what_is_not_finite():
@@ -51,42 +48,3 @@ def test_a_runaway_model_does_not_flatten_the_data():
     assert leaves(np.array([0.0, 1e9]), limits)
     assert leaves(np.array([0.5, np.nan]), limits)
     assert not leaves(data, limits)
-
-
-def legend_texts(labels, place):
-    with context():
-        figure = new_figure(88, 60, "a", "measured")
-        axes = figure.subplots()
-        handles = [axes.plot([0, 1], [0, k], label=label)[0] for k, label in enumerate(labels)]
-        place(figure, axes, handles)
-        figure.draw_without_rendering()
-        legend = axes.get_legend() or figure.legends[0]
-        return legend, figure, axes
-
-
-@pytest.mark.parametrize(
-    "place",
-    [
-        lambda figure, axes, handles: legend_on_top(figure, handles),
-        lambda f, axes, h: legend_above(axes, "free run"),
-    ],
-)
-@pytest.mark.parametrize("labels", [["short"], ["name"] * 9, ["a very long name of a model " * 6] * 3])
-def test_legends_keep_inside_the_figure_and_above_the_axes(labels, place):
-    legend, figure, axes = legend_texts(labels, place)
-    box = legend.get_window_extent()
-    assert len(legend.get_texts()) == len(labels)
-    assert box.x0 >= -1
-    assert box.x1 <= figure.bbox.x1 + 1
-    assert box.y0 >= axes.get_window_extent().y1 - 1
-    assert axes.get_window_extent().height > 0.3 * figure.bbox.height
-
-
-def test_short_labels_share_a_row_and_long_ones_are_cut():
-    def place(figure, axes, handles):
-        legend_on_top(figure, handles)
-
-    short, _, _ = legend_texts(["one", "two", "three"], place)
-    assert len({round(text.get_window_extent().y0) for text in short.get_texts()}) == 1
-    long, _, _ = legend_texts(["a very long name of a model " * 6], place)
-    assert long.get_texts()[0].get_text().endswith("…")

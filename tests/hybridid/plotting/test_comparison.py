@@ -17,10 +17,9 @@ def test_the_zoom_holds_the_largest_error(responses):
     assert first < 10.0 < last
     assert last - first == pytest.approx(0.08 * 24.84, rel=1e-3)
     assert overview.get_xlim() == pytest.approx((0.0, 24.84))
-    assert zoom.get_title(loc="left").startswith("largest error, ")
     largest = 1e3 * np.abs(responses[0].error).max()
-    assert f"{largest:.3g}" in zoom.get_title(loc="left")
-    assert "symmetric friction" in zoom.get_title(loc="left")
+    title = zoom.get_title(loc="left")
+    assert title == f"symmetric friction: largest error, {largest:.3g} mm at 10 s (dotted line)"
 
 
 def test_data_and_each_model_are_in_both_panels_and_the_legend_gives_the_rmse(responses):
@@ -57,3 +56,11 @@ def test_a_diverging_model_is_said_and_leaves_the_data_readable(responses):
 def test_horizons_are_drawn_as_separate_pieces(responses):
     line = comparison_plot(responses[2:3]).figure.axes[0].get_lines()[1]
     assert np.isnan(line.get_ydata()).sum() == 24
+
+
+def test_a_runaway_does_not_make_the_other_errors_unreadable(responses):
+    wild = replace(responses[0], model="wild", predicted=responses[0].measured + 5e4)
+    texts = [
+        text.get_text() for text in comparison_plot([*responses[:2], wild]).figure.legends[0].get_texts()
+    ]
+    assert texts[1].endswith(f"RMSE {1e3 * responses[0].rmse:.3g} mm")

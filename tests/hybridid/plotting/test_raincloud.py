@@ -55,3 +55,12 @@ def test_errors_that_are_not_finite_are_refused(responses):
     diverged = replace(responses[0], predicted=np.full_like(responses[0].time, np.nan))
     with pytest.raises(PlotError, match="errors of symmetric friction on identification are not finite"):
         raincloud_plot([diverged])
+
+
+def test_long_names_keep_the_end_that_tells_them_apart(responses):
+    named = [
+        replace(responses[0], model=f"viscous + coulomb + offset + stribeck number {k}") for k in range(2)
+    ]
+    labels = [label.get_text() for label in raincloud_plot(named).figure.axes[0].get_yticklabels()]
+    assert labels[0] != labels[1]
+    assert max(len(line) for label in labels for line in label.split("\n")) <= 30

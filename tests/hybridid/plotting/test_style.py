@@ -6,6 +6,7 @@ import matplotlib
 import pytest
 from PIL import Image
 
+from hybridid.plotting.lettering import cut
 from hybridid.plotting.style import Plot, context, new_figure, save
 
 
@@ -58,11 +59,12 @@ def test_a_failure_leaves_the_old_files_and_nothing_else(tmp_path, monkeypatch):
 
 
 def test_a_long_heading_is_cut_but_keeps_its_provenance():
-    figure = plot_of(title="a very long name " * 10, provenance="simulated").figure
+    figure = plot_of(title=("a very long name " * 10).strip(), provenance="simulated").figure
     heading, mark = (
         figure.findobj(lambda a, g=gid: a.get_gid() == g)[0] for gid in ("heading", "provenance")
     )
-    assert heading.get_text().endswith("… · simulated")
+    assert heading.get_text().endswith("name · simulated")
+    assert "…" in heading.get_text()
     assert heading.get_window_extent().x1 < mark.get_window_extent().x0
 
 
@@ -70,3 +72,9 @@ def test_a_user_s_own_settings_do_not_reach_the_figure(tmp_path):
     plain = save(plot_of(), tmp_path / "plain")[0].read_bytes()
     with matplotlib.rc_context({"lines.linewidth": 9, "font.size": 20, "axes.facecolor": "black"}):
         assert save(plot_of(), tmp_path / "own")[0].read_bytes() == plain
+
+
+def test_a_cut_keeps_both_ends():
+    assert cut("viscous, number 12", 10) == "visco…r 12"
+    assert cut("viscous", 7) == "viscous"
+    assert all(len(cut("a longish name of something", n)) <= n for n in range(4, 27))
