@@ -6,16 +6,14 @@ from hybridid.effects.dimension import ONE, POSITION, STIFFNESS
 from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.effects.smooth import ramp
 
-EDGE = EffectParameter(
-    "epsilon", POSITION, "rounding of the contact's edge", guess=1e-4, lower=0.0, fixed=True
-)
+EDGE = EffectParameter("width", POSITION, "rounding of the contact's edge", guess=1e-4, lower=0.0, fixed=True)
 
 END_STOP = Effect(
     id="end_stop",
     kind="effort",
     title="elastic end stop",
     equation="F = side k ramp(side q - d),  ramp(x) = 0 for x < 0, x for x > 0",
-    law=lambda at: at.p.side * at.p.k * ramp(at.p.side * at.position - at.p.d, at.p.epsilon),
+    law=lambda at: at.p.side * at.p.k * ramp(at.p.side * at.position - at.p.d, at.p.width),
     parameters=(
         EffectParameter("k", STIFFNESS, "stiffness of the stop", guess=3.0, lower=0.0, nests=True),
         EffectParameter(
@@ -25,7 +23,7 @@ END_STOP = Effect(
             guess=0.8,
             lower=-5.0,
             upper=5.0,
-            starts=(0.3, 1.5, 2.2),
+            starts=(0.3, 2.0),
         ),
         EffectParameter(
             "side", ONE, "1: stops motion upwards; -1: downwards", guess=1.0, starts=(-1.0,), fixed=True
@@ -49,7 +47,7 @@ WHEEL_LIFT_OFF = Effect(
     equation=(
         "F = k ramp(-q - d),  so that a tyre k q about its static load k d cannot pull; q > 0 compresses"
     ),
-    law=lambda at: at.p.k * ramp(-at.position - at.p.d, at.p.epsilon),
+    law=lambda at: at.p.k * ramp(-at.position - at.p.d, at.p.width),
     parameters=(
         EffectParameter(
             "k", STIFFNESS, "stiffness of the tyre, lost in the air", guess=1.0, lower=0.0, nests=True

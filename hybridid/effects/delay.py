@@ -9,7 +9,7 @@ between the numerator is a polynomial in ρ.
 The states are the terms of the denominator, ``ζ_k = d_k W^k w^(k)`` with ``Σ ζ_k = u``: all of the size
 of u, whatever the window; for a constant u only ζ_0 is not zero.
 
-Valid to 0.5 % of the amplitude for 0 ≤ delay ≤ W up to 3 / W rad/s (48 Hz for 10 ms), to 7 % up to 5 / W.
+Valid to 0.7 % of the amplitude for 0 ≤ delay ≤ W up to 3 / W rad/s (48 Hz for 10 ms), to 9 % up to 5 / W.
 Choose W of some five to ten sampling times, and above the delay.
 """
 

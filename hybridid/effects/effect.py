@@ -30,8 +30,7 @@ class EffectParameter:
     position: the period) or over ``"time"`` (a frequency).
 
     A ``fixed`` parameter belongs to how the law is written (a smoothing width, the window of
-    a delay line) and is not estimated; its ``starts`` are alternatives to try, each fixed. A
-    width is called ``epsilon``, so that a fit's continuation lowers it with the ports' own.
+    a delay line) and is not estimated; its ``starts`` are alternatives to try, each fixed.
 
     Raises:
         ValueError: if the guess or a start lies outside the bounds.

@@ -59,15 +59,13 @@ FREE_PLAY = Effect(
     kind="effort",
     title="free play in a spring",
     equation="F = -k sat(q, g),  so that a spring k becomes k (q - sat(q, g)): slack within ±g",
-    law=lambda at: -at.p.k * saturated(at.position, at.p.g, at.p.epsilon),
+    law=lambda at: -at.p.k * saturated(at.position, at.p.g, at.p.width),
     parameters=(
         EffectParameter(
             "k", STIFFNESS, "stiffness that is missing in the gap", guess=0.3, lower=0.0, nests=True
         ),
         EffectParameter("g", POSITION, "half the gap", guess=0.1, lower=1e-3, upper=3.0, starts=(0.01, 0.5)),
-        EffectParameter(
-            "epsilon", POSITION, "rounding of the gap's edges", guess=1e-4, lower=0.0, fixed=True
-        ),
+        EffectParameter("width", POSITION, "rounding of the gap's edges", guess=1e-4, lower=0.0, fixed=True),
     ),
     source=(
         "Nordin, Gutman (2002), Controlling mechanical systems with backlash: a survey, Automatica "
@@ -98,7 +96,7 @@ MAXWELL = Effect(
             "k", STIFFNESS, "stiffness of the branch at fast motion", guess=0.3, lower=0.0, nests=True
         ),
         EffectParameter(
-            "tau", TIME, "relaxation time τ", guess=0.1, lower=1e-3, upper=100.0, starts=(0.01, 1.0)
+            "tau", TIME, "relaxation time τ", guess=0.1, lower=1e-3, upper=3.0, starts=(0.01, 0.5)
         ),
     ),
     states=(EffectState("x", POSITION, "deflection of the branch's spring"),),

@@ -67,7 +67,7 @@ FLEXIBLE_MODE = Effect(
             starts=(0.3, 10.0, 30.0),
             periodogram="time",
         ),
-        EffectParameter("zeta", ONE, "damping ratio ζ", guess=0.05, lower=1e-3, upper=2.0, starts=(0.5,)),
+        EffectParameter("zeta", ONE, "damping ratio ζ", guess=0.05, lower=1e-3, upper=2.0),
     ),
     states=LOAD_STATES,
     source=(
@@ -89,8 +89,8 @@ FLEXIBLE_MODE = Effect(
 def _contact_pull(at: Local) -> ca.SX:
     """Effort of the contact on the load over the load's inertia: none within the play."""
     omega = 2 * math.pi * at.p.frequency
-    touching = engagement(at.z.r, at.p.g, at.p.epsilon)
-    return omega**2 * dead_zone(at.z.r, at.p.g, at.p.epsilon) + 2 * at.p.zeta * omega * touching * at.z.w
+    touching = engagement(at.z.r, at.p.g, at.p.width)
+    return omega**2 * dead_zone(at.z.r, at.p.g, at.p.width) + 2 * at.p.zeta * omega * touching * at.z.w
 
 
 BACKLASH = Effect(
@@ -112,15 +112,12 @@ BACKLASH = Effect(
             "frequency",
             FREQUENCY,
             "natural frequency of the load on the closed contact",
-            guess=10.0,
+            guess=20.0,
             lower=0.2,
             upper=200.0,
-            starts=(40.0,),
         ),
         EffectParameter("zeta", ONE, "damping ratio ζ of the contact", guess=0.3, lower=0.01, upper=3.0),
-        EffectParameter(
-            "epsilon", POSITION, "rounding of the play's edges", guess=2e-5, lower=0.0, fixed=True
-        ),
+        EffectParameter("width", POSITION, "rounding of the play's edges", guess=2e-5, lower=0.0, fixed=True),
     ),
     states=LOAD_STATES,
     source=(

@@ -24,7 +24,7 @@ INPUT_SATURATION = Effect(
     id="input_saturation",
     kind="input",
     title="drive that saturates",
-    equation="u → u / (1 + |u/limit|ⁿ)^(1/n)",
+    equation="u → u / (1 + |u/limit|^n)^(1/n)",
     law=_clipped,
     parameters=(
         EffectParameter(
@@ -43,7 +43,6 @@ INPUT_SATURATION = Effect(
             "sharpness, fixed: 2 bends early, 12 clips",
             guess=4.0,
             lower=1.0,
-            starts=(2.0, 12.0),
             fixed=True,
         ),
     ),
@@ -64,7 +63,7 @@ INPUT_DEAD_ZONE = Effect(
     kind="input",
     title="dead zone of the drive",
     equation="u → u - sat(u, d): 0 within ±d",
-    law=lambda at: -saturated(at.signal, at.p.d, at.p.epsilon),
+    law=lambda at: -saturated(at.signal, at.p.d, at.p.width),
     parameters=(
         EffectParameter(
             "d",
@@ -77,7 +76,7 @@ INPUT_DEAD_ZONE = Effect(
             nests=True,
         ),
         EffectParameter(
-            "epsilon", EFFORT, "rounding of the dead zone's edges", guess=1e-3, lower=0.0, fixed=True
+            "width", EFFORT, "rounding of the dead zone's edges", guess=1e-3, lower=0.0, fixed=True
         ),
     ),
     source=(

@@ -7,6 +7,8 @@ limit; a smoothed one would do either.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 
 from hybridid.effects.dimension import EFFORT, ONE, POSITION, TIME, VELOCITY
@@ -16,14 +18,15 @@ TINY = 1e-12
 """Keeps the derivative of ``|z|^n`` finite at z = 0 for every n."""
 
 
+# Small against the stroke: a longer memory is a spring, and its unknown start a free effort in every horizon.
 LENGTH = EffectParameter(
     "s",
     POSITION,
     "pre-sliding length: friction level over initial stiffness, s = f_c/σ0",
-    guess=0.01,
-    lower=1e-4,
-    upper=1.0,
-    starts=(0.001, 0.1),
+    guess=2e-3,
+    lower=1e-5,
+    upper=0.1,
+    starts=(2e-4, 2e-2),
 )
 LEVEL = EffectParameter("f_c", EFFORT, "friction level of steady sliding", guess=0.1, lower=0.0, nests=True)
 
@@ -72,19 +75,13 @@ LUGRE = Effect(
         LEVEL,
         LENGTH,
         EffectParameter(
-            "tau_b",
-            TIME,
-            "damping time of the bristles, τ_b = σ1/σ0",
-            guess=0.01,
-            lower=0.0,
-            upper=1.0,
-            starts=(0.1,),
+            "tau_b", TIME, "damping time of the bristles, τ_b = σ1/σ0", guess=2e-3, lower=0.0, upper=0.1
         ),
         EffectParameter(
             "r_s", ONE, "static above sliding friction, f_s/f_c - 1", guess=0.3, lower=0.0, upper=5.0
         ),
         EffectParameter(
-            "v_s", VELOCITY, "Stribeck velocity", guess=0.1, lower=0.01, upper=2.0, starts=(0.03, 0.3)
+            "v_s", VELOCITY, "Stribeck velocity", guess=0.1, lower=0.01, upper=2.0, starts=(0.03,)
         ),
     ),
     states=(EffectState("z", ONE, "bristle deflection over that of steady sliding", lower=-6.0, upper=6.0),),
@@ -120,12 +117,12 @@ BOUC_WEN = Effect(
     id="bouc_wen",
     kind="effort",
     title="Bouc-Wen hysteresis",
-    equation="F = f_c z,  s z' = v - σ |v| |z|ⁿ⁻¹ z + (σ - 1) v |z|ⁿ",
+    equation="F = f_c z,  s z' = v - σ |v| |z|^(n-1) z + (σ - 1) v |z|^n",
     law=lambda at: at.p.f_c * at.z.z,
     dynamics=lambda at: {"z": _bouc_wen_rate(at)},
     parameters=(
         LEVEL,
-        LENGTH,
+        replace(LENGTH, upper=1.0, guess=0.02, starts=(1e-3, 0.2)),
         EffectParameter(
             "sigma",
             ONE,
@@ -137,11 +134,10 @@ BOUC_WEN = Effect(
         EffectParameter(
             "n",
             ONE,
-            "sharpness of the yield, fixed",
+            "sharpness of the yield, fixed: 1 as Dahl's, 10 nearly elastic-plastic",
             guess=2.0,
             lower=1.0,
-            upper=10.0,
-            starts=(1.0,),
+            upper=20.0,
             fixed=True,
         ),
     ),

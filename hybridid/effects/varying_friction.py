@@ -7,7 +7,6 @@ import casadi as ca
 from hybridid.effects.dimension import DAMPING, STIFFNESS, VELOCITY, Dimension
 from hybridid.effects.effect import Effect, EffectParameter
 
-BEND = Dimension(effort=1, position=-2)
 EFFORT_RATE = Dimension(effort=1, time=-1)
 DAMPING_RATE = Dimension(effort=1, position=-1)
 
@@ -15,14 +14,11 @@ POSITION_FRICTION = Effect(
     id="position_friction",
     kind="effort",
     title="friction whose level depends on position",
-    equation="F = (slope q + bend q²) sign(v)",
-    law=lambda at: (at.p.slope * at.position + at.p.bend * at.position**2) * at.sign,
+    equation="F = slope q sign(v)",
+    law=lambda at: at.p.slope * at.position * at.sign,
     parameters=(
         EffectParameter(
             "slope", STIFFNESS, "change of the Coulomb level with position", guess=0.1, nests=True
-        ),
-        EffectParameter(
-            "bend", BEND, "change of that slope with position: wear in mid-stroke", guess=0.0, nests=True
         ),
     ),
     source=(

@@ -1,0 +1,88 @@
+"""``Bench``: one effect at a port of the test's choice, driven by a prescribed motion or signal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from hybridid.declarations import Port
+from hybridid.effects.effect import Effect, Local
+from hybridid.effects.library import EFFECTS, effect_named
+
+SEEN = ("time", "epsilon", "position", "velocity", "acceleration", "signal")
+PORTS = {
+    "effort": Port("contact", "effort", "N", 10.0, "m", 0.1, velocity_scale=0.5, epsilon=1e-3),
+    "rotary": Port("hinge", "effort", "N·m", 2.0, "rad", 1.0, velocity_scale=3.0, epsilon=1e-3),
+    "input": Port("drive", "input", "V", 10.0),
+    "output": Port("gauge", "output", "V", 10.0),
+}
+
+
+class Bench:
+    """Compiled law and rates of an effect, with its parameters at their guesses unless said otherwise."""
+
+    def __init__(self, effect: Effect | str, **known: float) -> None:
+        self.effect = effect_named(effect) if isinstance(effect, str) else effect
+        self.port = PORTS["rotary" if "rad" in self.effect.position_units else self.effect.kind]
+        self.p = {p.name: p.at(self.port).guess for p in self.effect.parameters} | known
+        seen = {name: ca.SX.sym(name) for name in SEEN}
+        p = {name: ca.SX.sym(name) for name in self.p}
+        z = {s.name: ca.SX.sym(s.name) for s in self.effect.states}
+        at = Local(p=SimpleNamespace(**p), z=SimpleNamespace(**z), **seen)
+        rates = self.effect.dynamics(at) if self.effect.dynamics else {}
+        args = [ca.vertcat(*seen.values()), ca.vertcat(*z.values()), ca.vertcat(*p.values())]
+        out = [ca.SX(self.effect.law(at)), ca.vertcat(*[rates[name] for name in z])]
+        self._function = ca.Function("effect", args, out)
+        moving = ca.vertcat(*args)
+        self._slopes = ca.Function("slopes", args, [ca.jacobian(ca.vertcat(*out), moving)])
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        return tuple(p.name for p in self.effect.parameters if p.nests)
+
+    def __call__(self, z: Any = (), p: Mapping[str, float] | None = None, **seen: float) -> tuple[float, np.ndarray]:
+        """Effort (or what is added to the signal) and the rates of the states."""
+        law, rates = self._function(*self._numbers(z, p, seen))
+        return float(law), np.asarray(rates).ravel()
+
+    def law(self, z: Any = (), p: Mapping[str, float] | None = None, **seen: float) -> float:
+        return self(z, p, **seen)[0]
+
+    def slopes(self, z: Any = (), p: Mapping[str, float] | None = None, **seen: float) -> np.ndarray:
+        """Derivatives of law and rates by all that they see, (1 + n_z, 6 + n_z + n_p)."""
+        return np.asarray(self._slopes(*self._numbers(z, p, seen)))
+
+    def _numbers(self, z: Any, p: Mapping[str, float] | None, seen: Mapping[str, float]) -> list[list[float]]:
+        given = {"epsilon": self.port.epsilon, **seen}
+        values = self.p | dict(p or {})
+        return [[given.get(name, 0.0) for name in SEEN], list(z), list(values.values())]
+
+    def run(self, motion: Callable[[float], Mapping[str, float]], time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Law (n,) and states (n, n_z) over ``time`` from states at zero, ``motion(t)`` giving what is seen."""
+        n_z = len(self.effect.states)
+        z = np.zeros((len(time), n_z))
+        if n_z:
+            rates = lambda t, z: self(z, time=t, **motion(t))[1]  # noqa: E731
+            step = (time[1] - time[0]) / 2
+            solved = solve_ivp(rates, (time[0], time[-1]), z[0], "LSODA", time, rtol=1e-8, atol=1e-10, max_step=step)
+            assert solved.success, solved.message
+            z = solved.y.T
+        law = [self.law(row, time=t, **motion(t)) for t, row in zip(time, z, strict=True)]
+        return np.array(law), z
+
+
+@pytest.fixture(scope="session")
+def bench() -> type[Bench]:
+    return Bench
+
+
+@pytest.fixture(params=EFFECTS, ids=lambda effect: effect.id)
+def any_bench(request: pytest.FixtureRequest) -> Bench:
+    """Every effect of the library in turn."""
+    return Bench(request.param)

@@ -1,0 +1,222 @@
+"""The library as a whole: complete, documented, nested, differentiable, and where it may be used."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from hybridid.declarations import Port
+from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.model import Model, Term, compose
+from hybridid.plants.emps import EMPS
+
+PROMISED = """
+    offset viscous coulomb stribeck asymmetric_viscous asymmetric_coulomb quadratic_drag dahl lugre
+    position_friction cogging linear_stiffness cubic_stiffness backlash end_stop bouc_wen maxwell gravity
+    added_inertia friction_drift periodic_disturbance flexible_mode asymmetric_damper wheel_lift_off
+    input_gain input_delay input_lag input_saturation input_dead_zone sensor_lag sensor_scale
+""".split()
+IDS = [effect.id for effect in EFFECTS]
+LEAST_LETTERS = {"title": 6, "equation": 6, "source": 15, "pattern": 40, "separating_experiment": 40}
+PORT_OF = {"effort": "carriage", "input": "force", "output": "position"}
+each_effect = pytest.mark.parametrize("effect", EFFECTS, ids=IDS)
+
+
+def with_effect(effect) -> Model:
+    """The bare EMPS with one effect, wherever its kind fits."""
+    return Model(EMPS(), (Term(effect, PORT_OF[effect.kind]),))
+
+
+def random_points(model: Model, rng, count: int = 20):
+    """Times, states, inputs and parameters about where the machine lives; every fifth state at rest."""
+    scale = np.array([s.scale for s in model.states])
+    for k in range(count):
+        x = rng.normal(size=len(scale)) * scale * (k % 5 > 0)
+        p = np.array([q.guess if q.fixed else q.guess * rng.uniform(0.5, 1.5) for q in model.parameters])
+        yield rng.uniform(0, 20), x, rng.normal(size=1) * 30.0, p
+
+
+def test_every_promised_effect_is_there_once():
+    assert len(IDS) == len(set(IDS))
+    assert set(PROMISED) <= set(IDS)
+
+
+@each_effect
+def test_every_effect_is_documented(effect):
+    for name, least in LEAST_LETTERS.items():
+        assert len(getattr(effect, name)) >= least, name
+    assert all(p.meaning for p in effect.parameters)
+    assert all(s.meaning for s in effect.states)
+    assert any(year in effect.source for year in map(str, range(1900, 2030))) or "thesis" in effect.source
+    assert effect.look_alikes
+    assert effect.id not in effect.look_alikes
+    assert set(effect.look_alikes) <= set(IDS)
+
+
+@each_effect
+def test_every_parameter_stands_in_the_equation(effect):
+    """Under its own name, or the Greek letter that its meaning or the name itself stands for."""
+    letters = {"tau": "τ", "tau_b": "τ_b", "zeta": "ζ", "sigma": "σ", "f_v": "f_v"}
+    realisation = {"width", "window", "inverse_limit"}
+    for p in effect.parameters:
+        if p.name not in realisation:
+            assert letters.get(p.name, p.name) in effect.equation, p.name
+
+
+@each_effect
+def test_zero_amplitude_removes_it_exactly(effect):
+    rng = np.random.default_rng(1)
+    bare, model = Model(EMPS()), with_effect(effect)
+    nests = [f"{model.terms[0].name}.{p.name}" for p in effect.parameters if p.nests]
+    order = [p.name for p in model.parameters]
+    for t, x, u, p in random_points(model, rng):
+        p[[order.index(name) for name in nests]] = 0.0
+        assert np.array_equal(np.asarray(model.f(t, x, u, p))[:2], np.asarray(bare.f(t, x[:2], u, p[:1])))
+        assert np.array_equal(np.asarray(model.h(t, x, u, p)), np.asarray(bare.h(t, x[:2], u, p[:1])))
+
+
+@each_effect
+def test_an_amplitude_changes_something(effect):
+    rng = np.random.default_rng(2)
+    bare, model = Model(EMPS()), with_effect(effect)
+    order = [p.name for p in model.parameters]
+    changed = 0.0
+    for t, x, u, p in random_points(model, rng):
+        for q in effect.parameters:
+            k = order.index(f"{model.terms[0].name}.{q.name}")
+            p[k] = p[k] or q.scale_at(model.plant.port(model.terms[0].port))
+        x = x + np.array([s.scale for s in model.states])
+        gap_f = np.asarray(model.f(t, x, u, p))[:2] - np.asarray(bare.f(t, x[:2], u, p[:1]))
+        gap_h = np.asarray(model.h(t, x, u, p)) - np.asarray(bare.h(t, x[:2], u, p[:1]))
+        changed = max(changed, np.abs(gap_f).max(), np.abs(gap_h).max())
+    assert changed > 1e-6
+
+
+@each_effect
+def test_derivatives_are_finite_everywhere(effect):
+    """By states, input and parameters, at rest, in motion, and with the amplitude at zero."""
+    rng = np.random.default_rng(3)
+    model = with_effect(effect)
+    symbols = [ca.SX.sym("t"), *(ca.SX.sym(n, len(part)) for n, part in zip(
+        "xup", (model.states, model.inputs, model.parameters), strict=True))]
+    out = ca.vertcat(model.f(*symbols), model.h(*symbols))
+    slope = ca.Function("slope", symbols, [out, ca.jacobian(out, ca.vertcat(*symbols[1:]))])
+    nests = [k for k, p in enumerate(model.parameters) if p.name.rsplit(".", 1)[-1] in
+             {q.name for q in effect.parameters if q.nests}]
+    for k, (t, x, u, p) in enumerate(random_points(model, rng, 40)):
+        if k % 3 == 0:
+            p[nests] = 0.0
+        if k % 4 == 0:
+            u = 0 * u
+        for value in slope(t, x, u, p):
+            assert np.isfinite(np.asarray(value)).all()
+
+
+BLIND_AT_ZERO = {"input_saturation"}
+"""Its limit at infinity is out of any input's reach: a fit has to start from a limit."""
+
+
+@each_effect
+def test_a_fit_can_leave_zero_amplitude(bench, effect):
+    """The slope by the amplitude at zero is not zero, so that a fit may start from the poorer model."""
+    at_port = bench(effect)
+    zero = {name: 0.0 for name in at_port.amplitudes}
+    seen = {"time": 0.317, "position": 0.17, "velocity": -0.05, "acceleration": 1.0, "signal": 4.0}
+    if effect.id == "wheel_lift_off":
+        seen["position"] = -0.17
+    slopes = at_port.slopes(z=[0.3] * len(effect.states), p=zero, **seen)[0]
+    offset = 6 + len(effect.states)
+    for k, p in enumerate(effect.parameters):
+        if p.nests:
+            assert (abs(slopes[offset + k]) > 1e-6) == (effect.id not in BLIND_AT_ZERO)
+
+
+@each_effect
+def test_guesses_and_bounds_are_sensible_at_every_port(effect):
+    for port in (*EMPS().ports, Port("hinge", "effort", "N·m", 2.0, "rad", 1.0, velocity_scale=3.0)):
+        if port.kind != effect.kind:
+            continue
+        for p in effect.parameters:
+            declared = p.at(port)
+            assert declared.lower <= declared.guess <= declared.upper
+            assert declared.scale > 0
+            assert all(declared.lower <= start <= declared.upper for start in p.starts_at(port))
+            assert not (p.fixed and p.nests)
+            if p.nests:
+                assert declared.lower <= 0.0 <= declared.upper
+            if p.periodogram:
+                assert not p.nests
+
+
+def test_shape_parameters_that_many_valleys_await_have_several_starts():
+    wanted = {
+        "stribeck": "v_s", "lugre": "v_s", "dahl": "s", "bouc_wen": "s", "cogging": "pitch", "backlash": "g",
+        "free_play": "g", "maxwell": "tau", "flexible_mode": "frequency", "periodic_disturbance": "frequency",
+        "end_stop": "d", "wheel_lift_off": "d", "asymmetric_damper": "v_k",
+    }
+    for id_, name in wanted.items():
+        p = next(p for p in effect_named(id_).parameters if p.name == name)
+        assert p.starts, id_
+        assert p.lower > 0 or id_ == "end_stop", "a shape that is singular at zero is bounded away from it"
+
+
+def test_effects_are_searched_where_they_make_sense():
+    carriage, force, position = EMPS().ports
+    tyre = Port("front_tyre", "effort", "N", 5000.0, "m", 0.02, velocity_scale=0.5)
+    strut = Port("rear_suspension", "effort", "N", 2000.0, "m", 0.05, velocity_scale=0.5)
+    hinge = Port("hinge", "effort", "N·m", 1.0, "rad", 1.0, velocity_scale=1.0)
+    sensible = {
+        "gravity": (hinge,),
+        "wheel_lift_off": (tyre,),
+        "asymmetric_damper": (strut,),
+        "viscous": (carriage, tyre, strut, hinge),
+        "input_delay": (force,),
+        "sensor_lag": (position,),
+    }
+    for id_, where in sensible.items():
+        found = [p for p in (carriage, force, position, tyre, strut, hinge) if effect_named(id_).admissible_at(p)]
+        assert found == list(where), id_
+
+
+def test_absolute_numbers_do_not_follow_the_port():
+    slow = Port("valve", "effort", "N", 1.0, "m", 1.0, velocity_scale=1e-3)
+    frequency = next(p for p in effect_named("periodic_disturbance").parameters if p.absolute)
+    assert frequency.at(slow).guess == frequency.guess
+    assert frequency.starts_at(slow) == frequency.starts
+    mode = next(p for p in effect_named("flexible_mode").parameters if p.name == "frequency")
+    assert mode.at(slow).guess == pytest.approx(mode.guess / 1000)
+    assert mode.starts_at(slow) == pytest.approx([start / 1000 for start in mode.starts])
+
+
+def test_fixed_constants_are_known_and_not_estimated():
+    model = compose(EMPS(), ["input_delay", "backlash"])
+    free = {p.name for p in model.free}
+    assert "force.input_delay.delay" in free
+    assert "force.input_delay.window" not in free
+    assert "carriage.backlash.width" not in free
+    wider = compose(EMPS(), ["input_delay"], {"force.input_delay.window": {"fixed": 0.05}})
+    assert wider.values()[[p.name for p in wider.parameters].index("force.input_delay.window")] == 0.05
+
+
+def test_a_sensors_lag_starts_from_what_the_record_shows():
+    states = {s.name: s for s in compose(EMPS(), ["sensor_lag", "input_lag"]).states}
+    assert states["position.sensor_lag.z"].observed_by == "position"
+    assert states["force.input_lag.z"].observed_by is None
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("added_inertia.m_a", "kg"),
+        ("flexible_mode.frequency", "1/s"),
+        ("cubic_stiffness.k_3", "N/m³"),
+        ("lugre.tau_b", "s"),
+        ("dahl.s", "m"),
+        ("friction_drift.r_v", "N/m"),
+    ],
+)
+def test_units_read_as_an_engineer_writes_them(name, unit):
+    id_, _, parameter = name.partition(".")
+    model = compose(EMPS(), [id_])
+    assert {p.name: p.unit for p in model.parameters}[f"carriage.{id_}.{parameter}"] == unit

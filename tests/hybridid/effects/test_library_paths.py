@@ -1,0 +1,114 @@
+"""Delay, lag, saturation and dead zone on signal paths, against what they stand for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hybridid.effects.delay import ORDER, WINDOW
+
+
+def response(bench, omega: np.ndarray, **p: float) -> np.ndarray:
+    """Frequency response of 1 + effect at ``omega`` [rad/s], from its linear equations."""
+    n = len(bench.effect.states)
+    slopes = bench.slopes(z=[0.0] * n, p=p)
+    signal, states = 5, slice(6, 6 + n)
+    c, d, a, b = slopes[0, states], slopes[0, signal], slopes[1:, states], slopes[1:, signal]
+    return np.array([1 + d + c @ np.linalg.solve(1j * w * np.eye(n) - a, b) for w in omega])
+
+
+@pytest.mark.parametrize(("upto", "error"), [(1.0, 1e-4), (3.0, 7e-3), (5.0, 9e-2)])
+def test_the_delay_is_as_accurate_as_it_says(bench, upto, error):
+    """The stated error at the stated frequency, for every delay up to the window."""
+    effect = bench("input_delay")
+    omega = np.linspace(0, upto / WINDOW, 200)
+    worst = 0.0
+    for delay in np.linspace(0, WINDOW, 41):
+        worst = max(worst, np.abs(response(effect, omega, delay=delay) - np.exp(-1j * omega * delay)).max())
+    assert worst <= error
+    assert worst > error / 20, "the docstring promises too little"
+
+
+def test_the_delay_of_a_whole_window_is_the_textbooks_pade_approximant(bench):
+    numerator = [1.0, -1 / 2, 3 / 28, -1 / 84, 1 / 1680]
+    s = 1j * np.linspace(0, 20, 100)
+    pade = np.polyval(numerator[::-1], s) / np.polyval([abs(c) for c in numerator[::-1]], s)
+    assert response(bench("input_delay"), s.imag / WINDOW, delay=WINDOW) == pytest.approx(pade, abs=1e-9)
+
+
+def test_the_delays_poles_do_not_move_with_the_delay(bench):
+    effect = bench("input_delay")
+    poles = [np.linalg.eigvals(effect.slopes(z=[0.0] * ORDER, p={"delay": d})[1:, 6 : 6 + ORDER]) for d in (0, 1e-3)]
+    assert np.array_equal(poles[0], poles[1])
+    assert np.abs(poles[0]).max() < 7 / WINDOW
+    assert poles[0].real.max() < 0
+
+
+def test_the_delay_never_amplifies_and_is_smooth_in_the_delay(bench):
+    effect, omega = bench("input_delay"), np.logspace(0, 6, 300)
+    delays = np.linspace(0, WINDOW, 101)
+    gains = np.array([response(effect, omega, delay=d) for d in delays])
+    assert np.abs(gains).max() < 1.2
+    assert np.abs(np.diff(gains, axis=0)).max() < 0.3
+
+
+def test_a_delayed_sine_is_the_sine_of_before(bench):
+    delay, omega = 4e-3, 2 * np.pi * 20
+    time = np.linspace(0, 0.4, 4001)
+    added, states = bench("input_delay", delay=delay).run(lambda t: {"signal": np.sin(omega * t)}, time)
+    late = time > 0.1
+    wanted = np.sin(omega * (time - delay))
+    assert (np.sin(omega * time) + added)[late] == pytest.approx(wanted[late], abs=1e-3)
+    assert np.abs(states).max() < 3, "the states are of the signal's size"
+
+
+@pytest.mark.parametrize("name", ["input_lag", "sensor_lag"])
+@pytest.mark.parametrize("time_constant", [2e-3, 2e-2, 0.5])
+def test_a_lag_is_first_order_above_its_floor(bench, name, time_constant):
+    effect = bench(name)
+    ratio = effect.p["floor"] / time_constant
+    omega = np.logspace(-1, 1, 50) / time_constant
+    error = np.abs(response(effect, omega, T=time_constant) - 1 / (1 + 1j * omega * time_constant)).max()
+    assert error <= ratio**2
+
+
+@pytest.mark.parametrize("time_constant", [0.0, 1e-4, 1e-3, 1e-2])
+def test_a_lag_delays_slow_signals_by_its_time_constant_whatever_the_floor(bench, time_constant):
+    omega = 1.0
+    phase = np.angle(response(bench("input_lag"), np.array([omega]), T=time_constant))[0]
+    assert phase == pytest.approx(-omega * time_constant, abs=1e-6 + 1e-3 * time_constant)
+
+
+def test_a_lags_pole_stays_within_its_floor(bench):
+    effect = bench("input_lag")
+    pole = effect.slopes(z=[0.0], p={"T": 0.0})[1, 6]
+    assert pole == pytest.approx(-1 / effect.p["floor"])
+
+
+def test_saturation_passes_small_signals_and_holds_large_ones(bench):
+    effect = bench("input_saturation", inverse_limit=1 / 8.0)
+    out = lambda u: u + effect.law(signal=u)  # noqa: E731
+    assert out(0.8) == pytest.approx(0.8, rel=1e-4)
+    assert out(80.0) == pytest.approx(8.0, rel=1e-3)
+    assert out(-80.0) == -out(80.0)
+    u = np.linspace(-50, 50, 1001)
+    assert np.diff([out(value) for value in u]).min() > 0
+    soft, hard = bench("input_saturation", inverse_limit=1 / 8.0, n=2.0), bench(
+        "input_saturation", inverse_limit=1 / 8.0, n=12.0
+    )
+    assert soft.law(signal=8.0) < effect.law(signal=8.0) < hard.law(signal=8.0) < 0
+
+
+def test_dead_zone_loses_its_width_and_nothing_else(bench):
+    effect = bench("input_dead_zone", d=0.5)
+    width = effect.p["width"]
+    out = lambda u: u + effect.law(signal=u)  # noqa: E731
+    for u, wanted in ((0.0, 0.0), (0.3, 0.0), (-0.3, 0.0), (2.0, 1.5), (-2.0, -1.5)):
+        assert out(u) == pytest.approx(wanted, abs=width / 10)
+    assert out(-0.7) == -out(0.7)
+
+
+def test_gains_scale_and_offsets_add(bench):
+    assert bench("input_gain", g=0.1).law(signal=3.0) == pytest.approx(0.3)
+    assert bench("sensor_scale", e=-0.02).law(signal=3.0) == pytest.approx(-0.06)
+    assert bench("sensor_offset", b=0.7).law(signal=3.0) == 0.7
