@@ -61,9 +61,12 @@ class Page:
         """One HTML document with its pictures inside."""
         body = "".join(_section_html(section) for section in self.sections)
         return (
-            f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(self.title)}</title>'
-            f'<meta name="viewport" content="width=device-width,initial-scale=1"><style>{STYLE}</style></head>'
-            f'<body><h1>{escape(self.title)}</h1><p class="lead">{escape(self.lead)}</p>{body}</body></html>\n'
+            '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+            f"<title>{escape(self.title)}</title>"
+            '<meta name="viewport" content="width=device-width,initial-scale=1">'
+            f"<style>{STYLE}</style></head>"
+            f'<body><h1>{escape(self.title)}</h1><p class="lead">{escape(self.lead)}</p>'
+            f"{body}</body></html>\n"
         )
 
     def markdown(self, folder: Path) -> str:

@@ -23,7 +23,10 @@ FIGURES = ("comparison", "error", "friction", "raincloud")
 
 
 def reproduce(experiments: Mapping[str, Settings], outputs: Path, watcher: Watcher) -> Path:
-    """Run every experiment and write ``outputs/thesis/index.html`` and ``index.md``; returns the page's path."""
+    """Run every experiment and write ``outputs/thesis/index.html`` and ``index.md``.
+
+    Returns the page's path.
+    """
     trees: dict[str, Path] = {}
     for number, (name, settings) in enumerate(experiments.items(), 1):
         watcher.say(f"experiment {number} of {len(experiments)}: {name}")

@@ -61,7 +61,7 @@ class Shooter:
         compiled = self._sensitivity_chunk if sensitivities else self._chunk
         held_p = np.tile(p, (w * count, 1))
         start = (np.array(x0), np.tile(np.eye(n_s, n_x), (w, 1, 1)))[: 2 if sensitivities else 1]
-        # CasADi stacks columns, so a C-ordered (w, count, columns, rows) array is its (rows, w count columns).
+        # CasADi stacks columns: its (rows, w count columns) is a C-ordered (w, count, columns, rows).
         next_shapes = [(w, count, n_x), (w, count, n_s, n_x)][: len(start)]
         shapes = [*next_shapes, (w, count, n_x), (w, count, n_y), (w, count, n_s, n_y)][
             : 3 + 2 * (len(start) - 1)
@@ -137,8 +137,8 @@ def _call(function: ca.Function, given: Sequence[Array], shapes: Sequence[tuple[
     arrays = [np.ascontiguousarray(a, dtype=float) for a in given]
     results = [np.empty(shape) for shape in shapes]
     for k, array in enumerate(arrays):
-        buffer.set_arg(k, memoryview(array))
+        buffer.set_arg(k, array.data)
     for k, result in enumerate(results):
-        buffer.set_res(k, memoryview(result))
+        buffer.set_res(k, result.data)
     run()
     return results

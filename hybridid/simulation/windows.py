@@ -85,22 +85,26 @@ def cut(records: Sequence[Record], horizon: int | None, substeps: int) -> Window
     count = sum(-(-record.n // length) for record in records)
     chunk = min(length, max(100, CALL // count))
     padded = -(-length // chunk) * chunk
-    pieces = []
+    pieces: list[tuple[Array, ...]] = []
+    origin: list[tuple[int, int, int]] = []
     for index, record in enumerate(records):
         stages = stage_inputs(record, substeps) if held else _unheld(record, substeps)
         for start in range(0, record.n, length):
             stop = min(start + length, record.n)
             if start and stop - start < SHORTEST * length:
                 break
-            pieces.append((_piece(record, stages, start, stop, padded), (index, start, stop)))
-    arrays = [np.stack([piece[k] for piece, _ in pieces]) for k in range(5)]
-    return Windows(dt, held, substeps, chunk, *arrays, origin=tuple(origin for _, origin in pieces))
+            pieces.append(_piece(record, stages, start, stop, padded))
+            origin.append((index, start, stop))
+    time, staged, inputs, outputs = (np.stack([piece[k] for piece in pieces]) for k in range(4))
+    ends = np.array([stop - start for _, start, stop in origin])
+    used = np.arange(padded) < ends[:, None]
+    return Windows(dt, held, substeps, chunk, time, staged, inputs, outputs, used, tuple(origin))
 
 
 def _piece(record: Record, stages: Array, start: int, stop: int, length: int) -> tuple[Array, ...]:
+    """One horizon's time, stages, inputs and outputs, its last sample repeated to ``length``."""
     index = np.minimum(np.arange(start, start + length), stop - 1)
-    used = np.arange(start, start + length) < stop
-    return record.time[index], stages[index], record.inputs[index], record.outputs[index], used
+    return record.time[index], stages[index], record.inputs[index], record.outputs[index]
 
 
 def _unheld(record: Record, substeps: int) -> Array:

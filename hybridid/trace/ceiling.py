@@ -16,7 +16,8 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from hybridid.effects.effect import Dimension, Effect, EffectParameter, Local
+from hybridid.effects.dimension import Dimension
+from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.model import Model
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import Refit, refit
@@ -50,7 +51,9 @@ class Bumps:
     def __call__(self, at: Local) -> ca.SX:
         s = at.velocity if self.over == "velocity" else at.position
         weights = [getattr(at.p, f"w{k}") for k in range(len(self.centres))]
-        return sum(w * ca.exp(-(((s - c) / self.width) ** 2) / 2) for w, c in zip(weights, self.centres, strict=True))
+        return sum(
+            w * ca.exp(-(((s - c) / self.width) ** 2) / 2) for w, c in zip(weights, self.centres, strict=True)
+        )
 
 
 def learned_effort(over: Over, low: float, high: float, bumps: int = BUMPS) -> Effect:
@@ -104,7 +107,9 @@ def _range(base: Refit, split: Split, port: str, over: Over) -> tuple[float, flo
         run = horizon_run(model, base.values, record, split.horizon)
         n = len(run.time)
         inputs = record.inputs[:n].T
-        moved = np.asarray(model.motions.map(n)(run.time[None, :], run.states.T, inputs, np.tile(p[:, None], n)))
+        moved = np.asarray(
+            model.motions.map(n)(run.time[None, :], run.states.T, inputs, np.tile(p[:, None], n))
+        )
         values = moved[index].reshape(n, 2)[:, column]
         low, high = min(low, float(values.min())), max(high, float(values.max()))
     return low, high

@@ -20,7 +20,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.effects.effect import Dimension, Effect, EffectParameter, EffectState
+from hybridid.effects.dimension import Dimension
+from hybridid.effects.effect import Effect, EffectParameter, EffectState
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.holds import all_held, stage_inputs
@@ -83,7 +84,9 @@ def missing_effort(
     """
     where = model.plant.port(port)
     if where.kind != "effort":
-        raise ValueError(f"port {port} is {where.kind}: a missing effort can only be estimated at an effort port")
+        raise ValueError(
+            f"port {port} is {where.kind}: a missing effort can only be estimated at an effort port"
+        )
     walking = Model(model.plant, model.terms, model.adjustments).plus(WALK, port)
     switch = f"{port}.{WALK.id}.g"
     known = {**values, switch: 1.0, f"{port}.epsilon": walking_epsilon(walking, values, port)}
@@ -101,7 +104,8 @@ def missing_effort(
         a, b, c, d = linear.about(about)
         if turn == 0:
             intensity = max(
-                INTENSITIES, key=lambda q: _filter(a, b, c, d, record.outputs, noise, scales, (q * per_sample) ** 2)[0]
+                INTENSITIES,
+                key=lambda q: _filter(a, b, c, d, record.outputs, noise, scales, (q * per_sample) ** 2)[0],
             )
         walk = (intensity * per_sample) ** 2
         _, mean, cov, predicted, spread = _filter(a, b, c, d, record.outputs, noise, scales, walk)
@@ -120,7 +124,9 @@ def _result(
     where = model.plant.port(port)
     index = [q.name for q in model.effort_ports].index(port)
     n = record.n
-    motion = np.asarray(model.motions.map(n)(record.time[None, :], states.T, record.inputs.T, np.tile(p[:, None], n)))
+    motion = np.asarray(
+        model.motions.map(n)(record.time[None, :], states.T, record.inputs.T, np.tile(p[:, None], n))
+    )
     position, velocity = motion[index].reshape(n, 2).T
     return MissingEffort(
         record=record.name,
@@ -174,11 +180,18 @@ class _Linearised:
         c = c.reshape(n_y, n, m).swapaxes(0, 1)
         b = x_next.T - np.einsum("nij,nj->ni", a, states)
         d = y.T - np.einsum("nij,nj->ni", c, states)
-        return tuple(np.ascontiguousarray(v) for v in (a, b, c, d))
+        return (
+            np.ascontiguousarray(a),
+            np.ascontiguousarray(b),
+            np.ascontiguousarray(c),
+            np.ascontiguousarray(d),
+        )
 
 
 @numba.njit(cache=True)
-def _filter(a, b, c, d, y, noise, scales, walk):
+def _filter(
+    a: Array, b: Array, c: Array, d: Array, y: Array, noise: Array, scales: Array, walk: float
+) -> tuple[float, Array, Array, Array, Array]:
     """Kalman filter; the last state alone is disturbed, by variance ``walk`` a sample.
 
     Returns the log-likelihood, filtered means and covariances, and predicted ones.
@@ -208,7 +221,7 @@ def _filter(a, b, c, d, y, noise, scales, walk):
 
 
 @numba.njit(cache=True)
-def _smooth(a, mean, cov, predicted, spread):
+def _smooth(a: Array, mean: Array, cov: Array, predicted: Array, spread: Array) -> tuple[Array, Array]:
     """Rauch-Tung-Striebel smoother: smoothed states (n, m) and the last state's variance (n,)."""
     n, m = mean.shape
     states = mean.copy()

@@ -20,6 +20,7 @@ from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.start import at_rest, best_initial_states, x0_candidates
 from hybridid.estimators.uncertainty import autoregression, uncertainty
 from hybridid.model import Model
+from hybridid.records.record import Hold
 from hybridid.simulation.stability import substeps_for
 from hybridid.trace.split import Split
 
@@ -41,7 +42,7 @@ class Numerics:
     smoothing: float = 1.0
     finer: int = 1
     integrator: str = "rk4"
-    hold: str | None = None
+    hold: Hold | None = None
 
 
 DECLARED = Numerics()
@@ -135,7 +136,9 @@ def _problem(model: Model, split: Split, numerics: Numerics, start: Mapping[str,
     records = split.records
     if numerics.hold is not None:
         records = tuple(
-            replace(r, input_channels=tuple(replace(c, hold=numerics.hold) for c in r.input_channels), warnings=())
+            replace(
+                r, input_channels=tuple(replace(c, hold=numerics.hold) for c in r.input_channels), warnings=()
+            )
             for r in records
         )
     p = model.values(start)

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from hybridid.records.record import Record
+from hybridid.records.record import Hold, Record
 from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.refit import Numerics, Refit, refit
 from hybridid.trace.split import Split
 
-OTHER_HOLD = {"zoh": "foh", "foh": "bandlimited", "bandlimited": "foh"}
+OTHER_HOLD: Mapping[Hold, Hold] = {"zoh": "foh", "foh": "bandlimited", "bandlimited": "foh"}
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,9 @@ def variations(records: Sequence[Record]) -> tuple[Numerics, ...]:
     )
 
 
-def survival(base: Refit, augmented: Refit, term: str, split: Split, numerics: Numerics, rules: Rules) -> Survival:
+def survival(
+    base: Refit, augmented: Refit, term: str, split: Split, numerics: Numerics, rules: Rules
+) -> Survival:
     """Refit both models under ``numerics`` and compare them again.
 
     The effect's own parameters must stay what they were: an amplitude that follows the
@@ -50,6 +52,8 @@ def survival(base: Refit, augmented: Refit, term: str, split: Split, numerics: N
     richer = refit(augmented.model, split, [augmented.values], augmented, numerics)
     again = compare(poorer.score, richer.score)
     own = {name: value for name, value in richer.values.items() if name.startswith(f"{term}.")}
-    steady = all(abs(v - augmented.values[k]) <= rules.steady * abs(augmented.values[k]) for k, v in own.items())
+    steady = all(
+        abs(v - augmented.values[k]) <= rules.steady * abs(augmented.values[k]) for k, v in own.items()
+    )
     passes = again.gain >= rules.worth and again.p_value <= rules.alpha and steady
     return Survival(numerics.name, again.gain, again.p_value, own, passes)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from hybridid.effects.effect import Effect
 from hybridid.model import Model
-from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.candidates import admissible
 from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.refit import DECLARED, Refit, refit
 from hybridid.trace.robustness import Survival, survival, variations
@@ -74,7 +74,12 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
     model = rival.candidate.added_to(final.model.without(one.name))
     lent = rival.refit.values if rival.refit else {}
     own = {key: value for key, value in lent.items() if key.startswith(f"{rival.candidate.name}.")}
-    other = refit(model, split, rival.candidate.starts(model, _less(final, one.name))[:-1] + [{**_less(final, one.name), **own}], final)
+    other = refit(
+        model,
+        split,
+        [*rival.candidate.starts(model, _less(final, one.name))[:-1], {**_less(final, one.name), **own}],
+        final,
+    )
     advantage = compare(other.score, final.score)
     return advantage.gain < rules.tie or advantage.p_value > rules.alpha
 
@@ -106,7 +111,12 @@ def search(
         if base.score.loss <= floor * rules.near_floor:
             return Search(tuple(steps), base, tuple(accepted), "the residual meets the noise floor")
         if len(accepted) >= rules.most_effects:
-            return Search(tuple(steps), base, tuple(accepted), f"{rules.most_effects} effects accepted, the most allowed")
+            return Search(
+                tuple(steps),
+                base,
+                tuple(accepted),
+                f"{rules.most_effects} effects accepted, the most allowed",
+            )
         step = _step(base, split, effects, rules, mapper, report, len(steps) + 1, ports)
         if step.accepted is None or step.accepted.trial.refit is None:
             steps.append(step)
@@ -140,7 +150,9 @@ def _step(
         survivals = tuple(_survivals(base, best, split, rules, mapper))
         lost = [s for s in survivals if not s.survives]
         if not lost:
-            return Step(base, tuple(judged), Accepted(best, tuple(equivalents(best, judged, rules)), survivals))
+            return Step(
+                base, tuple(judged), Accepted(best, tuple(equivalents(best, judged, rules)), survivals)
+            )
         why = ", ".join(f"{s.variation} (gain {s.gain:.1%})" for s in lost)
         withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: the gain does not survive {why}")
         judged = [withdrawn if t is best else t for t in judged]
@@ -154,7 +166,10 @@ def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
 
 
 def _survivals(base: Refit, best: Trial, split: Split, rules: Rules, mapper: Mapper) -> Iterable[Survival]:
-    return mapper(survival, ((base, best.refit, best.candidate.name, split, n, rules) for n in variations(split.records)))
+    return mapper(
+        survival,
+        ((base, best.refit, best.candidate.name, split, n, rules) for n in variations(split.records)),
+    )
 
 
 def _backward(

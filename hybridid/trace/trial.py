@@ -62,10 +62,14 @@ def _decided(trial: Trial, rules: Rules) -> Trial:
     gain, p = trial.comparison.gain, trial.p_adjusted
     if gain < rules.worth:
         return replace(
-            trial, status=REJECTED, reason=f"held-out RMSE changes by {-gain:+.1%}; {rules.worth:.0%} less is asked"
+            trial,
+            status=REJECTED,
+            reason=f"held-out RMSE changes by {-gain:+.1%}; {rules.worth:.0%} less is asked",
         )
     if p > rules.alpha:
-        return replace(trial, status=REJECTED, reason=f"not significant: adjusted p = {p:.2g} over {rules.alpha:g}")
+        return replace(
+            trial, status=REJECTED, reason=f"not significant: adjusted p = {p:.2g} over {rules.alpha:g}"
+        )
     vague = _undetermined(trial, rules)
     if vague:
         return replace(trial, status=UNIDENTIFIABLE, reason=vague)
@@ -115,6 +119,7 @@ def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Tria
 
 
 def _alike(best: Trial, other: Trial, rules: Rules) -> bool:
-    assert best.refit is not None and other.refit is not None
+    assert best.refit is not None
+    assert other.refit is not None
     advantage = compare(other.refit.score, best.refit.score)
     return advantage.gain < rules.tie or advantage.p_value > rules.alpha

@@ -65,11 +65,11 @@ def _tests(
         record=prediction.record,
         output=prediction.output_names[column],
         provenance=prediction.provenance,
-        lags=np.arange(lags + 1) * dt,
+        lags=dt * np.arange(lags + 1, dtype=float),
         autocorrelation=auto,
         band=quantile / np.sqrt(n),
         p_white=float(stats.chi2.sf(n * (n + 2) * squares.sum(), lags)),
-        input_lags=np.arange(-lags, lags + 1) * dt,
+        input_lags=dt * np.arange(-lags, lags + 1, dtype=float),
         cross_correlation=cross,
         input_bands=bands,
     )

@@ -56,8 +56,8 @@ _OPTIMUM = (
     "and other values."
 )
 _HORIZONS = (
-    "EMPS integrates: over the whole record a 3 % change of friction grows to millimetres. The last rows score "
-    "horizons of 1 s, each from its own estimated initial state; the thesis has no such view."
+    "EMPS integrates: over the whole record a 3 % change of friction grows to millimetres. The last rows "
+    "score horizons of 1 s, each from its own estimated initial state; the thesis has no such view."
 )
 
 
