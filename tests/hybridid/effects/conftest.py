@@ -46,7 +46,9 @@ class Bench:
     def amplitudes(self) -> tuple[str, ...]:
         return tuple(p.name for p in self.effect.parameters if p.nests)
 
-    def __call__(self, z: Any = (), p: Mapping[str, float] | None = None, **seen: float) -> tuple[float, np.ndarray]:
+    def __call__(
+        self, z: Any = (), p: Mapping[str, float] | None = None, **seen: float
+    ) -> tuple[float, np.ndarray]:
         """Effort (or what is added to the signal) and the rates of the states."""
         law, rates = self._function(*self._numbers(z, p, seen))
         return float(law), np.asarray(rates).ravel()
@@ -63,14 +65,18 @@ class Bench:
         values = self.p | dict(p or {})
         return [[given.get(name, 0.0) for name in SEEN], list(z), list(values.values())]
 
-    def run(self, motion: Callable[[float], Mapping[str, float]], time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def run(
+        self, motion: Callable[[float], Mapping[str, float]], time: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Law (n,) and states (n, n_z) over ``time`` from states at zero, ``motion(t)`` giving what is seen."""
         n_z = len(self.effect.states)
         z = np.zeros((len(time), n_z))
         if n_z:
             rates = lambda t, z: self(z, time=t, **motion(t))[1]  # noqa: E731
             step = (time[1] - time[0]) / 2
-            solved = solve_ivp(rates, (time[0], time[-1]), z[0], "LSODA", time, rtol=1e-8, atol=1e-10, max_step=step)
+            solved = solve_ivp(
+                rates, (time[0], time[-1]), z[0], "LSODA", time, rtol=1e-8, atol=1e-10, max_step=step
+            )
             assert solved.success, solved.message
             z = solved.y.T
         law = [self.law(row, time=t, **motion(t)) for t, row in zip(time, z, strict=True)]

@@ -98,12 +98,20 @@ def test_derivatives_are_finite_everywhere(effect):
     """By states, input and parameters, at rest, in motion, and with the amplitude at zero."""
     rng = np.random.default_rng(3)
     model = with_effect(effect)
-    symbols = [ca.SX.sym("t"), *(ca.SX.sym(n, len(part)) for n, part in zip(
-        "xup", (model.states, model.inputs, model.parameters), strict=True))]
+    symbols = [
+        ca.SX.sym("t"),
+        *(
+            ca.SX.sym(n, len(part))
+            for n, part in zip("xup", (model.states, model.inputs, model.parameters), strict=True)
+        ),
+    ]
     out = ca.vertcat(model.f(*symbols), model.h(*symbols))
     slope = ca.Function("slope", symbols, [out, ca.jacobian(out, ca.vertcat(*symbols[1:]))])
-    nests = [k for k, p in enumerate(model.parameters) if p.name.rsplit(".", 1)[-1] in
-             {q.name for q in effect.parameters if q.nests}]
+    nests = [
+        k
+        for k, p in enumerate(model.parameters)
+        if p.name.rsplit(".", 1)[-1] in {q.name for q in effect.parameters if q.nests}
+    ]
     for k, (t, x, u, p) in enumerate(random_points(model, rng, 40)):
         if k % 3 == 0:
             p[nests] = 0.0
@@ -151,9 +159,19 @@ def test_guesses_and_bounds_are_sensible_at_every_port(effect):
 
 def test_shape_parameters_that_many_valleys_await_have_several_starts():
     wanted = {
-        "stribeck": "v_s", "lugre": "v_s", "dahl": "s", "bouc_wen": "s", "cogging": "pitch", "backlash": "g",
-        "free_play": "g", "maxwell": "tau", "flexible_mode": "frequency", "periodic_disturbance": "frequency",
-        "end_stop": "d", "wheel_lift_off": "d", "asymmetric_damper": "v_k",
+        "stribeck": "v_s",
+        "lugre": "v_s",
+        "dahl": "s",
+        "bouc_wen": "s",
+        "cogging": "pitch",
+        "backlash": "g",
+        "free_play": "g",
+        "maxwell": "tau",
+        "flexible_mode": "frequency",
+        "periodic_disturbance": "frequency",
+        "end_stop": "d",
+        "wheel_lift_off": "d",
+        "asymmetric_damper": "v_k",
     }
     for id_, name in wanted.items():
         p = next(p for p in effect_named(id_).parameters if p.name == name)
@@ -175,7 +193,9 @@ def test_effects_are_searched_where_they_make_sense():
         "sensor_lag": (position,),
     }
     for id_, where in sensible.items():
-        found = [p for p in (carriage, force, position, tyre, strut, hinge) if effect_named(id_).admissible_at(p)]
+        found = [
+            p for p in (carriage, force, position, tyre, strut, hinge) if effect_named(id_).admissible_at(p)
+        ]
         assert found == list(where), id_
 
 

@@ -12,8 +12,12 @@ from hybridid.rigs.law_library import law_named
 # how time, effort and position are measured in another system of units
 LENGTH, FORCE, SECONDS = 7.0, 3.0, 11.0
 OF_SEEN = {
-    "time": (0, 0, 1), "epsilon": (0, 1, -1), "position": (0, 1, 0), "velocity": (0, 1, -1),
-    "acceleration": (0, 1, -2), "signal": (1, 0, 0),
+    "time": (0, 0, 1),
+    "epsilon": (0, 1, -1),
+    "position": (0, 1, 0),
+    "velocity": (0, 1, -1),
+    "acceleration": (0, 1, -2),
+    "signal": (1, 0, 0),
 }
 RATE = Dimension(time=-1)
 
@@ -36,15 +40,25 @@ def test_laws_are_dimensionally_consistent(any_bench):
         z_new = [value * factor(s.dimension, length) for value, s in zip(z, effect.states, strict=True)]
         law_new, rates_new = bench(z_new, p, **{name: value * into[name] for name, value in seen.items()})
         assert law_new == pytest.approx(law * FORCE, rel=1e-6)
-        expected = [r * factor(s.dimension, length) / SECONDS for r, s in zip(rates, effect.states, strict=True)]
+        expected = [
+            r * factor(s.dimension, length) / SECONDS for r, s in zip(rates, effect.states, strict=True)
+        ]
         assert rates_new == pytest.approx(expected, rel=1e-6)
 
 
 ODD_IN_VELOCITY = ("viscous", "coulomb", "stribeck", "quadratic_drag", "position_friction", "friction_drift")
 EVEN_IN_VELOCITY = ("asymmetric_viscous", "asymmetric_coulomb", "asymmetric_damper")
 BLIND_TO_VELOCITY = (
-    "offset", "cogging", "periodic_disturbance", "linear_stiffness", "cubic_stiffness", "free_play", "gravity",
-    "end_stop", "wheel_lift_off", "added_inertia",
+    "offset",
+    "cogging",
+    "periodic_disturbance",
+    "linear_stiffness",
+    "cubic_stiffness",
+    "free_play",
+    "gravity",
+    "end_stop",
+    "wheel_lift_off",
+    "added_inertia",
 )
 ODD_ALTOGETHER = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash")
 
@@ -108,8 +122,15 @@ def work(bench, motion, period: float = 2.0, cycles: int = 1) -> tuple[float, fl
 
 
 CONSERVATIVE = (
-    "offset", "cogging", "linear_stiffness", "cubic_stiffness", "free_play", "gravity", "end_stop",
-    "wheel_lift_off", "added_inertia",
+    "offset",
+    "cogging",
+    "linear_stiffness",
+    "cubic_stiffness",
+    "free_play",
+    "gravity",
+    "end_stop",
+    "wheel_lift_off",
+    "added_inertia",
 )
 DISSIPATIVE = ("viscous", "coulomb", "stribeck", "quadratic_drag")
 DISSIPATIVE_OVER_A_CYCLE = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode")
@@ -194,7 +215,9 @@ def test_a_stiff_mode_is_an_added_inertia(bench):
 
 def test_backlash_leaves_the_load_alone_inside_the_play(bench):
     loose = bench("backlash", g=0.01, width=1e-6)
-    assert abs(loose.law(z=[0.005, 0.1], acceleration=2.0)) < 1e-3 * bench("flexible_mode").law(z=[-0.005, 0.0])
+    assert abs(loose.law(z=[0.005, 0.1], acceleration=2.0)) < 1e-3 * bench("flexible_mode").law(
+        z=[-0.005, 0.0]
+    )
     law, rates = loose(z=[0.0, 0.0], acceleration=2.0)
     assert law == pytest.approx(0.0, abs=1e-9)
     assert rates[1] == pytest.approx(-2.0)

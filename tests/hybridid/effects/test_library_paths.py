@@ -38,7 +38,10 @@ def test_the_delay_of_a_whole_window_is_the_textbooks_pade_approximant(bench):
 
 def test_the_delays_poles_do_not_move_with_the_delay(bench):
     effect = bench("input_delay")
-    poles = [np.linalg.eigvals(effect.slopes(z=[0.0] * ORDER, p={"delay": d})[1:, 6 : 6 + ORDER]) for d in (0, 1e-3)]
+    poles = [
+        np.linalg.eigvals(effect.slopes(z=[0.0] * ORDER, p={"delay": d})[1:, 6 : 6 + ORDER])
+        for d in (0, 1e-3)
+    ]
     assert np.array_equal(poles[0], poles[1])
     assert np.abs(poles[0]).max() < 7 / WINDOW
     assert poles[0].real.max() < 0
@@ -93,8 +96,9 @@ def test_saturation_passes_small_signals_and_holds_large_ones(bench):
     assert out(-80.0) == -out(80.0)
     u = np.linspace(-50, 50, 1001)
     assert np.diff([out(value) for value in u]).min() > 0
-    soft, hard = bench("input_saturation", inverse_limit=1 / 8.0, n=2.0), bench(
-        "input_saturation", inverse_limit=1 / 8.0, n=12.0
+    soft, hard = (
+        bench("input_saturation", inverse_limit=1 / 8.0, n=2.0),
+        bench("input_saturation", inverse_limit=1 / 8.0, n=12.0),
     )
     assert soft.law(signal=8.0) < effect.law(signal=8.0) < hard.law(signal=8.0) < 0
 

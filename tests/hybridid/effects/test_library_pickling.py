@@ -17,7 +17,7 @@ from hybridid.effects.pickling import EffectNotSendable
 from hybridid.model import Model, compose
 from hybridid.plants.emps import EMPS
 
-USERS_FILE = '''
+USERS_FILE = """
 from dataclasses import replace
 from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.effects.dimension import EFFORT
@@ -30,7 +30,7 @@ EDDY = Effect(
     source="a user", pattern="falls with speed",
 )
 GREASE = replace(VISCOUS, id="grease")
-'''
+"""
 
 
 def acceleration(model: Model) -> list[float]:
@@ -85,7 +85,9 @@ def test_an_effect_made_on_the_way_travels_if_its_law_has_a_name():
 
 @pytest.mark.parametrize("law", [lambda at: at.p.c, type("Closure", (), {"law": lambda at: at.p.c}).law])
 def test_an_effect_that_no_process_could_find_says_so(law):
-    with pytest.raises(EffectNotSendable, match=r"effect thick .* write NAME = Effect\(\.\.\.\) at the top of a module"):
+    with pytest.raises(
+        EffectNotSendable, match=r"effect thick .* write NAME = Effect\(\.\.\.\) at the top of a module"
+    ):
         pickle.dumps(_made(law))
 
 

@@ -15,7 +15,10 @@ def sliding(speed: float):
 
 
 def swinging(amplitude: float, omega: float):
-    return lambda t: {"position": amplitude * np.sin(omega * t), "velocity": amplitude * omega * np.cos(omega * t)}
+    return lambda t: {
+        "position": amplitude * np.sin(omega * t),
+        "velocity": amplitude * omega * np.cos(omega * t),
+    }
 
 
 @pytest.mark.parametrize("name", ["dahl", "lugre", "bouc_wen"])
