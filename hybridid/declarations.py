@@ -67,6 +67,10 @@ class Parameter:
     meaning: str = ""
 
     def __post_init__(self) -> None:
+        if not self.lower <= self.upper:
+            raise ValueError(
+                f"parameter {self.name}: bounds [{self.lower:g}, {self.upper:g}] {self.unit} are crossed"
+            )
         if not self.lower <= self.guess <= self.upper:
             raise ValueError(
                 f"parameter {self.name}: guess {self.guess:g} is outside "

@@ -44,8 +44,7 @@ class Model:
     term changes nothing, so ``model`` lies inside ``model.plus(effect)``.
 
     Raises:
-        ValueError: if a term stands twice or at a port of another kind, or an
-            adjustment names no parameter.
+        ValueError: if a term stands twice, or at no port or one of another kind.
     """
 
     plant: Plant
@@ -60,7 +59,9 @@ class Model:
         for term in self.terms:
             kind = self.plant.port(term.port).kind
             if kind != term.effect.kind:
-                raise ValueError(f"effect {term.effect.id} acts at {term.effect.kind} ports; {term.port} is {kind}")
+                raise ValueError(
+                    f"effect {term.effect.id} acts at {term.effect.kind} ports; {term.port} is {kind}"
+                )
 
     def __getstate__(self) -> dict[str, object]:
         """Only what declares the model: built CasADi functions do not travel."""
@@ -79,7 +80,7 @@ class Model:
         """
         kept = tuple(term for term in self.terms if term.name != term_name)
         if len(kept) == len(self.terms):
-            raise ValueError(f"no term {term_name!r} in the model; it has {', '.join(t.name for t in self.terms)}")
+            raise ValueError(_unknown("term", term_name, [term.name for term in self.terms]))
         return replace(self, terms=kept)
 
     @cached_property
@@ -89,8 +90,14 @@ class Model:
         for term in self.terms:
             port = self.plant.port(term.port)
             own += [p.at(port).renamed(f"{term.name}.{p.name}") for p in term.effect.parameters]
-        own += [_epsilon(port) for port in self.effort_ports if any(t.port == port.name for t in self.terms)]
-        return tuple(_adjusted(p, self.adjustments.get(p.name, {})) for p in own)
+        smooth = [
+            _epsilon(port) for port in self.effort_ports if any(t.port == port.name for t in self.terms)
+        ]
+        adjusted = tuple(_adjusted(p, self.adjustments.get(p.name, {})) for p in (*own, *smooth))
+        for p in adjusted[len(own) :]:
+            if not p.guess > 0:
+                raise ValueError(f"{p.name} is {p.guess:g} {p.unit}: a smoothing velocity must be positive")
+        return adjusted
 
     @cached_property
     def states(self) -> tuple[State, ...]:
@@ -127,7 +134,7 @@ class Model:
         given = dict(known or {})
         vector = np.array([given.pop(p.name, p.guess) for p in self.parameters], dtype=float)
         if given:
-            raise ValueError(f"the model has no parameter {', '.join(given)}")
+            raise ValueError(_unknown("parameter", next(iter(given)), [p.name for p in self.parameters]))
         return vector
 
     @cached_property
@@ -172,8 +179,6 @@ def compose(
             model = model.plus(entry)
             continue
         name, _, port = entry.partition("@")
-        if port and port not in {p.name for p in plant.ports}:
-            raise ValueError(_unknown(f"port of {plant.name}", port, [p.name for p in plant.ports]))
         model = model.plus(effect_named(name), port or None)
     known = [p.name for p in model.parameters]
     for name, changes in model.adjustments.items():
@@ -211,18 +216,22 @@ def _epsilon(port: Port) -> Parameter:
 
 def _adjusted(parameter: Parameter, changes: Mapping[str, float]) -> Parameter:
     """The declared parameter with a user's guess, bounds or fixed value; bounds free a known one."""
-    if changes.get("fixed") is not None:
-        return parameter.fixed_at(float(changes["fixed"]))
-    lower = float(changes.get("lower", parameter.lower))
-    upper = float(changes.get("upper", parameter.upper))
+    changes = {key: float(value) for key, value in changes.items() if value is not None}
+    if not changes:
+        return parameter
+    if "fixed" in changes:
+        return parameter.fixed_at(changes["fixed"])
+    lower, upper = changes.get("lower", parameter.lower), changes.get("upper", parameter.upper)
+    if lower == upper:
+        return parameter.fixed_at(lower)
     guess = changes.get("guess")
     if guess is None:
         guess = min(max(parameter.guess, lower), upper)
         if guess in (lower, upper) and math.isfinite(upper - lower):
             guess = 0.5 * (lower + upper)
-    scale = parameter.scale if guess == 0 else abs(float(guess))
+    scale = parameter.scale if guess == 0 else abs(guess)
     known = parameter.fixed and "lower" not in changes and "upper" not in changes
-    return replace(parameter, guess=float(guess), lower=lower, upper=upper, scale=scale, fixed=known)
+    return replace(parameter, guess=guess, lower=lower, upper=upper, scale=scale, fixed=known)
 
 
 def _assemble(model: Model) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
@@ -237,13 +246,17 @@ def _assemble(model: Model) -> tuple[ca.Function, ca.Function, ca.Function, ca.F
     plant_u, input_rates = local.through("input", u_by)
     motion = model.plant.motion(plant_x, plant_u, plant_p)
     efforts, effort_rates, rates = _resolve_acceleration(model, local, motion, plant_x, plant_u, plant_p)
-    plain = {s.name: v for s, v in zip(model.outputs, _outputs(model, plant_x, plant_u, plant_p), strict=True)}
+    plain = {
+        s.name: v for s, v in zip(model.outputs, _outputs(model, plant_x, plant_u, plant_p), strict=True)
+    }
     measured, output_rates = local.through("output", plain)
 
     term_rates = {**input_rates, **effort_rates, **output_rates}
     x_dot = ca.vertcat(*[rates[s.name] if s.name in rates else term_rates[s.name] for s in model.states])
     y = ca.vertcat(*[getattr(measured, s.name) for s in model.outputs])
-    moved = ca.vertcat(*[ca.horzcat(motion[q.name].position, motion[q.name].velocity) for q in model.effort_ports])
+    moved = ca.vertcat(
+        *[ca.horzcat(motion[q.name].position, motion[q.name].velocity) for q in model.effort_ports]
+    )
     args, names = [t, x, u, p], ["t", "x", "u", "p"]
     return (
         ca.Function("f", args, [x_dot], names, ["x_dot"], {"cse": True}),
@@ -305,6 +318,9 @@ def _resolve_acceleration(
 
     An effect may use the port's acceleration a (added inertia). The equations of motion
     are affine in the efforts and so in a: ``a = g(a)`` is solved by one exact Newton step.
+
+    Raises:
+        ValueError: if an effect uses the acceleration otherwise than linearly.
     """
     ports = model.effort_ports
     a = ca.vertcat(*[ca.SX.sym(f"a_{port.name}") for port in ports])
@@ -316,7 +332,9 @@ def _resolve_acceleration(
             continue
         at, index = motion[term.port], [port.name for port in ports].index(term.port)
         epsilon = local.p[f"{term.port}.epsilon"]
-        seen = local.see(term, epsilon=epsilon, position=at.position, velocity=at.velocity, acceleration=a[index])
+        seen = local.see(
+            term, epsilon=epsilon, position=at.position, velocity=at.velocity, acceleration=a[index]
+        )
         efforts[term.name] = term.effect.law(seen)
         term_rates.update(local.rates(term, seen))
         total[term.port] += efforts[term.name]
@@ -328,6 +346,9 @@ def _resolve_acceleration(
     state = ca.vertcat(*[getattr(x, name) for name in names])
     velocity = ca.vertcat(*[motion[port.name].velocity for port in ports])
     gap = a - ca.jtimes(velocity, state, ca.vertcat(*[rates[name] for name in names]))
+    if not ca.is_linear(gap, a):
+        bent = [name for name, value in efforts.items() if not ca.is_linear(ca.SX(value), a)]
+        raise ValueError(f"{', '.join(bent) or model.plant.name}: the acceleration must enter linearly")
     zero = ca.substitute(gap, a, ca.SX.zeros(a.shape))
     solved = -ca.solve(ca.jacobian(gap, a), zero)
     insert = lambda value: ca.substitute(ca.SX(value), a, solved)  # noqa: E731

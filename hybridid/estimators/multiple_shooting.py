@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -58,7 +59,7 @@ def split(problem: Problem, interval: int, x0: Array) -> Intervals:
     length = min(interval, windows.length)
     states = [measured_states(problem.model, record) for record in problem.records]
     shown = np.array([s.observed_by is not None for s in problem.model.states])
-    rows: list[tuple[Array, ...]] = []
+    rows: list[tuple[NDArray[Any], ...]] = []
     first: list[bool] = []
     for k, (record, start, stop) in enumerate(windows.origin):
         for begin in range(0, stop - start, length):
@@ -173,13 +174,15 @@ class _Program:
     def gap_rows(self) -> list[int]:
         """Constraint rows: the states of each interval that continues the one before."""
         n_x = len(self.problem.model.states)
-        return [k * n_x + j for k in np.flatnonzero(~self.intervals.first) for j in range(n_x)]
+        return [int(k) * n_x + j for k in np.flatnonzero(~self.intervals.first) for j in range(n_x)]
 
     def bounds(self, p: Array) -> tuple[Array, Array, Array]:
         """Lower bounds, upper bounds and start of the scaled variables."""
         chosen = [self.problem.model.parameters[k] for k in self.problem.positions]
         states, nodes = self.problem.model.states, self.intervals.nodes / self.x_scale
-        low, high = (np.tile([getattr(s, side) for s in states], (len(nodes), 1)) for side in ("lower", "upper"))
+        low, high = (
+            np.tile([getattr(s, side) for s in states], (len(nodes), 1)) for side in ("lower", "upper")
+        )
         low, high = low / self.x_scale, high / self.x_scale
         if not self.problem.estimate_x0:
             low[self.intervals.first] = high[self.intervals.first] = nodes[self.intervals.first]
@@ -189,9 +192,13 @@ class _Program:
         return lower, upper, np.clip(start, lower, upper)
 
     def unpack(self, variables: Array, p: Array) -> tuple[Array, Array]:
+        """Parameters (n_p,) and nodes (m, n_x); IPOPT oversteps bounds by a rounding, they do not."""
         n = len(self.problem.positions)
         q = np.array(p)
-        q[self.problem.positions] = variables[:n] * self.p_scale
+        chosen = [self.problem.model.parameters[k] for k in self.problem.positions]
+        q[self.problem.positions] = np.clip(
+            variables[:n] * self.p_scale, [c.lower for c in chosen], [c.upper for c in chosen]
+        )
         return q, variables[n:].reshape(self.intervals.count, -1) * self.x_scale
 
     def nlp(self) -> tuple[dict[str, ca.MX], ca.Function]:
@@ -249,10 +256,14 @@ def _interval_function(problem: Problem, length: int) -> ca.Function:
     x, t = ca.SX.sym("x", len(model.states)), ca.SX.sym("t")
     stages = ca.SX.sym("U", windows.stages.shape[2])
     u, p = ca.SX.sym("u", len(model.inputs)), ca.SX.sym("p", len(model.parameters))
-    sample = ca.Function("sample", [x, t, stages, u, p], [step(t, x, stages, p), model.h(t, x, u, p)], {"cse": True})
+    sample = ca.Function(
+        "sample", [x, t, stages, u, p], [step(t, x, stages, p), model.h(t, x, u, p)], {"cse": True}
+    )
     loop = sample.mapaccum("loop", length, 1)
-    mx = [ca.MX.sym(name, f.shape[0], f.shape[1] * k) for name, f, k in zip(
-        "xtUup", (x, t, stages, u, p), (1, length, length, length, 1), strict=True)]
+    mx = [
+        ca.MX.sym(name, f.shape[0], f.shape[1] * k)
+        for name, f, k in zip("xtUup", (x, t, stages, u, p), (1, length, length, length, 1), strict=True)
+    ]
     states, outputs = loop(*mx[:4], ca.repmat(mx[4], 1, length))
     function = ca.Function("interval", mx, [states[:, -1], outputs])
     return function.expand() if sample.n_instructions() * length <= EXPANDABLE else function

@@ -60,10 +60,10 @@ class Problem:
         return total if np.isfinite(total) else np.inf
 
     def smoothed(self, p: Array, factor: float) -> Array:
-        """``p`` with every port's smoothing velocity multiplied by ``factor``."""
+        """``p`` with every declared smoothing width (``epsilon``, not estimated) times ``factor``."""
         q = np.array(p)
         for k, parameter in enumerate(self.model.parameters):
-            if parameter.name.endswith(".epsilon"):
+            if parameter.fixed and parameter.name.endswith(".epsilon"):
                 q[k] = parameter.guess * factor
         return q
 
@@ -104,7 +104,9 @@ def build_problem(
     pooled = np.concatenate([record.outputs for record in records])
     scale = pooled.std(axis=0)
     scale[scale == 0] = 1.0
-    return Problem(model, tuple(records), windows, Shooter(model, windows, names, integrator), scale, estimate_x0)
+    return Problem(
+        model, tuple(records), windows, Shooter(model, windows, names, integrator), scale, estimate_x0
+    )
 
 
 def _check_signals(model: Model, record: Record) -> None:

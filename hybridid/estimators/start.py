@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from hybridid.declarations import Parameter
 from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.records.record import Record
@@ -45,12 +46,12 @@ def regression_start(model: Model, records: Sequence[Record]) -> Array | None:
     return model.values(dict(zip([q.name for q in skeleton.parameters], p, strict=True)))
 
 
-def _shared(model: Model, skeleton: Model):
+def _shared(model: Model, skeleton: Model) -> list[Parameter]:
     names = {p.name for p in skeleton.parameters}
     return [p for p in model.parameters if p.name in names]
 
 
-def _as_adjustment(parameter) -> dict[str, float]:
+def _as_adjustment(parameter: Parameter) -> dict[str, float]:
     if parameter.fixed:
         return {"fixed": parameter.guess}
     return {"guess": parameter.guess, "lower": parameter.lower, "upper": parameter.upper}
@@ -93,6 +94,7 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
         [
             smoothed_derivative(record.output(s.observed_by), record.dt, s.derivative + 1, width)
             for s in model.states
+            if s.observed_by is not None
         ],
         axis=1,
     )
@@ -145,13 +147,16 @@ def scattered(model: Model, p: Array, count: int, seed: int) -> list[Array]:
 
 
 def _shape_starts(model: Model) -> list[tuple[int, float]]:
-    names = [q.name for q in model.parameters]
-    return [
-        (names.index(f"{term.name}.{q.name}"), value * q.dimension.scale(model.plant.port(term.port)))
-        for term in model.terms
-        for q in term.effect.parameters
-        for value in q.starts
-    ]
+    """(place, value) of the further starts that effects declare for parameters that are free."""
+    places = {q.name: (k, q) for k, q in enumerate(model.parameters) if not q.fixed}
+    starts = []
+    for term in model.terms:
+        for q in term.effect.parameters:
+            if f"{term.name}.{q.name}" in places:
+                k, free = places[f"{term.name}.{q.name}"]
+                values = q.starts_at(model.plant.port(term.port))
+                starts += [(k, float(np.clip(value, free.lower, free.upper))) for value in values]
+    return starts
 
 
 def best_initial_states(problem: Problem, p: Array, candidates: Sequence[Array]) -> Array:

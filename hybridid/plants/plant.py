@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -56,9 +57,11 @@ class Plant(abc.ABC):
         """The port called ``name``.
 
         Raises:
-            KeyError: if the plant has no such port.
+            ValueError: if the plant has no such port; the message gives the nearest name.
         """
-        for port in self.ports:
-            if port.name == name:
-                return port
-        raise KeyError(f"{self.name} has no port {name!r}; it has {', '.join(p.name for p in self.ports)}")
+        by_name = {port.name: port for port in self.ports}
+        if name in by_name:
+            return by_name[name]
+        near = difflib.get_close_matches(name, by_name, n=1, cutoff=0.5)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise ValueError(f"unknown port of {self.name} {name!r}: {hint}known: {', '.join(by_name) or 'none'}")

@@ -58,7 +58,7 @@ def _bandlimited(samples: Array, factor: int) -> Array:
     The ends are continued by odd reflection. Source: Oppenheim, Schafer (2010),
     Discrete-Time Signal Processing, sec. 4.6.2 and 7.6.
     """
-    width = min(SINC_HALF_WIDTH, len(samples) - 1)
+    width = SINC_HALF_WIDTH
     padded = np.pad(samples, width, mode="reflect", reflect_type="odd")
     taps = signal.firwin(2 * SINC_HALF_WIDTH * factor + 1, 1.0 / factor, window=("kaiser", KAISER_BETA))
     fine = signal.resample_poly(padded, factor, 1, window=taps)

@@ -18,7 +18,7 @@ from hybridid.simulation.windows import cut
 Array = NDArray[np.float64]
 
 
-class Diverged(ArithmeticError):
+class Diverged(ValueError):
     """A simulation left the range of numbers; the message says when."""
 
 
