@@ -68,7 +68,7 @@ class Bench:
     def run(
         self, motion: Callable[[float], Mapping[str, float]], time: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Law (n,) and states (n, n_z) over ``time`` from states at zero, ``motion(t)`` giving what is seen."""
+        """Law (n,) and states (n, n_z) over ``time``, from states at zero; ``motion(t)`` is what is seen."""
         n_z = len(self.effect.states)
         z = np.zeros((len(time), n_z))
         if n_z:

@@ -11,12 +11,39 @@ from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.model import Model, Term, compose
 from hybridid.plants.emps import EMPS
 
-PROMISED = """
-    offset viscous coulomb stribeck asymmetric_viscous asymmetric_coulomb quadratic_drag dahl lugre
-    position_friction cogging linear_stiffness cubic_stiffness backlash end_stop bouc_wen maxwell gravity
-    added_inertia friction_drift periodic_disturbance flexible_mode asymmetric_damper wheel_lift_off
-    input_gain input_delay input_lag input_saturation input_dead_zone sensor_lag sensor_scale
-""".split()
+PROMISED = [
+    "offset",
+    "viscous",
+    "coulomb",
+    "stribeck",
+    "asymmetric_viscous",
+    "asymmetric_coulomb",
+    "quadratic_drag",
+    "dahl",
+    "lugre",
+    "position_friction",
+    "cogging",
+    "linear_stiffness",
+    "cubic_stiffness",
+    "backlash",
+    "end_stop",
+    "bouc_wen",
+    "maxwell",
+    "gravity",
+    "added_inertia",
+    "friction_drift",
+    "periodic_disturbance",
+    "flexible_mode",
+    "asymmetric_damper",
+    "wheel_lift_off",
+    "input_gain",
+    "input_delay",
+    "input_lag",
+    "input_saturation",
+    "input_dead_zone",
+    "sensor_lag",
+    "sensor_scale",
+]
 IDS = [effect.id for effect in EFFECTS]
 LEAST_LETTERS = {"title": 6, "equation": 6, "source": 15, "pattern": 40, "separating_experiment": 40}
 PORT_OF = {"effort": "carriage", "input": "force", "output": "position"}
@@ -129,7 +156,7 @@ BLIND_AT_ZERO = {"input_saturation"}
 def test_a_fit_can_leave_zero_amplitude(bench, effect):
     """The slope by the amplitude at zero is not zero, so that a fit may start from the poorer model."""
     at_port = bench(effect)
-    zero = {name: 0.0 for name in at_port.amplitudes}
+    zero = dict.fromkeys(at_port.amplitudes, 0.0)
     seen = {"time": 0.317, "position": 0.17, "velocity": -0.05, "acceleration": 1.0, "signal": 4.0}
     if effect.id == "wheel_lift_off":
         seen["position"] = -0.17
