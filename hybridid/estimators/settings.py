@@ -39,7 +39,7 @@ class FitSettings:
     start: str = "regression"
     initial_state: str = "estimated"
     max_iterations: int = 100
-    tolerance: float = 1e-6
+    tolerance: float = 1e-8
     seed: int = 0
 
     def __post_init__(self) -> None:

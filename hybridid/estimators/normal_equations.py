@@ -1,0 +1,78 @@
+"""Normal equations of parameters and initial states together.
+
+Their matrix has an arrow shape: every horizon's initial state meets only its own samples. A
+step eliminates them by a Schur complement, so that it costs in proportion to the number of
+horizons. Source: Björck (1996), Numerical Methods for Least Squares Problems, sec. 6.3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+STATE_RIDGE = 1e-12
+"""Keeps a direction that the data do not show (an unobserved inner state) from blowing up."""
+RIDGE = 1e-20
+"""The same for parameters, whose scales may be poor guesses: what is weakly seen still moves."""
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Blocks of the scaled Gauss-Newton normal equations at one point.
+
+    ``pp`` (n, n), ``xx`` (w, m, m), ``xp`` (w, m, n); gradients ``gp`` (n,), ``gx`` (w, m).
+    """
+
+    pp: Array
+    xx: Array
+    xp: Array
+    gp: Array
+    gx: Array
+
+    @property
+    def finite(self) -> bool:
+        return all(np.isfinite(block).all() for block in (self.pp, self.xx, self.xp, self.gp, self.gx))
+
+    def holding(self, states: NDArray[np.bool_]) -> Normal:
+        """The equations with the initial states in ``states`` (w, m) held where they are."""
+        moving = np.where(states, 0.0, 1.0)
+        return replace(
+            self,
+            xx=self.xx * moving[:, :, None] * moving[:, None, :],
+            xp=self.xp * moving[..., None],
+            gx=self.gx * moving,
+        )
+
+    def step(self, damping: float, fixed: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """The damped step (dp, dx), with the parameters in ``fixed`` held."""
+        n = len(self.gp)
+        xx = _damped(self.xx, damping, STATE_RIDGE)
+        solved = np.linalg.solve(xx, np.concatenate([self.xp, self.gx[..., None]], axis=2))
+        inner_p, inner_g = solved[..., :n], solved[..., n]
+        pp = _damped(self.pp, damping, RIDGE)
+        reduced = pp - np.einsum("wmi,wmj->ij", self.xp, inner_p)
+        right = self.gp - np.einsum("wmi,wm->i", self.xp, inner_g)
+        dp = np.zeros(n)
+        moving = ~fixed
+        if moving.any():
+            size = np.sqrt(np.diag(pp))[moving]
+            block = reduced[np.ix_(moving, moving)] / np.outer(size, size)
+            dp[moving] = np.linalg.lstsq(block, -right[moving] / size, rcond=1e-14)[0] / size
+        return dp, -(inner_g + np.einsum("wmn,n->wm", inner_p, dp))
+
+    def predicted(self, dp: Array, dx: Array) -> float:
+        """Decrease of the cost that the linear model promises for a step."""
+        linear = self.gp @ dp + np.sum(self.gx * dx)
+        cross = np.einsum("wm,wmn,n->", dx, self.xp, dp)
+        square = dp @ self.pp @ dp + np.einsum("wm,wml,wl->", dx, self.xx, dx)
+        return -float(linear + cross + 0.5 * square)
+
+
+def _damped(matrix: Array, damping: float, ridge: float) -> Array:
+    diagonal = np.einsum("...ii->...i", matrix)
+    floor = ridge * diagonal.max(axis=-1, keepdims=True, initial=0.0)
+    floor = np.where(floor > 0, floor, 1.0)
+    return matrix + (damping * diagonal + floor)[..., None] * np.eye(matrix.shape[-1])
