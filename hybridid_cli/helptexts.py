@@ -109,6 +109,18 @@ what tells it from its look-alikes.
   hybridid effects mymodule:MY_EFFECT --config-dir mylab
 """
 
+REPRODUCE = """\
+Runs the thesis' experiments one after another and writes its tables and figures beside ours, each number with
+"measured" or "simulated" beside it: outputs/thesis/index.html and index.md. What is fresh is reused, so an
+interrupted run goes on where it stopped.
+
+  hybridid reproduce
+  hybridid reproduce experiments=[emps_free_run] paths.outputs=/data/outputs
+
+Its own keys
+  experiments=[NAME,...]   files of conf/experiment
+"""
+
 FETCH = """\
 Downloads the public records of a case to paths.data, checks their SHA-256 and resumes what was cut off.
 

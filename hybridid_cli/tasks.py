@@ -6,9 +6,10 @@ import functools
 from collections.abc import Callable
 from pathlib import Path
 
+from hydra import compose
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig, OmegaConf, open_dict
 
 from hybridid_cli import interrupt
 from hybridid_cli.terminal import Terminal
@@ -41,7 +42,7 @@ class Unfinished(BaseException):
 
 def task_of(command: str) -> Callable[[DictConfig], None]:
     """What Hydra is to run for a command."""
-    return {"fetch": fetch, "ui": ui}.get(command, stages)
+    return {"fetch": fetch, "ui": ui, "reproduce": reproduce}.get(command, stages)
 
 
 def _said_by_us(task: Callable[[DictConfig], None]) -> Callable[[DictConfig], None]:
@@ -80,6 +81,30 @@ def stages(cfg: DictConfig) -> None:
             raise
         terminal.show(summary(outcome, command))
         run.finish(outcome)
+
+
+@_said_by_us
+def reproduce(cfg: DictConfig) -> None:
+    """Run the thesis' experiments and write its tables beside ours."""
+    from pipelines.reproduce import reproduce as run
+
+    own = ("experiments=", "experiment=", "case=")
+    words = [word for word in HydraConfig.get().overrides.task if not word.lstrip("+~").startswith(own)]
+    experiments = {str(name): _composed(str(name), words) for name in cfg.experiments}
+    with Terminal() as terminal:
+        page = run(experiments, Path(str(cfg.paths.outputs)), terminal)
+        terminal.show(f"page: {page}")
+
+
+def _composed(experiment: str, words: list[str]) -> Settings:
+    """The settings with which ``hybridid run experiment=NAME`` would run."""
+    cfg = compose("run", [f"experiment={experiment}", *words], return_hydra_config=True)
+    case = str(cfg.hydra.runtime.choices["case"])
+    with open_dict(cfg):
+        del cfg["hydra"]
+    config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
+    assert isinstance(config, dict)
+    return Settings(case, {str(k): v for k, v in config.items()})
 
 
 @_said_by_us
