@@ -4,30 +4,30 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from hybridid_cli import interrupt
 from hybridid_cli.config_files import conf_folder
 from hybridid_cli.main import complain, wants_traceback
 from hybridid_cli.words import prepared
 
+FULL_ERROR = "HYDRA_FULL_ERROR"
+
 
 def run(command: str, words: Sequence[str]) -> int:
     """Carry out a command that has a primary config; returns the exit code."""
-    if "--debug" in words:
-        os.environ["HYBRIDID_DEBUG"] = "1"
     ready = prepared(command, words)
-    traceback = wants_traceback()
+    traceback = wants_traceback() or "--debug" in words
     import hydra
 
     from hybridid_cli.explain import explained
     from hybridid_cli.tasks import Unfinished, task_of
 
-    os.environ["HYDRA_FULL_ERROR"] = "1"  # exceptions come here whole; what the user sees is said below
-    sys.argv = [f"hybridid {command}", *ready]
     application = hydra.main(config_path=str(conf_folder()), config_name=command, version_base="1.3")
     try:
-        application(task_of(command))()
+        with _as_hydra_wants([f"hybridid {command}", *ready]):
+            application(task_of(command))()
     except (Exception, Unfinished) as raised:
         interrupt.check()
         if traceback:
@@ -36,3 +36,18 @@ def run(command: str, words: Sequence[str]) -> int:
         message, code = explained(error, command, words)
         return complain(message, code)
     return 0
+
+
+@contextmanager
+def _as_hydra_wants(words: list[str]) -> Iterator[None]:
+    """Hydra reads ``sys.argv``, and hands exceptions on only in its own debugging mode."""
+    argv, full_error = sys.argv, os.environ.get(FULL_ERROR)
+    sys.argv, os.environ[FULL_ERROR] = words, "1"
+    try:
+        yield
+    finally:
+        sys.argv = argv
+        if full_error is None:
+            del os.environ[FULL_ERROR]
+        else:
+            os.environ[FULL_ERROR] = full_error

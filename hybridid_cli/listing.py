@@ -157,4 +157,7 @@ def _paragraph(label: str, text: str) -> str:
 def _unit(effect: Effect, dimension: Dimension) -> str:
     """The unit at a linear and at a rotary port, or in that of the signal."""
     ports = (_LINEAR, _ROTARY) if effect.kind == "effort" else (_SIGNAL,)
-    return " or ".join(dict.fromkeys(dimension.unit(port) for port in ports))
+    suited = [
+        port for port in ports if not effect.position_units or port.position_unit in effect.position_units
+    ]
+    return " or ".join(dict.fromkeys(dimension.unit(port) for port in suited or ports))

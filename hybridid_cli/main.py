@@ -67,7 +67,7 @@ def complain(message: str, code: int = WRONG_REQUEST) -> int:
 
 def wants_traceback() -> bool:
     """Whether the user asked to see where in the code an error arose."""
-    return os.environ.get("HYBRIDID_DEBUG") == "1" or os.environ.get("HYDRA_FULL_ERROR") == "1"
+    return os.environ.get("HYDRA_FULL_ERROR") == "1"
 
 
 def _not_a_command(word: str) -> str:

@@ -14,33 +14,44 @@ CFG = ("job", "hydra", "all")
 
 
 def prepared(command: str, words: Sequence[str]) -> list[str]:
-    """``words`` as Hydra takes them: a case may stand alone for ``fetch``, ``parameters.*`` may be new keys.
+    """``words`` as Hydra takes them: flags first, ``parameters.*`` allowed to be new keys.
 
     Raises:
         ConfigError: for an unknown flag or a word that is no override.
     """
-    ready: list[str] = []
+    flags: list[str] = []
+    overrides: list[str] = []
     value_of = ""
     for word in words:
         if value_of:
             _check_flag_value(value_of, word)
+            flags.append(word)
             value_of = ""
         elif word.startswith("-"):
-            flag, has_value, value = word.partition("=")
-            if flag not in FLAGS:
-                raise ConfigError(unknown("flag", flag, FLAGS))
-            if has_value:
-                _check_flag_value(flag, value)
-            elif flag in WITH_VALUE:
-                value_of = flag
-        elif "=" not in word and not word.startswith("~"):
-            word = _bare(command, word, words)
-        elif word.startswith("parameters."):
-            word = f"++{word}"
-        ready.append(word)
+            flags.append(word)
+            value_of = _flag_awaiting_value(word)
+        else:
+            overrides.append(_override(command, word, words))
     if value_of:
         raise ConfigError(f"{value_of} wants a value after it")
-    return [*(w for w in ready if w != "--debug"), *_sweep_folder(ready)]
+    flags = [flag for flag in flags if flag != "--debug"]
+    return [*flags, *overrides, *_sweep_folder(flags, overrides)]
+
+
+def _flag_awaiting_value(word: str) -> str:
+    """The flag, if its value is the next word; empty if not."""
+    flag, has_value, value = word.partition("=")
+    if flag not in FLAGS:
+        raise ConfigError(unknown("flag", flag, FLAGS))
+    if has_value:
+        _check_flag_value(flag, value)
+    return flag if flag in WITH_VALUE and not has_value else ""
+
+
+def _override(command: str, word: str, words: Sequence[str]) -> str:
+    if "=" not in word and not word.startswith("~"):
+        return _bare(command, word, words)
+    return f"++{word}" if word.startswith("parameters.") else word
 
 
 def _check_flag_value(flag: str, value: str) -> None:
@@ -57,8 +68,8 @@ def _bare(command: str, word: str, words: Sequence[str]) -> str:
     raise ConfigError(f"{word!r} is no key=value, as in case=emps or estimator.horizon=1000")
 
 
-def _sweep_folder(words: Sequence[str]) -> list[str]:
+def _sweep_folder(flags: Sequence[str], overrides: Sequence[str]) -> list[str]:
     """With ``-m out=DIR`` what Hydra notes of the sweep goes to DIR too."""
-    if not {"-m", "--multirun"} & set(words) or any(w.startswith("hydra.sweep.dir=") for w in words):
+    if not {"-m", "--multirun"} & set(flags) or any(w.startswith("hydra.sweep.dir=") for w in overrides):
         return []
-    return [f"hydra.sweep.dir={w.removeprefix('out=')}" for w in words if w.startswith("out=")][-1:]
+    return [f"hydra.sweep.dir={w.removeprefix('out=')}" for w in overrides if w.startswith("out=")][-1:]

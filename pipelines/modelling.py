@@ -44,6 +44,9 @@ def model_of(settings: Settings) -> Model:
     """
     plant = plant_of(settings)
     entries = effect_entries(settings)
+    for entry in entries:
+        if ":" in entry:
+            named(entry.partition("@")[0], "effect")
     try:
         bare = compose(plant, entries)
         names = {p.name for p in bare.parameters}

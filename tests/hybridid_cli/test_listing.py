@@ -1,0 +1,53 @@
+"""``hybridid cases`` and ``hybridid effects``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hybridid.effects.library import EFFECTS
+
+
+def test_effects_lists_equation_parameters_units_and_source(say):
+    said = say("effects")
+    assert said.code == 0
+    for effect in EFFECTS:
+        block = f"\n{said.out}"[f"\n{said.out}".index(f"\n{effect.id}: ") :].partition("\n\n")[0]
+        assert effect.equation in block
+        assert all(f"parameter {p.name} [" in block for p in effect.parameters)
+        assert effect.source.split()[0] in block
+    assert "f_v [N·s/m or " in said.out
+
+
+def test_one_effect_says_what_tells_it_apart(say):
+    said = say("effects", "viscous")
+    assert said.code == 0
+    assert " ".join(next(e for e in EFFECTS if e.id == "viscous").pattern.split()) in " ".join(
+        said.out.split()
+    )
+
+
+def test_misspelt_effect(say):
+    said = say("effects", "viscos")
+    assert said.code == 2
+    assert "did you mean 'viscous'?" in said.complaint
+
+
+def test_cases_without_data_says_simulated(say):
+    said = say("cases")
+    assert said.code == 0
+    for part in ("emps: ", "force [N]", "position [m]", "viscous@carriage", "simulated", "Janot"):
+        assert part in said.out
+    assert "hybridid fetch emps" in said.out
+    assert list(Path().iterdir()) == []
+
+
+def test_cases_with_data_says_measured(say, measured):
+    said = say("cases", "emps", f"paths.data={measured}")
+    assert f"record   identification (identification): measured, {measured}" in said.out
+    assert "simulated" not in said.out
+
+
+def test_misspelt_case(say):
+    said = say("cases", "emp")
+    assert said.code == 2
+    assert "did you mean 'emps'?" in said.complaint

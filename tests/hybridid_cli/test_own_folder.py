@@ -1,0 +1,122 @@
+"""A case, a plant and an effect in a user's own folder: no file of the package is touched."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+PLANT = '''
+"""A pendulum on a motor shaft."""
+import casadi as ca
+from hybridid.declarations import Parameter, Port, Signal, State
+from hybridid.plants.plant import Motion, Plant
+
+class Pendulum(Plant):
+    name, meaning, source = "pendulum", "a pendulum on a motor shaft", "a test"
+    states = (
+        State("q", "rad", scale=1.0, observed_by="angle", derivative=0),
+        State("w", "rad/s", scale=3.0, observed_by="angle", derivative=1),
+    )
+    inputs = (Signal("torque", "N·m"),)
+    outputs = (Signal("angle", "rad"),)
+    parameters = (Parameter("J", "kg·m²", 0.05, 0.001, 1.0), Parameter("G", "N·m", 2.0, 0.0, 10.0))
+    ports = (Port("pivot", "effort", "N·m", 0.1, "rad", 1.0, 3.0, 0.01),)
+
+    def motion(self, x, u, p):
+        return {"pivot": Motion(position=x.q, velocity=x.w)}
+
+    def derivative(self, x, u, p, effort):
+        return {"q": x.w, "w": (u.torque - p.G * ca.sin(x.q) - effort["pivot"]) / p.J}
+
+    def output(self, x, u, p):
+        return {"angle": x.q}
+'''
+EFFECT = '''
+"""A spring that no library knows."""
+from hybridid.effects.effect import Dimension, Effect, EffectParameter
+
+CABLE = Effect(
+    id="cable", kind="effort", title="a cable", equation="F = k q", law=lambda at: at.p.k * at.position,
+    parameters=(EffectParameter("k", Dimension(effort=1, position=-1), "stiffness", nests=True),),
+    source="a test", pattern="grows with the angle",
+)
+'''
+CASE = """# @package _global_
+case: {title: a pendulum of our own}
+plant: pendulum:Pendulum
+effects: [viscous, "cable:CABLE@pivot"]
+signals:
+  time: {column: t}
+  inputs: {torque: {column: torque, unit: N·m, hold: zoh}}
+  outputs: {angle: {column: degrees, unit: rad, scale: 0.017453292519943295}}
+records:
+  swing: {files: swing.csv, role: identification}
+"""
+TRUTH = {"J": 0.02, "G": 0.9, "pivot.viscous.f_v": 0.03, "pivot.cable.k": 0.2}
+DT, SAMPLES = 0.01, 1200
+
+
+def write_record(path: Path) -> None:
+    """A held random torque on the true pendulum, integrated by SciPy; the angle in degrees, with noise."""
+    generator = np.random.default_rng(1)
+    torque = np.repeat(generator.uniform(-1.0, 1.0, SAMPLES // 30), 30)
+    J, G, f_v, k = TRUTH.values()
+    x, angle = np.array([0.2, 0.0]), np.empty(SAMPLES)
+    for n in range(SAMPLES):
+        angle[n] = x[0]
+        rate = lambda _, x, u=torque[n]: [x[1], (u - G * np.sin(x[0]) - f_v * x[1] - k * x[0]) / J]  # noqa: E731
+        x = solve_ivp(rate, (0, DT), x, rtol=1e-8, atol=1e-10).y[:, -1]
+    angle = np.rad2deg(angle + generator.normal(0, 2e-4, SAMPLES))
+    columns = np.column_stack([DT * np.arange(SAMPLES), torque, angle])
+    np.savetxt(path, columns, delimiter=",", header="t,torque,degrees", comments="", fmt="%.9g")
+
+
+@pytest.fixture
+def mylab(own_folder: Path) -> Path:
+    """The case file, a plant beside it and an effect above it, and a recording."""
+    lab = own_folder / "mylab"
+    (lab / "case").mkdir(parents=True)
+    (lab / "case" / "mine.yaml").write_text(CASE)
+    (lab / "case" / "pendulum.py").write_text(PLANT)
+    (lab / "cable.py").write_text(EFFECT)
+    write_record(lab / "swing.csv")
+    return lab
+
+
+def test_own_case_plant_and_effect_are_fitted(process, mylab):
+    said = process("validate", "--config-dir", "mylab", "case=mine", "mlflow.enabled=false", "out=tree")
+    assert said.code == 0, said.err
+    found = json.loads(Path("tree/fit/estimate.json").read_text())["parameters"]
+    assert set(found) == set(TRUTH)
+    for name, truth in TRUTH.items():
+        assert found[name]["value"] == pytest.approx(truth, rel=0.02), name
+    scores = json.loads(Path("tree/validate/metrics.json").read_text())
+    assert {row["provenance"] for row in scores} == {"measured"}
+    assert all(row["rmse"] < 3e-4 for row in scores), "2e-4 rad of noise should be all that is left"
+    listed = process("cases", "--config-dir", "mylab").out
+    assert "mine: a pendulum of our own" in listed
+    assert "emps: " in listed
+    assert "cable" in process("effects", "cable:CABLE", "--config-dir", "mylab").out
+
+
+def test_changed_python_makes_the_fit_stale(process, mylab):
+    words = ("fit", "--config-dir", "mylab", "case=mine", "mlflow.enabled=false", "out=tree")
+    assert process(*words).code == 0
+    assert "fit: fresh, reused" in process(*words).err
+    (mylab / "cable.py").write_text(EFFECT.replace("stiffness", "stiffness of the cable"))
+    again = process(*words)
+    assert "preprocess: fresh, reused" in again.err
+    assert "fit: stale, code beside cable.py changed" in again.err
+
+
+def test_broken_python_is_one_line(process, mylab):
+    (mylab / "cable.py").write_text("CABLE = 1 / 0\n")
+    said = process("fit", "--config-dir", "mylab", "case=mine", "mlflow.enabled=false")
+    assert said.code == 2
+    assert "Traceback" not in said.err
+    assert "cable:CABLE" in said.complaint
+    assert "division by zero" in said.complaint

@@ -1,0 +1,99 @@
+"""A wrong request costs one line, that names the nearest right one and what is allowed, and writes nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+# words after `fit`, what the line must hold
+WRONG = (
+    (["case=emp"], ["unknown case 'emp'", "did you mean 'emps'?"]),
+    (["cas=emps"], ["unknown config key 'cas'", "did you mean 'case'?"]),
+    (["estimator.horzon=3"], ["did you mean 'estimator.horizon'?", "estimator.interval"]),
+    (["estimator=gaus_newton"], ["unknown estimator", "did you mean 'gauss_newton'?", "multiple_shooting"]),
+    (["estimator.horizon=abc"], ["estimator.horizon is 'abc'", "number"]),
+    (["estimator.horizon=1.5"], ["estimator.horizon is 1.5", "whole number"]),
+    (["estimator.method=newton"], ["estimator.method is 'newton'", "gauss_newton, multiple_shooting"]),
+    (["effects=[viscos]"], ["unknown effect 'viscos'", "did you mean 'viscous'?", "coulomb"]),
+    (["effects=[viscous@carrige]"], ["carrige", "did you mean 'carriage'?"]),
+    (["effects=[viscous,viscous]"], ["carriage.viscous", "twice"]),
+    (["effects=viscous"], ["give a list", "effects=[viscous"]),
+    (["effects=[nowhere:EFFECT]"], ["nowhere:EFFECT", "No module named"]),
+    (["plant=hybridid.plants.emps:EMSP"], ["did you mean 'EMPS'?"]),
+    (["parameters.MM.lower=3"], ["unknown parameter 'MM'", "did you mean 'M'?"]),
+    (
+        ["parameters.M.lowr=3"],
+        ["setting of parameter M", "did you mean 'lower'?", "fixed, guess, lower, upper"],
+    ),
+    (["parameters.M.lower=low"], ["parameters.M.lower is 'low'", "number"]),
+    (["parameters.M=3"], ["parameters.M is 3", "guess, lower, upper, fixed"]),
+    (["parameters.M.lower=200"], ["M", "200", "150"]),
+    (["parameters.carriage.viscous.fv.guess=3"], ["did you mean 'carriage.viscous.f_v'?"]),
+    (["data=simulate"], ["did you mean 'simulated'?", "auto, measured, simulated"]),
+    (["fit.records=[identificaton]"], ["fit.records", "did you mean 'identification'?"]),
+    (["preprocess.steps=[{step: decimat}]"], ["unknown step 'decimat'", "did you mean 'decimate'?"]),
+    (["estimator.horizon=1,2"], ["add -m", "estimator.horizon=[1,2]"]),
+    (["emps"], ["did you mean case=emps?"]),
+    (["--cgf", "job"], ["unknown flag '--cgf'", "did you mean '--cfg'?"]),
+    (["--cfg", "jbo"], ["unknown value of --cfg 'jbo'", "did you mean 'job'?"]),
+    (["--config-dir"], ["--config-dir wants a value"]),
+    (["--config-dir", "nowhere"], ["nowhere", "not found"]),
+    (["a=["], ["cannot read 'a=['"]),
+    (["+extra=1"], ["unknown config key 'extra'"]),
+    (["paths.data=nowhere", "data=auto"], ["paths.data is nowhere: no such folder"]),
+    (["rig.path=hybridid.rigs.emps:Rigg"], ["rig.path", "did you mean 'Rig'?"]),
+)
+
+
+@pytest.mark.parametrize(("words", "expected"), WRONG, ids=[" ".join(words) for words, _ in WRONG])
+def test_one_line_that_helps(say, quick, words, expected):
+    said = say("fit", *quick, *words)
+    assert said.code == 2
+    assert said.out == ""
+    assert said.err.startswith("hybridid: ")
+    assert said.err.count("\n") == 1, said.err
+    for part in expected:
+        assert part in said.err
+    assert list(Path().iterdir()) == [], "something was written"
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["validate.views=[free]"], "did you mean 'free_run'?"),
+        (["validate.views=[]"], "validate.views is []"),
+        (["validate.horizon=-1"], "validate.horizon is -1"),
+        (["validate.initial_state=guess"], "estimated, measured"),
+        (["validate.records=[vaildation]"], "did you mean 'validation'?"),
+        (["validate.horzion=2"], "did you mean 'validate.horizon'?"),
+    ],
+)
+def test_wrong_validation_is_said_before_the_fit(say, quick, words, expected):
+    said = say("run", *quick, *words)
+    assert said.code == 2
+    assert expected in said.complaint
+    assert list(Path().iterdir()) == []
+
+
+def test_key_that_another_command_would_take_is_unknown_here(say, quick):
+    assert say("fit", *quick, "port=80").code == 2
+
+
+def test_no_measured_record_where_one_is_insisted_on(say):
+    said = say("fit", "case=emps", "data=measured", "mlflow.enabled=false")
+    assert said.code == 1
+    assert said.err.count("\n") == 1
+    assert "DATA_EMPS.mat not found" in said.err
+    assert "hybridid fetch emps" in said.err
+    assert list(Path().iterdir()) == []
+
+
+def test_traceback_only_on_request(process, quick):
+    words = ("fit", *quick, "effects=[viscos]")
+    assert "Traceback" not in process(*words).err
+    asked = process(*words, "--debug")
+    assert asked.code != 0
+    assert "Traceback" in asked.err
+    assert "unknown effect 'viscos'" in asked.err
+    assert "Traceback" in process(*words, HYDRA_FULL_ERROR="1").err
