@@ -10,25 +10,33 @@ from pathlib import Path
 
 STYLE = """
 body{font:16px/1.5 system-ui,sans-serif;color:#222;max-width:60rem;margin:2rem auto;padding:0 1rem}
-h1{font-size:1.6rem}h2{font-size:1.25rem;margin-top:2.5rem;border-bottom:1px solid #ddd}
-table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums}
+h1{font-size:1.6rem;margin-bottom:.4rem}h2{font-size:1.25rem;margin-top:2.5rem;border-bottom:1px solid #ddd}
+table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;font-size:.92rem}
 caption{text-align:left;font-weight:600;padding:.3rem 0}
-th,td{padding:.25rem .8rem;border-bottom:1px solid #e4e4e4;text-align:right}
-th:first-child,td:first-child{text-align:left}thead th{border-bottom:2px solid #666}
+th,td{padding:.25rem .8rem;border-bottom:1px solid #e4e4e4;text-align:right;vertical-align:top}
+th.w,td.w{text-align:left}thead th{border-bottom:2px solid #666;vertical-align:bottom}
+th:first-child,td:first-child{padding-left:0}
 .note{color:#666;font-size:.9rem;margin:.2rem 0}.lead{font-size:1.1rem}
+.mark{display:inline-block;border:1px solid #666;border-radius:.3rem;padding:0 .5rem;margin-right:.5rem;
+font-size:.9rem;color:#444}
+.scroll{overflow-x:auto}code{background:#f4f4f4;padding:.1rem .3rem;border-radius:.2rem}
+pre{background:#f4f4f4;padding:.6rem .8rem;border-radius:.3rem;overflow-x:auto;font-size:.9rem}
 figure{margin:1.5rem 0}figure img{max-width:100%}figcaption{color:#666;font-size:.9rem}
-@media print{body{max-width:none;margin:0}figure,table{break-inside:avoid}}
+@page{size:A4;margin:15mm}
+@media print{body{max-width:none;margin:0;padding:0;font-size:10pt}figure,tr,pre{break-inside:avoid}
+h2{break-after:avoid}thead{display:table-header-group}.scroll{overflow:visible}td,th{padding:.15rem .4rem}}
 """
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of text under a header; the first column is the row's name."""
+    """Rows of text under a header. ``words`` are the columns that hold words, not numbers: the row's name."""
 
     caption: str
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     notes: tuple[str, ...] = ()
+    words: tuple[int, ...] = (0,)
 
 
 @dataclass(frozen=True)
@@ -41,39 +49,44 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with paragraphs, then tables, then pictures."""
+    """A heading with paragraphs, then commands to type, tables, pictures."""
 
     title: str
     paragraphs: tuple[str, ...] = ()
     tables: tuple[Table, ...] = ()
     pictures: tuple[Picture, ...] = ()
+    commands: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Page:
-    """A report: title, the one sentence that says it all, sections."""
+    """A report: title, ``marks`` (words such as ``measured``), the sentence that says it all, sections."""
 
     title: str
     lead: str
     sections: tuple[Section, ...]
+    marks: tuple[str, ...] = ()
 
     def html(self) -> str:
         """One HTML document with its pictures inside."""
         body = "".join(_section_html(section) for section in self.sections)
+        marks = "".join(f'<span class="mark">{escape(mark)}</span>' for mark in self.marks)
+        marks = f"<p>{marks}</p>" if marks else ""
         return (
             '<!doctype html><html lang="en"><head><meta charset="utf-8">'
             f"<title>{escape(self.title)}</title>"
             '<meta name="viewport" content="width=device-width,initial-scale=1">'
             f"<style>{STYLE}</style></head>"
-            f'<body><h1>{escape(self.title)}</h1><p class="lead">{escape(self.lead)}</p>'
+            f'<body><h1>{escape(self.title)}</h1>{marks}<p class="lead">{escape(self.lead)}</p>'
             f"{body}</body></html>\n"
         )
 
     def markdown(self, folder: Path) -> str:
         """The same as Markdown; pictures are linked relative to ``folder``."""
-        parts = [f"# {self.title}", self.lead]
+        parts = [f"# {self.title}", *([" · ".join(self.marks)] if self.marks else []), self.lead]
         for section in self.sections:
             parts += [f"## {section.title}", *section.paragraphs]
+            parts += [f"```\n{command}\n```" for command in section.commands]
             parts += [_table_markdown(table) for table in section.tables]
             parts += [f"![{p.caption}]({_relative(p.path, folder)})" for p in section.pictures]
         return "\n\n".join(parts) + "\n"
@@ -83,17 +96,21 @@ def _section_html(section: Section) -> str:
     paragraphs = "".join(f"<p>{escape(text)}</p>" for text in section.paragraphs)
     tables = "".join(_table_html(table) for table in section.tables)
     pictures = "".join(_picture_html(picture) for picture in section.pictures)
-    return f"<section><h2>{escape(section.title)}</h2>{paragraphs}{tables}{pictures}</section>"
+    commands = "".join(f"<pre>{escape(command)}</pre>" for command in section.commands)
+    return f"<section><h2>{escape(section.title)}</h2>{paragraphs}{commands}{tables}{pictures}</section>"
 
 
 def _table_html(table: Table) -> str:
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in table.header)
-    rows = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows
-    )
+    head = _cells("th", table.header, table.words)
+    rows = "".join(f"<tr>{_cells('td', row, table.words)}</tr>" for row in table.rows)
     notes = "".join(f'<p class="note">{escape(note)}</p>' for note in table.notes)
-    caption = f"<caption>{escape(table.caption)}</caption>"
-    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{notes}"
+    inside = f"<caption>{escape(table.caption)}</caption><thead><tr>{head}</tr></thead><tbody>{rows}</tbody>"
+    return f'<div class="scroll"><table>{inside}</table></div>{notes}'
+
+
+def _cells(tag: str, texts: Sequence[str], words: Sequence[int]) -> str:
+    kinds = [' class="w"' if column in words else "" for column in range(len(texts))]
+    return "".join(f"<{tag}{kind}>{escape(text)}</{tag}>" for kind, text in zip(kinds, texts, strict=True))
 
 
 def _picture_html(picture: Picture) -> str:
@@ -111,7 +128,7 @@ def _table_markdown(table: Table) -> str:
         f"**{table.caption}**",
         "",
         _row(table.header),
-        _row(["---", *["---:"] * (len(table.header) - 1)]),
+        _row(["---" if column in table.words else "---:" for column in range(len(table.header))]),
     ]
     lines += [_row(row) for row in table.rows]
     lines += [f"\n*{note}*" for note in table.notes]
