@@ -1,0 +1,123 @@
+"""A carriage whose truth is integrated by SciPy, one held sample at a time: no code of the package's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
+
+from hybridid.model import Model, compose
+from hybridid.plants.emps import EMPS
+from hybridid.records.record import Channel, Record
+
+Array = NDArray[np.float64]
+SYMMETRIC = ("viscous", "coulomb", "offset")
+EPSILON = 3e-3
+"""Smoothing velocity of the simulated truth in m/s: ten times the plant's, so that few steps do."""
+
+
+@dataclass(frozen=True)
+class Carriage:
+    """``M q'' = force - (f_v -+ df_v/2) q' - f_c tanh(q'/epsilon) - offset``, from rest at 0."""
+
+    M: float = 95.0
+    f_v: float = 203.0
+    f_c: float = 20.4
+    offset: float = -3.2
+    df_v: float = 0.0
+    epsilon: float = EPSILON
+
+    @property
+    def truth(self) -> dict[str, float]:
+        """The parameters of the symmetric model by their names there."""
+        return {
+            "M": self.M,
+            "carriage.viscous.f_v": self.f_v,
+            "carriage.coulomb.f_c": self.f_c,
+            "carriage.offset.offset": self.offset,
+        }
+
+    def force(self, time: Array) -> Array:
+        """A drive in both directions with slow and fast parts, about the offset; N."""
+        slow, fast = 45 * np.sin(2 * np.pi * 0.7 * time), 30 * np.sign(np.sin(2 * np.pi * 1.9 * time + 0.3))
+        return self.offset + slow + fast
+
+    def states(self, n: int = 600, dt: float = 0.005) -> Array:
+        """Position and velocity at the samples, (n, 2)."""
+        return _states(self, n, dt)
+
+    def record(
+        self, n: int = 600, dt: float = 0.005, noise: Array | None = None, name: str = "carriage"
+    ) -> Record:
+        """The carriage as an encoder with ``noise`` (n,) m records it, the force held."""
+        time = np.arange(n) * dt
+        position = self.states(n, dt)[:, 0] + (0.0 if noise is None else noise)
+        return Record(
+            name=name,
+            time=time,
+            inputs=self.force(time)[:, None],
+            outputs=position[:, None],
+            input_channels=(Channel("force", "N", "zoh"),),
+            output_channels=(Channel("position", "m"),),
+            simulated=True,
+        )
+
+
+@cache
+def _states(carriage: Carriage, n: int, dt: float) -> Array:
+    force = carriage.force(np.arange(n) * dt)
+    states = np.zeros((n, 2))
+
+    def rate(_: float, x: Array, u: float) -> list[float]:
+        resist = carriage.f_v * x[1] - 0.5 * carriage.df_v * abs(x[1])
+        resist += carriage.f_c * np.tanh(x[1] / carriage.epsilon) + carriage.offset
+        return [x[1], (u - resist) / carriage.M]
+
+    for k in range(n - 1):
+        solved = solve_ivp(rate, (0, dt), states[k], "LSODA", args=(force[k],), rtol=1e-10, atol=1e-13)
+        states[k + 1] = solved.y[:, -1]
+    states.flags.writeable = False
+    return states
+
+
+@pytest.fixture(scope="session")
+def carriage() -> Carriage:
+    """The symmetric carriage, simulated."""
+    return Carriage()
+
+
+@pytest.fixture(scope="session")
+def carriage_like() -> type[Carriage]:
+    """Makes carriages of other truths, simulated."""
+    return Carriage
+
+
+@pytest.fixture(scope="session")
+def make_model() -> Callable[..., Model]:
+    """``make_model(effects, **adjustments)``: the EMPS with the simulated truth's smoothing."""
+
+    def make(
+        effects: tuple[str, ...] = SYMMETRIC, adjust: Mapping[str, Mapping[str, float]] | None = None
+    ) -> Model:
+        smoothing = {"carriage.epsilon": {"guess": EPSILON}} if effects else {}
+        return compose(EMPS(), effects, {**smoothing, **dict(adjust or {})})
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def noise() -> Callable[..., Array]:
+    """``noise(n, std, rho, seed)``: stationary, ``e(t) = rho e(t - 1) + white``, (n,)."""
+
+    def make(n: int, std: float, rho: float = 0.0, seed: int = 0) -> Array:
+        before = 1000
+        white = np.random.default_rng(seed).normal(size=n + before) * std * np.sqrt(1 - rho**2)
+        return lfilter([1.0], [1.0, -rho], white)[before:]
+
+    return make
