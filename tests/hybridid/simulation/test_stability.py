@@ -1,0 +1,81 @@
+"""Steps a sample: as many as the equations at hand ask for, and a clear word when that is too many."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hybridid.records.record import Channel, Record
+from hybridid.simulation import simulate
+from hybridid.simulation.stability import MOST, substeps_for
+
+SPRING = ("viscous", "linear_stiffness")
+
+
+def values(model, stiffness: float, damping: float) -> np.ndarray:
+    return model.values({"M": 1.0, "carriage.linear_stiffness.k": stiffness, "carriage.viscous.f_v": damping})
+
+
+def test_a_stiffer_spring_asks_for_more_steps(carriage, make_model):
+    model, made = make_model(SPRING), carriage.record(200)
+    steps = [substeps_for(model, values(model, k, 2 * np.sqrt(k)), [made]) for k in (1e2, 1e5, 1e7)]
+    assert steps[0] == 1
+    assert steps[0] < steps[1] < steps[2]
+
+
+def test_the_steps_it_chooses_are_stable(carriage, make_model):
+    model, made = make_model(SPRING), carriage.record(400)
+    known = {"M": 1.0, "carriage.linear_stiffness.k": 1e6, "carriage.viscous.f_v": 2e3}
+    run = simulate(model, known, made)
+    assert np.abs(run.outputs[100:, 0]).max() < 2 * 80 / 1e6, "force over stiffness"
+
+
+def test_a_lightly_damped_resonance_is_integrated_accurately():
+    """With zeta = 0.02 and seven samples a period the stability limit alone would damp it twice over."""
+    from hybridid.model import compose
+    from hybridid.plants.emps import EMPS
+
+    n, dt, omega, zeta = 400, 0.01, 90.0, 0.02
+    time = np.arange(n) * dt
+    made = Record(
+        "resonance",
+        time,
+        np.zeros((n, 1)),
+        np.sin(time)[:, None],
+        (Channel("force", "N"),),
+        (Channel("position", "m"),),
+    )
+    model = compose(EMPS(), SPRING)
+    known = {"M": 1.0, "carriage.linear_stiffness.k": omega**2, "carriage.viscous.f_v": 2 * zeta * omega}
+    run = simulate(model, known, made, np.array([1.0, 0.0]))
+    fast = omega * np.sqrt(1 - zeta**2)
+    exact = np.exp(-zeta * omega * time) * (np.cos(fast * time) + zeta * omega / fast * np.sin(fast * time))
+    assert np.sqrt(np.mean((run.outputs[:, 0] - exact) ** 2)) < 0.03 * exact.std()
+
+
+def test_sharper_friction_asks_for_more_steps(carriage, make_model):
+    made = carriage.record(200)
+    steps = []
+    for epsilon in (1e-2, 1e-3, 2e-4):
+        model = make_model(adjust={"carriage.epsilon": {"fixed": epsilon}})
+        steps.append(substeps_for(model, model.values(carriage.truth), [made]))
+    assert steps[0] < steps[1] < steps[2], "even where no sample is at rest"
+
+
+def test_too_stiff_a_model_is_refused_in_one_line(carriage, make_model):
+    model = make_model(SPRING)
+    with pytest.raises(ValueError, match=f"too stiff for RK4.*{MOST} steps") as caught:
+        substeps_for(model, values(model, 1e12, 1.0), [carriage.record(200)])
+    assert "\n" not in str(caught.value)
+
+
+def test_an_implicit_method_needs_no_more_steps_for_stiffness(carriage, make_model):
+    model, made = make_model(SPRING), carriage.record(200)
+    p = values(model, 1e8, 2e6)
+    assert substeps_for(model, p, [made], integrator="rodas3") <= 8
+
+
+def test_an_unknown_integrator_is_named(carriage, make_model):
+    model = make_model()
+    with pytest.raises(ValueError, match=r"unknown integrator 'rk5'.*rk4, rodas3"):
+        substeps_for(model, model.values(), [carriage.record(100)], integrator="rk5")
