@@ -10,26 +10,35 @@ Source: thesis Eqs. 6-4 to 6-6, with fixed centres and widths.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.model import Model
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import Refit, refit
+from hybridid.trace.refit import DECLARED, Refit, problem_of, refit
 from hybridid.trace.split import Split
 
+Array = NDArray[np.float64]
 Over = Literal["velocity", "position"]
 BUMPS = 12
+BINS, LEAST_IN_BIN = 60, 20
+"""Of the curve that is shown."""
 
 
 @dataclass(frozen=True)
 class Ceiling:
-    """Held-out ``gain`` of a learned effort at ``port`` over ``over``, with its p-value."""
+    """Held-out ``gain`` of a learned effort at ``port`` over ``over``, with its p-value.
+
+    ``curve`` (velocity or position, effort) is what it adds there to the model's own terms, less
+    what these lose in the refit: alone, bumps and viscous friction could trade any amount.
+    """
 
     port: str
     over: Over
@@ -79,37 +88,66 @@ def learned_effort(over: Over, low: float, high: float, bumps: int = BUMPS) -> E
 def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     """Fit a learned effort at ``port`` beside everything else and score it held out."""
     where = base.model.plant.port(port)
-    low, high = _range(base, split, port, over)
+    path = _Path.of(base, split)
+    s = path.motion(port, over)
+    low, high = float(s.min()), float(s.max())
     effect = learned_effort(over, low, high)
     model: Model = base.model.plus(effect, port)
     found = refit(model, split, [base.values], base)
     evidence = compare(base.score, found.score)
-    grid = np.linspace(low, high, 101)
-    weights = np.array([found.values[f"{port}.{effect.id}.w{k}"] for k in range(BUMPS)])
-    law = effect.law
-    assert isinstance(law, Bumps)
-    shapes = np.exp(-(((grid[:, None] - np.array(law.centres)) / law.width) ** 2) / 2)
+    net = path.effort(model, found.values, port) - path.effort(base.model, base.values, port)
     unit = where.position_unit + ("/s" if over == "velocity" else "")
-    curve = tuple(zip(grid.tolist(), (shapes @ weights).tolist(), strict=True))
+    curve = _binned(s, net)
     return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, unit)
 
 
-def _range(base: Refit, split: Split, port: str, over: Over) -> tuple[float, float]:
-    """What the port's motion covers over the records, by the base model's own states."""
-    from hybridid.validation.predict import horizon_run
+@dataclass(frozen=True)
+class _Path:
+    """The base model's own way through every horizon: times (n,), states (n, n_x), inputs (n, n_u)."""
 
-    model = base.model
-    index = [q.name for q in model.effort_ports].index(port)
-    column = 1 if over == "velocity" else 0
-    p = model.values(base.values)
-    low, high = np.inf, -np.inf
-    for record in split.records:
-        run = horizon_run(model, base.values, record, split.horizon)
-        n = len(run.time)
-        inputs = record.inputs[:n].T
-        moved = np.asarray(
-            model.motions.map(n)(run.time[None, :], run.states.T, inputs, np.tile(p[:, None], n))
+    model: Model
+    p: Array
+    time: Array
+    states: Array
+    inputs: Array
+
+    @classmethod
+    def of(cls, base: Refit, split: Split) -> _Path:
+        problem, p = problem_of(base.model, split, DECLARED, base.values), base.model.values(base.values)
+        time, states, inputs = [], [], []
+        for horizons, x0 in ((split.fitted, base.fitted_x0), (split.held_out, base.held_x0)):
+            part = problem.on(horizons)
+            used = part.windows.used
+            time.append(part.windows.time[used])
+            states.append(part.shooter(x0, p).states[used])
+            inputs.append(part.windows.inputs[used])
+        return cls(base.model, p, *(np.concatenate(a) for a in (time, states, inputs)))
+
+    def motion(self, port: str, over: Over) -> Array:
+        """The port's velocity or position, (n,)."""
+        index = [q.name for q in self.model.effort_ports].index(port)
+        moved = self._along(self.model.motions, self.p)
+        return moved.reshape(len(self.model.effort_ports), -1, 2)[index, :, 1 if over == "velocity" else 0]
+
+    def effort(self, model: Model, values: Mapping[str, float], port: str) -> Array:
+        """Sum of the efforts of ``model``'s terms at ``port`` along this way, (n,)."""
+        terms = [term for term in model.terms if term.effect.kind == "effort"]
+        rows = [k for k, term in enumerate(terms) if term.port == port]
+        if not rows:
+            return np.zeros(len(self.time))
+        efforts = self._along(model.efforts, model.values(values))
+        return np.asarray(efforts[rows].sum(axis=0))
+
+    def _along(self, function: ca.Function, p: Array) -> Array:
+        n = len(self.time)
+        return np.asarray(
+            function.map(n)(self.time[None, :], self.states.T, self.inputs.T, np.tile(p[:, None], n))
         )
-        values = moved[index].reshape(n, 2)[:, column]
-        low, high = min(low, float(values.min())), max(high, float(values.max()))
-    return low, high
+
+
+def _binned(s: Array, effort: Array) -> tuple[tuple[float, float], ...]:
+    """Means of ``effort`` in bins of ``s`` that hold samples enough, as (s, effort)."""
+    edges = np.linspace(s.min(), s.max(), BINS + 1)
+    bins = np.clip(np.digitize(s, edges) - 1, 0, BINS - 1)
+    full = [k for k in range(BINS) if (bins == k).sum() >= LEAST_IN_BIN]
+    return tuple((float(s[bins == k].mean()), float(effort[bins == k].mean())) for k in full)

@@ -105,7 +105,7 @@ def refit(
     ``before`` lends its initial states. ``factors`` is the continuation in epsilon.
     """
     began = time.perf_counter()
-    problem = _problem(model, split, numerics, starts[0])
+    problem = problem_of(model, split, numerics, starts[0])
     fitted, held = problem.on(split.fitted), problem.on(split.held_out)
     x0 = _initial(fitted, None if before is None else before.fitted_x0)
     begun = [problem.smoothed(model.values(s), numerics.smoothing) for s in starts]
@@ -132,7 +132,8 @@ def refit(
     )
 
 
-def _problem(model: Model, split: Split, numerics: Numerics, start: Mapping[str, float]) -> Problem:
+def problem_of(model: Model, split: Split, numerics: Numerics, start: Mapping[str, float]) -> Problem:
+    """Every horizon of ``split`` as a problem, solved as ``numerics`` say; steps are chosen at ``start``."""
     records = split.records
     if numerics.hold is not None:
         records = tuple(
