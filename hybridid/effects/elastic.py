@@ -64,7 +64,7 @@ FREE_PLAY = Effect(
         EffectParameter(
             "k", STIFFNESS, "stiffness that is missing in the gap", guess=0.3, lower=0.0, nests=True
         ),
-        EffectParameter("g", POSITION, "half the gap", guess=0.1, lower=0.01, upper=30.0, starts=(0.02, 1.0)),
+        EffectParameter("g", POSITION, "half the gap", guess=0.1, lower=1e-3, upper=3.0, starts=(0.01, 0.5)),
         EffectParameter("width", POSITION, "rounding of the gap's edges", guess=1e-4, lower=0.0, fixed=True),
     ),
     source=(
