@@ -36,15 +36,15 @@ BINS, LEAST_IN_BIN = 60, 20
 class Ceiling:
     """Held-out ``gain`` of a learned effort at ``port`` over ``over``, with its p-value.
 
-    ``curve`` (velocity or position, effort) is what it adds there to the model's own terms, less
-    what these lose in the refit: alone, bumps and viscous friction could trade any amount.
+    ``curve`` (velocity or position, effort, samples) is what it adds there to the model's own terms,
+    less what these lose in the refit: alone, bumps and viscous friction could trade any amount.
     """
 
     port: str
     over: Over
     gain: float
     p_value: float
-    curve: tuple[tuple[float, float], ...]
+    curve: tuple[tuple[float, float, int], ...]
     unit: str
     over_unit: str
 
@@ -145,9 +145,13 @@ class _Path:
         )
 
 
-def _binned(s: Array, effort: Array) -> tuple[tuple[float, float], ...]:
-    """Means of ``effort`` in bins of ``s`` that hold samples enough, as (s, effort)."""
+def _binned(s: Array, effort: Array) -> tuple[tuple[float, float, int], ...]:
+    """Means of ``effort`` in bins of ``s`` that hold samples enough, as (s, effort, samples)."""
     edges = np.linspace(s.min(), s.max(), BINS + 1)
     bins = np.clip(np.digitize(s, edges) - 1, 0, BINS - 1)
-    full = [k for k in range(BINS) if (bins == k).sum() >= LEAST_IN_BIN]
-    return tuple((float(s[bins == k].mean()), float(effort[bins == k].mean())) for k in full)
+    members = [bins == k for k in range(BINS)]
+    return tuple(
+        (float(s[m].mean()), float(effort[m].mean()), int(m.sum()))
+        for m in members
+        if m.sum() >= LEAST_IN_BIN
+    )

@@ -1,0 +1,89 @@
+"""Figure: the learned efforts that bound what a memoryless effect at a port could explain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from hybridid.plotting.axes import Array, frame, name_y, scale_for
+from hybridid.plotting.legends import legend_on_top
+from hybridid.plotting.looks import SOFT_INK, look
+from hybridid.plotting.series import PlotError
+from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
+
+PANEL = 46.0  # mm
+LARGEST = 40.0  # area in pt² of the dot where the record dwells most
+
+
+@dataclass(frozen=True)
+class LearnedCurve:
+    """Effort (m,) in ``unit`` learned over ``over`` (velocity or position, ``at`` (m,) in ``over_unit``)
+    beside ``model``, the ``samples`` (m,) that saw it, and the share of held-out RMSE that it takes away."""
+
+    model: str
+    over: str
+    at: Array
+    effort: Array
+    samples: Array
+    unit: str
+    over_unit: str
+    gain: float
+
+
+@styled
+def ceiling_plot(
+    port: str, curves: Sequence[LearnedCurve], judged: str, provenance: str, width: float = DOUBLE_COLUMN
+) -> Plot:
+    """A panel a variable; in it, what a free curve of that variable would add to each model.
+
+    Raises:
+        PlotError: if there is no curve.
+    """
+    if not curves:
+        raise PlotError(f"ceiling at {port}: no curve to draw; give at least one")
+    variables = list(dict.fromkeys(curve.over for curve in curves))
+    models = list(dict.fromkeys(curve.model for curve in curves))
+    figure = new_figure(width, 22 + PANEL, f"learned effort at {port}, {judged}", provenance)
+    panels = figure.subplots(1, len(variables), sharey=True, squeeze=False)[0]
+    effort = scale_for("learned effort", curves[0].unit, *(curve.effort for curve in curves))
+    lines = {}
+    for axes, over in zip(panels, variables, strict=True):
+        shown = [curve for curve in curves if curve.over == over]
+        lines |= _panel(axes, shown, models, effort.factor)
+        axes.set_title(" · ".join(f"{curve.model}: {max(curve.gain, 0):.0%} less error" for curve in shown))
+    name_y(panels[0], effort)
+    panels[0].set_ylim(frame([curve.effort * effort.factor for curve in curves]))
+    legend_on_top(figure, [lines[model] for model in models])
+    found = "; ".join(f"over {c.over} beside the {c.model} model {c.gain:.1%}" for c in curves)
+    caption = (
+        f"Effort at {port} ({provenance}) learned as a free curve of one variable, fitted in simulation beside "
+        f"everything else, and how much of the error it takes away, {judged}: {found}. No memoryless effect "
+        "of that variable alone can do more, up to the curve's resolution. Dots are as large as the record "
+        "dwells there long: between them little holds the curve."
+    )
+    return Plot(figure, f"ceiling_{port}", caption, provenance)
+
+
+def _panel(
+    axes: Axes, curves: Sequence[LearnedCurve], models: Sequence[str], factor: float
+) -> dict[str, object]:
+    scale = scale_for(curves[0].over, curves[0].over_unit, *(curve.at for curve in curves))
+    axes.axhline(0.0, color=SOFT_INK, linewidth=0.5, zorder=1)
+    axes.axvline(0.0, color=SOFT_INK, linewidth=0.5, zorder=1)
+    lines = {}
+    for curve in curves:
+        style = look(models.index(curve.model))
+        lines[curve.model] = axes.plot(
+            curve.at * scale.factor, curve.effort * factor, label=f"beside the {curve.model} model",
+            color=style.colour, linestyle=style.dashes, linewidth=0.7, zorder=style.above,
+        )[0]  # fmt: skip
+        axes.scatter(
+            curve.at * scale.factor, curve.effort * factor, LARGEST * curve.samples / curve.samples.max(),
+            color=style.colour, linewidths=0, zorder=style.above + 1,
+        )  # fmt: skip
+    axes.set_xlim(*(np.array([curves[0].at.min(), curves[0].at.max()]) * scale.factor))
+    axes.set_xlabel(scale.label)
+    return lines
