@@ -14,12 +14,19 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
+from scipy.signal import savgol_filter
 
 from hybridid.declarations import Parameter
 from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.initial import measured_states, observed, smoothed_derivative
+from hybridid.simulation.initial import (
+    ORDER,
+    measured_states,
+    observed,
+    smoothed_derivative,
+    widest_half_width,
+)
 from hybridid.simulation.unobserved import free_run_states
 
 Array = NDArray[np.float64]
@@ -87,8 +94,13 @@ def _equation_error(model: Model, records: Sequence[Record]) -> Array:
 
 
 def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
-    """Times, states, their rates and inputs at up to ``MOST_SAMPLES`` inner samples."""
-    width = min(HALF_WIDTH, (record.n - 1) // 4)
+    """Times, states, their rates and inputs at up to ``MOST_SAMPLES`` inner samples.
+
+    All are smoothed alike, the inputs too: what smoothing takes from both sides of an equation
+    does not unbalance it.
+    """
+    seen = [record.output(s.observed_by) for s in model.states if s.observed_by is not None]
+    width = min(HALF_WIDTH, (record.n - 1) // 4, *(widest_half_width(samples) for samples in seen))
     states = measured_states(model, record, width)
     rates = np.stack(
         [
@@ -100,7 +112,8 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
     )
     step = max(1, record.n // MOST_SAMPLES)
     inner = slice(width, record.n - width, step)
-    return record.time[inner], states[inner], rates[inner], record.inputs[inner]
+    inputs = savgol_filter(record.inputs, 2 * width + 1, ORDER, axis=0)
+    return record.time[inner], states[inner], rates[inner], inputs[inner]
 
 
 def _functions(model: Model, n: int, scale: Array) -> tuple[ca.Function, ca.Function]:
