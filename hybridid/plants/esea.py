@@ -48,7 +48,7 @@ class ESEA(Plant):
             position_unit="rad",
             position_scale=1.0,
             velocity_scale=5.0,
-            epsilon=0.02,
+            epsilon=0.1,
             meaning="motor bearings and brushes: the thesis' friction",
         ),
         Port(
@@ -58,8 +58,8 @@ class ESEA(Plant):
             effort_scale=0.1,
             position_unit="rad",
             position_scale=0.01,
-            velocity_scale=0.2,
-            epsilon=1e-3,
+            velocity_scale=0.3,
+            epsilon=0.02,
             meaning="twist of the joint, motor less link",
         ),
         Port(
@@ -70,7 +70,7 @@ class ESEA(Plant):
             position_unit="rad",
             position_scale=1.0,
             velocity_scale=5.0,
-            epsilon=0.02,
+            epsilon=0.1,
             meaning="link bearing; the link's weight",
         ),
         Port("torque", "input", effort_unit="N·m", effort_scale=0.1, meaning="torque command to torque"),

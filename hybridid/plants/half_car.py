@@ -8,14 +8,14 @@ from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.plants.plant import Motion, Plant
 
 
-def _suspension(name: str, meaning: str) -> Port:
+def _strut(name: str, effort_scale: float, position_scale: float, meaning: str) -> Port:
     return Port(
         name,
         "effort",
         effort_unit="N",
-        effort_scale=1000.0,
+        effort_scale=effort_scale,
         position_unit="m",
-        position_scale=0.05,
+        position_scale=position_scale,
         velocity_scale=0.5,
         epsilon=5e-3,
         meaning=meaning,
@@ -82,10 +82,10 @@ class HalfCar(Plant):
         Parameter("k_t", "N/m", guess=3e5, lower=2e4, upper=2e7, meaning="stiffness of a tyre"),
     )
     ports = (
-        _suspension("front_suspension", "front spring and damper, compression positive"),
-        _suspension("rear_suspension", "rear spring and damper, compression positive"),
-        _suspension("front_tyre", "front tyre, compression positive; its velocity is unknown"),
-        _suspension("rear_tyre", "rear tyre, compression positive; its velocity is unknown"),
+        _strut("front_suspension", 2000.0, 0.05, "front spring and damper, compression positive"),
+        _strut("rear_suspension", 2000.0, 0.05, "rear spring and damper, compression positive"),
+        _strut("front_tyre", 5000.0, 0.02, "front tyre, compression positive; its velocity is unknown"),
+        _strut("rear_tyre", 5000.0, 0.02, "rear tyre, compression positive; its velocity is unknown"),
         Port("u_f", "input", effort_unit="m", effort_scale=0.05, meaning="road to front tyre"),
         Port("u_r", "input", effort_unit="m", effort_scale=0.05, meaning="road to rear tyre"),
         Port(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -15,12 +15,15 @@ from hybridid.simulation.unobserved import filled_states
 from hybridid.simulation.windows import cut
 
 Array = NDArray[np.float64]
+IMPLICIT = "rodas3"
 MOST = 50
 """A model stiffer than this many steps a sample wants another integrator."""
 COMFORTABLE = 1.0
 """|eigenvalue| times step that RK4 integrates, overdamped, with an error below 1 %; its limit is 2.78."""
 LEAST_DAMPING = 0.02
 """A mode damped less than this counts as damped so: few records show fifty swings of one."""
+RESOLVED = 2.0
+"""Change of an eigenvalue, times the step, that an implicit method's derivatives follow."""
 PROBES = 200
 ACCURACY = 2e-4
 """Change of the outputs, in standard deviations, below which halving the step is no use."""
@@ -45,6 +48,19 @@ def substeps_for(
     return steps
 
 
+def first_substeps(model: Model, p: Array, records: Sequence[Record], integrator: str) -> int:
+    """Steps a sample for a fit that starts at ``p``: stable there, with a tenth in hand.
+
+    Whether they are accurate enough shows where the fit ends.
+
+    Raises:
+        ValueError: as ``substeps_for``.
+    """
+    if integrator == IMPLICIT:
+        return min(by_kinks(model, p, records), MOST)
+    return substeps_for(model, p, records, 1.1, integrator)
+
+
 def substeps_wanted(
     model: Model, p: Array, records: Sequence[Record], margin: float = 1.0, integrator: str = "rk4"
 ) -> int:
@@ -65,12 +81,28 @@ def by_eigenvalues(model: Model, p: Array, records: Sequence[Record], margin: fl
     ζ = -Re λ / |λ|: a lightly damped resonance needs shorter steps than the decay of a friction.
     """
     needed = 1.0
-    for modes in _modes(model, p, records):
+    for modes in (modes for record in records for modes in _modes(model, p, record)):
         size = np.abs(modes)
         damping = np.clip(
             np.divide(-modes.real, size, out=np.ones_like(size), where=size > 0), LEAST_DAMPING, 1
         )
         needed = max(needed, float(np.max(size * records[0].dt * margin / (COMFORTABLE * damping**0.25))))
+    return int(np.ceil(needed))
+
+
+def by_kinks(model: Model, p: Array, records: Sequence[Record]) -> int:
+    """Steps within which an eigenvalue changes by less than ``RESOLVED / h``.
+
+    An implicit method is stable at any step, but where a friction's slope jumps within one (sign(v)
+    near rest), the derivative of the step means nothing, and shooting needs it. Such a kink is
+    stiffer at rest than in motion; a mode that grows needs resolving too.
+    """
+    needed = 1.0
+    for record in records:
+        moving, resting = _modes(model, p, record)
+        kink = np.abs(resting).max() - np.median(np.abs(moving).max(axis=1))
+        growth = max(moving.real.max(), resting.real.max())
+        needed = max(needed, record.dt * kink / RESOLVED, record.dt * growth / (0.25 * RESOLVED))
     return int(np.ceil(needed))
 
 
@@ -81,7 +113,8 @@ def by_halving(model: Model, p: Array, records: Sequence[Record], margin: float)
     are compared over up to ``HORIZONS`` short horizons, each from a state of a free run.
     """
     states = [filled_states(model, p, record) for record in records]
-    steps, before = 1, _outputs(model, p, records, states, 1)
+    steps = by_kinks(model, p, records)
+    before = _outputs(model, p, records, states, steps)
     while steps <= MOST:
         after = _outputs(model, p, records, states, 2 * steps)
         if _change(before, after) <= ACCURACY / margin:
@@ -103,19 +136,21 @@ REMEDY: Mapping[str, str] = {
 }
 
 
-def _modes(model: Model, p: Array, records: Sequence[Record]) -> Iterator[Array]:
-    """Eigenvalues (n_x,) of df/dx in 1/s at rest and at some samples of each record."""
+def _modes(model: Model, p: Array, record: Record) -> tuple[Array, Array]:
+    """Eigenvalues of df/dx in 1/s at some samples of a record, (m, n_x), and at rest, (m, n_x)."""
     x = ca.SX.sym("x", len(model.states))
     t, u = ca.SX.sym("t"), ca.SX.sym("u", len(model.inputs))
     q = ca.SX.sym("p", len(model.parameters))
     jacobian = ca.Function("A", [t, x, u, q], [ca.densify(ca.jacobian(model.f(t, x, u, q), x))])
-    for record in records:
-        states = filled_states(model, p, record)
-        for k in np.unique(np.linspace(0, record.n - 1, PROBES).astype(int)):
-            for state in (states[k], np.zeros(states.shape[1])):
-                matrix = np.asarray(jacobian(record.time[k], state, record.inputs[k], p))
-                if np.isfinite(matrix).all():
-                    yield np.linalg.eigvals(matrix)
+    k = np.unique(np.linspace(0, record.n - 1, PROBES).astype(int))
+    states = filled_states(model, p, record)[k]
+
+    def eigenvalues(at: Array) -> Array:
+        stacked = jacobian.map(len(k))(record.time[k], at.T, record.inputs[k].T, np.tile(p, (len(k), 1)).T)
+        matrices = np.asarray(stacked).reshape(at.shape[1], len(k), at.shape[1]).swapaxes(0, 1)
+        return np.linalg.eigvals(np.where(np.isfinite(matrices), matrices, 0.0))
+
+    return eigenvalues(states), eigenvalues(np.zeros_like(states))
 
 
 def _outputs(model: Model, p: Array, records: Sequence[Record], states: Sequence[Array], steps: int) -> Array:
@@ -123,7 +158,7 @@ def _outputs(model: Model, p: Array, records: Sequence[Record], states: Sequence
     windows = cut(records, HORIZON, steps)
     windows = windows.select(np.unique(np.linspace(0, windows.count - 1, HORIZONS).astype(int)).tolist())
     x0 = np.stack([states[index][start] for index, start, _ in windows.origin])
-    return Shooter(model, windows, integrator="rodas3")(x0, p).outputs
+    return Shooter(model, windows, integrator=IMPLICIT)(x0, p).outputs
 
 
 def _change(before: Array, after: Array) -> float:
