@@ -31,6 +31,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("validate", "score the fitted model on every record", helptexts.VALIDATE, _STAGES),
     Command("plot", "draw the figures", helptexts.PLOT, _STAGES),
     Command("reproduce", "the thesis' tables beside ours", helptexts.REPRODUCE, _STAGES),
+    Command("trace", "find what the model lacks", helptexts.TRACE, _STAGES),
     Command("cases", "list the cases and their records", helptexts.CASES, f"{_LISTS}:cases", False),
     Command("effects", "list the physics that can be added", helptexts.EFFECTS, f"{_LISTS}:effects", False),
     Command("fetch", "download a case's public records", helptexts.FETCH, _STAGES),

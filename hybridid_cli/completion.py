@@ -36,6 +36,7 @@ _CHOICES = {
     "estimator.method": ("gauss_newton", "multiple_shooting"),
     "estimator.hessian": ("gauss_newton", "exact"),
     "estimator.start": ("regression", "guess"),
+    "trace.held_out": ("auto", "null"),
     "mlflow.enabled": ("true", "false"),
     "force": ("true", "false"),
 }
@@ -92,8 +93,8 @@ def _overrides(name: str, words: Sequence[str], current: str, folders: Sequence[
         yield from (f"{group}=" for group in known_groups)
     elif key in known_groups:
         yield from (f"{key}={option}" for option in options(key, folders))
-    elif key == "effects":
-        yield from _effect_lists(value)
+    elif key in ("effects", "trace.effects"):
+        yield from _effect_lists(key, value)
     else:
         yield from (f"{key}={choice}" for choice in _CHOICES.get(key, ()))
 
@@ -105,12 +106,12 @@ def _parameter_keys(name: str, choices: dict[str, str], folders: Sequence[Path])
             yield from (f"{key.rpartition('.')[0]}.{setting}" for setting in _SETTINGS)
 
 
-def _effect_lists(value: str) -> Iterator[str]:
+def _effect_lists(key: str, value: str) -> Iterator[str]:
     """``[viscous,cou`` -> ``[viscous,coulomb``: the list so far with each effect that is not in it."""
     done, comma, _ = value.rpartition(",")
     taken = done.strip("[").split(",")
     yield from (
-        f"effects={done + comma if comma else '['}{effect}" for effect in _effects() if effect not in taken
+        f"{key}={done + comma if comma else '['}{effect}" for effect in _effects() if effect not in taken
     )
 
 

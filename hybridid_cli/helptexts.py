@@ -23,6 +23,7 @@ _SHARED = """\
 Keys that every stage knows (hybridid {name} --cfg job prints them all)
   case=NAME                the machine and its records (hybridid cases); default: emps
   effects=[a,b@port,...]   the physics at its ports (hybridid effects)
+  model=FILE               model.json of fit or trace, in place of plant, effects and parameters
   parameters.NAME.KEY=X    guess, lower, upper or fixed of one parameter, as in parameters.M.lower=30
   data=measured|simulated  insist on measured records, or on the case's virtual rig; default: auto
   paths.data=DIR           where measured records lie; default: $HYBRIDID_DATA, else data/raw
@@ -87,6 +88,34 @@ Draws record, model against data, error, friction over velocity, spectrum, resid
 spread of errors, as files for a paper.
 
   hybridid plot case=emps
+"""
+
+TRACE = """\
+Adds every effect of the library at every port of its kind, refits all parameters together, and judges on horizons
+that no fit has seen what the model lacks. Accepts an effect if its gain is significant, worth having, determined
+by the records, and survives other ways to solve the equations; names together what the records cannot tell apart;
+goes on until nothing passes. Writes trace/report.html, trace/trace.json and the augmented model.
+
+  hybridid trace case=emps
+  hybridid trace case=emps effects=[viscous]                       with physics left out
+  hybridid trace case=emps fit.records=[validation]                from one record alone
+  hybridid trace case=emps trace.effects=[stribeck,dahl,lugre]     try only these
+  hybridid trace --config-dir mylab case=mine trace.extra_effects=[mymodule:MY_EFFECT]
+  hybridid run case=emps model=TREE/trace/model.json               go on with the augmented model
+
+Its own keys
+  trace.horizon=S          length of each horizon in s; default: validate.horizon
+  trace.records=[...]      roles or names of the records to fit; default: fit.records
+  trace.held_out=[...]     of those that judge; null: alternate horizons of the fitted ones do;
+                           default: auto, the validation records, or null if there are none
+  trace.worth=X            smallest decrease of the held-out RMSE worth having; default: 0.05
+  trace.alpha=X            probability of one false effect among all tried in a step; default: 0.01
+  trace.tie=X              relative difference below which two effects are alike; default: 0.02
+  trace.effects=[...]      ids to try; default: the whole library (hybridid effects)
+  trace.extra_effects=[module:NAME,...]   effects of your own, tried beside them
+  trace.ports=[...]        ports to try; default: all
+  trace.most_effects=N     that may be accepted; default: 6
+  trace.processes=N        side by side; default: one a core
 """
 
 CASES = """\

@@ -11,6 +11,7 @@ from rich.text import Text
 
 from hybridid.plotting.units import engineering
 from hybridid_cli.tables import rendered, table
+from hybridid_cli.trace_results import trace_results
 from pipelines.findings import estimate_of, metric_rows, prepared_records
 from pipelines.stage import Outcome
 
@@ -133,4 +134,5 @@ _SECTIONS: dict[str, Callable[[Path], list[RenderableType]]] = {
     "fit": _estimates,
     "validate": _scores,
     "plot": _figures,
+    "trace": trace_results,
 }

@@ -29,7 +29,12 @@ def settings_of(cfg: DictConfig) -> Settings:
     make_importable(folders)
     config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
     assert isinstance(config, dict)
-    return Settings(case, {str(k): v for k, v in config.items()}, folders, hydra.mode == RunMode.MULTIRUN)
+    plain = {str(k): v for k, v in config.items()}
+    if plain.get("model") is not None:
+        from pipelines.augmented import taken_up
+
+        plain = taken_up(plain)
+    return Settings(case, plain, folders, hydra.mode == RunMode.MULTIRUN)
 
 
 class Unfinished(BaseException):

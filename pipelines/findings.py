@@ -13,6 +13,7 @@ from pipelines.storage import read_json
 RECORDS = "preprocess/records.json"
 ESTIMATE = "fit/estimate.json"
 METRICS = "validate/metrics.json"
+TRACE = "trace/trace.json"
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,11 @@ def loaded_estimate(tree: Path) -> Estimate:
     return replace(estimate, seconds={k: float(v) for k, v in estimate.seconds.items()})
 
 
+def trace_of(tree: Path) -> dict[str, Any]:
+    """``trace/trace.json``."""
+    return dict(read_json(tree / TRACE))
+
+
 def provenance_of(tree: Path) -> str:
     """``measured``, ``simulated``, or both."""
     return " and ".join(sorted({record.provenance for record in prepared_records(tree)}))
@@ -79,7 +85,26 @@ def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
         for row in metric_rows(tree):
             where = f"{row['record']}.{row['output']}.{row['view']}"
             found |= {f"{where}.{score}": row[score] for score in ("mse", "rmse", "r2", "fit_percent")}
+    if "trace" in stages:
+        found |= _trace_metrics(trace_of(tree))
     return {name: float(value) for name, value in found.items() if value is not None}
+
+
+def _trace_metrics(data: Mapping[str, Any]) -> dict[str, float | None]:
+    """Errors before and after, and each accepted effect's gain, p-value and parameters."""
+    found: dict[str, float | None] = {
+        "trace.seconds": data["seconds"],
+        "trace.accepted": float(len(data["accepted"])),
+    }
+    for when in ("before", "after"):
+        for row in data[when]:
+            where = f"trace.{when}.{row['record']}.{row['output']}.{row['view']}"
+            found |= {f"{where}.{score}": row[score] for score in ("mse", "rmse", "r2")}
+    for entry in data["accepted"]:
+        name = f"trace.{entry['port']}.{entry['effect']}"
+        found |= {f"{name}.gain": entry["gain"], f"{name}.p_value": entry["p_value"]}
+        found |= {f"{name}.{p}": parameter["value"] for p, parameter in entry["parameters"].items()}
+    return found
 
 
 def cost_history(tree: Path) -> list[float]:
@@ -93,4 +118,6 @@ def facts(tree: Path) -> dict[str, str]:
     if (tree / ESTIMATE).exists():
         estimate = estimate_of(tree)
         said |= {"fit.status": str(estimate["status"]), "fit.converged": str(estimate["converged"]).lower()}
+    if (tree / TRACE).exists():
+        said["trace.verdict"] = str(trace_of(tree)["verdict"])
     return said

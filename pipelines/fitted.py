@@ -14,13 +14,14 @@ from pipelines.modelling import model_of
 from pipelines.storage import read_json
 
 MODEL = "fit/model.json"
+MAKES_A_MODEL = ("plant", "effects", "parameters")
 
 
 def describe_model(settings: Settings, model: Model) -> dict[str, Any]:
     """What rebuilds the model, and its equations for a reader."""
     return {
         "case": settings.case,
-        "config": {key: settings.get(key) for key in ("plant", "effects", "parameters")},
+        "config": {key: settings.get(key) for key in MAKES_A_MODEL},
         "python_folders": [str(folder.resolve()) for folder in settings.folders],
         "states": [{"name": s.name, "unit": s.unit} for s in model.states],
         "inputs": [{"name": s.name, "unit": s.unit} for s in model.inputs],

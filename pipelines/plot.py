@@ -24,7 +24,7 @@ from hybridid.records.store import load_record
 from hybridid.validation.port_efforts import port_efforts, resisting_effort
 from pipelines.findings import estimate_of, prepared_records
 from pipelines.fitted import load
-from pipelines.predictions import Stored, Tested, predictions_in, tests_in
+from pipelines.predictions import Stored, Tested, predictions_in, residual_tests_in
 from pipelines.stage import Job, Stage
 
 Named = Iterator[tuple[str, Plot]]
@@ -34,7 +34,7 @@ def run(job: Job) -> None:
     """Draw everything; files are called ``<record>.<output or port>.<figure>``."""
     model, estimate = load(job.tree)
     stored = predictions_in(job.tree)
-    tests = tests_in(job.tree)
+    tests = residual_tests_in(job.tree)
     for prepared in prepared_records(job.tree):
         record = load_record(prepared.file)
         save(record_plot(record), job.folder, f"{record.name}.record")

@@ -86,7 +86,7 @@ def write_tests(path: Path, tests: Sequence[Tested]) -> None:
     write_json(path, [asdict(test) for test in tests])
 
 
-def tests_in(tree: Path) -> list[Tested]:
+def residual_tests_in(tree: Path) -> list[Tested]:
     """The residual tests of a run tree."""
     entries = read_json(tree / FOLDER / RESIDUALS)
     return [Tested(**{**entry, "found": _residual_tests(entry["found"])}) for entry in entries]

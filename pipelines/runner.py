@@ -15,11 +15,14 @@ from pipelines.plot import PLOT
 from pipelines.preprocess import PREPROCESS
 from pipelines.sources import sources_of
 from pipelines.stage import Job, Outcome, Stage
+from pipelines.trace import TRACE
 from pipelines.tree import locked, point_latest, remove, replacing, tree_of, write_text
 from pipelines.validate import VALIDATE
 from pipelines.watch import Watcher
 
-STAGES: tuple[Stage, ...] = (PREPROCESS, FIT, VALIDATE, PLOT)
+RUN: tuple[Stage, ...] = (PREPROCESS, FIT, VALIDATE, PLOT)
+"""What the command ``run`` brings up to date."""
+STAGES: tuple[Stage, ...] = (*RUN, TRACE)
 
 
 def run_stages(settings: Settings, command: str, watcher: Watcher) -> Outcome:
@@ -49,9 +52,9 @@ def run_stages(settings: Settings, command: str, watcher: Watcher) -> Outcome:
 
 
 def wanted(command: str) -> tuple[Stage, ...]:
-    """The stage called ``command`` and all that it reads, in order; every stage for ``run``."""
+    """The stage called ``command`` and all that it reads, in order; those of ``RUN`` for ``run``."""
     if command == "run":
-        return STAGES
+        return RUN
     names = {command}
     for stage in reversed(STAGES):
         if stage.name in names:

@@ -1,0 +1,86 @@
+"""What a trace found, as a person reads it: the verdict first."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from rich.console import RenderableType
+from rich.text import Text
+
+from hybridid_cli.tables import table
+from pipelines.findings import trace_of
+from pipelines.trace_words import VERDICTS, estimated, probability, quantity, share
+
+_COLOURS = {"effect_found": "green", "ambiguous": "yellow", "nothing_missing": "green", "unexplained": "red"}
+
+
+def trace_results(tree: Path) -> list[RenderableType]:
+    """The verdict in one sentence, what was accepted, before and after, where the files are."""
+    data = trace_of(tree)
+    verdict = Text.assemble(
+        (f"{VERDICTS[data['verdict']]}: ", f"bold {_COLOURS[data['verdict']]}"), data["sentence"], "\n"
+    )
+    parts: list[RenderableType] = [verdict]
+    if data["accepted"]:
+        parts.append(_accepted(data))
+    parts.append(_before_after(data))
+    parts += [
+        Text(
+            f"tried {len(data['rejected']) + len(data['accepted'])} effects in {len(data['steps'])} steps, "
+            f"{data['seconds']:.0f} s on {data['processes']} processes; {data['stopped']}"
+        ),
+        Text(f"report: {tree / 'trace' / 'report.html'}"),
+    ]
+    if data["accepted"]:
+        parts.append(Text(f"go on:  {data['commands'][0]}"))
+    return parts
+
+
+def _accepted(data: dict[str, Any]) -> RenderableType:
+    columns = [
+        ("effect", ""), ("port", ""), ("estimate ± 95 %", ""), ("gain", "right"), ("adjusted p", "right"),
+        ("cannot be told from", ""), ("survives", "right"),
+    ]  # fmt: skip
+    made = table(f"Accepted ({data['provenance']})", columns)
+    for entry in data["accepted"]:
+        survived = [s["survives"] for s in entry["survivals"]]
+        made.add_row(
+            entry["effect"],
+            entry["port"],
+            ", ".join(f"{name} = {estimated(p)}" for name, p in entry["parameters"].items()),
+            share(entry["gain"]),
+            probability(entry["p_value"]),
+            ", ".join(name for name in entry["class"] if name != entry["effect"]) or "–",
+            f"{sum(survived)} of {len(survived)} variations",
+        )
+    return made
+
+
+def _before_after(data: dict[str, Any]) -> RenderableType:
+    columns = [
+        ("record", ""), ("output", ""), ("view", ""), ("RMSE before", "right"), ("after", "right"),
+        ("change", "right"), ("R² before", "right"), ("after", "right"), ("data", ""),
+    ]  # fmt: skip
+    made = table("Before and after", columns)
+    for before, after in zip(data["before"], data["after"], strict=True):
+        made.add_row(
+            f"{before['record']} ({before['role']})",
+            before["output"],
+            "free run" if before["view"] == "free_run" else f"horizon {before['horizon']:g} s",
+            quantity(before["rmse"], before["unit"]),
+            quantity(after["rmse"], after["unit"]),
+            _change(before["rmse"], after["rmse"]),
+            _fixed(before["r2"]),
+            _fixed(after["r2"]),
+            Text(before["provenance"], style="bold magenta" if before["provenance"] == "simulated" else ""),
+        )
+    return made
+
+
+def _change(before: float | None, after: float | None) -> str:
+    return f"{100 * (after / before - 1):+.1f} %" if before and after is not None else ""
+
+
+def _fixed(value: float | None) -> str:
+    return "?" if value is None else f"{value:.6f}"

@@ -1,0 +1,73 @@
+"""``hybridid ui``: MLflow's page, on this machine alone, and gone when it is ended."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="needs /proc to see who listens where")
+def test_page_opens_on_this_machine_alone_and_ends_with_ctrl_c(environment):
+    port = free_port()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "hybridid_cli", "ui", f"port={port}"],
+        env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    try:
+        assert process.stderr is not None
+        line = next(line for line in process.stderr if f"http://127.0.0.1:{port} is open" in line)
+        assert "this machine" in line
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=30) as page:
+            assert page.status == 200
+            assert b"MLflow" in page.read()
+        assert listening(port) == {"0100007F"}, "127.0.0.1, as the kernel writes it"
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 0
+    finally:
+        process.kill()
+    end = time.monotonic() + 10
+    while listening(port) and time.monotonic() < end:
+        time.sleep(0.1)
+    assert not listening(port), "the server outlived the command"
+
+
+def listening(port: int) -> set[str]:
+    """The addresses that listen on ``port``, in the kernel's hexadecimal."""
+    found = set()
+    for table in ("/proc/net/tcp", "/proc/net/tcp6"):
+        for line in Path(table).read_text().splitlines()[1:] if Path(table).exists() else ():
+            _, local, _, state, *_ = line.split()
+            address, _, number = local.partition(":")
+            if int(number, 16) == port and state == "0A":
+                found.add(address)
+    return found
+
+
+def test_port_that_is_taken(say):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        said = say("ui", f"port={port}")
+    assert said.code == 2
+    assert f"port {port}" in said.complaint
+
+
+@pytest.mark.parametrize("port", ["abc", "0", "70000", "true"])
+def test_port_that_is_none(say, port):
+    said = say("ui", f"port={port}")
+    assert said.code == 2
+    assert "whole number from 1 to 65535" in said.complaint

@@ -1,0 +1,111 @@
+"""A case made in the test: the EMPS plant over a short record of its rig, written as a measured CSV file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hybridid.rigs.emps import EMPSRig
+from pipelines.config import Settings
+
+CONFIG: dict[str, Any] = {
+    "case": {"title": "a short carriage"},
+    "data": "auto",
+    "plant": "hybridid.plants.emps:EMPS",
+    "effects": ["viscous", "coulomb", "offset"],
+    "parameters": {"M": {"lower": 30.0, "upper": 150.0}},
+    "signals": {
+        "time": {"column": "t"},
+        "inputs": {"force": {"column": "force", "unit": "N", "hold": "zoh"}},
+        "outputs": {"position": {"column": "mm", "unit": "m", "scale": 1e-3}},
+    },
+    "records": {
+        "first": {"files": "first.csv", "role": "identification", "run": "identification"},
+        "second": {"files": "second.csv", "role": "validation", "run": "validation"},
+    },
+    "rig": {"path": "hybridid.rigs.emps:EMPSRig", "seed": 0, "duration": 1.2},
+    "preprocess": {"steps": []},
+    "estimator": {"horizon": 300},
+    "fit": {"records": ["identification"]},
+    "validate": {
+        "records": None,
+        "views": ["free_run", "horizon"],
+        "horizon": 0.3,
+        "initial_state": "estimated",
+        "lags": 20,
+    },
+    "paths": {"data": "data", "outputs": "outputs"},
+    "mlflow": {"enabled": True},
+}
+
+
+@dataclass
+class Heard:
+    """A watcher that remembers."""
+
+    said: list[str] = field(default_factory=list)
+    warned: list[str] = field(default_factory=list)
+    works: list[str] = field(default_factory=list)
+
+    def say(self, line: str) -> None:
+        self.said.append(line)
+
+    def warn(self, line: str) -> None:
+        self.warned.append(line)
+
+    def carry_on(self) -> None:
+        pass
+
+    def progress(self, work: str, state: str, fraction: float | None) -> None:
+        self.works.append(f"{work}: {state}")
+
+
+@pytest.fixture(scope="session")
+def recordings() -> dict[str, str]:
+    """The files of both records, by name."""
+    texts = {}
+    for name, run in (("first.csv", "identification"), ("second.csv", "validation")):
+        record = EMPSRig().record(run, duration=1.2)
+        columns = np.column_stack([record.time, record.inputs[:, 0], 1e3 * record.outputs[:, 0]])
+        rows = "\n".join(",".join(f"{value:.12g}" for value in row) for row in columns)
+        texts[name] = f"t,force,mm\n{rows}\n"
+    return texts
+
+
+@pytest.fixture
+def data(own_folder: Path, recordings: dict[str, str]) -> Path:
+    """The data root, filled."""
+    folder = own_folder / "data"
+    folder.mkdir()
+    for name, text in recordings.items():
+        (folder / name).write_text(text)
+    return folder
+
+
+@pytest.fixture
+def settings(own_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Settings]:
+    """``settings({"estimator.horizon": 100})``: the case with some keys changed."""
+    monkeypatch.delenv("HYBRIDID_DATA", raising=False)
+
+    def changed(changes: dict[str, Any] | None = None, **more: Any) -> Settings:
+        config = deepcopy(CONFIG)
+        for key, value in (changes or {}).items():
+            *above, last = key.split(".")
+            node = config
+            for part in above:
+                node = node.setdefault(part, {})
+            node[last] = value
+        return Settings("short", config, **more)
+
+    return changed
+
+
+@pytest.fixture
+def heard() -> Heard:
+    return Heard()

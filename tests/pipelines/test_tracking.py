@@ -1,0 +1,143 @@
+"""MLflow: what a run holds, that many processes may begin at once, and that a result outlives it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pipelines import tracking
+from pipelines.errors import ConfigError
+from pipelines.runner import run_stages
+from pipelines.tracking import client, tracked, tracking_uri
+
+ROOT = Path(__file__).parents[2]
+
+
+def logged(settings, command, heard):
+    with tracked(settings, command, heard) as run:
+        outcome = run_stages(settings, command, heard)
+        run.finish(outcome)
+    store = client(settings)
+    experiment = store.get_experiment_by_name("short")
+    return store, store.search_runs([experiment.experiment_id])[0], outcome
+
+
+def test_a_run_holds_all_that_is_known_of_it(settings, heard, data):
+    store, run, outcome = logged(settings(), "validate", heard)
+    assert run.info.status == "FINISHED"
+    assert run.info.run_name == "validate"
+    assert run.data.params["estimator.horizon"] == "300"
+    assert run.data.params["effects"] == "['viscous', 'coulomb', 'offset']"
+    assert run.data.metrics["parameter.M"] == pytest.approx(95, rel=0.05)
+    assert run.data.metrics["second.position.horizon.rmse"] > 0
+    costs = store.get_metric_history(run.info.run_id, "cost")
+    assert len(costs) >= 2
+    assert costs[-1].value <= costs[0].value
+    tags = run.data.tags
+    assert tags["provenance"] == "measured"
+    assert len(tags["data.first"]) == 64
+    assert tags["stages.ran"] == "preprocess, fit, validate"
+    assert tags["tree"] == str(outcome.tree.resolve())
+    assert tags["fit.converged"] == "true"
+    kept = {f.path for f in store.list_artifacts(run.info.run_id)}
+    assert kept == {"config.yaml", "fit", "validate"}
+    assert (Path("outputs/mlflow-artifacts/short") / run.info.run_id / "artifacts/fit/estimate.json").exists()
+    assert sorted(p.name for p in Path("outputs").iterdir() if not p.name.startswith(".")) == [
+        "mlflow-artifacts", "mlflow.db", "short"
+    ]  # fmt: skip
+
+
+def test_commit_of_the_checkout_is_noted(settings, heard, data):
+    done = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "HEAD"], capture_output=True, text=True)
+    if done.returncode:
+        pytest.skip("not a git checkout")
+    _, run, _ = logged(settings(), "preprocess", heard)
+    assert len(run.data.tags["mlflow.source.git.commit"]) == 40
+    assert run.data.tags["git.changed"] in ("true", "false")
+
+
+def test_failed_command_is_a_failed_run(settings, heard, data):
+    with pytest.raises(RuntimeError), tracked(settings(), "fit", heard):
+        raise RuntimeError("the solver\nbroke")
+    store = client(settings())
+    run = store.search_runs([store.get_experiment_by_name("short").experiment_id])[0]
+    assert run.info.status == "FAILED"
+    assert run.data.tags["error"] == "RuntimeError: the solver broke"
+
+
+@pytest.mark.parametrize("error", [ConfigError("wrong"), KeyboardInterrupt()])
+def test_wrong_or_interrupted_request_is_no_run(settings, heard, error):
+    with pytest.raises(type(error)), tracked(settings(), "fit", heard):
+        raise error
+    assert not Path("outputs").exists()
+
+
+def test_switched_off(settings, heard, data):
+    off = settings({"mlflow.enabled": False})
+    with tracked(off, "preprocess", heard) as run:
+        run.finish(run_stages(off, "preprocess", heard))
+    assert [p.name for p in Path("outputs").iterdir()] == ["short"]
+
+
+def test_broken_store_costs_one_line_and_no_result(settings, heard, data):
+    Path("outputs").mkdir()
+    Path("outputs/mlflow.db").write_text("this is no database, but it is long enough to be read as one" * 20)
+    with tracked(settings(), "fit", heard) as run:
+        outcome = run_stages(settings(), "fit", heard)
+        run.finish(outcome)
+    assert (outcome.tree / "fit" / "estimate.json").exists()
+    (warning,) = heard.warned
+    assert warning.startswith("not logged to MLflow")
+    assert "\n" not in warning
+
+
+def test_where_the_store_is(settings):
+    assert tracking_uri(settings()) == f"sqlite:///{Path.cwd()}/outputs/mlflow.db"
+    assert tracking_uri(settings({"mlflow.tracking_uri": "http://server:80"})) == "http://server:80"
+
+
+BEGIN = """
+import sys
+from pipelines.config import Settings
+from pipelines.tracking import tracked
+class Heard:
+    def say(self, line): print(line)
+    def warn(self, line): print("WARNED", line)
+    def carry_on(self): pass
+    def progress(self, *report): pass
+settings = Settings("short", {"paths": {"outputs": "outputs"}, "mlflow": {"enabled": True}})
+try:
+    with tracked(settings, "fit", Heard()):
+        raise RuntimeError(f"job {sys.argv[1]}")
+except RuntimeError:
+    pass
+"""
+
+
+def test_eight_processes_begin_on_a_store_that_is_not_there(settings, monkeypatch):
+    """Each makes the database and the experiment if it is first; none dies of the others."""
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    began = [
+        subprocess.Popen(
+            [sys.executable, "-c", BEGIN, str(k)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        for k in range(8)
+    ]
+    for process in began:
+        out, err = process.communicate(timeout=240)
+        assert process.returncode == 0, err
+        assert "WARNED" not in out, out
+    store = client(settings())
+    runs = store.search_runs([store.get_experiment_by_name("short").experiment_id])
+    assert {run.data.tags["error"] for run in runs} == {f"RuntimeError: job {k}" for k in range(8)}
+
+
+def test_nothing_is_sent_to_mlflows_maker(settings, monkeypatch):
+    for name in ("MLFLOW_DISABLE_TELEMETRY", "DO_NOT_TRACK"):
+        monkeypatch.delenv(name, raising=False)
+    client(settings())
+    assert tracking.os.environ["MLFLOW_DISABLE_TELEMETRY"] == "true"
+    assert tracking.os.environ["DO_NOT_TRACK"] == "true"
