@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hybridid.estimators import gauss_newton, multiple_shooting
 from hybridid.estimators.estimate import Estimate, EstimatedParameter, Progress, Solution
-from hybridid.estimators.problem import Problem, build_problem
+from hybridid.estimators.problem import Problem, build_problem, check_records
 from hybridid.estimators.settings import FitSettings
 from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates
 from hybridid.estimators.uncertainty import Uncertainty, uncertainty
@@ -50,6 +50,7 @@ def fit(
     began = time.perf_counter()
     if not model.free:
         raise ValueError("every parameter is fixed: nothing to estimate")
+    check_records(model, records)
     first = _first_start(model, records, settings, start_values)
     substeps = settings.substeps or substeps_for(model, first, records, 1.1, settings.integrator)
     problem = _problem(model, records, settings, substeps)

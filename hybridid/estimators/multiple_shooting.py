@@ -199,7 +199,9 @@ class _Program:
         q[self.problem.positions] = np.clip(
             variables[:n] * self.p_scale, [c.lower for c in chosen], [c.upper for c in chosen]
         )
-        return q, variables[n:].reshape(self.intervals.count, -1) * self.x_scale
+        nodes = variables[n:].reshape(self.intervals.count, -1) * self.x_scale
+        states = self.problem.model.states
+        return q, np.clip(nodes, [s.lower for s in states], [s.upper for s in states])
 
     def nlp(self) -> tuple[dict[str, ca.MX], ca.Function]:
         """CasADi's ``{x, p, f, g}`` and the Gauss-Newton Hessian ``sigma J' J`` of f.

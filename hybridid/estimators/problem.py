@@ -97,8 +97,7 @@ def build_problem(
     Raises:
         ValueError: if a record's inputs or outputs are not the model's.
     """
-    for record in records:
-        _check_signals(model, record)
+    check_records(model, records)
     windows = cut(records, horizon, substeps)
     names = tuple(p.name for p in model.free) if free is None else tuple(free)
     pooled = np.concatenate([record.outputs for record in records])
@@ -107,6 +106,18 @@ def build_problem(
     return Problem(
         model, tuple(records), windows, Shooter(model, windows, names, integrator), scale, estimate_x0
     )
+
+
+def check_records(model: Model, records: Sequence[Record]) -> None:
+    """Whether the records have the model's signals, in its units.
+
+    Raises:
+        ValueError: if one has not, or there is none.
+    """
+    if not records:
+        raise ValueError("no record to work on: at least one is needed")
+    for record in records:
+        _check_signals(model, record)
 
 
 def _check_signals(model: Model, record: Record) -> None:
