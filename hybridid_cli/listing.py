@@ -10,7 +10,8 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from hybridid.declarations import Port
-from hybridid.effects.effect import Dimension, Effect
+from hybridid.effects.dimension import Dimension
+from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid_cli.config_files import conf_folder, options, user_folders
 from hybridid_cli.tables import rendered

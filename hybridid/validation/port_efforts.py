@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.declarations import Port
-from hybridid.effects.effect import Dimension, Effect, EffectParameter
+from hybridid.effects.dimension import Dimension
+from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.initial import measured_states, smoothed_derivative

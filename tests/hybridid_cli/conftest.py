@@ -58,8 +58,12 @@ def process(environment: dict[str, str]) -> Callable[..., Said]:
     def started(*words: str, **more: str) -> Said:
         done = subprocess.run(
             [sys.executable, "-m", "hybridid_cli", *words],
-            env={**environment, **more}, capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=300,
-        )  # fmt: skip
+            env={**environment, **more},
+            capture_output=True,
+            text=True,
+            stdin=subprocess.DEVNULL,
+            timeout=300,
+        )
         return Said(done.returncode, done.stdout, done.stderr)
 
     return started

@@ -31,7 +31,8 @@ class Bash:
         command.chmod(0o755)
         (folder / "rc").write_text(
             'PS1="READY> "\nbind "set bell-style none"\nbind "set enable-bracketed-paste off"\n'
-            'bind "set show-all-if-ambiguous on"\nbind "set page-completions off"\nbind "set completion-query-items 0"\n'
+            'bind "set show-all-if-ambiguous on"\nbind "set page-completions off"\n'
+            'bind "set completion-query-items 0"\n'
             'eval "$(hybridid completion bash)"\n'
         )
         path = f"{command.parent}{os.pathsep}{environment['PATH']}"

@@ -1,4 +1,4 @@
-"""A wrong request costs one line, that names the nearest right one and what is allowed, and writes nothing."""
+"""A wrong request costs one line, with the nearest right name and what is allowed, and writes nothing."""
 
 from __future__ import annotations
 

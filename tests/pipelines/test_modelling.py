@@ -98,7 +98,7 @@ def test_flat():
 def test_unknown_key_names_the_nearest():
     with pytest.raises(ConfigError, match="did you mean 'effects'"):
         Settings("mine", {"efects": []})
-    with pytest.raises(ConfigError, match="below validate.*did you mean 'horizon'"):
+    with pytest.raises(ConfigError, match=r"below validate.*did you mean 'horizon'"):
         Settings("mine", {"validate": {"horzon": 1}})
     with pytest.raises(ConfigError, match="lacks plant"):
         model_of(Settings("mine", {"case": {"title": "x"}}))

@@ -77,11 +77,16 @@ def test_folder_appears_whole_or_not_at_all(tmp_path):
         (new / "a").write_text("1")
         assert not folder.exists()
     assert (folder / "a").read_text() == "1"
-    with pytest.raises(KeyboardInterrupt), replacing(folder) as new:
-        (new / "a").write_text("2")
-        raise KeyboardInterrupt
+    with pytest.raises(KeyboardInterrupt):
+        begin_and_be_interrupted(folder)
     assert (folder / "a").read_text() == "1"
     assert [p.name for p in tmp_path.iterdir()] == ["fit"]
+
+
+def begin_and_be_interrupted(folder):
+    with replacing(folder) as new:
+        (new / "a").write_text("2")
+        raise KeyboardInterrupt
 
 
 def test_file_is_whole_at_every_moment(tmp_path):
