@@ -91,10 +91,11 @@ spread of errors, as files for a paper.
 """
 
 TRACE = """\
-Adds every effect of the library at every port of its kind, refits all parameters together, and judges on horizons
-that no fit has seen what the model lacks. Accepts an effect if its gain is significant, worth having, determined
-by the records, and survives other ways to solve the equations; names together what the records cannot tell apart;
-goes on until nothing passes. Writes trace/report.html, trace/trace.json and the augmented model.
+Adds every effect of the library at every port of its kind, refits all parameters together, and judges on
+horizons that no fit has seen what the model lacks. Accepts an effect if its gain is significant, worth
+having, determined by the records, and survives other ways to solve the equations; names together what the
+records cannot tell apart; goes on until nothing passes. Writes trace/report.html, trace/trace.json and the
+augmented model.
 
   hybridid trace case=emps
   hybridid trace case=emps effects=[viscous]                       with physics left out

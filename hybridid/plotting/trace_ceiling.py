@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from hybridid.plotting.axes import Array, frame, name_y, scale_for
 from hybridid.plotting.legends import legend_on_top
@@ -49,7 +50,7 @@ def ceiling_plot(
     figure = new_figure(width, 22 + PANEL, f"learned effort at {port}, {judged}", provenance)
     panels = figure.subplots(1, len(variables), sharey=True, squeeze=False)[0]
     effort = scale_for("learned effort", curves[0].unit, *(curve.effort for curve in curves))
-    lines = {}
+    lines: dict[str, Line2D] = {}
     for axes, over in zip(panels, variables, strict=True):
         shown = [curve for curve in curves if curve.over == over]
         lines |= _panel(axes, shown, models, effort.factor)
@@ -59,21 +60,21 @@ def ceiling_plot(
     legend_on_top(figure, [lines[model] for model in models])
     found = "; ".join(f"over {c.over} beside the {c.model} model {c.gain:.1%}" for c in curves)
     caption = (
-        f"Effort at {port} ({provenance}) learned as a free curve of one variable, fitted in simulation beside "
-        f"everything else, and how much of the error it takes away, {judged}: {found}. No memoryless effect "
-        "of that variable alone can do more, up to the curve's resolution. Dots are as large as the record "
-        "dwells there long: between them little holds the curve."
+        f"Effort at {port} ({provenance}) learned as a free curve of one variable, fitted in simulation "
+        f"beside everything else, and how much of the error it takes away, {judged}: {found}. No memoryless "
+        "effect of that variable alone can do more, up to the curve's resolution. Dots are as large as the "
+        "record dwells there long: between them little holds the curve."
     )
     return Plot(figure, f"ceiling_{port}", caption, provenance)
 
 
 def _panel(
     axes: Axes, curves: Sequence[LearnedCurve], models: Sequence[str], factor: float
-) -> dict[str, object]:
+) -> dict[str, Line2D]:
     scale = scale_for(curves[0].over, curves[0].over_unit, *(curve.at for curve in curves))
     axes.axhline(0.0, color=SOFT_INK, linewidth=0.5, zorder=1)
     axes.axvline(0.0, color=SOFT_INK, linewidth=0.5, zorder=1)
-    lines = {}
+    lines: dict[str, Line2D] = {}
     for curve in curves:
         style = look(models.index(curve.model))
         lines[curve.model] = axes.plot(

@@ -32,7 +32,7 @@ def missing_effort_plot(
     inputs: Mapping[str, tuple[Array, str]],
     width: float = DOUBLE_COLUMN,
 ) -> Plot:
-    """Over time with its band; over velocity, position, acceleration, each input, and since the last reversal.
+    """Over time with its band; over velocity, position, acceleration, inputs, and since the last reversal.
 
     ``efforts`` holds one entry a model, of one port and record; ``inputs`` (n,) with their units by name.
 
@@ -65,8 +65,8 @@ def missing_effort_plot(
     panels[0].set_ylim(limits)
     legend_on_top(figure, handles)
     caption = (
-        f"Effort that resists at {one.port} on {one.record} ({one.provenance}) beyond the model, estimated by "
-        f"a smoother, for {', '.join(efforts)}: over time (thin: samples; bold: their means over "
+        f"Effort that resists at {one.port} on {one.record} ({one.provenance}) beyond the model, estimated "
+        f"by a smoother, for {', '.join(efforts)}: over time (thin: samples; bold: their means over "
         f"{1e3 * _block(one):.0f} ms; band: 95 % of a sample), and over what it could depend on (dots: "
         "samples; circles: medians in bins, bars: the middle 80 %)."
     )
@@ -159,7 +159,8 @@ def _over(
 
 def _bins(x: Array, effort: Array) -> tuple[Array, Array, Array, Array]:
     """Median of ``x`` and 10, 50, 90 % of ``effort`` in bins of equal width that hold enough samples."""
-    edges = np.linspace(*np.quantile(x, MIDDLE), BINS + 1)
+    first, last = np.quantile(x, MIDDLE)
+    edges = np.linspace(first, last, BINS + 1)
     members = [(x >= a) & (x <= b) for a, b in pairwise(edges)]
     full = [m for m in members if m.sum() >= LEAST_IN_BIN] or [np.ones(len(x), dtype=bool)]
     centre = np.array([np.median(x[m]) for m in full])

@@ -78,7 +78,7 @@ def trials_plot(
     axes.set_xlabel("held-out RMSE lower by [%]")
     left_out = f"; the best {MOST} of {len(tried)}" if len(tried) > MOST else ""
     caption = (
-        f"Every effect tried, refitted with all parameters, {step}, {judged} ({provenance}): relative decrease "
-        f"of the RMSE, and what was decided{left_out}."
+        f"Every effect tried, refitted with all parameters, {step}, {judged} ({provenance}): relative "
+        f"decrease of the RMSE, and what was decided{left_out}."
     )
     return Plot(figure, "trials", caption, provenance)

@@ -1,0 +1,166 @@
+"""``trace``: what the model lacks, found by refitting every effect, proved, and reported.
+
+Writes ``trace.json``, ``model.json`` (the augmented model), ``report.html`` and ``report.md`` with their
+figures, and the missing efforts as Parquet.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from hybridid.plotting.style import save
+from hybridid.trace.ceiling import Ceiling, ceiling
+from hybridid.trace.search import Mapper
+from hybridid.trace.split import Split
+from hybridid.trace.verdict import Trace, trace
+from pipelines import modelling
+from pipelines.config import Settings
+from pipelines.errors import ConfigError
+from pipelines.findings import loaded_estimate, prepared_records
+from pipelines.fitted import describe_model
+from pipelines.imports import own_code_digests
+from pipelines.modelling import fit_settings, model_of, own_code
+from pipelines.page import Picture
+from pipelines.sources import sources_of
+from pipelines.stage import Job, Stage
+from pipelines.storage import write_json
+from pipelines.trace_figures import Gallery
+from pipelines.trace_missing import Missing, missing_efforts, write_missing
+from pipelines.trace_page import trace_page
+from pipelines.trace_proof import AFTER, BEFORE, Ask, Proof, prove
+from pipelines.trace_request import Request, division, own_effects, request_of, split_of
+from pipelines.trace_story import Story
+from pipelines.trace_workers import workers
+
+
+def run(job: Job) -> None:
+    """Search, prove, and write everything."""
+    began = time.perf_counter()
+    request, prepared = request_of(job.settings), prepared_records(job.tree)
+    split = split_of(prepared, job.settings, request.horizon)
+    with workers(request.processes) as mapper:
+        found = trace(
+            model_of(job.settings),
+            split,
+            request.effects,
+            request.rules,
+            start=[loaded_estimate(job.tree).values],
+            mapper=mapper,
+            report=_Report(job),
+            ports=request.ports,
+        )
+        proofs = _proved(job, request, split, found, mapper)
+        ceilings = _ceilings(job, request, split, found, mapper)
+        missing = _missing(job, request, split, proofs, mapper)
+    story = Story(job.settings, request, split, *division(prepared, job.settings), found, proofs, ceilings)
+    _write(job, story, missing, began)
+
+
+class _Report:
+    """Hands a search's progress to the watcher."""
+
+    def __init__(self, job: Job) -> None:
+        self._watcher = job.watcher
+
+    def __call__(self, stage: str, done: int, of: int, what: str) -> None:
+        self._watcher.progress(stage, f"{done} of {of}, {what}", done / of)
+
+
+def _proved(job: Job, request: Request, split: Split, found: Trace, mapper: Mapper) -> dict[str, Proof]:
+    """The declared and the augmented model; one proof serves both where nothing was accepted."""
+    counts = [len(part) for part in division(prepared_records(job.tree), job.settings)]
+    fitted, others = split.records[: counts[0]], split.records[counts[0] :]
+    settings = replace(
+        fit_settings(job.settings),
+        method="gauss_newton",
+        horizon=split.horizon,
+        continuation=(1.0,),
+        starts=1,
+    )
+    ask = Ask(settings, request.horizon, str(job.settings["validate.initial_state"]))
+    first = found.search.steps[0].base if found.search.steps else found.search.final
+    asked = {BEFORE: first, AFTER: found.search.final} if found.accepted else {BEFORE: first}
+    places = [(name, base.model, base.values, fitted, others, ask) for name, base in asked.items()]
+    proofs: dict[str, Proof] = {}
+    for proof in mapper(prove, places):
+        proofs[proof.name] = proof
+        _Report(job)("before and after", len(proofs), len(places), f"{proof.name} model")
+    return {BEFORE: proofs[BEFORE], AFTER: proofs.get(AFTER, proofs[BEFORE])}
+
+
+def _ceilings(
+    job: Job, request: Request, split: Split, found: Trace, mapper: Mapper
+) -> dict[str, Sequence[Ceiling]]:
+    """What a learned effort could add to the declared model too, where something was added to it."""
+    if not found.accepted:
+        return {BEFORE: found.ceilings}
+    base = found.search.steps[0].base
+    places = [(base, split, c.port, c.over) for c in found.ceilings]
+    before = []
+    for one in mapper(ceiling, places):
+        before.append(one)
+        _Report(job)("ceiling of the declared model", len(before), len(places), f"{one.port} over {one.over}")
+    return {BEFORE: before, AFTER: found.ceilings}
+
+
+def _missing(
+    job: Job, request: Request, split: Split, proofs: Mapping[str, Proof], mapper: Mapper
+) -> Missing:
+    model = proofs[BEFORE].model
+    ports = [p.name for p in model.effort_ports if request.ports is None or p.name in request.ports]
+    distinct = list({proof.name: proof for proof in proofs.values()}.values())
+    missing, failures = missing_efforts(distinct, split.records, ports, split.horizon, mapper, _Report(job))
+    for failure in failures:
+        job.watcher.warn(failure)
+    return missing
+
+
+def _write(job: Job, story: Story, missing: Missing, began: float) -> None:
+    """The model, the numbers, then the figures and the pages that show them."""
+    augmented = story.augmented
+    described = describe_model(augmented, model_of(augmented))
+    write_json(job.folder / "model.json", {**described, "provenance": story.provenance})
+    write_missing(job.folder, missing)
+    data = story.data(job.tree / "trace" / "model.json", time.perf_counter() - began)
+    write_json(job.folder / "trace.json", data)
+    job.watcher.progress("report", "figures and pages", None)
+    distinct = list({proof.name: proof for proof in story.proofs.values()}.values())
+    gallery = Gallery(
+        story.found, distinct, story.split.records, missing, story.ceilings,
+        story.request.rules.worth, story.judged, story.provenance,
+    )  # fmt: skip
+    pictures = [Picture(save(plot, job.folder, name)[0], plot.caption) for name, plot in gallery.figures()]
+    page = trace_page(data, pictures)
+    (job.folder / "report.html").write_text(page.html(), encoding="utf-8")
+    (job.folder / "report.md").write_text(page.markdown(job.folder), encoding="utf-8")
+
+
+def check(settings: Settings) -> None:
+    """Whether the section ``trace`` can be carried out.
+
+    Raises:
+        ConfigError: if it cannot.
+    """
+    request = request_of(settings)
+    division(sources_of(settings).found, settings)
+    model = model_of(settings)
+    kinds = {port.kind for port in model.plant.ports}
+    if not any(effect.kind in kinds for effect in request.effects):
+        raise ConfigError(f"trace.effects: plant {model.plant.name} has no port where any of them acts")
+
+
+def _own_code(settings: Settings) -> dict[str, str]:
+    return {**own_code(settings), **own_code_digests(own_effects(settings))}
+
+
+TRACE = Stage(
+    "trace",
+    (*modelling.KEYS, "estimator", "trace", "validate.initial_state"),
+    ("preprocess", "fit"),
+    run,
+    inputs=_own_code,
+    check=check,
+    ignores=("rigs", "fetch"),
+)

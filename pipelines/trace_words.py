@@ -1,0 +1,94 @@
+"""A trace's verdict and numbers in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from hybridid.plotting.units import engineering
+
+Data = Mapping[str, Any]
+VERDICTS = {
+    "effect_found": "effect found",
+    "ambiguous": "ambiguous",
+    "nothing_missing": "nothing missing",
+    "unexplained": "unexplained",
+}
+
+
+def sentence(data: Data) -> str:
+    """The verdict of ``trace.json`` in one sentence."""
+    accepted, where = (
+        data["accepted"],
+        f"on held-out horizons of {data['horizon']:g} s ({data['provenance']})",
+    )
+    tried = len(data["rejected"]) + len(accepted)
+    if data["verdict"] == "nothing_missing":
+        return (
+            f"Nothing that can be found is missing: none of the {tried} effects tried lowers the error "
+            f"{where} by {data['rules']['worth']:.0%}."
+        )
+    if data["verdict"] == "unexplained":
+        return (
+            f"Something is missing that none of the {tried} effects tried explains: structure remains "
+            f"{listed(data['remains'])}, {where}."
+        )
+    return f"The model lacked {listed([_named(a) for a in accepted])}: {_fall(data)} {where}.{_rest(data)}"
+
+
+def listed(items: Sequence[str]) -> str:
+    """``a, b and c``."""
+    return ", ".join(items[:-1]) + (" and " if len(items) > 1 else "") + items[-1] if items else "nothing"
+
+
+def quantity(value: float | None, unit: str, digits: int = 4) -> str:
+    """``0.585 mm`` for 5.85e-4 m."""
+    if value is None:
+        return "diverges"
+    factor, printed = engineering(abs(value), unit)
+    return f"{value * factor:.{digits}g} {printed}".replace("-", "−")
+
+
+def probability(p: float) -> str:
+    """A p-value to one digit; what no table could hold is said so."""
+    return "< 1e−15" if p < 1e-15 else f"{p:.1g}".replace("-", "−")
+
+
+def estimated(parameter: Data) -> str:
+    """``73.4 ± 3.2 N·s/m``: the value and half its 95 % interval."""
+    value, std, unit = parameter["value"], parameter["std"], parameter["unit"]
+    unit = "" if unit == "1" else f" {unit}"
+    if std is None:
+        return f"{value:.5g}{unit} ± ?".replace("-", "−")
+    return f"{value:.5g} ± {1.96 * std:.2g}{unit}".replace("-", "−")
+
+
+def share(gain: float) -> str:
+    """``36.1 %`` less, or how much more."""
+    return "diverges" if gain <= -1 else f"{100 * gain:.1f} %".replace("-", "−")
+
+
+def _named(entry: Data) -> str:
+    """An accepted effect with its parameters, or the class that it stands for."""
+    values = ", ".join(f"{name} = {estimated(p)}" for name, p in entry["parameters"].items())
+    if len(entry["class"]) > 1:
+        members = ", ".join(entry["class"])
+        return f"one of {{{members}}} at {entry['port']}, which these records cannot tell apart"
+    return f"{entry['effect']} at {entry['port']} ({values})"
+
+
+def _fall(data: Data) -> str:
+    """How far the error fell, for each output."""
+    first, last = data["path"][0]["held_out_rmse"], data["path"][-1]["held_out_rmse"]
+    falls = []
+    for name, before in first.items():
+        unit, after = data["noise_floor"][name]["unit"], last[name]
+        fell = f"{1 - after / before:.0%} less" if after <= before else f"{after / before - 1:.0%} more"
+        falls.append(f"{name} from {quantity(before, unit, 3)} to {quantity(after, unit, 3)} ({fell})")
+    return f"with {'them' if len(data['accepted']) > 1 else 'it'} the RMSE of {listed(falls)}"
+
+
+def _rest(data: Data) -> str:
+    if not data["remains"]:
+        return ""
+    return f" Structure remains {listed(data['remains'])} that no effect in the library explains."
