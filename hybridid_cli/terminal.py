@@ -79,7 +79,7 @@ class Terminal:
             self._bar = Progress(*columns, console=self._console, transient=True)
             self._task = self._bar.add_task("", total=None)
             self._bar.start()
-        total = None if fraction is None else 1.0
+        total = 1.0 if fraction else None  # nothing done, or nothing known: the bar only moves to and fro
         self._bar.update(self._task, description=text, completed=fraction or 0.0, total=total)
 
     def _stop_bar(self) -> None:

@@ -37,6 +37,7 @@ def run(job: Job) -> None:
     tests = residual_tests_in(job.tree)
     for prepared in prepared_records(job.tree):
         record = load_record(prepared.file)
+        job.watcher.progress("plot", f"record {record.name}", None)
         save(record_plot(record), job.folder, f"{record.name}.record")
         own = [s for s in stored if s.prediction.record == record.name]
         for name, plot in _of_record(model, estimate, record, own, tests):

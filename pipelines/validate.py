@@ -34,6 +34,7 @@ def run(job: Job) -> None:
     for prepared in chosen(prepared_records(job.tree), settings.get("validate.records"), "validate.records"):
         record = load_record(prepared.file)
         for view in settings["validate.views"]:
+            job.watcher.progress("validate", f"record {record.name}, {view.replace('_', ' ')}", None)
             new_rows, new_tests = _validated(job, record, view)
             rows += new_rows
             tests += new_tests
