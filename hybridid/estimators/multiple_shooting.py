@@ -184,8 +184,9 @@ class _Program:
             np.tile([getattr(s, side) for s in states], (len(nodes), 1)) for side in ("lower", "upper")
         )
         low, high = low / self.x_scale, high / self.x_scale
-        if not self.problem.estimate_x0:
-            low[self.intervals.first] = high[self.intervals.first] = nodes[self.intervals.first]
+        known = np.zeros(low.shape, dtype=bool)
+        known[self.intervals.first] = ~self.problem.moving
+        low[known] = high[known] = nodes[known]
         start = np.concatenate([p[self.problem.positions] / self.p_scale, nodes.ravel()])
         lower = np.concatenate([[q.lower for q in chosen] / self.p_scale, low.ravel()])
         upper = np.concatenate([[q.upper for q in chosen] / self.p_scale, high.ravel()])

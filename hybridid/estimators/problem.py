@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,22 @@ class Problem:
         """Places of the free parameters in the parameter vector."""
         names = [p.name for p in self.model.parameters]
         return [names.index(name) for name in self.free]
+
+    @cached_property
+    def moving(self) -> NDArray[np.bool_]:
+        """Which initial states (w, n_x) are estimated.
+
+        The plant's, and those of an effect that an output shows; an effect's inner states are
+        carried from horizon to horizon instead (``hybridid.estimators.carried``).
+        """
+        return np.tile(~self.carried & self.estimate_x0, (self.windows.count, 1))
+
+    @cached_property
+    def carried(self) -> NDArray[np.bool_]:
+        """Which states (n_x,) horizons hand on: an effect's own that no output shows."""
+        inner = np.arange(len(self.model.states)) >= len(self.model.plant.states)
+        shown = np.array([state.observed_by is not None for state in self.model.states])
+        return inner & ~shown
 
     def measured_x0(self) -> Array:
         """Initial state of each horizon as the record shows it, (w, n_x)."""

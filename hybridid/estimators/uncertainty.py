@@ -85,7 +85,8 @@ def _projected(problem: Problem, shot: Shot) -> tuple[Array, Array]:
     """
     used = problem.windows.used[..., None, None]
     jp, jx = (np.where(used, by / problem.scale[:, None], 0.0) for by in (shot.by_parameter, shot.by_state))
-    if not problem.estimate_x0:
+    jx = jx * problem.moving[:, None, None, :]
+    if not problem.moving.any():
         return jx[..., :0], jp
     w, length, n_y, n = jp.shape
     tall_x, tall_p = jx.reshape(w, length * n_y, -1), jp.reshape(w, length * n_y, n)

@@ -27,14 +27,22 @@ Array = NDArray[np.float64]
 class Shot:
     """Simulated horizons.
 
-    Shapes: ``outputs`` (w, H, n_y), ``states`` (w, H, n_x), and where asked for (else empty)
-    ``by_state`` (w, H, n_y, n_x) = dy/dx0, ``by_parameter`` (w, H, n_y, n_free) = dy/dp.
+    Shapes: ``outputs`` (w, H, n_y), ``states`` (w, H, n_x), ``final`` (w, n_x) the state one
+    sample after the last, and where asked for (else empty) ``by_state`` (w, H, n_y, n_x) =
+    dy/dx0, ``by_parameter`` (w, H, n_y, n_free) = dy/dp.
     """
 
     outputs: Array
     states: Array
+    final: Array
     by_state: Array = field(default_factory=lambda: np.empty(0))
     by_parameter: Array = field(default_factory=lambda: np.empty(0))
+
+    def ends(self, windows: Windows) -> Array:
+        """State of each horizon one sample after its last in use, (w, n_x)."""
+        after = np.concatenate([self.states, self.final[:, None]], axis=1)
+        lengths = [stop - start for _, start, stop in windows.origin]
+        return after[np.arange(len(lengths)), lengths]
 
     @property
     def finite(self) -> bool:
@@ -75,9 +83,9 @@ class Shooter:
             for result, value in zip(results, values[len(start) :], strict=True):
                 result[:, part] = value
         if not sensitivities:
-            return Shot(outputs=results[1], states=results[0])
+            return Shot(results[1], results[0], start[0])
         by = results[2].swapaxes(2, 3)
-        return Shot(results[1], results[0], by_state=by[..., :n_x], by_parameter=by[..., n_x:])
+        return Shot(results[1], results[0], start[0], by_state=by[..., :n_x], by_parameter=by[..., n_x:])
 
     @property
     def _data(self) -> tuple[Array, Array, Array]:

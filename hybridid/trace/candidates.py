@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 from hybridid.effects.effect import Effect
 from hybridid.model import Model, Term
@@ -28,27 +27,28 @@ class Candidate:
         """Values by name to start the augmented ``model`` from.
 
         The effect starts at nothing, so that the fit begins where the poorer model ended,
-        with each declared value of its shape parameters; and once at its declared guess.
+        with its shape as guessed and with each declared value of one shape parameter; and
+        once at its declared guess.
         """
         port = model.plant.port(self.port)
         own = {p: p.at(port) for p in self.effect.parameters}
         nothing = {f"{self.name}.{p.name}": 0.0 for p in own if p.nests}
         guessed = {f"{self.name}.{p.name}": q.guess for p, q in own.items()}
-        shapes = {
-            f"{self.name}.{p.name}": [q.guess, *(start / p.guess * q.guess for start in p.starts)]
-            for p, q in own.items()
-            if not p.nests
-        }
-        grid = [dict(zip(shapes, values_of, strict=True)) for values_of in product(*shapes.values())]
-        return [*({**values, **nothing, **shape} for shape in grid), {**values, **guessed}]
+        shape = {f"{self.name}.{p.name}": q.guess for p, q in own.items() if not p.nests}
+        others = [
+            {**shape, f"{self.name}.{p.name}": value} for p in own if not p.nests for value in p.starts_at(port)
+        ]
+        return [*({**values, **nothing, **one} for one in (shape, *others)), {**values, **guessed}]
 
 
-def admissible(model: Model, effects: Sequence[Effect], ports: Sequence[str] | None = None) -> Iterator[Candidate]:
+def admissible(
+    model: Model, effects: Sequence[Effect], ports: Sequence[str] | None = None
+) -> Iterator[Candidate]:
     """Every effect at every port of its kind where the model does not have it yet."""
     present = {term.name for term in model.terms}
     for effect in effects:
         for port in model.plant.ports:
             candidate = Candidate(effect, port.name)
             wanted = ports is None or port.name in ports
-            if wanted and port.kind == effect.kind and candidate.name not in present:
+            if wanted and effect.admissible_at(port) and candidate.name not in present:
                 yield candidate

@@ -114,14 +114,9 @@ class _Path:
     @classmethod
     def of(cls, base: Refit, split: Split) -> _Path:
         problem, p = problem_of(base.model, split, DECLARED, base.values), base.model.values(base.values)
-        time, states, inputs = [], [], []
-        for horizons, x0 in ((split.fitted, base.fitted_x0), (split.held_out, base.held_x0)):
-            part = problem.on(horizons)
-            used = part.windows.used
-            time.append(part.windows.time[used])
-            states.append(part.shooter(x0, p).states[used])
-            inputs.append(part.windows.inputs[used])
-        return cls(base.model, p, *(np.concatenate(a) for a in (time, states, inputs)))
+        used = problem.windows.used
+        states = problem.shooter(base.x0, p).states
+        return cls(base.model, p, problem.windows.time[used], states[used], problem.windows.inputs[used])
 
     def motion(self, port: str, over: Over) -> Array:
         """The port's velocity or position, (n,)."""

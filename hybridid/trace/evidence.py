@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from hybridid.trace.refit import Score
+from hybridid.trace.score import Score
 
 
 @dataclass(frozen=True)

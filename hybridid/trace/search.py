@@ -162,7 +162,11 @@ def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
     """The best held-out error; among those alike, the one with the fewest parameters."""
     best = max(passed, key=lambda t: t.gain)
     alike = equivalents(best, passed, rules)
-    return min(alike, key=lambda t: (len(t.candidate.effect.parameters), -t.gain))
+    return min(alike, key=lambda t: (_free_parameters(t), -t.gain))
+
+
+def _free_parameters(trial: Trial) -> int:
+    return sum(not p.fixed for p in trial.candidate.effect.parameters)
 
 
 def _survivals(base: Refit, best: Trial, split: Split, rules: Rules, mapper: Mapper) -> Iterable[Survival]:

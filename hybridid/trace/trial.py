@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, Rules, compare, holm
@@ -81,18 +83,36 @@ def _undetermined(trial: Trial, rules: Rules) -> str:
     assert trial.refit is not None
     values, errors = trial.own("values"), trial.refit.std
     port = trial.refit.model.plant.port(trial.candidate.port)
+    amplitudes = [p.name for p in trial.candidate.effect.parameters if p.nests and not p.fixed]
+    if _strength(trial, amplitudes) * rules.vague < 1.0:
+        said = ", ".join(
+            f"{n} = {values[n]:.3g} ± {errors[f'{trial.candidate.name}.{n}']:.2g}" for n in amplitudes
+        )
+        return f"{said}: not determined by these records"
     for p in trial.candidate.effect.parameters:
         declared, value = p.at(port), values[p.name]
-        if declared.fixed:
+        if declared.fixed or (p.nests and len(amplitudes) > 1):
             continue
         std = errors[f"{trial.candidate.name}.{p.name}"]
-        size = abs(value) if p.nests else max(abs(value), declared.scale)
-        if not math.isfinite(std) or std > rules.vague * size:
+        if not math.isfinite(std) or (not p.nests and std > rules.vague * max(abs(value), declared.scale)):
             return f"{p.name} = {value:.4g} ± {std:.2g} {declared.unit} is not determined by these records"
         span = 1e-3 * max(abs(value), 1e-3 * declared.scale)
         if value <= declared.lower + span or value >= declared.upper - span:
             return f"{p.name} = {value:.4g} {declared.unit} ends at its bound: the effect degenerates"
     return _collinear(trial, rules)
+
+
+def _strength(trial: Trial, amplitudes: Sequence[str]) -> float:
+    """How many standard errors the effect's amplitudes together stand off nothing (Wald)."""
+    assert trial.refit is not None
+    names = [f"{trial.candidate.name}.{name}" for name in amplitudes]
+    rows = [list(trial.refit.std).index(name) for name in names]
+    std = np.array([trial.refit.std[name] for name in names])
+    if not np.isfinite(std).all():
+        return 0.0
+    value = np.array([trial.refit.values[name] for name in names])
+    covariance = trial.refit.correlation[np.ix_(rows, rows)] * np.outer(std, std)
+    return float(np.sqrt(value @ np.linalg.pinv(covariance) @ value))
 
 
 def _collinear(trial: Trial, rules: Rules) -> str:

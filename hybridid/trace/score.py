@@ -1,0 +1,62 @@
+"""``Score``: what held-out horizons say of a model, horizon by horizon."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from hybridid.estimators.noise import autoregression
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Score:
+    """Held-out evidence by horizon, shapes (h, n_y).
+
+    ``squares`` sums of squared errors in units², ``samples`` how many; ``likelihood`` the
+    Gaussian log-likelihood of the errors whitened by an autoregression that was fitted to
+    the model's own residual on the fitted horizons. ``scale`` (n_y,) is each output's
+    standard deviation over the records.
+    """
+
+    squares: Array
+    samples: Array
+    likelihood: Array
+    scale: Array
+
+    @property
+    def rmse(self) -> Array:
+        """Root mean square error of each output, (n_y,), in the output's unit."""
+        return np.sqrt(self.squares.sum(axis=0) / self.samples.sum(axis=0))
+
+    @property
+    def loss(self) -> float:
+        """One number for all outputs: RMSE of the errors over their output's scale."""
+        return float(np.sqrt(np.mean((self.rmse / self.scale) ** 2)))
+
+
+def score_of(fitted: Sequence[Array], held_out: Sequence[Array], scale: Array) -> Score:
+    """The score from each horizon's errors (n_k, n_y), fitted and held out; ``scale`` (n_y,)."""
+    n_y = held_out[0].shape[1]
+    columns = [_whitened([e[:, k] for e in fitted], [e[:, k] for e in held_out]) for k in range(n_y)]
+    return Score(
+        squares=np.array([(e**2).sum(axis=0) for e in held_out]),
+        samples=np.array([[len(e)] * n_y for e in held_out]),
+        likelihood=np.stack(columns, axis=1),
+        scale=scale,
+    )
+
+
+def _whitened(fitted: Sequence[Array], held_out: Sequence[Array]) -> Array:
+    """Gaussian log-likelihood of each held-out row under the fitted residual's autoregression."""
+    coefficients, variance = autoregression(fitted)
+    if variance <= 0:
+        return np.full(len(held_out), np.inf)
+    taps, order = np.concatenate([[1.0], -coefficients]), len(coefficients)
+    innovations = [lfilter(taps, [1.0], row)[order:] for row in held_out]
+    return np.array([-0.5 * np.sum(e**2 / variance + np.log(2 * np.pi * variance)) for e in innovations])
