@@ -86,7 +86,9 @@ class Estimate:
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, strings and lists, for JSON."""
         return {
-            "parameters": {p.name: {k: v for k, v in asdict(p).items() if k != "name"} for p in self.parameters},
+            "parameters": {
+                p.name: {k: v for k, v in asdict(p).items() if k != "name"} for p in self.parameters
+            },
             "known": dict(self.known),
             "correlation": self.correlation.tolist(),
             "initial_states": self.initial_states.tolist(),

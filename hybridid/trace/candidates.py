@@ -36,7 +36,10 @@ class Candidate:
         guessed = {f"{self.name}.{p.name}": q.guess for p, q in own.items()}
         shape = {f"{self.name}.{p.name}": q.guess for p, q in own.items() if not p.nests}
         others = [
-            {**shape, f"{self.name}.{p.name}": value} for p in own if not p.nests for value in p.starts_at(port)
+            {**shape, f"{self.name}.{p.name}": value}
+            for p in own
+            if not p.nests
+            for value in p.starts_at(port)
         ]
         return [*({**values, **nothing, **one} for one in (shape, *others)), {**values, **guessed}]
 
