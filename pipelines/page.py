@@ -15,13 +15,13 @@ table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;f
 caption{text-align:left;font-weight:600;padding:.3rem 0}
 th,td{padding:.25rem .8rem;border-bottom:1px solid #e4e4e4;text-align:right;vertical-align:top}
 th.w,td.w{text-align:left}thead th{border-bottom:2px solid #666;vertical-align:bottom}
-th:first-child,td:first-child{padding-left:0}
+th:first-child,td:first-child{padding-left:0}td:not(.w){white-space:nowrap}
 .note{color:#666;font-size:.9rem;margin:.2rem 0}.lead{font-size:1.1rem}
 .mark{display:inline-block;border:1px solid #666;border-radius:.3rem;padding:0 .5rem;margin-right:.5rem;
 font-size:.9rem;color:#444}
 .scroll{overflow-x:auto}code{background:#f4f4f4;padding:.1rem .3rem;border-radius:.2rem}
 pre{background:#f4f4f4;padding:.6rem .8rem;border-radius:.3rem;overflow-x:auto;font-size:.9rem}
-figure{margin:1.5rem 0}figure img{max-width:100%}figcaption{color:#666;font-size:.9rem}
+figure{margin:1.5rem 0}figure img{width:100%}figcaption{color:#666;font-size:.9rem}
 @page{size:A4;margin:15mm}
 @media print{body{max-width:none;margin:0;padding:0;font-size:10pt}figure,tr,pre{break-inside:avoid}
 h2{break-after:avoid}thead{display:table-header-group}.scroll{overflow:visible}td,th{padding:.15rem .4rem}}

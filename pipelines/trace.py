@@ -7,11 +7,12 @@ figures, and the missing efforts as Parquet.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from hybridid.plotting.style import save
 from hybridid.trace.ceiling import Ceiling, ceiling
+from hybridid.trace.refit import Refit
 from hybridid.trace.search import Mapper
 from hybridid.trace.split import Split
 from hybridid.trace.verdict import Trace, trace
@@ -52,7 +53,7 @@ def run(job: Job) -> None:
             ports=request.ports,
         )
         proofs = _proved(job, request, split, found, mapper)
-        ceilings = _ceilings(job, request, split, found, mapper)
+        ceilings = _ceilings(job, split, found, mapper)
         missing = _missing(job, request, split, proofs, mapper)
     story = Story(job.settings, request, split, *division(prepared, job.settings), found, proofs, ceilings)
     _write(job, story, missing, began)
@@ -68,8 +69,8 @@ class _Report:
         self._watcher.progress(stage, f"{done} of {of}, {what}", done / of)
 
 
-def _proved(job: Job, request: Request, split: Split, found: Trace, mapper: Mapper) -> dict[str, Proof]:
-    """The declared and the augmented model; one proof serves both where nothing was accepted."""
+def _proved(job: Job, request: Request, split: Split, found: Trace, mapper: Mapper) -> list[Proof]:
+    """The declared model and, if anything was accepted, the augmented one."""
     counts = [len(part) for part in division(prepared_records(job.tree), job.settings)]
     fitted, others = split.records[: counts[0]], split.records[counts[0] :]
     settings = replace(
@@ -80,38 +81,36 @@ def _proved(job: Job, request: Request, split: Split, found: Trace, mapper: Mapp
         starts=1,
     )
     ask = Ask(settings, request.horizon, str(job.settings["validate.initial_state"]))
-    first = found.search.steps[0].base if found.search.steps else found.search.final
-    asked = {BEFORE: first, AFTER: found.search.final} if found.accepted else {BEFORE: first}
+    asked = {BEFORE: _first(found), AFTER: found.search.final} if found.accepted else {BEFORE: _first(found)}
     places = [(name, base.model, base.values, fitted, others, ask) for name, base in asked.items()]
-    proofs: dict[str, Proof] = {}
+    proofs: list[Proof] = []
     for proof in mapper(prove, places):
-        proofs[proof.name] = proof
-        _Report(job)("before and after", len(proofs), len(places), f"{proof.name} model")
-    return {BEFORE: proofs[BEFORE], AFTER: proofs.get(AFTER, proofs[BEFORE])}
+        proofs.append(proof)
+        _Report(job)("before and after", len(proofs), len(places), proof.name)
+    return proofs
 
 
-def _ceilings(
-    job: Job, request: Request, split: Split, found: Trace, mapper: Mapper
-) -> dict[str, Sequence[Ceiling]]:
-    """What a learned effort could add to the declared model too, where something was added to it."""
+def _first(found: Trace) -> Refit:
+    """The declared model as the search first fitted it."""
+    return found.search.steps[0].base if found.search.steps else found.search.final
+
+
+def _ceilings(job: Job, split: Split, found: Trace, mapper: Mapper) -> list[Sequence[Ceiling]]:
+    """What a learned effort could add to each model."""
     if not found.accepted:
-        return {BEFORE: found.ceilings}
-    base = found.search.steps[0].base
-    places = [(base, split, c.port, c.over) for c in found.ceilings]
-    before = []
+        return [found.ceilings]
+    places = [(_first(found), split, c.port, c.over) for c in found.ceilings]
+    before: list[Ceiling] = []
     for one in mapper(ceiling, places):
         before.append(one)
-        _Report(job)("ceiling of the declared model", len(before), len(places), f"{one.port} over {one.over}")
-    return {BEFORE: before, AFTER: found.ceilings}
+        _Report(job)("ceiling before", len(before), len(places), f"{one.port} over {one.over}")
+    return [before, found.ceilings]
 
 
-def _missing(
-    job: Job, request: Request, split: Split, proofs: Mapping[str, Proof], mapper: Mapper
-) -> Missing:
-    model = proofs[BEFORE].model
+def _missing(job: Job, request: Request, split: Split, proofs: Sequence[Proof], mapper: Mapper) -> Missing:
+    model = proofs[0].model
     ports = [p.name for p in model.effort_ports if request.ports is None or p.name in request.ports]
-    distinct = list({proof.name: proof for proof in proofs.values()}.values())
-    missing, failures = missing_efforts(distinct, split.records, ports, split.horizon, mapper, _Report(job))
+    missing, failures = missing_efforts(proofs, split.records, ports, split.horizon, mapper, _Report(job))
     for failure in failures:
         job.watcher.warn(failure)
     return missing
@@ -126,9 +125,9 @@ def _write(job: Job, story: Story, missing: Missing, began: float) -> None:
     data = story.data(job.tree / "trace" / "model.json", time.perf_counter() - began)
     write_json(job.folder / "trace.json", data)
     job.watcher.progress("report", "figures and pages", None)
-    distinct = list({proof.name: proof for proof in story.proofs.values()}.values())
+    ceilings = dict(zip((proof.name for proof in story.proofs), story.ceilings, strict=True))
     gallery = Gallery(
-        story.found, distinct, story.split.records, missing, story.ceilings,
+        story.found, story.proofs, story.split.records, missing, ceilings,
         story.request.rules.worth, story.judged, story.provenance,
     )  # fmt: skip
     pictures = [Picture(save(plot, job.folder, name)[0], plot.caption) for name, plot in gallery.figures()]

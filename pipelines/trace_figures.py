@@ -29,7 +29,7 @@ Named = Iterator[tuple[str, Plot]]
 class Gallery:
     """Everything that a trace's figures show.
 
-    ``proofs`` are the declared and, if anything was accepted, the augmented model; ``missing``
+    ``proofs`` are of the declared and, if anything was accepted, the augmented model; ``missing``
     the efforts that each lacks, by record and port; ``ceilings`` by model.
     """
 
@@ -68,7 +68,7 @@ class Gallery:
         """Over horizons: that is what was judged."""
         shown = [(p.name, found) for p in self.proofs if (found := p.over_horizons(record.name)) is not None]
         for output in self.trace.model.outputs if shown else ():
-            responses = [Response.of(f"{name} model", found, output.name) for name, found in shown]
+            responses = [Response.of(name, found, output.name) for name, found in shown]
             yield f"{record.name}.{output.name}.error", error_plot(responses)
 
     def _missing(self) -> Named:

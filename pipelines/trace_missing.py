@@ -43,9 +43,9 @@ def missing_efforts(
     ):
         report("missing effort", done, len(places), f"{record.name}, {port}")
         if isinstance(one, Failure):
-            failures.append(f"missing effort at {port} on {record.name}, {proof.name} model: {one.what}")
+            failures.append(f"missing effort at {port} on {record.name}, {proof.name}: {one.what}")
         else:
-            found.setdefault((record.name, port), {})[f"{proof.name} model"] = one
+            found.setdefault((record.name, port), {})[proof.name] = one
     return found, failures
 
 
@@ -57,9 +57,9 @@ def _lack(proof: Proof, record: Record, port: str, horizon: int) -> MissingEffor
 
 
 def write_missing(folder: Path, missing: Mapping[tuple[str, str], Mapping[str, MissingEffort]]) -> None:
-    """``<record>.<port>.missing_effort.<model>.parquet``: columns in SI units, units in its notes."""
+    """``<record>.<port>.missing_effort.before.parquet``, ``.after``: SI units, named in its notes."""
     for (record, port), efforts in missing.items():
-        for model, e in efforts.items():
+        for when, (model, e) in zip(("before", "after"), efforts.items(), strict=False):
             columns = {
                 name: getattr(e, name)
                 for name in (
@@ -71,4 +71,4 @@ def write_missing(folder: Path, missing: Mapping[tuple[str, str], Mapping[str, M
                 "unit": e.unit, "position_unit": e.position_unit,
             }  # fmt: skip
             notes = {"hybridid": json.dumps(about, ensure_ascii=False)}
-            write_table(folder / f"{record}.{port}.missing_effort.{model.split()[0]}.parquet", columns, notes)
+            write_table(folder / f"{record}.{port}.missing_effort.{when}.parquet", columns, notes)

@@ -6,14 +6,18 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pipelines.page import Page, Picture, Section, Table
+from pipelines.trace_proof import AFTER, BEFORE
 from pipelines.trace_words import (
     VERDICTS,
     estimated,
     listed,
+    percent,
+    power,
     probability,
     quantity,
     sentence,
     share,
+    squared,
 )
 
 Data = Mapping[str, Any]
@@ -56,28 +60,36 @@ def _of(pictures: Sequence[Picture], kind: str) -> tuple[Picture, ...]:
 
 
 def _scores(data: Data) -> tuple[Table, ...]:
-    """Before beside after, a row a record, output and view."""
-    after = {_key(row): row for row in data["after"]}
-    rows = []
-    for row in data["before"]:
-        better = after[_key(row)]
-        rows.append(
-            (
-                f"{row['record']} ({row['role']})", row["output"], _view(row),
-                quantity(row["rmse"], row["unit"]), quantity(better["rmse"], row["unit"]),
-                _change(row["rmse"], better["rmse"]),
-                _r2(row), _r2(better), _mse(row), _mse(better), row["provenance"],
-            )
-        )  # fmt: skip
-    header = (
-        "record", "output", "view", "RMSE before", "after", "change",
-        "R² before", "after", "MSE before", "after", "data",
-    )  # fmt: skip
+    """Rows of one record, output and view together: a row a model."""
+    models = [data["before"], data["after"]] if data["accepted"] else [data["before"]]
+    rows = [_score(row, same[0]) for same in zip(*models, strict=True) for row in same]
+    header = ("record", "view", "output", "model", "RMSE", "change", "MSE", "R²", "data")
     notes = (
-        f"Before: {listed(data['declared'])}. After: {listed(data['effects'])}. Each with every parameter "
-        f"refitted over horizons of {data['horizon']:g} s of {listed(data['fitted_records'])}.",
+        f"The gray box: {listed(data['declared'])}. Added: {listed([_name(a) for a in data['accepted']])}. "
+        f"Each with every parameter refitted over horizons of {data['horizon']:g} s of "
+        f"{listed(data['fitted_records'])}.",
     )
-    return (Table("Error before and after", header, tuple(rows), notes, words=(0, 1, 2, 10)),)
+    return (Table("Error before and after", header, tuple(rows), notes, words=(0, 1, 2, 3, 8)),)
+
+
+def _score(row: Data, first: Data) -> tuple[str, ...]:
+    leading = row is first
+    where = (f"{row['record']} ({row['role']})", _view(row), row["output"]) if leading else ("", "", "")
+    change = "" if leading else _change(first["rmse"], row["rmse"])
+    mse = f"{power(row['mse'])} {squared(row['unit'])}" if row["mse"] is not None else ""
+    return (
+        *where,
+        row["model"],
+        quantity(row["rmse"], row["unit"]),
+        change,
+        mse,
+        _r2(row),
+        row["provenance"],
+    )
+
+
+def _name(entry: Data) -> str:
+    return f"{entry['port']}.{entry['effect']}"
 
 
 def _accepted(data: Data) -> Section | None:
@@ -129,13 +141,13 @@ def _values(parameters: Mapping[str, float], names: Sequence[str]) -> tuple[str,
 
 
 def _parameters(data: Data) -> Table:
-    before, after = data["estimates"]["declared"], data["estimates"]["augmented"]
+    before, after = data["estimates"]["before"], data["estimates"]["after"]
     rows = []
     for name in dict.fromkeys((*before, *after)):
         unit = (before.get(name) or after.get(name))["unit"]
         cells = [_interval(table.get(name)) for table in (before, after)]
         rows.append((name, *(text for cell in cells for text in cell), unit))
-    header = ("parameter", "declared", "95 % interval", "augmented", "95 % interval", "unit")
+    header = ("parameter", BEFORE, "95 % interval", AFTER, "95 % interval", "unit")
     notes = (
         "Intervals allow for autocorrelated residuals; they say nothing of physics that is still missing.",
     )
@@ -165,8 +177,8 @@ def _refused(data: Data) -> tuple[Table, ...]:
 
 
 def _remaining(data: Data, pictures: tuple[Picture, ...]) -> Section:
-    header = ("port", "over", "declared model", "augmented model", "p of the latter")
-    before = {(c["port"], c["over"]): c for c in data["ceilings"]["declared"]}
+    header = ("port", "over", BEFORE, AFTER, "p of the latter")
+    before = {(c["port"], c["over"]): c for c in data["ceilings"]["before"]}
     rows = tuple(
         (
             c["port"],
@@ -175,7 +187,7 @@ def _remaining(data: Data, pictures: tuple[Picture, ...]) -> Section:
             share(c["gain"]),
             probability(c["p_value"]),
         )
-        for c in data["ceilings"]["augmented"]
+        for c in data["ceilings"]["after"]
     )
     tables = (
         [Table("Error that a learned effort would take away", header, rows, words=(0, 1))] if rows else []
@@ -185,7 +197,7 @@ def _remaining(data: Data, pictures: tuple[Picture, ...]) -> Section:
     )
     left = (
         f"Structure remains {listed(data['remains'])}: a learned effort there still lowers the held-out "
-        f"error by {data['rules']['worth']:.0%} or more, and no effect in the library does."
+        f"error by {percent(data['rules']['worth'])} or more, and no effect in the library does."
         if data["remains"]
         else "No learned effort over velocity or position takes as much from the held-out error as is asked."
     )
@@ -199,10 +211,10 @@ def _rules(data: Data) -> Table:
                      f"{data['horizons'][1]} held out"),
         ("records", listed([f"{r['name']} ({r['provenance']}, {r['source']})" for r in data["records"]])),
         ("significant", f"adjusted p at most {rules['alpha']:g} over all effects tried in a step"),
-        ("worth having", f"held-out RMSE lower by {rules['worth']:.0%} or more"),
-        ("alike", f"effects whose errors differ by less than {rules['tie']:.0%}, or not significantly"),
-        ("identifiable", f"standard errors at most {rules['vague']:.0%} of the value, correlations at most "
-                         f"{rules['collinear']:g}"),
+        ("worth having", f"held-out RMSE lower by {percent(rules['worth'])} or more"),
+        ("alike", f"effects whose errors differ by less than {percent(rules['tie'])}, or not significantly"),
+        ("identifiable", f"standard errors at most {percent(rules['vague'])} of the value, correlations at "
+                         f"most {rules['collinear']:g}"),
         ("search ended", data["stopped"]),
         ("took", f"{data['seconds']:.0f} s on {data['processes']} processes"),
     )  # fmt: skip
@@ -214,10 +226,6 @@ def _use(data: Data) -> Section | None:
         return None
     text = "The augmented model is a model like any other: fit, validate and plot take it up."
     return Section("How to go on", (text,), commands=tuple(data["commands"]))
-
-
-def _key(row: Data) -> tuple[str, str, str]:
-    return row["record"], row["output"], row["view"]
 
 
 def _view(row: Data) -> str:
@@ -232,10 +240,6 @@ def _change(before: float | None, after: float | None) -> str:
 
 def _r2(row: Data) -> str:
     return "" if row["r2"] is None else f"{row['r2']:.6f}".replace("-", "−")
-
-
-def _mse(row: Data) -> str:
-    return "" if row["mse"] is None else f"{row['mse']:.3g} ({row['unit']})²"
 
 
 def _capital(text: str) -> str:

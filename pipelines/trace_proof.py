@@ -13,7 +13,8 @@ from hybridid.simulation.simulate import Diverged
 from hybridid.trace.missing_effort import MissingEffort, missing_effort
 from hybridid.validation import Prediction, free_run, horizon_run, metrics
 
-BEFORE, AFTER = "declared", "augmented"
+BEFORE, AFTER = "gray box", "gray box + effects"
+"""What the two models are called wherever a person reads of them."""
 FITTED, HELD_OUT = "fitted", "held out"
 _NO_SCORE = {"mse": None, "rmse": None, "r2": None, "fit_percent": None}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -22,15 +22,15 @@ from pipelines.trace_findings import (
     rejected_entries,
     step_entries,
 )
-from pipelines.trace_proof import AFTER, BEFORE, Proof
+from pipelines.trace_proof import Proof
 from pipelines.trace_request import Request, own_effects
 from pipelines.trace_words import listed, sentence
 
 
 @dataclass(frozen=True)
 class Story:
-    """A finished trace. ``proofs`` hold the declared and the augmented model, one and the same if nothing
-    was accepted; ``fitted`` and ``held_out`` are the records that served each way."""
+    """A finished trace. ``proofs`` are of the declared and, if anything was accepted, the augmented model,
+    ``ceilings`` theirs; ``fitted`` and ``held_out`` are the records that served each way."""
 
     settings: Settings
     request: Request
@@ -38,8 +38,8 @@ class Story:
     fitted: Sequence[Prepared]
     held_out: Sequence[Prepared]
     found: Trace
-    proofs: Mapping[str, Proof]
-    ceilings: Mapping[str, Sequence[Ceiling]]
+    proofs: Sequence[Proof]
+    ceilings: Sequence[Sequence[Ceiling]]
 
     @property
     def provenance(self) -> str:
@@ -59,27 +59,33 @@ class Story:
         """The case's settings with what was accepted."""
         terms = self.found.model.terms[len(self.found.model.terms) - len(self.found.accepted) :]
         paths = {path.partition(":")[2]: path for path in own_effects(self.settings)}
-        return augmented(self.settings, terms, paths, self.proofs[AFTER].estimate)
+        return augmented(self.settings, terms, paths, self.proofs[-1].estimate)
 
     def data(self, model_file: Path, seconds: float) -> dict[str, Any]:
         """``trace.json``."""
-        search, proofs = self.found.search, self.proofs
+        search, before, after = self.found.search, self.proofs[0], self.proofs[-1]
         data = {
             "case": self.settings.case,
             "provenance": self.provenance,
             "verdict": self.found.verdict,
             "sentence": "",
-            "accepted": accepted_entries(self.found, proofs[AFTER].estimate),
+            "accepted": accepted_entries(self.found, after.estimate),
             "rejected": rejected_entries(search),
-            "before": list(proofs[BEFORE].rows),
-            "after": list(proofs[AFTER].rows),
+            "before": list(before.rows),
+            "after": list(after.rows),
             "noise_floor": floor_entries(self.found, self.found.model),
             "seconds": seconds,
-            "declared": [term.name for term in proofs[BEFORE].model.terms],
+            "declared": [term.name for term in before.model.terms],
             "effects": [term.name for term in self.found.model.terms],
-            "estimates": {name: estimate_entries(proof.estimate) for name, proof in proofs.items()},
+            "estimates": {
+                "before": estimate_entries(before.estimate),
+                "after": estimate_entries(after.estimate),
+            },
             "path": path_entries(search),
-            "ceilings": {name: [ceiling_entry(c) for c in found] for name, found in self.ceilings.items()},
+            "ceilings": {
+                "before": [ceiling_entry(c) for c in self.ceilings[0]],
+                "after": [ceiling_entry(c) for c in self.ceilings[-1]],
+            },
             "remains": list(self.found.remains),
             "completeness": None,
             "stopped": search.stopped,

@@ -8,6 +8,7 @@ from typing import Any
 from hybridid.plotting.units import engineering
 
 Data = Mapping[str, Any]
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 VERDICTS = {
     "effect_found": "effect found",
     "ambiguous": "ambiguous",
@@ -26,14 +27,16 @@ def sentence(data: Data) -> str:
     if data["verdict"] == "nothing_missing":
         return (
             f"Nothing that can be found is missing: none of the {tried} effects tried lowers the error "
-            f"{where} by {data['rules']['worth']:.0%}."
+            f"{where} by {percent(data['rules']['worth'])}."
         )
     if data["verdict"] == "unexplained":
         return (
             f"Something is missing that none of the {tried} effects tried explains: structure remains "
             f"{listed(data['remains'])}, {where}."
         )
-    return f"The model lacked {listed([_named(a) for a in accepted])}: {_fall(data)} {where}.{_rest(data)}"
+    them = "them" if len(accepted) > 1 else "it"
+    lacked = listed([_named(entry) for entry in accepted])
+    return f"The model lacked {lacked}: with {them} the RMSE {where} falls {_fall(data)}.{_rest(data)}"
 
 
 def listed(items: Sequence[str]) -> str:
@@ -50,8 +53,10 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
 
 
 def probability(p: float) -> str:
-    """A p-value to one digit; what no table could hold is said so."""
-    return "< 1e−15" if p < 1e-15 else f"{p:.1g}".replace("-", "−")
+    """A p-value to two digits; below what its normal theory can mean, only that."""
+    if p < 1e-15:
+        return "< 10⁻¹⁵"
+    return f"{p:.2g}" if p >= 1e-3 else power(p)
 
 
 def estimated(parameter: Data) -> str:
@@ -61,6 +66,24 @@ def estimated(parameter: Data) -> str:
     if std is None:
         return f"{value:.5g}{unit} ± ?".replace("-", "−")
     return f"{value:.5g} ± {1.96 * std:.2g}{unit}".replace("-", "−")
+
+
+def percent(share_of_one: float) -> str:
+    """``5 %`` for 0.05."""
+    return f"{100 * share_of_one:g} %"
+
+
+def power(value: float | None) -> str:
+    """``2.09·10⁻⁷``: three digits and a power of ten."""
+    if value is None:
+        return ""
+    digits, _, exponent = f"{value:.2e}".partition("e")
+    return f"{digits}·10{str(int(exponent)).translate(_SUPERSCRIPT)}"
+
+
+def squared(unit: str) -> str:
+    """``m²`` for m, ``(m/s)²`` for m/s."""
+    return f"{unit}²" if unit.isalpha() else f"({unit})²"
 
 
 def share(gain: float) -> str:
@@ -78,14 +101,14 @@ def _named(entry: Data) -> str:
 
 
 def _fall(data: Data) -> str:
-    """How far the error fell, for each output."""
+    """From where to where, for each output."""
     first, last = data["path"][0]["held_out_rmse"], data["path"][-1]["held_out_rmse"]
     falls = []
     for name, before in first.items():
         unit, after = data["noise_floor"][name]["unit"], last[name]
-        fell = f"{1 - after / before:.0%} less" if after <= before else f"{after / before - 1:.0%} more"
-        falls.append(f"{name} from {quantity(before, unit, 3)} to {quantity(after, unit, 3)} ({fell})")
-    return f"with {'them' if len(data['accepted']) > 1 else 'it'} the RMSE of {listed(falls)}"
+        change = f"{100 * abs(1 - after / before):.0f} % {'less' if after <= before else 'more'}"
+        falls.append(f"from {quantity(before, unit, 3)} to {quantity(after, unit, 3)} ({change}) in {name}")
+    return listed(falls)
 
 
 def _rest(data: Data) -> str:

@@ -58,7 +58,7 @@ def ceiling_plot(
     name_y(panels[0], effort)
     panels[0].set_ylim(frame([curve.effort * effort.factor for curve in curves]))
     legend_on_top(figure, [lines[model] for model in models])
-    found = "; ".join(f"over {c.over} beside the {c.model} model {c.gain:.1%}" for c in curves)
+    found = "; ".join(f"over {c.over} beside the {c.model} {c.gain:.1%}" for c in curves)
     caption = (
         f"Effort at {port} ({provenance}) learned as a free curve of one variable, fitted in simulation "
         f"beside everything else, and how much of the error it takes away, {judged}: {found}. No memoryless "
@@ -78,7 +78,7 @@ def _panel(
     for curve in curves:
         style = look(models.index(curve.model))
         lines[curve.model] = axes.plot(
-            curve.at * scale.factor, curve.effort * factor, label=f"beside the {curve.model} model",
+            curve.at * scale.factor, curve.effort * factor, label=f"beside the {curve.model}",
             color=style.colour, linestyle=style.dashes, linewidth=0.7, zorder=style.above,
         )[0]  # fmt: skip
         axes.scatter(

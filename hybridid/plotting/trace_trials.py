@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from hybridid.plotting.legends import legend_above
 from hybridid.plotting.lettering import cut
 from hybridid.plotting.looks import BLUE, GREEN, GRID_GREY, INK, ORANGE, SOFT_INK, VERMILION
 from hybridid.plotting.series import PlotError
@@ -67,9 +68,14 @@ def trials_plot(
         if any(one.status == status for one in shown):
             axes.plot([], [], marker, color=colour, markersize=3.4, markeredgewidth=0.9, label=status)
     axes.plot(
-        [], [], color=VERMILION, linewidth=0.8, linestyle=(0, (4, 2)), label=f"worth having, {worth:.0%}"
+        [],
+        [],
+        color=VERMILION,
+        linewidth=0.8,
+        linestyle=(0, (4, 2)),
+        label=f"worth having, {100 * worth:g} %",
     )
-    axes.legend(loc="lower right")
+    legend_above(axes)
     axes.set_yticks(range(len(shown)), [cut(one.name, NAME) for one in shown], color=INK)
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.set_xlim(lowest - 3, max(5.0, *(one.gain * 100 for one in shown)) * 1.08)

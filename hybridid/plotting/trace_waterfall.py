@@ -83,7 +83,8 @@ def _bar(axes: Axes, row: int, low: float, high: float, scale: Scale, colour: st
 
 def _fall(axes: Axes, row: int, before: float, after: float, scale: Scale) -> None:
     """What a change takes away, drawn from where the error stood, and what is left of it."""
-    share = f"−{1 - after / before:.0%}" if after <= before else f"+{after / before - 1:.0%}"
+    change = 100 * (after / before - 1)
+    share = f"{change:+.0f} %".replace("-", "−")
     axes.barh(row, after * scale.factor, THICK, color=DATA_GREY, alpha=0.35, linewidth=0, zorder=1)
     low, high = sorted((before, after))
     _bar(axes, row, low, high, scale, BLUE, f"{scale.text(after)}  ({share})")
