@@ -4,6 +4,9 @@ Each horizon is cut into intervals that start from a state of their own, a varia
 the optimisation; equality constraints close the gaps (thesis Eq. 3-3). A horizon of one
 interval is N-step prediction, one horizon of one interval single shooting. Source: Bock,
 Plitt (1984), IFAC Proceedings 17(2), 1603-1608; Wächter, Biegler (2006), Math. Program. 106.
+
+The Gauss-Newton Hessian leaves out the curvature of the gaps, which a residual that is not
+small makes matter: it then circles about the optimum where the exact one arrives.
 """
 
 from __future__ import annotations
@@ -124,7 +127,14 @@ def _options(max_iterations: int, tolerance: float, callback: ca.Callback | None
         "ipopt.max_iter": max_iterations,
         "ipopt.tol": tolerance,
         "ipopt.nlp_scaling_method": "none",
-        "ipopt.mu_strategy": "adaptive",
+        "ipopt.mu_strategy": "monotone",
+        # gaps closed and a cost that no longer moves are the optimum, whatever rounding leaves of its gradient
+        "ipopt.acceptable_tol": 1e-2,
+        "ipopt.acceptable_dual_inf_tol": 1e-2,
+        "ipopt.acceptable_compl_inf_tol": 1e-4,
+        "ipopt.acceptable_constr_viol_tol": 1e-6,
+        "ipopt.acceptable_obj_change_tol": tolerance,
+        "ipopt.acceptable_iter": 2,
     }
     if callback is not None:
         options["iteration_callback"] = callback
