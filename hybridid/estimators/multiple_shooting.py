@@ -128,7 +128,7 @@ def _options(max_iterations: int, tolerance: float, callback: ca.Callback | None
         "ipopt.tol": tolerance,
         "ipopt.nlp_scaling_method": "none",
         "ipopt.mu_strategy": "monotone",
-        # gaps closed and a cost that no longer moves are the optimum, whatever rounding leaves of its gradient
+        # closed gaps and a cost that stands still are the optimum, whatever rounding leaves of its gradient
         "ipopt.acceptable_tol": 1e-2,
         "ipopt.acceptable_dual_inf_tol": 1e-2,
         "ipopt.acceptable_compl_inf_tol": 1e-4,
