@@ -12,11 +12,12 @@ from hybridid.estimators import gauss_newton, multiple_shooting
 from hybridid.estimators.estimate import Estimate, EstimatedParameter, Progress, Solution
 from hybridid.estimators.problem import Problem, build_problem, check_records
 from hybridid.estimators.settings import FitSettings
+from hybridid.estimators.short_horizons import short_horizon_problem, short_horizon_start
 from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates
 from hybridid.estimators.uncertainty import Uncertainty, uncertainty
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.stability import MOST, substeps_for, substeps_wanted
+from hybridid.simulation.stability import MOST, first_substeps, substeps_wanted
 
 Array = NDArray[np.float64]
 VAGUE = 0.5
@@ -52,11 +53,13 @@ def fit(
         raise ValueError("every parameter is fixed: nothing to estimate")
     check_records(model, records)
     first = _first_start(model, records, settings, start_values)
-    substeps = settings.substeps or substeps_for(model, first, records, 1.1, settings.integrator)
+    substeps = settings.substeps or first_substeps(model, first, records, settings.integrator)
     problem = _problem(model, records, settings, substeps)
+    blind = start_values is None and settings.start == "regression"
+    short = short_horizon_problem(problem) if blind else None
     built = time.perf_counter()
     starts = scattered(model, first, settings.starts, settings.seed)
-    found = [_solve(problem, p, settings, progress, k, len(starts)) for k, p in enumerate(starts)]
+    found = [_solve(problem, short, p, settings, progress, (k, len(starts))) for k, p in enumerate(starts)]
     best = min(found, key=lambda solution: solution.cost)
     if not np.isfinite(best.cost):
         raise ValueError(
@@ -116,16 +119,20 @@ def _first_start(
 
 def _solve(
     problem: Problem,
+    short: Problem | None,
     p: Array,
     settings: FitSettings,
     progress: Callable[[Progress], None] | None,
-    index: int,
-    count: int,
+    place: tuple[int, int],
 ) -> Solution:
-    """One start: choose initial states, descend, then look whether a horizon was trapped."""
-    candidates = x0_candidates(problem, p) if problem.estimate_x0 else [problem.measured_x0()]
+    """One start: short horizons where they help, choose initial states, descend, then look
+    whether a horizon was trapped."""
+    index, count = place
     stage = "fit" if count == 1 else f"start {index + 1} of {count}"
     watch = _reporter(progress, stage, index / count)
+    if short is not None:
+        p = short_horizon_start(short, p, settings.continuation[0], watch)
+    candidates = x0_candidates(problem, p) if problem.estimate_x0 else [problem.measured_x0()]
     solution = _descend(
         problem, p, best_initial_states(problem, p, candidates), settings, settings.continuation, watch
     )
