@@ -33,7 +33,7 @@ BLIND = 1e-3
 """Share of a null direction of the Jacobian above which a parameter counts as not shown."""
 SINGULAR = 1e-11
 """Ratio of singular values below which a direction counts as null: the simulation's rounding."""
-ENOUGH = 10
+ENOUGH = 20
 """Horizons from which on their scores say something of their spread."""
 
 

@@ -1,0 +1,130 @@
+"""Standard errors: the classical ones for white noise, honest ones for noise that is not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybridid.declarations import Signal
+from hybridid.estimators import FitSettings, fit
+from hybridid.model import compose
+from hybridid.plants.emps import EMPS
+from hybridid.records.record import Channel
+from hybridid.simulation import simulate
+
+DRAWS = 30
+
+
+class TwoEncoders(EMPS):
+    """The carriage seen by two encoders."""
+
+    outputs = (*EMPS.outputs, Signal("again", "m"))
+
+    def output(self, x, u, p):
+        return {"position": x.q, "again": x.q}
+
+
+@pytest.fixture(scope="module")
+def inverse(carriage, symmetric) -> np.ndarray:
+    """``(J' J)^-1`` of the free-running carriage in SI units, initial state included, by differences."""
+    made, names = carriage.record(), list(carriage.truth)
+
+    def outputs(z):
+        return simulate(symmetric, dict(zip(names, z[:4], strict=True)), made, z[4:], 2).outputs[:, 0]
+
+    z = np.array([*carriage.truth.values(), 0.0, 0.0])
+    steps = np.diag([0.01, 0.01, 0.001, 0.001, 1e-5, 1e-5])
+    jacobian = np.stack([(outputs(z + d) - outputs(z - d)) / (2 * d.sum()) for d in steps], axis=1)
+    return np.linalg.inv(jacobian.T @ jacobian)[:4, :4]
+
+
+def test_white_noise_gives_the_classical_covariance(free_run_fit, noisy, inverse):
+    squares = 2 * free_run_fit.cost * noisy.outputs.var()
+    std = np.array([p.std for p in free_run_fit.parameters])
+    size = np.sqrt(np.diag(inverse))
+    np.testing.assert_allclose(std, np.sqrt(squares / (600 - 6)) * size, rtol=0.05)
+    np.testing.assert_allclose(free_run_fit.correlation, inverse / np.outer(size, size), atol=0.02)
+
+
+def draws(carriage, model, noise, settings, std, rho) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Errors and standard errors of every draw, (draws, 4), and their costs, (draws,)."""
+    errors, stated, squares = [], [], []
+    for seed in range(DRAWS):
+        made = carriage.record(noise=noise(600, std, rho, seed=100 + seed))
+        found = fit(model, [made], settings)
+        errors.append([p.value - carriage.truth[p.name] for p in found.parameters])
+        stated.append([p.std for p in found.parameters])
+        squares.append(2 * found.cost * made.outputs.var())
+    return np.array(errors), np.array(stated), np.array(squares)
+
+
+def share(errors: np.ndarray, std: np.ndarray) -> float:
+    """Share of the 95 % intervals that hold the truth, all parameters together."""
+    return float(np.mean(np.abs(errors) <= 1.96 * std))
+
+
+def test_white_noise_is_covered(carriage, symmetric, noise):
+    errors, std, _ = draws(carriage, symmetric, noise, FitSettings(horizon=100), 1e-4, 0.0)
+    assert 0.88 <= share(errors, std) <= 1.0
+    np.testing.assert_allclose(std.mean(axis=0), errors.std(axis=0), rtol=0.4)
+
+
+def test_correlated_noise_is_covered_where_the_classical_interval_is_not(carriage, symmetric, noise, inverse):
+    errors, std, squares = draws(carriage, symmetric, noise, FitSettings(), 1e-4, 0.9)
+    classical = np.sqrt(squares / (600 - 6))[:, None] * np.sqrt(np.diag(inverse))
+    assert share(errors, classical) < 0.6
+    assert 0.86 <= share(errors, std) <= 1.0
+
+
+def test_correlated_noise_is_covered_over_short_horizons(carriage, symmetric, noise):
+    """Initial states take most of the slow noise out of the residual: that must not look like precision."""
+    errors, std, _ = draws(carriage, symmetric, noise, FitSettings(horizon=60), 1e-4, 0.9)
+    assert 0.86 <= share(errors, std) <= 1.0
+    np.testing.assert_allclose(std.mean(axis=0), errors.std(axis=0), rtol=0.4)
+
+
+def test_a_second_look_at_the_same_noise_adds_nothing(carriage, noise, make_model):
+    """Two encoders that share their noise know no more than one; with noise of their own they do."""
+    one = carriage.record(noise=noise(600, 1e-5, 0.5, seed=1))
+    single = fit(make_model(), [one])
+    model = compose(TwoEncoders(), ["viscous", "coulomb", "offset"], {"carriage.epsilon": {"guess": 3e-3}})
+    ratio = []
+    for second in (one.outputs, carriage.record(noise=noise(600, 1e-5, 0.5, seed=2)).outputs):
+        channels = (*one.output_channels, Channel("again", "m"))
+        made = replace(one, outputs=np.hstack([one.outputs, second]), output_channels=channels)
+        both = fit(model, [made])
+        ratio.append([p.std / q.std for p, q in zip(both.parameters, single.parameters, strict=True)])
+    np.testing.assert_allclose(ratio[0], 1.0, rtol=0.05)
+    np.testing.assert_allclose(ratio[1], np.sqrt(0.5), rtol=0.2)
+
+
+def test_a_model_that_lacks_an_effect_owns_up_to_more_than_its_noise(carriage_like, make_model):
+    """Left out, friction that differs by direction is louder in some horizons than in others.
+
+    Two halves of the record then disagree by more than noise of the residual's size and colour
+    would make them; the stated errors allow for it.
+    """
+    lopsided = carriage_like(df_v=120.0)
+    made = lopsided.record(1200)
+    halves = [fit(make_model(), [made.part(a, a + 600)], FitSettings(horizon=50)) for a in (0, 600)]
+    apart = np.array([a.value - b.value for a, b in zip(*(h.parameters for h in halves), strict=True)])
+    std = np.sqrt(sum(np.array([p.std for p in half.parameters]) ** 2 for half in halves))
+    assert np.all(np.abs(apart) < 2.5 * std)
+
+
+def test_a_parameter_at_a_bound_still_has_an_error(make_model, noisy, free_run_fit):
+    """Its interval says what the data say, not what the bound does."""
+    found = fit(make_model(adjust={"carriage.coulomb.f_c": {"upper": 20.0}}), [noisy])
+    at = {p.name: p for p in found.parameters}["carriage.coulomb.f_c"]
+    assert at.at_bound
+    assert 0 < at.std < np.inf
+
+
+def test_more_data_halve_the_error(carriage, make_model, noise):
+    """Four records of the same motion: half the standard error of one."""
+    records = [carriage.record(noise=noise(600, 1e-4, seed=s), name=f"r{s}") for s in range(4)]
+    one, four = fit(make_model(), records[:1]), fit(make_model(), records)
+    ratio = [b.std / a.std for a, b in zip(one.parameters, four.parameters, strict=True)]
+    np.testing.assert_allclose(ratio, 0.5, rtol=0.12)
