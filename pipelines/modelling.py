@@ -10,7 +10,8 @@ from typing import Any, get_type_hints
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS
 from hybridid.estimators.settings import FitSettings
-from hybridid.model import ADJUSTABLE, Model, compose
+from hybridid.model import Model, compose
+from hybridid.model.compose import ADJUSTABLE
 from hybridid.plants.plant import Plant
 from pipelines.config import Settings
 from pipelines.errors import ConfigError, unknown
