@@ -46,7 +46,7 @@ def _row(prediction: Prediction, model_name: str, column: int, output: str, unit
     y = prediction.measured[:, column]
     squares = float(np.sum((y - prediction.predicted[:, column]) ** 2))
     spread = float(np.sum((y - y.mean()) ** 2))
-    ratio = squares / spread if spread > 0 else np.inf
+    ratio = squares / spread if spread > 0 else (np.inf if squares > 0 else 0.0)
     mse = squares / len(y)
     return Metrics(
         model=model_name,
