@@ -20,12 +20,14 @@ PACKAGES = ("hybridid", "pipelines", "hybridid_cli")
 
 # a room of hybridid may import its own modules and the rooms of the layers before its own
 LAYERS = (
-    ("declarations",),
+    ("naming", "declarations"),
     ("records", "plants", "effects"),
     ("signals", "rigs", "model", "fetch"),
     ("simulation",),
     ("estimators",),
     ("validation",),
+    ("residuals",),
+    ("hybrid",),
     ("trace",),
     ("plotting",),
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 
 from hybridid.effects import (
@@ -18,6 +17,7 @@ from hybridid.effects import (
     varying_friction,
 )
 from hybridid.effects.effect import Effect
+from hybridid.naming import unknown
 
 EFFECTS: tuple[Effect, ...] = (
     friction.OFFSET,
@@ -67,9 +67,7 @@ def effect_named(name: str) -> Effect:
     by_id = {effect.id: effect for effect in EFFECTS}
     if name in by_id:
         return by_id[name]
-    near = difflib.get_close_matches(name, by_id, n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    raise ValueError(f"unknown effect {name!r}: {hint}known: {', '.join(by_id)}, or module:NAME of your own")
+    raise ValueError(unknown("effect", name, [*by_id, "module:NAME of your own"]))
 
 
 def _imported(name: str) -> Effect:

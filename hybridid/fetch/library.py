@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hybridid.fetch.archive import FetchError, PublicArchive
-from hybridid.records.plain import unknown
+from hybridid.naming import unknown
 
 # The addresses are the Google Drive objects that the benchmark's own loader downloads
 # (PyPI nonlinear_benchmarks 1.0.1, benchmarks.py), in Drive's form for a direct download.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import abc
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -11,6 +10,7 @@ from types import SimpleNamespace
 import casadi as ca
 
 from hybridid.declarations import Parameter, Port, Signal, State
+from hybridid.naming import unknown
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,4 @@ class Plant(abc.ABC):
         by_name = {port.name: port for port in self.ports}
         if name in by_name:
             return by_name[name]
-        near = difflib.get_close_matches(name, by_name, n=1, cutoff=0.5)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise ValueError(f"unknown port of {self.name} {name!r}: {hint}known: {', '.join(by_name) or 'none'}")
+        raise ValueError(unknown(f"port of {self.name}", name, by_name))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from hybridid.records.plain import unknown
+from hybridid.naming import unknown
 from hybridid.records.record import Array, RecordError
 
 

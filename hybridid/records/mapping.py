@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from hybridid.naming import unknown
 from hybridid.records.checks import check_finite
 from hybridid.records.columns import Columns, find_column
-from hybridid.records.plain import build, unknown
+from hybridid.records.plain import build
 from hybridid.records.readers import read_columns
 from hybridid.records.record import Array, Channel, Hold, Record, RecordError
 from hybridid.records.resample import Resample, resampled

@@ -6,22 +6,14 @@ A mistake costs the user one line: where it is, what is allowed, and the nearest
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import types
 import typing
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeVar, Union
 
+from hybridid.naming import unknown
+
 T = TypeVar("T")
-
-
-def unknown(what: str, name: object, allowed: Iterable[str]) -> str:
-    """``unknown column 'qn': did you mean 'qm'? allowed: qg, qm, t``."""
-    names = list(allowed)
-    by_lower = {n.lower(): n for n in reversed(names)}
-    near = difflib.get_close_matches(str(name).lower(), by_lower, n=1, cutoff=0.5)
-    hint = f"did you mean {by_lower[near[0]]!r}? " if near else ""
-    return f"unknown {what} {name!r}: {hint}allowed: {', '.join(names) or 'none'}"
 
 
 def build(cls: type[T], values: Mapping[str, Any], where: str, error: type[ValueError]) -> T:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.records.plain import unknown
+from hybridid.naming import unknown
 
 Hold = Literal["zoh", "foh", "bandlimited"]
 HOLDS: tuple[Hold, ...] = ("zoh", "foh", "bandlimited")

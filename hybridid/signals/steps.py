@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from hybridid.records.plain import build, unknown
+from hybridid.naming import unknown
+from hybridid.records.plain import build
 from hybridid.records.record import Record, RecordError
 from hybridid.signals.butterworth import Butterworth
 from hybridid.signals.calculus import Differentiate, Integrate, SavitzkyGolay

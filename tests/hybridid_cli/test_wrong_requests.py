@@ -24,7 +24,7 @@ WRONG = (
     (["parameters.MM.lower=3"], ["unknown parameter 'MM'", "did you mean 'M'?"]),
     (
         ["parameters.M.lowr=3"],
-        ["setting of parameter M", "did you mean 'lower'?", "fixed, guess, lower, upper"],
+        ["setting of parameter M", "did you mean 'lower'?", "guess, lower, upper, fixed"],
     ),
     (["parameters.M.lower=low"], ["parameters.M.lower is 'low'", "number"]),
     (["parameters.M=3"], ["parameters.M is 3", "guess, lower, upper, fixed"]),

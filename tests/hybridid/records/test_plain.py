@@ -7,7 +7,8 @@ from typing import Literal
 
 import pytest
 
-from hybridid.records.plain import build, unknown
+from hybridid.naming import unknown
+from hybridid.records.plain import build
 
 
 class OwnError(ValueError):

@@ -1,0 +1,142 @@
+"""From a plant and its terms to flat CasADi functions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from hybridid.effects.effect import Local
+from hybridid.plants.plant import Motion
+
+if TYPE_CHECKING:
+    from hybridid.model.model import Model, Term
+
+
+def assemble(model: Model) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
+    """The model's ``f``, ``h``, ``efforts`` and ``motions``, as functions of (t, x, u, p)."""
+    t = ca.SX.sym("t")
+    x, x_by = _symbols([s.name for s in model.states])
+    u, u_by = _symbols([s.name for s in model.inputs])
+    p, p_by = _symbols([q.name for q in model.parameters])
+    plant_p = SimpleNamespace(**{q.name: p_by[q.name] for q in model.plant.parameters})
+    plant_x = SimpleNamespace(**{s.name: x_by[s.name] for s in model.plant.states})
+    local = _Locals(model, t, x_by, p_by)
+
+    plant_u, input_rates = local.through("input", u_by)
+    motion = model.plant.motion(plant_x, plant_u, plant_p)
+    efforts, effort_rates, rates = _resolve_acceleration(model, local, motion, plant_x, plant_u, plant_p)
+    plain = {
+        s.name: v for s, v in zip(model.outputs, _outputs(model, plant_x, plant_u, plant_p), strict=True)
+    }
+    measured, output_rates = local.through("output", plain)
+
+    term_rates = {**input_rates, **effort_rates, **output_rates}
+    x_dot = ca.vertcat(*[rates[s.name] if s.name in rates else term_rates[s.name] for s in model.states])
+    y = ca.vertcat(*[getattr(measured, s.name) for s in model.outputs])
+    moved = ca.vertcat(
+        *[ca.horzcat(motion[q.name].position, motion[q.name].velocity) for q in model.effort_ports]
+    )
+    args, names = [t, x, u, p], ["t", "x", "u", "p"]
+    return (
+        ca.Function("f", args, [x_dot], names, ["x_dot"], {"cse": True}),
+        ca.Function("h", args, [y], names, ["y"], {"cse": True}),
+        ca.Function("efforts", args, [ca.vertcat(*efforts.values())], names, ["effort"]),
+        ca.Function("motions", args, [moved], names, ["motion"]),
+    )
+
+
+def _symbols(names: Sequence[str]) -> tuple[ca.SX, dict[str, ca.SX]]:
+    symbols = [ca.SX.sym(name) for name in names]
+    return ca.vertcat(*symbols), dict(zip(names, symbols, strict=True))
+
+
+def _outputs(model: Model, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> list[ca.SX]:
+    given = model.plant.output(x, u, p)
+    return [given[s.name] for s in model.outputs]
+
+
+@dataclass(frozen=True)
+class _Locals:
+    """Gives each term what it sees, and sums what the terms at a port do."""
+
+    model: Model
+    t: ca.SX
+    x: Mapping[str, ca.SX]
+    p: Mapping[str, ca.SX]
+
+    def see(self, term: Term, **seen: ca.SX) -> Local:
+        p = SimpleNamespace(**{q.name: self.p[f"{term.name}.{q.name}"] for q in term.effect.parameters})
+        z = SimpleNamespace(**{s.name: self.x[f"{term.name}.{s.name}"] for s in term.effect.states})
+        return Local(p=p, z=z, time=self.t, **seen)
+
+    def rates(self, term: Term, local: Local) -> dict[str, ca.SX]:
+        if term.effect.dynamics is None:
+            return {}
+        return {f"{term.name}.{name}": rate for name, rate in term.effect.dynamics(local).items()}
+
+    def through(self, kind: str, signals: Mapping[str, ca.SX]) -> tuple[SimpleNamespace, dict[str, ca.SX]]:
+        """Signals after the terms on their path, and the rates of those terms' states."""
+        passed, rates = dict(signals), {}
+        for term in self.model.terms:
+            if term.effect.kind == kind:
+                local = self.see(term, signal=passed[term.port])
+                passed[term.port] = passed[term.port] + term.effect.law(local)
+                rates.update(self.rates(term, local))
+        return SimpleNamespace(**passed), rates
+
+
+def _resolve_acceleration(
+    model: Model,
+    local: _Locals,
+    motion: Mapping[str, Motion],
+    x: SimpleNamespace,
+    u: SimpleNamespace,
+    p: SimpleNamespace,
+) -> tuple[dict[str, ca.SX], dict[str, ca.SX], Mapping[str, ca.SX]]:
+    """Efforts, term rates and plant rates, with port accelerations eliminated.
+
+    An effect may use the port's acceleration a (added inertia). The equations of motion
+    are affine in the efforts and so in a: ``a = g(a)`` is solved by one exact Newton step.
+
+    Raises:
+        ValueError: if an effect uses the acceleration otherwise than linearly.
+    """
+    ports = model.effort_ports
+    a = ca.vertcat(*[ca.SX.sym(f"a_{port.name}") for port in ports])
+    efforts: dict[str, ca.SX] = {}
+    term_rates: dict[str, ca.SX] = {}
+    total = {port.name: ca.SX(0) for port in ports}
+    for term in model.terms:
+        if term.effect.kind != "effort":
+            continue
+        at, index = motion[term.port], [port.name for port in ports].index(term.port)
+        epsilon = local.p[f"{term.port}.epsilon"]
+        seen = local.see(
+            term, epsilon=epsilon, position=at.position, velocity=at.velocity, acceleration=a[index]
+        )
+        efforts[term.name] = term.effect.law(seen)
+        term_rates.update(local.rates(term, seen))
+        total[term.port] += efforts[term.name]
+    rates = model.plant.derivative(x, u, p, total)
+    used = ca.vertcat(*efforts.values(), *term_rates.values())
+    if not ports or not ca.depends_on(used, a):
+        return efforts, term_rates, rates
+    names = [s.name for s in model.plant.states]
+    state = ca.vertcat(*[getattr(x, name) for name in names])
+    velocity = ca.vertcat(*[motion[port.name].velocity for port in ports])
+    gap = a - ca.jtimes(velocity, state, ca.vertcat(*[rates[name] for name in names]))
+    if not ca.is_linear(gap, a):
+        bent = [name for name, value in efforts.items() if not ca.is_linear(ca.SX(value), a)]
+        raise ValueError(f"{', '.join(bent) or model.plant.name}: the acceleration must enter linearly")
+    zero = ca.substitute(gap, a, ca.SX.zeros(a.shape))
+    solved = -ca.solve(ca.jacobian(gap, a), zero)
+    insert = lambda value: ca.substitute(ca.SX(value), a, solved)  # noqa: E731
+    return (
+        {name: insert(value) for name, value in efforts.items()},
+        {name: insert(value) for name, value in term_rates.items()},
+        {name: insert(value) for name, value in rates.items()},
+    )

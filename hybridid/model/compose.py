@@ -1,0 +1,41 @@
+"""A model from names, as a config gives them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from hybridid.effects.effect import Effect
+from hybridid.effects.library import effect_named
+from hybridid.model.model import Model
+from hybridid.naming import unknown
+from hybridid.plants.plant import Plant
+
+ADJUSTABLE = ("guess", "lower", "upper", "fixed")
+
+
+def compose(
+    plant: Plant,
+    effects: Iterable[str | Effect] = (),
+    adjustments: Mapping[str, Mapping[str, float]] | None = None,
+) -> Model:
+    """A model from names: ``"viscous"``, ``"viscous@carriage"``, ``"module:NAME@port"``.
+
+    Raises:
+        ValueError: if an effect or port is unknown, or an adjustment names no parameter
+            of the model or gives something else than guess, lower, upper, fixed.
+    """
+    model = Model(plant, adjustments=dict(adjustments or {}))
+    for entry in effects:
+        if isinstance(entry, Effect):
+            model = model.plus(entry)
+            continue
+        name, _, port = entry.partition("@")
+        model = model.plus(effect_named(name), port or None)
+    known = [p.name for p in model.parameters]
+    for name, changes in model.adjustments.items():
+        if name not in known:
+            raise ValueError(unknown("parameter", name, known))
+        for key in changes:
+            if key not in ADJUSTABLE:
+                raise ValueError(unknown(f"setting of parameter {name}", key, ADJUSTABLE))
+    return model

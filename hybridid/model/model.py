@@ -1,0 +1,197 @@
+"""``Model``: a plant plus effects at its ports, as flat CasADi functions.
+
+``x' = f(t, x, u, p)`` and ``y = h(t, x, u, p)`` with x (n_x,), u (n_u,), y (n_y,) and
+p (n_p,) in the order of ``states``, ``inputs``, ``outputs`` and ``parameters``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from hybridid.declarations import Parameter, Port, Signal, State
+from hybridid.effects.effect import Effect
+from hybridid.model.assembly import assemble
+from hybridid.naming import unknown
+from hybridid.plants.plant import Plant
+
+
+@dataclass(frozen=True)
+class Term:
+    """An effect at a port."""
+
+    effect: Effect
+    port: str
+
+    @property
+    def name(self) -> str:
+        return f"{self.port}.{self.effect.id}"
+
+
+@dataclass(frozen=True)
+class Model:
+    """A plant and its terms. ``adjustments`` overrides declared guesses and bounds.
+
+    ``plus`` and ``without`` return new models; with its nesting parameters at zero a
+    term changes nothing, so ``model`` lies inside ``model.plus(effect)``.
+
+    Raises:
+        ValueError: if a term stands twice, or at no port or one of another kind.
+    """
+
+    plant: Plant
+    terms: tuple[Term, ...] = ()
+    adjustments: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        names = [term.name for term in self.terms]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"effect {name} stands twice in the model")
+        for term in self.terms:
+            kind = self.plant.port(term.port).kind
+            if kind != term.effect.kind:
+                raise ValueError(
+                    f"effect {term.effect.id} acts at {term.effect.kind} ports; {term.port} is {kind}"
+                )
+
+    def __getstate__(self) -> dict[str, object]:
+        """Only what declares the model: built CasADi functions do not travel."""
+        return {"plant": self.plant, "terms": self.terms, "adjustments": dict(self.adjustments)}
+
+    def plus(self, effect: Effect, port: str | None = None) -> Model:
+        """This model with ``effect`` added at ``port`` (default: the first of its kind)."""
+        where = port or first_port(self.plant, effect).name
+        return replace(self, terms=(*self.terms, Term(effect, where)))
+
+    def without(self, term_name: str) -> Model:
+        """This model less one term.
+
+        Raises:
+            ValueError: if it has no such term.
+        """
+        kept = tuple(term for term in self.terms if term.name != term_name)
+        if len(kept) == len(self.terms):
+            raise ValueError(unknown("term", term_name, [term.name for term in self.terms]))
+        return replace(self, terms=kept)
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Every constant under its qualified name, adjusted; the last are the ports' epsilons."""
+        own = list(self.plant.parameters)
+        for term in self.terms:
+            port = self.plant.port(term.port)
+            own += [p.at(port).renamed(f"{term.name}.{p.name}") for p in term.effect.parameters]
+        smooth = [
+            _epsilon(port) for port in self.effort_ports if any(t.port == port.name for t in self.terms)
+        ]
+        adjusted = tuple(_adjusted(p, self.adjustments.get(p.name, {})) for p in (*own, *smooth))
+        for p in adjusted[len(own) :]:
+            if not p.guess > 0:
+                raise ValueError(f"{p.name} is {p.guess:g} {p.unit}: a smoothing velocity must be positive")
+        return adjusted
+
+    @cached_property
+    def states(self) -> tuple[State, ...]:
+        """The plant's states, then each term's, under qualified names."""
+        own = list(self.plant.states)
+        for term in self.terms:
+            port = self.plant.port(term.port)
+            own += [s.at(port).renamed(f"{term.name}.{s.name}") for s in term.effect.states]
+        return tuple(own)
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        return self.plant.inputs
+
+    @property
+    def outputs(self) -> tuple[Signal, ...]:
+        return self.plant.outputs
+
+    @property
+    def effort_ports(self) -> tuple[Port, ...]:
+        return tuple(port for port in self.plant.ports if port.kind == "effort")
+
+    @property
+    def free(self) -> tuple[Parameter, ...]:
+        """The parameters that a fit estimates."""
+        return tuple(p for p in self.parameters if not p.fixed)
+
+    def values(self, known: Mapping[str, float] | None = None) -> np.ndarray:
+        """Parameter vector (n_p,): guesses, overwritten by ``known``.
+
+        Raises:
+            ValueError: if ``known`` names a parameter that the model lacks.
+        """
+        given = dict(known or {})
+        vector = np.array([given.pop(p.name, p.guess) for p in self.parameters], dtype=float)
+        if given:
+            raise ValueError(unknown("parameter", next(iter(given)), [p.name for p in self.parameters]))
+        return vector
+
+    @cached_property
+    def f(self) -> ca.Function:
+        """``x' = f(t, x, u, p)``."""
+        return self._functions[0]
+
+    @cached_property
+    def h(self) -> ca.Function:
+        """``y = h(t, x, u, p)``."""
+        return self._functions[1]
+
+    @cached_property
+    def efforts(self) -> ca.Function:
+        """Effort of each term at an effort port, ``(t, x, u, p) -> (n_terms,)``, in port units."""
+        return self._functions[2]
+
+    @cached_property
+    def motions(self) -> ca.Function:
+        """Position and velocity of each effort port, ``(t, x, u, p) -> (n_ports, 2)``."""
+        return self._functions[3]
+
+    @cached_property
+    def _functions(self) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
+        return assemble(self)
+
+
+def first_port(plant: Plant, effect: Effect) -> Port:
+    """The plant's first port of the effect's kind.
+
+    Raises:
+        ValueError: if it has none.
+    """
+    for port in plant.ports:
+        if port.kind == effect.kind:
+            return port
+    raise ValueError(f"plant {plant.name} has no {effect.kind} port for effect {effect.id}")
+
+
+def _epsilon(port: Port) -> Parameter:
+    name = f"{port.name}.epsilon"
+    unit = f"{port.position_unit}/s"
+    return Parameter(name, unit, port.epsilon, lower=0.0, fixed=True, meaning="smoothing velocity of sign(v)")
+
+
+def _adjusted(parameter: Parameter, changes: Mapping[str, float]) -> Parameter:
+    """The declared parameter with a user's guess, bounds or fixed value; bounds free a known one."""
+    changes = {key: float(value) for key, value in changes.items() if value is not None}
+    if not changes:
+        return parameter
+    if "fixed" in changes:
+        return parameter.fixed_at(changes["fixed"])
+    lower, upper = changes.get("lower", parameter.lower), changes.get("upper", parameter.upper)
+    if lower == upper:
+        return parameter.fixed_at(lower)
+    guess = changes.get("guess")
+    if guess is None:
+        guess = min(max(parameter.guess, lower), upper)
+        if guess in (lower, upper) and math.isfinite(upper - lower):
+            guess = 0.5 * (lower + upper)
+    scale = parameter.scale if guess == 0 else abs(guess)
+    known = parameter.fixed and "lower" not in changes and "upper" not in changes
+    return replace(parameter, guess=guess, lower=lower, upper=upper, scale=scale, fixed=known)
