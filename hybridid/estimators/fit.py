@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators import gauss_newton, multiple_shooting
+from hybridid.estimators.carried import carries_nothing, carry
 from hybridid.estimators.estimate import Estimate, EstimatedParameter, Progress, Solution
 from hybridid.estimators.problem import Problem, build_problem, check_records
 from hybridid.estimators.settings import FitSettings
@@ -26,6 +28,10 @@ the records do not identify."""
 NEAR_BOUND = 1e-6
 SAME_OPTIMUM = 1e-3
 """Relative difference of cost below which two starts count as arrived at one optimum."""
+HANDOVERS = 4
+"""How often the effects' inner states are handed on and the fit goes on from there."""
+COARSE, EXACT = 0.05, 1e-9
+"""Share of the residual that halving the steps may move it by; a residual that is none."""
 REFINEMENTS = 3
 """How often a fit that ends where the integrator needs shorter steps goes on with them."""
 
@@ -91,15 +97,31 @@ def _refined(
     settings: FitSettings,
     progress: Callable[[Progress], None] | None,
 ) -> tuple[Problem, Solution]:
-    """The solution with as short a step as it needs itself: the start may have needed fewer."""
+    """The solution with steps as short as it needs itself: stable, and not seen in the residual."""
     for _ in range(REFINEMENTS):
-        needed = substeps_wanted(problem.model, solution.p, problem.records, integrator=settings.integrator)
+        needed = _steps_needed(problem, solution, settings)
         if not problem.windows.substeps < needed <= MOST:
             break
         problem = _problem(problem.model, problem.records, settings, needed)
         watch = _reporter(progress, f"fit with {needed} steps a sample", 1.0)
-        solution = _descend(problem, solution.p, solution.x0, settings, (1.0,), watch)
+        again = _descend(problem, solution.p, solution.x0, settings, (1.0,), watch)
+        solution = _after(solution, again, again)
     return problem, solution
+
+
+def _steps_needed(problem: Problem, solution: Solution, settings: FitSettings) -> int:
+    """Steps a sample that are stable at the solution; twice those in use if halving them shows.
+
+    The error of a step may not be a noticeable part of the residual: the parameters would
+    follow it.
+    """
+    now = problem.windows.substeps
+    stable = substeps_wanted(problem.model, solution.p, problem.records, integrator=settings.integrator)
+    if stable > now:
+        return stable
+    finer = _problem(problem.model, problem.records, settings, 2 * now)
+    r, closer = (q.residuals(q.shooter(solution.x0, solution.p)) for q in (problem, finer))
+    return 2 * now if np.linalg.norm(closer - r) > COARSE * np.linalg.norm(r) > EXACT else now
 
 
 def _reporter(
@@ -139,10 +161,30 @@ def _solve(
     if not np.isfinite(solution.cost):
         return solution
     freed = best_initial_states(problem, solution.p, [solution.x0, *candidates])
-    if np.array_equal(freed, solution.x0):
+    if not np.array_equal(freed, solution.x0):
+        again = _descend(problem, solution.p, freed, settings, (1.0,), watch)
+        solution = _after(solution, again if again.cost < solution.cost else solution, again)
+    return _carried(problem, solution, settings, watch)
+
+
+def _carried(
+    problem: Problem, solution: Solution, settings: FitSettings, watch: Callable[[int, float], None]
+) -> Solution:
+    """The solution with the effects' inner states handed on from horizon to horizon."""
+    if carries_nothing(problem):
         return solution
-    again = _descend(problem, solution.p, freed, settings, (1.0,), watch)
-    return again if again.cost < solution.cost else solution
+    for _ in range(HANDOVERS):
+        x0 = carry(problem, solution.p, solution.x0)
+        before, again = solution, _descend(problem, solution.p, x0, settings, (1.0,), watch)
+        solution = _after(before, again, again)
+        if abs(solution.cost - before.cost) <= SAME_OPTIMUM * before.cost:
+            break
+    return solution
+
+
+def _after(first: Solution, kept: Solution, second: Solution) -> Solution:
+    """``kept``, with the iterations of two descents."""
+    return replace(kept, iterations=first.iterations + second.iterations)
 
 
 def _descend(
