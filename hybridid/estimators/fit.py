@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.declarations import Parameter
 from hybridid.estimators import gauss_newton, multiple_shooting
 from hybridid.estimators.carried import carries_nothing, carry
 from hybridid.estimators.estimate import Estimate, EstimatedParameter, Progress, Solution
@@ -240,7 +241,7 @@ def _estimate(
     )
 
 
-def _estimated(declared, value: float, std: float) -> EstimatedParameter:
+def _estimated(declared: Parameter, value: float, std: float) -> EstimatedParameter:
     span = declared.scale * NEAR_BOUND
     return EstimatedParameter(
         name=declared.name,

@@ -15,6 +15,7 @@ from hybridid.simulation.unobserved import filled_states
 from hybridid.simulation.windows import cut
 
 Array = NDArray[np.float64]
+Modes = NDArray[np.complex128]
 IMPLICIT = "rodas3"
 MOST = 50
 """A model stiffer than this many steps a sample wants another integrator."""
@@ -136,7 +137,7 @@ REMEDY: Mapping[str, str] = {
 }
 
 
-def _modes(model: Model, p: Array, record: Record) -> tuple[Array, Array]:
+def _modes(model: Model, p: Array, record: Record) -> tuple[Modes, Modes]:
     """Eigenvalues of df/dx in 1/s at some samples of a record, (m, n_x), and at rest, (m, n_x)."""
     x = ca.SX.sym("x", len(model.states))
     t, u = ca.SX.sym("t"), ca.SX.sym("u", len(model.inputs))
@@ -145,10 +146,10 @@ def _modes(model: Model, p: Array, record: Record) -> tuple[Array, Array]:
     k = np.unique(np.linspace(0, record.n - 1, PROBES).astype(int))
     states = filled_states(model, p, record)[k]
 
-    def eigenvalues(at: Array) -> Array:
+    def eigenvalues(at: Array) -> Modes:
         stacked = jacobian.map(len(k))(record.time[k], at.T, record.inputs[k].T, np.tile(p, (len(k), 1)).T)
         matrices = np.asarray(stacked).reshape(at.shape[1], len(k), at.shape[1]).swapaxes(0, 1)
-        return np.linalg.eigvals(np.where(np.isfinite(matrices), matrices, 0.0))
+        return np.linalg.eigvals(np.where(np.isfinite(matrices), matrices, 0.0)).astype(complex)
 
     return eigenvalues(states), eigenvalues(np.zeros_like(states))
 
