@@ -1,0 +1,144 @@
+"""A hybrid's network as files, and back: ``hybrid.json``, and ``weights.npz`` for NARX; no pickles.
+
+The gray box is not among them: who loads a hybrid gives its model, and the values come with the file.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import uuid
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hybridid.hybrid.hybrid import Hybrid
+from hybridid.hybrid.output_error import OutputErrorHybrid
+from hybridid.hybrid.port import PortHybrid
+from hybridid.model import Model
+from hybridid.records.plain import build
+from hybridid.residuals.narx import NARX, Weights
+from hybridid.residuals.rbf import RBFNetwork
+from hybridid.residuals.regressors import Scaling
+from hybridid.residuals.settings import Architecture
+
+FORMAT = 1
+DESCRIPTION, WEIGHTS = "hybrid.json", "weights.npz"
+
+
+class HybridFileError(ValueError):
+    """Files that are no hybrid of this model; the message says why."""
+
+
+def save_hybrid(hybrid: Hybrid, folder: Path | str) -> Path:
+    """Write ``hybrid`` into ``folder``, each file whole or not at all; returns the description's path."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    describe = {OutputErrorHybrid: _describe_narx, PortHybrid: _describe_rbf}[type(hybrid)]
+    description, arrays = describe(hybrid)
+    if arrays:
+        _replace(folder / WEIGHTS, lambda path: np.savez(path, **arrays))
+    text = json.dumps({"format": FORMAT, **description}, indent=1, ensure_ascii=False) + "\n"
+    return _replace(folder / DESCRIPTION, lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def load_hybrid(folder: Path | str, gray: Model) -> Hybrid:
+    """The hybrid that ``save_hybrid`` wrote into ``folder``, around the model ``gray``.
+
+    Raises:
+        HybridFileError: if there is none, or it was made with another model.
+    """
+    path = Path(folder) / DESCRIPTION
+    try:
+        description = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as wrong:
+        raise HybridFileError(f"{path}: no hybrid that hybridid wrote") from wrong
+    if not isinstance(description, dict) or description.get("format") != FORMAT:
+        raise HybridFileError(f"{path}: not of format {FORMAT}, which this version reads; make it anew")
+    own = {p.name for p in gray.parameters}
+    lacking = sorted(set(description["physics"]) ^ own)
+    if lacking:
+        raise HybridFileError(f"{path}: made with another model, they differ in {', '.join(lacking)}")
+    return _LOADERS[description["kind"]](description, Path(folder), gray)
+
+
+def _describe_narx(hybrid: OutputErrorHybrid) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    arrays = {}
+    for network in hybrid.networks:
+        for k, (matrix, bias) in enumerate(
+            zip(network.weights.matrices, network.weights.biases, strict=True)
+        ):
+            arrays[f"{network.output}.{k}.matrix"], arrays[f"{network.output}.{k}.bias"] = matrix, bias
+    plain = ("output", "unit", "dt", "input_names", "limit", "seed", "records", "provenance")
+    networks = [
+        {
+            **{name: getattr(network, name) for name in plain},
+            "architecture": asdict(network.architecture),
+            "scaling": asdict(network.scaling),
+        }
+        for network in hybrid.networks
+    ]
+    physics = [p.name for p in hybrid.model.parameters]
+    return {"kind": "narx", "physics": physics, "values": dict(hybrid.values), "networks": networks}, arrays
+
+
+def _describe_rbf(hybrid: PortHybrid) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    plain = {name: getattr(hybrid, name) for name in ("port", "records", "learned_from")}
+    about = {
+        "kind": "rbf",
+        "physics": [p.name for p in hybrid.gray.parameters],
+        "values": dict(hybrid.values),
+    }
+    return {**about, **plain, "network": asdict(hybrid.network)}, {}
+
+
+def _load_narx(description: Mapping[str, Any], folder: Path, gray: Model) -> Hybrid:
+    path = folder / WEIGHTS
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            networks = tuple(_network(about, arrays) for about in description["networks"])
+    except (OSError, KeyError, ValueError) as wrong:
+        raise HybridFileError(f"{path}: not the weights that belong to {DESCRIPTION}") from wrong
+    return OutputErrorHybrid(gray, description["values"], networks)
+
+
+def _network(about: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> NARX:
+    architecture = build(Architecture, about["architecture"], "architecture", HybridFileError)
+    layers = range(architecture.depth + 1)
+    matrices, biases = (
+        tuple(arrays[f"{about['output']}.{k}.{what}"] for k in layers) for what in ("matrix", "bias")
+    )
+    scaling = build(Scaling, about["scaling"], "scaling", HybridFileError)
+    names = {name: tuple(about[name]) for name in ("input_names", "records")}
+    made = {"architecture": architecture, "scaling": scaling, "weights": Weights(matrices, biases)}
+    return NARX(**{**about, **names, **made})
+
+
+def _load_rbf(description: Mapping[str, Any], folder: Path, gray: Model) -> Hybrid:
+    return PortHybrid(
+        gray=gray,
+        values=description["values"],
+        network=build(RBFNetwork, description["network"], "network", HybridFileError),
+        port=description["port"],
+        records=tuple(description["records"]),
+        learned_from=description["learned_from"],
+    )
+
+
+_LOADERS: Mapping[str, Callable[[Mapping[str, Any], Path, Model], Hybrid]] = {
+    "narx": _load_narx,
+    "rbf": _load_rbf,
+}
+
+
+def _replace(path: Path, write: Callable[[Path], object]) -> Path:
+    temporary = path.with_name(f".{uuid.uuid4().hex}.{path.name}")
+    try:
+        write(temporary)
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+    return path

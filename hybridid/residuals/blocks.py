@@ -1,0 +1,57 @@
+"""Which samples train a network and which are held out: contiguous blocks, whole windows inside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Runs of consecutive grid samples, ``(first, end)`` each."""
+
+    train: tuple[tuple[int, int], ...]
+    held_out: tuple[tuple[int, int], ...]
+
+    def starts(self, horizon: int, reach: int) -> Index:
+        """Samples where a training window may begin: its ``horizon`` samples and the ``reach``
+        past ones that they are predicted from all lie in one run."""
+        return np.concatenate([np.arange(a + reach, b - horizon + 1) for a, b in self.train] or [_NONE])
+
+    def checks(self, horizon: int, reach: int) -> Index:
+        """Where windows side by side begin that cover the held-out runs."""
+        return np.concatenate(
+            [np.arange(a + reach, b - horizon + 1, horizon) for a, b in self.held_out] or [_NONE]
+        )
+
+
+_NONE = np.empty(0, dtype=np.int64)
+
+
+def blocks(pieces: list[tuple[int, int]], count: int, held_out: float) -> Blocks:
+    """Cut each piece into ``count`` blocks and hold out that share of them, evenly spread.
+
+    Neighbouring training blocks run together.
+    """
+    away = max(1, round(held_out * count))
+    chosen = {int((k + 0.5) * count / away) for k in range(away)}
+    train: list[tuple[int, int]] = []
+    kept: list[tuple[int, int]] = []
+    for first, end in pieces:
+        edges = np.linspace(first, end, count + 1).astype(int)
+        open_run: int | None = None
+        for k in range(count):
+            if k in chosen:
+                kept.append((int(edges[k]), int(edges[k + 1])))
+                if open_run is not None:
+                    train.append((open_run, int(edges[k])))
+                open_run = None
+            elif open_run is None:
+                open_run = int(edges[k])
+        if open_run is not None:
+            train.append((open_run, end))
+    return Blocks(tuple(train), tuple(kept))

@@ -1,0 +1,140 @@
+"""The course of a stack's training on rising horizons; each network stops by its own held-out error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from hybridid.residuals.samples import Samples, Windows, gather
+from hybridid.residuals.settings import Training
+from hybridid.residuals.stack import Stack
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Epoch:
+    """Mean squared errors over the error's mean square: of the training, and of the held-out blocks
+    over the last horizon."""
+
+    horizon: int
+    train: float
+    held_out: float
+
+
+class Course:
+    """Trains ``stack`` on ``samples`` (one for each network); ``best`` holds the best weights so far,
+    ``score`` (b,) their held-out error and ``zero`` (b,) that of predicting no error."""
+
+    def __init__(
+        self, stack: Stack, samples: Sequence[Samples], settings: Training, seeds: Sequence[int]
+    ) -> None:
+        self.settings = settings
+        self.samples = samples
+        self.best = stack.part(range(len(samples)))
+        self.history: list[list[Epoch]] = [[] for _ in samples]
+        self.stopped: list[list[str]] = [[] for _ in samples]
+        self._dice = [np.random.default_rng([seed, 1]) for seed in seeds]
+        last = settings.horizons[-1]
+        checks = [s.split.checks(last, s.reach) for s in samples]
+        self._checks = gather(samples, checks, last, stack.lags)
+        self.score = self._held_out(self.best, range(len(samples)))
+        self.zero = _mean_square(self._checks.target, self._checks.weight)
+
+    def run(self, horizon: int, tell: Callable[[int, float], None]) -> None:
+        """Train on one horizon from the best weights, until every network has stopped."""
+        running = np.arange(len(self.samples))
+        learner = _Learner.of(self.best.part(list(running)), self.settings)
+        stale = np.zeros(len(running), dtype=int)
+        for epoch in range(1, self.settings.epochs + 1):
+            train = self._epoch(learner, running, horizon)
+            held_out = self._held_out(learner.stack, running)
+            better = held_out < self.score[running]
+            self.best.put(list(running[better]), learner.stack.part(list(np.flatnonzero(better))))
+            self.score[running[better]] = held_out[better]
+            for k, network in enumerate(running):
+                self.history[network].append(Epoch(horizon, float(train[k]), float(held_out[k])))
+            tell(epoch, float(self.score.mean()))
+            stale = np.where(better, 0, stale + 1)
+            going = stale < self.settings.patience
+            if not going.all():
+                self._note(running[~going], f"no gain in {self.settings.patience} epochs", horizon, epoch)
+                running, stale = running[going], stale[going]
+                if not len(running):
+                    return
+                learner = learner.part(np.flatnonzero(going))
+        self._note(running, "all epochs used", horizon, self.settings.epochs)
+
+    def _epoch(self, learner: _Learner, running: Index, horizon: int) -> NDArray[np.float64]:
+        """One pass over the training blocks; returns each network's mean loss."""
+        samples = [self.samples[k] for k in running]
+        windows = max(1, self.settings.batch // horizon)
+        steps = -(-samples[0].trained_on // (windows * horizon))
+        order = [self._order(k, horizon, steps * windows) for k in running]
+        losses = []
+        for step in range(steps):
+            part = slice(step * windows, (step + 1) * windows)
+            losses.append(
+                learner.step(gather(samples, [o[part] for o in order], horizon, learner.stack.lags))
+            )
+        return np.mean(losses, axis=0)
+
+    def _order(self, network: int, horizon: int, count: int) -> Index:
+        """Starts of ``count`` windows in the network's own random order."""
+        sample = self.samples[network]
+        return np.resize(self._dice[network].permutation(sample.split.starts(horizon, sample.reach)), count)
+
+    def _held_out(self, stack: Stack, networks: Sequence[int] | Index) -> NDArray[np.float64]:
+        windows = self._checks.of(list(networks))
+        with torch.no_grad():
+            error = stack(windows.past, windows.rows) - windows.target
+        found = _mean_square(error, windows.weight)
+        return np.where(np.isfinite(found), found, np.inf)
+
+    def _note(self, networks: Index, why: str, horizon: int, epoch: int) -> None:
+        for k in networks:
+            self.stopped[k].append(f"horizon {horizon}: {why}, {epoch} epochs")
+
+
+def _mean_square(error: Tensor, weight: Tensor) -> NDArray[np.float64]:
+    """Mean of ``error**2`` (b, w, h) over the windows that count, (b,)."""
+    squares = (error.double().square().mean(dim=2) * weight).sum(dim=1) / weight.sum(dim=1)
+    return squares.numpy()
+
+
+@dataclass(frozen=True)
+class _Learner:
+    """A stack and its Adam."""
+
+    stack: Stack
+    adam: torch.optim.Adam
+    settings: Training
+
+    @classmethod
+    def of(cls, stack: Stack, settings: Training) -> _Learner:
+        adam = torch.optim.Adam(stack.tensors, lr=settings.learning_rate, weight_decay=settings.weight_decay)
+        return cls(stack, adam, settings)
+
+    def step(self, windows: Windows) -> NDArray[np.float64]:
+        """One step down each network's own loss; returns the losses (b,)."""
+        self.adam.zero_grad()
+        losses = (self.stack(windows.past, windows.rows) - windows.target).square().mean(dim=(1, 2))
+        losses.sum().backward()
+        self.stack.cut_gradients()
+        self.adam.step()
+        return losses.detach().double().numpy()
+
+    def part(self, chosen: Index) -> _Learner:
+        """The learner of these networks alone, with their moments."""
+        smaller = _Learner.of(self.stack.part(list(chosen)), self.settings)
+        rows = list(chosen)
+        for old, new in zip(self.stack.tensors, smaller.stack.tensors, strict=True):
+            state = self.adam.state[old]
+            moments = {name: state[name][rows].clone() for name in ("exp_avg", "exp_avg_sq")}
+            smaller.adam.state[new] = {"step": state["step"].clone(), **moments}
+        return smaller

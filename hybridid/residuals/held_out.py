@@ -1,0 +1,173 @@
+"""Choosing a network without touching the validation record: blocks of the fitted records held out in turn.
+
+Each record is cut into contiguous blocks. Block after block is left out, gray box and network are
+fitted to the rest, and the block is simulated free-run from its own estimated initial state. The
+choice is the smallest network whose error is within one standard error of the lowest. Source:
+Hastie, Tibshirani, Friedman (2009), The Elements of Statistical Learning, sec. 7.10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import starmap
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators.fit import fit
+from hybridid.estimators.settings import FitSettings
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.residuals.rbf_fit import RBFPlan, fit_rbf
+from hybridid.simulation.simulate import Diverged
+from hybridid.validation.predict import free_run
+
+Array = NDArray[np.float64]
+Mapper = Callable[[Callable[..., Any], Iterable[tuple[Any, ...]]], Iterable[Any]]
+"""``mapper(function, argument tuples)`` gives results in order: ``itertools.starmap``, a process pool."""
+SHORTEST = 50
+"""Samples below which a block says nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """Parts of the records that are fitted, and those that are held out."""
+
+    fitted: tuple[Record, ...]
+    held_out: tuple[Record, ...]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A plan and how it is fitted."""
+
+    plan: RBFPlan
+    settings: FitSettings
+
+
+@dataclass(frozen=True, eq=False)
+class FoldScore:
+    """Mean square errors (n_y,) on a fold's held-out blocks: of the gray box and with the network.
+
+    ``failure`` says why there is none, such as a simulation that diverges.
+    """
+
+    gray: Array
+    hybrid: Array
+    failure: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Scored:
+    """A candidate on all folds. ``spread`` (n_y,) are the outputs' standard deviations."""
+
+    candidate: Candidate
+    folds: tuple[FoldScore, ...]
+    spread: Array
+
+    @property
+    def gray_rmse(self) -> Array:
+        """Of the gray box fitted without each block, (n_y,), in the outputs' units."""
+        return np.sqrt(np.mean([f.gray for f in self.folds], axis=0))
+
+    @property
+    def rmse(self) -> Array:
+        """Of the hybrid, (n_y,), in the outputs' units; infinite if it failed on a fold."""
+        return np.sqrt(np.mean([f.hybrid for f in self.folds], axis=0))
+
+    @property
+    def by_fold(self) -> Array:
+        """Each fold's mean square over the outputs' variances, (folds,)."""
+        return np.array([np.mean(f.hybrid / self.spread**2) for f in self.folds])
+
+    @property
+    def score(self) -> float:
+        return float(self.by_fold.mean())
+
+    @property
+    def standard_error(self) -> float:
+        """Of ``score`` over the folds."""
+        return (
+            float(self.by_fold.std(ddof=1) / np.sqrt(len(self.folds))) if np.isfinite(self.score) else np.inf
+        )
+
+
+def folds(records: Sequence[Record], count: int) -> list[Fold]:
+    """``count`` folds; each leaves out one contiguous block of every record.
+
+    Raises:
+        ValueError: if there are fewer than 2, or a block would be too short.
+    """
+    if count < 2:
+        raise ValueError(f"residual.folds is {count}: at least 2")
+    shortest = min(records, key=lambda r: r.n)
+    if shortest.n < count * SHORTEST:
+        raise ValueError(f"residual.folds is {count}: record {shortest.name} has only {shortest.n} samples")
+    return [_fold(records, k, count) for k in range(count)]
+
+
+def _fold(records: Sequence[Record], index: int, count: int) -> Fold:
+    fitted, held_out = [], []
+    for record in records:
+        edges = np.linspace(0, record.n, count + 1).astype(int)
+        first, end = int(edges[index]), int(edges[index + 1])
+        held_out.append(record.part(first, end, f"{record.name} block {index + 1}"))
+        if first > 0:
+            fitted.append(record.part(0, first, f"{record.name} before block {index + 1}"))
+        if end < record.n:
+            fitted.append(record.part(end, record.n, f"{record.name} after block {index + 1}"))
+    return Fold(tuple(fitted), tuple(held_out))
+
+
+def score_fold(gray: Model, fold: Fold, candidate: Candidate, gray_settings: FitSettings) -> FoldScore:
+    """Fit gray box and network on the fold's fitted parts, simulate its held-out blocks."""
+    settings = candidate.settings
+    values = fit(gray, fold.fitted, gray_settings).values
+    try:
+        alone = _mean_square(gray, values, fold, gray_settings)
+        found = fit_rbf(gray, values, fold.fitted, candidate.plan, settings)
+        return FoldScore(alone, _mean_square(found.model, found.estimate.values, fold, settings))
+    except (Diverged, ValueError) as failure:
+        nothing = np.full(len(gray.outputs), np.inf)
+        return FoldScore(nothing, nothing, str(failure))
+
+
+def _mean_square(model: Model, values: dict[str, float], fold: Fold, settings: FitSettings) -> Array:
+    errors = [free_run(model, values, r, "estimated", settings.integrator).error for r in fold.held_out]
+    return np.mean(np.concatenate(errors) ** 2, axis=0)
+
+
+def compare(
+    gray: Model,
+    records: Sequence[Record],
+    candidates: Sequence[Candidate],
+    gray_settings: FitSettings,
+    count: int = 4,
+    mapper: Mapper = starmap,
+) -> list[Scored]:
+    """Every candidate on the same ``count`` folds of ``records``."""
+    cut = folds(records, count)
+    jobs = [(gray, fold, candidate, gray_settings) for candidate in candidates for fold in cut]
+    scores = list(mapper(score_fold, jobs))
+    spread = np.concatenate([r.outputs for r in records]).std(axis=0)
+    spread[spread == 0] = 1.0
+    return [
+        Scored(candidate, tuple(scores[k * count : (k + 1) * count]), spread)
+        for k, candidate in enumerate(candidates)
+    ]
+
+
+def choose(scored: Sequence[Scored]) -> Scored:
+    """The fewest nodes within one standard error of the lowest held-out error; among equals the lowest.
+
+    Raises:
+        ValueError: if every candidate failed.
+    """
+    best = min(scored, key=lambda s: s.score)
+    if not np.isfinite(best.score):
+        reasons = {f.failure for s in scored for f in s.folds if f.failure}
+        raise ValueError(f"no network can be chosen: every one failed ({'; '.join(sorted(reasons))})")
+    near = [s for s in scored if s.score <= best.score + best.standard_error]
+    return min(near, key=lambda s: (s.candidate.plan.nodes, s.score))

@@ -1,0 +1,141 @@
+"""``NARX``: a trained network on the output error of a gray box (thesis Eqs. 3-11, 4-15, 5-11)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.residuals.recursion import recur
+from hybridid.residuals.regressors import Scaling, exogenous, scaled_error
+from hybridid.residuals.series import ErrorSeries, Surroundings
+from hybridid.residuals.settings import Architecture
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """``matrices`` and ``biases`` of the layers in order, (n_out, n_in) and (n_out,) each.
+
+    The first layer's inputs are the past errors, the newest first, then what ``exogenous`` gives.
+    """
+
+    matrices: tuple[Array, ...]
+    biases: tuple[Array, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of weights and biases."""
+        return sum(a.size for a in (*self.matrices, *self.biases))
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorRun:
+    """A network's free run.
+
+    ``error`` (n,) is nan from where the network ran away, at ``diverged_at`` s after the run's
+    start (None: it did not).
+    """
+
+    error: Array
+    diverged_at: float | None
+    limit: float
+    unit: str
+
+    @property
+    def status(self) -> str:
+        if self.diverged_at is None:
+            return "bounded"
+        return f"ran away at t = {self.diverged_at:.4g} s: |error| above {self.limit:.3g} {self.unit}"
+
+
+@dataclass(frozen=True, eq=False)
+class NARX:
+    """``e(t) = F[past e, past u, past y_gray]`` for one ``output``, in its ``unit``.
+
+    ``limit`` bounds |e|: beyond it the network has run away. ``dt`` (s), ``input_names``,
+    ``records`` and ``provenance`` are those of its training.
+    """
+
+    output: str
+    unit: str
+    dt: float
+    input_names: tuple[str, ...]
+    architecture: Architecture
+    scaling: Scaling
+    weights: Weights
+    limit: float
+    seed: int
+    records: tuple[str, ...]
+    provenance: str
+
+    def free_run(self, seen: Surroundings) -> ErrorRun:
+        """The error along a gray box' simulation, from an error of zero; nothing measured is used.
+
+        Raises:
+            ValueError: if the inputs or the sampling time are not those of its training.
+        """
+        self._check(seen)
+        error = np.full(len(seen.gray), np.nan)
+        for piece in seen.pieces:
+            past = np.zeros(self.architecture.orders.error)
+            found, stayed = self._recur(self._exogenous(seen, piece), past)
+            error[piece] = self._between(found, piece)
+            if stayed < len(found):
+                at = (piece.start + stayed * self.architecture.every) * self.dt
+                return ErrorRun(error, at, self.limit, self.unit)
+        return ErrorRun(error, None, self.limit, self.unit)
+
+    def one_step(self, series: ErrorSeries) -> Array:
+        """Predictions from measured past errors, (n,); nan where too few have gone before.
+
+        For diagnosis: a machine in use has no measured error.
+        """
+        self._check(series.seen)
+        orders, every = self.architecture.orders, self.architecture.every
+        found = np.full(len(series.error), np.nan)
+        for piece in series.seen.pieces:
+            past = scaled_error(series, piece, self.scaling, every)
+            rows = self._exogenous(series.seen, piece)
+            for t in range(orders.longest, len(past)):
+                value, _ = self._recur(rows[t : t + 1], past[t - orders.error : t][::-1].copy())
+                found[piece.start + t * every] = value[0] * self.scaling.error
+        return found
+
+    def _exogenous(self, seen: Surroundings, piece: slice) -> Array:
+        return exogenous(seen, piece, self.architecture.orders, self.scaling, self.architecture.every)
+
+    def _recur(self, rows: Array, past: Array) -> tuple[Array, int]:
+        matrices, biases = self.weights.matrices, self.weights.biases
+        lags, width = self.architecture.orders.error, self.architecture.width
+        hidden = np.array(matrices[1:-1]).reshape(-1, width, width)
+        return recur(
+            rows @ matrices[0][:, lags:].T + biases[0],
+            np.ascontiguousarray(matrices[0][:, :lags]),
+            hidden,
+            np.array(biases[1:-1]).reshape(-1, width),
+            np.ascontiguousarray(matrices[-1][0]),
+            float(biases[-1][0]),
+            past,
+            float(self.architecture.increment),
+            self.limit / self.scaling.error,
+        )
+
+    def _between(self, found: Array, piece: slice) -> Array:
+        """The grid's errors at every sample of the piece, linear in between, in the output's unit."""
+        grid = np.arange(len(found)) * self.architecture.every
+        return np.interp(np.arange(piece.stop - piece.start), grid, found) * self.scaling.error
+
+    def _check(self, seen: Surroundings) -> None:
+        if seen.input_names != self.input_names or seen.output != self.output:
+            raise ValueError(
+                f"the network predicts the error of {self.output} from {', '.join(self.input_names)}; "
+                f"it was given {seen.output} and {', '.join(seen.input_names)}"
+            )
+        if abs(seen.dt - self.dt) > 1e-6 * self.dt:
+            raise ValueError(
+                f"the network for {self.output} was trained on samples every {self.dt:g} s, these come "
+                f"every {seen.dt:g} s: resample in preprocess"
+            )

@@ -1,0 +1,157 @@
+"""A radial basis function network as one more effect at an effort port (thesis Eqs. 6-4 to 6-6).
+
+    F(v) = sum_i w_i exp(-(v - c_i)² / (2 s_i²))
+
+It stands in the very slot of a physical friction law, so the same estimator fits its centres c,
+widths s and weights w in simulation. With all weights at zero it is not there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.declarations import Port
+from hybridid.effects.dimension import Dimension
+from hybridid.effects.effect import Effect, EffectParameter, Local
+
+Array = NDArray[np.float64]
+Over = Literal["velocity", "position"]
+DIMENSIONS: dict[Over, Dimension] = {
+    "velocity": Dimension(position=1, time=-1),
+    "position": Dimension(position=1),
+}
+EFFECT = "rbf"
+
+
+@dataclass(frozen=True)
+class RBFBounds:
+    """Where a fit may move the nodes.
+
+    Nodes start evenly spread, one spacing wide. By default each centre stays in its own cell
+    (``centre_room`` spacings to either side), each width within ``width_room`` spacings, each
+    weight within ``weight_room`` times the port's effort scale: so no two nodes trade places or
+    cancel each other by large weights, and a node that the record hardly visits stays small.
+    ``centre``, ``width`` and ``weight`` give bounds in the port's units instead, as in the thesis
+    (Table 6.1: [-1, 1] m/s, [0.01, 1] m/s, [-100, 100] N).
+
+    Raises:
+        ValueError: if bounds are crossed or a width may vanish.
+    """
+
+    centre_room: float = 0.5
+    width_room: tuple[float, float] = (0.5, 1.5)
+    weight_room: float = 1 / 3
+    centre: tuple[float, float] | None = None
+    width: tuple[float, float] | None = None
+    weight: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("centre", "width", "weight"):
+            pair = getattr(self, name)
+            if pair is not None and not pair[0] < pair[1]:
+                raise ValueError(f"residual.bounds.{name} is {list(pair)}: the lower bound comes first")
+        for name, pair in (("width", self.width), ("width_room", self.width_room)):
+            if pair is not None and not 0 < pair[0] < pair[1]:
+                raise ValueError(f"residual.bounds.{name} is {list(pair)}: two rising positive numbers")
+        if not (self.centre_room >= 0 and self.weight_room > 0):
+            raise ValueError(
+                "residual.bounds: centre_room must not be negative, weight_room must be positive"
+            )
+
+
+@dataclass(frozen=True)
+class RBFNetwork:
+    """``nodes`` Gaussians over a port's velocity or position, spread over ``span`` (in its unit).
+
+    Raises:
+        ValueError: if there are no nodes or the span is empty.
+    """
+
+    nodes: int
+    span: tuple[float, float]
+    over: Over = "velocity"
+    bounds: RBFBounds = field(default_factory=RBFBounds)
+
+    def __post_init__(self) -> None:
+        if self.nodes < 1:
+            raise ValueError(f"residual.nodes is {self.nodes}: at least 1")
+        if self.over not in DIMENSIONS:
+            raise ValueError(f"residual.over is {self.over!r}, allowed: {', '.join(DIMENSIONS)}")
+        if not self.span[0] < self.span[1]:
+            raise ValueError(f"residual.span is {list(self.span)}: two rising numbers")
+
+    @property
+    def centres(self) -> Array:
+        """Where the nodes start, (nodes,)."""
+        low, high = self.span
+        return np.linspace(low, high, self.nodes) if self.nodes > 1 else np.array([(low + high) / 2])
+
+    @property
+    def spacing(self) -> float:
+        """From one node to the next."""
+        return (self.span[1] - self.span[0]) / max(self.nodes - 1, 2)
+
+    def effect(self, port: Port) -> Effect:
+        """The network as an effect for ``port``."""
+        parameters: list[EffectParameter] = []
+        for k, centre in enumerate(self.centres, 1):
+            parameters += self._node(k, float(centre), port)
+        letter = {"velocity": "v", "position": "x"}[self.over]
+        return Effect(
+            id=EFFECT,
+            kind="effort",
+            title=f"radial basis functions of the {self.over}, {self.nodes} nodes",
+            equation=f"F = Σ w_i exp(-({letter} - c_i)²/(2 s_i²)), i = 1 … {self.nodes}",
+            law=GaussianSum(self.nodes, self.over),
+            parameters=tuple(parameters),
+            source="thesis Eqs. 6-4 to 6-6",
+            pattern="none: it can take the shape of any law: it says how much is missing, not what",
+        )
+
+    def _node(self, k: int, centre: float, port: Port) -> list[EffectParameter]:
+        """Centre and width in the port's units, the weight in multiples of its effort scale."""
+        argument, effort = DIMENSIONS[self.over], Dimension(effort=1)
+        low, high = self._centre_bounds(centre)
+        near, far = self._width_bounds()
+        down, up = self._weight_bounds(port)
+        width = min(max(self.spacing, near), far)
+        return [
+            EffectParameter(f"c_{k}", argument, f"centre of node {k}", centre, low, high, absolute=True),
+            EffectParameter(f"s_{k}", argument, f"width of node {k}", width, near, far, absolute=True),
+            EffectParameter(f"w_{k}", effort, f"weight of node {k}", 0.0, down, up, nests=True),
+        ]
+
+    def _centre_bounds(self, centre: float) -> tuple[float, float]:
+        room = self.bounds.centre_room * self.spacing
+        low, high = self.bounds.centre or (centre - room, centre + room)
+        return min(low, centre), max(high, centre)
+
+    def _width_bounds(self) -> tuple[float, float]:
+        low, high = self.bounds.width_room
+        return self.bounds.width or (low * self.spacing, high * self.spacing)
+
+    def _weight_bounds(self, port: Port) -> tuple[float, float]:
+        room = self.bounds.weight_room
+        low, high = self.bounds.weight or (-room * port.effort_scale, room * port.effort_scale)
+        return low / port.effort_scale, high / port.effort_scale
+
+
+@dataclass(frozen=True)
+class GaussianSum:
+    """The law ``F = sum_i w_i exp(-(x - c_i)² / (2 s_i²))``; a class, so that it can be pickled."""
+
+    nodes: int
+    over: Over
+
+    def __call__(self, at: Local) -> ca.SX:
+        x = at.velocity if self.over == "velocity" else at.position
+        total = ca.SX(0)
+        for k in range(1, self.nodes + 1):
+            c, s, w = (getattr(at.p, f"{letter}_{k}") for letter in "csw")
+            total = total + w * ca.exp(-((x - c) ** 2) / (2 * s**2))
+        return total

@@ -1,0 +1,126 @@
+"""The RBF network fitted in simulation, beside the physics as it is or with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import casadi as ca
+
+from hybridid.estimators.estimate import Estimate, Progress
+from hybridid.estimators.fit import fit
+from hybridid.estimators.settings import FitSettings
+from hybridid.model import Model
+from hybridid.naming import unknown
+from hybridid.records.record import Record
+from hybridid.residuals.rbf import Over, RBFBounds, RBFNetwork
+from hybridid.validation.predict import free_run
+
+Physics = Literal["refitted", "fixed"]
+PHYSICS: tuple[Physics, ...] = ("refitted", "fixed")
+MARGIN = 0.05
+"""Share of the visited range by which the nodes' span goes beyond it on either side."""
+
+
+@dataclass(frozen=True)
+class RBFPlan:
+    """An RBF network at a port and how it is fitted.
+
+    ``physics`` "fixed" keeps the gray box' estimates, as in the thesis; "refitted" estimates them
+    jointly, so that the network need not make up for what a wrong model had bent them to.
+    ``port`` None is the first effort port; ``span`` None is what the fitted records visit.
+
+    Raises:
+        ValueError: if a number or a word is not allowed.
+    """
+
+    nodes: int = 8
+    port: str | None = None
+    over: Over = "velocity"
+    span: tuple[float, float] | None = None
+    physics: Physics = "refitted"
+    bounds: RBFBounds = field(default_factory=RBFBounds)
+
+    def __post_init__(self) -> None:
+        if self.physics not in PHYSICS:
+            raise ValueError(f"residual.physics is {self.physics!r}, allowed: {', '.join(PHYSICS)}")
+        RBFNetwork(self.nodes, self.span or (-1.0, 1.0), self.over, self.bounds)
+
+
+@dataclass(frozen=True, eq=False)
+class RBFFit:
+    """A fitted network: the ``model`` with it inside, its ``term``, and the ``estimate`` of what was free."""
+
+    model: Model
+    term: str
+    network: RBFNetwork
+    plan: RBFPlan
+    estimate: Estimate
+
+
+def fit_rbf(
+    gray: Model,
+    values: Mapping[str, float],
+    records: Sequence[Record],
+    plan: RBFPlan,
+    settings: FitSettings,
+    progress: Callable[[Progress], None] | None = None,
+) -> RBFFit:
+    """Fit the network of ``plan`` beside the gray box at ``values``.
+
+    The fit starts from the gray box, where every weight is zero: its cost can only fall.
+
+    Raises:
+        ValueError: if the port is none of the plant's effort ports, or the fit cannot be done.
+    """
+    port = _port(gray, plan)
+    span = plan.span or visited(gray, values, records, port, plan.over, settings)
+    network = RBFNetwork(plan.nodes, span, plan.over, plan.bounds)
+    model = (_held(gray, values) if plan.physics == "fixed" else gray).plus(
+        network.effect(gray.plant.port(port)), port
+    )
+    start = {name: value for name, value in values.items() if not name.endswith(".epsilon")}
+    estimate = fit(model, records, replace(settings, continuation=(1.0,)), progress, start)
+    return RBFFit(model, model.terms[-1].name, network, plan, estimate)
+
+
+def visited(
+    gray: Model,
+    values: Mapping[str, float],
+    records: Sequence[Record],
+    port: str,
+    over: Over,
+    settings: FitSettings,
+) -> tuple[float, float]:
+    """The range of a port's velocity or position over the gray box' free runs of ``records``."""
+    column = {"position": 0, "velocity": 1}[over]
+    row = [p.name for p in gray.effort_ports].index(port)
+    p = gray.values(values)
+    lows, highs = [], []
+    for record in records:
+        run = free_run(gray, values, record, settings.initial_state, settings.integrator)
+        n = len(run.time)
+        motions = gray.motions.map(n)(
+            run.time[None, :], run.states.T, record.inputs[:n].T, ca.repmat(ca.DM(p), 1, n)
+        )
+        seen = motions.full()[row, column::2]
+        lows.append(float(seen.min()))
+        highs.append(float(seen.max()))
+    low, high = min(lows), max(highs)
+    return low - MARGIN * (high - low), high + MARGIN * (high - low)
+
+
+def _port(gray: Model, plan: RBFPlan) -> str:
+    names = [port.name for port in gray.effort_ports]
+    if not names:
+        raise ValueError(f"plant {gray.plant.name} has no effort port for a network")
+    if plan.port is not None and plan.port not in names:
+        raise ValueError(unknown("port in residual.port:", plan.port, names))
+    return plan.port or names[0]
+
+
+def _held(model: Model, values: Mapping[str, float]) -> Model:
+    """The model with every estimated parameter known."""
+    known = {p.name: {"fixed": float(values[p.name])} for p in model.free}
+    return replace(model, adjustments={**model.adjustments, **known})

@@ -1,0 +1,108 @@
+"""The windows that train a stack and those that check it, as tensors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from hybridid.residuals.blocks import Blocks, blocks
+from hybridid.residuals.orders import Orders
+from hybridid.residuals.regressors import Scaling, exogenous, scaled_error
+from hybridid.residuals.series import ErrorSeries
+from hybridid.residuals.settings import Architecture, Training
+from hybridid.residuals.stack import DTYPES
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Windows of ``h`` grid samples for each of ``b`` networks.
+
+    ``past`` (b, w, lags) measured errors before each, the newest first; ``rows`` (b, w, h, d) exogenous
+    regressors; ``target`` (b, w, h); ``weight`` (b, w) 0 for windows that only fill the array.
+    """
+
+    past: Tensor
+    rows: Tensor
+    target: Tensor
+    weight: Tensor
+
+    def of(self, networks: Sequence[int]) -> Windows:
+        """The windows of these networks alone."""
+        rows = list(networks)
+        return Windows(self.past[rows], self.rows[rows], self.target[rows], self.weight[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """The scaled error and regressors of one task on its grid, all pieces of all records in a row.
+
+    ``error`` (m,), ``rows`` (m, d) with the orders of the whole stack, ``split`` into blocks;
+    ``reach`` is how far back the task's own network looks.
+    """
+
+    error: Tensor
+    rows: Tensor
+    split: Blocks
+    reach: int
+
+    @property
+    def trained_on(self) -> int:
+        """Grid samples in the training blocks."""
+        return sum(end - first for first, end in self.split.train)
+
+
+def samples_of(
+    series: Sequence[ErrorSeries], scaling: Scaling, one: Architecture, padded: Orders, settings: Training
+) -> Samples:
+    """What trains a network ``one`` in a stack with the orders ``padded``."""
+    errors, rows, pieces, begun = [], [], [], 0
+    for record in series:
+        for piece in record.seen.pieces:
+            errors.append(scaled_error(record, piece, scaling, one.every))
+            rows.append(exogenous(record.seen, piece, padded, scaling, one.every))
+            pieces.append((begun, begun + len(errors[-1])))
+            begun = pieces[-1][1]
+    kind = DTYPES[settings.precision]
+    return Samples(
+        error=torch.from_numpy(np.concatenate(errors)).to(kind),
+        rows=torch.from_numpy(np.concatenate(rows)).to(kind),
+        split=blocks(pieces, settings.blocks, settings.held_out),
+        reach=one.orders.longest,
+    )
+
+
+def check_lengths(samples: Samples, settings: Training, output: str) -> None:
+    """Whether the blocks hold windows of the longest horizon.
+
+    Raises:
+        ValueError: if they do not.
+    """
+    horizon = settings.horizons[-1]
+    split, reach = samples.split, samples.reach
+    if not len(split.starts(horizon, reach)) or not len(split.checks(horizon, reach)):
+        longest = max(end - first for first, end in split.held_out)
+        raise ValueError(
+            f"residual.horizons reaches {horizon} samples and the orders {reach} back, but a held-out "
+            f"block of {output} has {longest}: shorten them, or lower residual.blocks ({settings.blocks})"
+        )
+
+
+def gather(
+    samples: Sequence[Samples], starts: Sequence[NDArray[np.int64]], horizon: int, lags: int
+) -> Windows:
+    """The windows that begin at ``starts``, for each network; shorter lists are filled up."""
+    most = max(len(s) for s in starts)
+    filled = torch.from_numpy(np.stack([np.resize(s, most) for s in starts]))
+    weight = torch.from_numpy(np.stack([np.arange(most) < len(s) for s in starts])).float()
+    ahead, back = torch.arange(horizon), -1 - torch.arange(lags)
+    past = [s.error[(at[:, None] + back).clamp(min=0)] for s, at in zip(samples, filled, strict=True)]
+    rows = [s.rows[at[:, None] + ahead] for s, at in zip(samples, filled, strict=True)]
+    target = [s.error[at[:, None] + ahead] for s, at in zip(samples, filled, strict=True)]
+    return Windows(torch.stack(past), torch.stack(rows), torch.stack(target), weight)

@@ -1,0 +1,67 @@
+"""``ErrorSeries``: what a gray box leaves of one output, with all that may explain it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.records.record import Record
+from hybridid.validation.predict import Prediction
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """What a network on one output sees beside its own past.
+
+    ``inputs`` (n, n_u) and ``gray`` (n,), the gray box' output, every ``dt`` s. ``breaks`` are the
+    samples where the simulation begins anew, the first among them.
+    """
+
+    output: str
+    unit: str
+    dt: float
+    inputs: Array
+    input_names: tuple[str, ...]
+    gray: Array
+    breaks: tuple[int, ...]
+
+    @property
+    def pieces(self) -> list[slice]:
+        """The stretches simulated in one go."""
+        ends = (*self.breaks[1:], len(self.gray))
+        return [slice(a, b) for a, b in zip(self.breaks, ends, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorSeries:
+    """``error = y - y_gray`` (n,) of one output of one record, and its surroundings."""
+
+    record: str
+    provenance: str
+    error: Array
+    seen: Surroundings
+
+
+def surroundings(prediction: Prediction, record: Record, output: str) -> Surroundings:
+    """What a network on ``output`` sees along a gray box' prediction of ``record``."""
+    column = prediction.output_names.index(output)
+    return Surroundings(
+        output=output,
+        unit=prediction.output_units[column],
+        dt=record.dt,
+        inputs=record.inputs[: len(prediction.time)],
+        input_names=tuple(channel.name for channel in record.input_channels),
+        gray=prediction.predicted[:, column],
+        breaks=prediction.breaks,
+    )
+
+
+def error_series(prediction: Prediction, record: Record, output: str) -> ErrorSeries:
+    """The error that a gray box' prediction of ``record`` leaves of ``output``."""
+    column = prediction.output_names.index(output)
+    seen = surroundings(prediction, record, output)
+    return ErrorSeries(record.name, record.provenance, prediction.error[:, column], seen)

@@ -1,0 +1,82 @@
+"""What a NARX network is, and how it is trained."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from hybridid.residuals.orders import Orders
+
+
+@dataclass(frozen=True)
+class Architecture:
+    """A network ``F`` of ``depth`` hidden layers of ``width`` neurons (ELU) and a linear output.
+
+    It works on every ``every``-th sample. With ``increment`` it gives the change of the error
+    since the last sample instead of the error itself, which suits a slow error.
+
+    Raises:
+        ValueError: if a number is too small, or an increment lacks a past error.
+    """
+
+    orders: Orders
+    depth: int = 3
+    width: int = 16
+    every: int = 1
+    increment: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("depth", "width", "every"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"residual.{name} is {getattr(self, name)}: at least 1")
+        if self.increment and self.orders.error == 0:
+            raise ValueError("residual.increment needs residual.orders.error of at least 1")
+
+
+@dataclass(frozen=True)
+class Training:
+    """How networks are trained: Adam on the mean squared error over ``horizons`` in turn.
+
+    A horizon of 1 is the one-step prediction of the thesis. Over a longer one, of h grid samples, the
+    network runs free from h to h: it starts from measured errors and then feeds on its own
+    predictions, and the gradient goes back through all of them. ``(1, 10, 50)`` goes from easy to
+    hard. On each horizon training ends when the error on the held-out blocks, over the last
+    horizon, has not fallen for ``patience`` epochs, or after ``epochs``; the weights kept are those
+    with the lowest held-out error of all.
+
+    ``held_out`` is the share of the ``blocks`` contiguous blocks of each record that no
+    gradient sees. ``batch`` counts predicted samples a step. ``weight_decay`` is Adam's L2 term.
+    A network has run away where its |error| exceeds ``guard`` times the largest that trained it.
+    ``precision`` is of the arithmetic; a stack's networks equal those trained alone up to its rounding.
+
+    Raises:
+        ValueError: if a setting is outside what is allowed.
+    """
+
+    horizons: tuple[int, ...] = (1, 10, 50)
+    epochs: int = 200
+    patience: int = 20
+    batch: int = 512
+    learning_rate: float = 1e-3
+    weight_decay: float = 0.0
+    held_out: float = 0.2
+    blocks: int = 10
+    guard: float = 10.0
+    precision: Literal["single", "double"] = "single"
+
+    def __post_init__(self) -> None:
+        for name, least in (("epochs", 1), ("patience", 1), ("batch", 1), ("blocks", 2)):
+            if getattr(self, name) < least:
+                raise ValueError(f"residual.{name} is {getattr(self, name)}: at least {least}")
+        if not self.horizons or min(self.horizons) < 1 or sorted(self.horizons) != list(self.horizons):
+            raise ValueError(
+                f"residual.horizons is {list(self.horizons)}: rising numbers of samples, such as [1, 10, 50]"
+            )
+        if not 0 < self.held_out <= 0.5:
+            raise ValueError(f"residual.held_out is {self.held_out}: a share above 0 and up to 0.5")
+        if not self.learning_rate > 0:
+            raise ValueError(f"residual.learning_rate is {self.learning_rate}: must be positive")
+        if not self.weight_decay >= 0:
+            raise ValueError(f"residual.weight_decay is {self.weight_decay}: must not be negative")
+        if not self.guard > 1:
+            raise ValueError(f"residual.guard is {self.guard}: must be above 1")

@@ -1,0 +1,171 @@
+"""Many networks of one depth and width as one: every layer's weights carry a leading network axis.
+
+A step of small networks costs its calls, not its arithmetic, so a stack of them costs hardly more
+than one. Networks with fewer regressors are padded: what they do not look at is masked, so it
+neither counts nor learns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from itertools import pairwise
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from hybridid.residuals.narx import Weights
+from hybridid.residuals.settings import Architecture
+
+LARGEST_GRADIENT = 1.0
+"""The gradient's norm, for each network, is cut to this: back through many steps it can explode."""
+
+DTYPES = {"single": torch.float32, "double": torch.float64}
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Torch on one thread: small networks gain nothing from more, and workers share a machine."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
+
+
+class Stack:
+    """``b`` networks: layers ``(b, n_in, n_out)`` and ``(b, 1, n_out)``; the first looks at ``lags``
+    past errors and then at exogenous regressors, by ``mask`` (b, n_in, 1). The error is ``carry`` (0
+    or 1) times the last one plus ``gain`` (b, 1, 1) times what the last layer gives."""
+
+    def __init__(
+        self, layers: Sequence[tuple[Tensor, Tensor]], mask: Tensor, lags: int, carry: float, gain: Tensor
+    ) -> None:
+        self.layers = [tuple(t.detach().clone().requires_grad_() for t in layer) for layer in layers]
+        self.mask = mask
+        self.lags = lags
+        self.carry = carry
+        self.gain = gain
+
+    @property
+    def tensors(self) -> list[Tensor]:
+        return [tensor for layer in self.layers for tensor in layer]
+
+    def __call__(self, past: Tensor, rows: Tensor) -> Tensor:
+        """Free-run predictions (b, w, h) from ``past`` errors (b, w, lags), the newest first, and
+        exogenous regressors ``rows`` (b, w, h, d)."""
+        (first, bias), *inner, (last, offset) = self.layers
+        first = first * self.mask
+        b, windows, horizon, _ = rows.shape
+        by_past = first[:, : self.lags]
+        driven = torch.baddbmm(bias, rows.flatten(1, 2), first[:, self.lags :]).view(b, windows, horizon, -1)
+        found = []
+        for k in range(horizon):
+            x = torch.nn.functional.elu(torch.baddbmm(driven[:, :, k], past, by_past))
+            for matrix, shift in inner:
+                x = torch.nn.functional.elu(torch.baddbmm(shift, x, matrix))
+            value = self.gain * torch.baddbmm(offset, x, last)
+            if self.carry:
+                value = value + self.carry * past[:, :, :1]
+            found.append(value)
+            past = torch.cat([value, past[:, :, :-1]], dim=2) if self.lags else past
+        return torch.cat(found, dim=2)
+
+    def cut_gradients(self) -> None:
+        """Cut each network's gradient to ``LARGEST_GRADIENT``; one that is not finite moves nothing."""
+        gradients = [t.grad for t in self.tensors if t.grad is not None]
+        squares = torch.stack([g.square().sum(dim=(1, 2)) for g in gradients]).sum(dim=0)
+        norm = squares.sqrt()
+        factor = (
+            (LARGEST_GRADIENT / (norm + 1e-12)).clamp(max=1.0).where(norm.isfinite(), torch.zeros_like(norm))
+        )
+        for g in gradients:
+            g.mul_(factor[:, None, None]).nan_to_num_(0.0, 0.0, 0.0)
+
+    def part(self, chosen: Sequence[int]) -> Stack:
+        """The networks with these numbers, as a stack of their own."""
+        rows = list(chosen)
+        layers = [(w[rows], b[rows]) for w, b in self.layers]
+        return Stack(layers, self.mask[rows], self.lags, self.carry, self.gain[rows])
+
+    def put(self, chosen: Sequence[int], other: Stack) -> None:
+        """Take over the weights of ``other``'s networks as those with the numbers ``chosen``."""
+        rows = list(chosen)
+        with torch.no_grad():
+            for mine, theirs in zip(self.tensors, other.tensors, strict=True):
+                mine[rows] = theirs
+
+    def weights(self, index: int, architecture: Architecture) -> Weights:
+        """One network's weights without the padding, as float64."""
+        seen = np.flatnonzero(self.mask[index, :, 0].numpy())
+        matrices = [w[index].detach().double().numpy().T for w, _ in self.layers]
+        biases = [b[index, 0].detach().double().numpy() for _, b in self.layers]
+        gain = float(self.gain[index])
+        matrices = [matrices[0][:, seen], *matrices[1:-1], gain * matrices[-1]]
+        biases = [*(b.copy() for b in biases[:-1]), gain * biases[-1]]
+        return Weights(tuple(np.ascontiguousarray(m) for m in matrices), tuple(biases))
+
+
+def new_stack(
+    architectures: Sequence[Architecture], seeds: Sequence[int], gains: Sequence[float], precision: str
+) -> Stack:
+    """Untrained networks; each one's weights follow from its own architecture and seed alone.
+
+    ``gains`` say how large what they predict is, in multiples of the error's scale.
+
+    He initialisation, and a last layer a tenth of that, so that a network starts as almost nothing.
+    Source: He, Zhang, Ren, Sun (2015), ICCV, 1026-1034.
+
+    Raises:
+        ValueError: if depth, width or increment differ, or the number of inputs.
+    """
+    one = architectures[0]
+    for other in architectures:
+        if (other.depth, other.width, other.increment) != (one.depth, one.width, one.increment):
+            raise ValueError("networks of one stack share depth, width and increment")
+        if len(other.orders.inputs) != len(one.orders.inputs):
+            raise ValueError("networks of one stack share their inputs")
+    lags = max(a.orders.error for a in architectures)
+    mask = torch.stack([_mask(a, architectures) for a in architectures])[..., None]
+    single = [_initial(a, seed) for a, seed in zip(architectures, seeds, strict=True)]
+    layers = []
+    for k in range(one.depth + 1):
+        matrices = [
+            _spread(net[k], m[:, 0]) if k == 0 else net[k] for net, m in zip(single, mask, strict=True)
+        ]
+        layers.append((torch.stack(matrices), torch.zeros(len(single), 1, matrices[0].shape[1])))
+    kind = DTYPES[precision]
+    layers = [(matrix.to(kind), bias.to(kind)) for matrix, bias in layers]
+    gain = torch.tensor(gains, dtype=kind)[:, None, None]
+    return Stack(layers, mask.to(kind), lags, float(one.increment), gain)
+
+
+def padded_orders(architectures: Sequence[Architecture]) -> tuple[int, ...]:
+    """The largest order of each exogenous signal over the networks of a stack."""
+    return tuple(max(column) for column in zip(*(a.orders.exogenous for a in architectures), strict=True))
+
+
+def _mask(one: Architecture, architectures: Sequence[Architecture]) -> Tensor:
+    lags = max(a.orders.error for a in architectures)
+    wanted = ((one.orders.error, lags), *zip(one.orders.exogenous, padded_orders(architectures), strict=True))
+    return torch.cat([(torch.arange(most) < own).float() for own, most in wanted])
+
+
+def _initial(one: Architecture, seed: int) -> list[Tensor]:
+    """Matrices (n_in, n_out) of one network without padding."""
+    generator = torch.Generator().manual_seed(seed)
+    sizes = [one.orders.regressors, *[one.width] * one.depth, 1]
+    matrices = [
+        torch.randn(n_in, n_out, generator=generator) * (2.0 / n_in) ** 0.5 for n_in, n_out in pairwise(sizes)
+    ]
+    matrices[-1] *= 0.1
+    return matrices
+
+
+def _spread(matrix: Tensor, mask: Tensor) -> Tensor:
+    """Rows of ``matrix`` where ``mask`` is one, zeros elsewhere."""
+    padded = torch.zeros(len(mask), matrix.shape[1])
+    padded[mask.bool()] = matrix
+    return padded

@@ -1,0 +1,140 @@
+"""Training of NARX networks, many at once (``train_stack``) or one (``train``)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybridid.estimators.estimate import Progress
+from hybridid.residuals.course import Course, Epoch
+from hybridid.residuals.narx import NARX
+from hybridid.residuals.orders import Orders
+from hybridid.residuals.regressors import Scaling
+from hybridid.residuals.samples import Samples, check_lengths, samples_of
+from hybridid.residuals.series import ErrorSeries
+from hybridid.residuals.settings import Architecture, Training
+from hybridid.residuals.stack import new_stack, one_thread, padded_orders
+
+Report = Callable[[Progress], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One network to train: on the errors of one output, over one or several records."""
+
+    series: tuple[ErrorSeries, ...]
+    architecture: Architecture
+    seed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Trained:
+    """A network and how it came about.
+
+    ``held_out`` is the RMS error on the held-out blocks over the last horizon, ``zero`` that of
+    predicting no error at all, both in ``unit``. ``stopped`` says why each horizon's training ended.
+    """
+
+    network: NARX
+    held_out: float
+    zero: float
+    unit: str
+    history: tuple[Epoch, ...]
+    stopped: tuple[str, ...]
+    seconds: float
+
+
+def train(task: Task, settings: Training, report: Report | None = None) -> Trained:
+    """Train one network; the same as ``train_stack`` of it alone."""
+    return train_stack([task], settings, report)[0]
+
+
+def train_stack(tasks: Sequence[Task], settings: Training, report: Report | None = None) -> list[Trained]:
+    """Train networks of one depth and width together, on one thread.
+
+    Each network's weights, batches and stopping follow from its own task alone. The seconds are
+    those of the stack.
+
+    Raises:
+        ValueError: if the tasks do not fit into one stack, an error is zero throughout, or the blocks
+            are too short for horizons and orders.
+    """
+    began = time.perf_counter()
+    architectures = [task.architecture for task in tasks]
+    scalings = [Scaling.of(task.series, task.architecture.every) for task in tasks]
+    gains = [_gain(task, scaling) for task, scaling in zip(tasks, scalings, strict=True)]
+    with one_thread():
+        stack = new_stack(architectures, [task.seed for task in tasks], gains, settings.precision)
+        samples = _samples(tasks, scalings, settings, stack.lags)
+        course = Course(stack, samples, settings, [task.seed for task in tasks])
+        for stage, horizon in enumerate(settings.horizons):
+            course.run(horizon, _reporter(report, stage, settings))
+    seconds = time.perf_counter() - began
+    return [_trained(course, k, task, scalings[k], settings, seconds) for k, task in enumerate(tasks)]
+
+
+def _samples(
+    tasks: Sequence[Task], scalings: Sequence[Scaling], settings: Training, lags: int
+) -> list[Samples]:
+    exogenous = padded_orders([task.architecture for task in tasks])
+    padded = Orders(lags, exogenous[:-1], exogenous[-1])
+    made: dict[tuple[object, ...], Samples] = {}
+    for task, scaling in zip(tasks, scalings, strict=True):
+        key = (task.series, task.architecture.every, task.architecture.orders.longest)
+        if key not in made:
+            made[key] = samples_of(task.series, scaling, task.architecture, padded, settings)
+            check_lengths(made[key], settings, task.series[0].seen.output)
+    found = [made[(t.series, t.architecture.every, t.architecture.orders.longest)] for t in tasks]
+    if len({s.trained_on for s in found}) > 1:
+        raise ValueError("networks of one stack are trained on records of the same length and grid")
+    return found
+
+
+def _gain(task: Task, scaling: Scaling) -> float:
+    """Root mean square of what the network predicts, over the error's."""
+    if not task.architecture.increment:
+        return 1.0
+    every = task.architecture.every
+    steps = [np.diff(s.error[piece][::every]) for s in task.series for piece in s.seen.pieces]
+    return float(np.sqrt(np.mean(np.concatenate(steps) ** 2))) / scaling.error or 1.0
+
+
+def _reporter(report: Report | None, stage: int, settings: Training) -> Callable[[int, float], None]:
+    def tell(epoch: int, held_out: float) -> None:
+        if report:
+            done = (stage + epoch / settings.epochs) / len(settings.horizons)
+            report(Progress(f"network, horizon {settings.horizons[stage]}", epoch, held_out, done))
+
+    return tell
+
+
+def _trained(
+    course: Course, index: int, task: Task, scaling: Scaling, settings: Training, seconds: float
+) -> Trained:
+    seen = task.series[0].seen
+    largest = max(float(np.abs(s.error).max()) for s in task.series)
+    network = NARX(
+        output=seen.output,
+        unit=seen.unit,
+        dt=seen.dt,
+        input_names=seen.input_names,
+        architecture=task.architecture,
+        scaling=scaling,
+        weights=course.best.weights(index, task.architecture),
+        limit=settings.guard * largest,
+        seed=task.seed,
+        records=tuple(s.record for s in task.series),
+        provenance=" and ".join(sorted({s.provenance for s in task.series})),
+    )
+    return Trained(
+        network=network,
+        held_out=float(course.score[index]) ** 0.5 * scaling.error,
+        zero=float(course.zero[index]) ** 0.5 * scaling.error,
+        unit=seen.unit,
+        history=tuple(course.history[index]),
+        stopped=tuple(course.stopped[index]),
+        seconds=seconds,
+    )
