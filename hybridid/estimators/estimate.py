@@ -26,7 +26,11 @@ class Progress:
 
 @dataclass(frozen=True)
 class EstimatedParameter:
-    """One estimate; ``std`` is its standard error under autocorrelated residuals."""
+    """One estimate.
+
+    ``std`` is its standard error: noise, autocorrelated as it is, and ``smoothing``, the part
+    that the smoothing of sign(v) may have moved it by (signed: estimate less unsmoothed).
+    """
 
     name: str
     value: float
@@ -37,6 +41,7 @@ class EstimatedParameter:
     at_bound: bool
     identifiable: bool
     meaning: str = ""
+    smoothing: float = 0.0
 
 
 @dataclass(frozen=True)

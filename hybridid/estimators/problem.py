@@ -79,10 +79,16 @@ class Problem:
     def smoothed(self, p: Array, factor: float) -> Array:
         """``p`` with every declared smoothing width (``epsilon``, not estimated) times ``factor``."""
         q = np.array(p)
-        for k, parameter in enumerate(self.model.parameters):
-            if parameter.fixed and parameter.name.endswith(".epsilon"):
-                q[k] = parameter.guess * factor
+        for k in self.widths:
+            q[k] = self.model.parameters[k].guess * factor
         return q
+
+    @property
+    def widths(self) -> list[int]:
+        """Places of the smoothing widths in the parameter vector."""
+        return [
+            k for k, q in enumerate(self.model.parameters) if q.fixed and q.name.endswith(".epsilon")
+        ]
 
     def on(self, horizons: Sequence[int]) -> Problem:
         """The same problem on some of its horizons, by number."""
