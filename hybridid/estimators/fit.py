@@ -9,26 +9,20 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.declarations import Parameter
 from hybridid.estimators import gauss_newton, multiple_shooting
 from hybridid.estimators.carried import carries_nothing, carry
-from hybridid.estimators.estimate import Estimate, EstimatedParameter, Progress, Solution
+from hybridid.estimators.estimate import Estimate, Progress, Solution
+from hybridid.estimators.findings import SAME_OPTIMUM, estimate_of
 from hybridid.estimators.problem import Problem, build_problem, check_records
 from hybridid.estimators.settings import FitSettings
 from hybridid.estimators.short_horizons import short_horizon_problem, short_horizon_start
 from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates
-from hybridid.estimators.uncertainty import Uncertainty, uncertainty
+from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.stability import MOST, first_substeps, substeps_wanted
 
 Array = NDArray[np.float64]
-VAGUE = 0.5
-"""A standard error above this share of the value (or of its scale) marks a parameter that
-the records do not identify."""
-NEAR_BOUND = 1e-6
-SAME_OPTIMUM = 1e-3
-"""Relative difference of cost below which two starts count as arrived at one optimum."""
 HANDOVERS = 4
 """How often the effects' inner states are handed on and the fit goes on from there."""
 COARSE, EXACT = 0.05, 1e-9
@@ -75,7 +69,7 @@ def fit(
     if settings.substeps is None:
         problem, best = _refined(problem, best, settings, progress)
     solved = time.perf_counter()
-    return _estimate(
+    return estimate_of(
         problem,
         best,
         uncertainty(problem, best.p, best.x0),
@@ -202,80 +196,3 @@ def _descend(
     return multiple_shooting.solve(
         problem, p, x0, settings.interval, factors, settings.hessian, most, tolerance, watch
     )
-
-
-def _estimate(
-    problem: Problem,
-    solution: Solution,
-    doubt: Uncertainty,
-    settings: FitSettings,
-    seconds: Mapping[str, float],
-    starts: tuple[float, ...],
-) -> Estimate:
-    model = problem.model
-    parameters = tuple(
-        _estimated(model.parameters[k], float(solution.p[k]), float(std))
-        for k, std in zip(problem.positions, doubt.std, strict=True)
-    )
-    known = {
-        q.name: float(v)
-        for q, v in zip(model.parameters, solution.p, strict=True)
-        if q.name not in problem.free
-    }
-    return Estimate(
-        parameters=parameters,
-        known=known,
-        correlation=doubt.correlation,
-        initial_states=solution.x0,
-        origin=problem.windows.origin,
-        cost=solution.cost,
-        status=solution.status,
-        converged=solution.converged,
-        iterations=solution.iterations,
-        seconds=seconds,
-        substeps=problem.windows.substeps,
-        settings=settings,
-        history=solution.history,
-        starts=starts,
-        warnings=_warnings(problem, solution, parameters, starts),
-    )
-
-
-def _estimated(declared: Parameter, value: float, std: float) -> EstimatedParameter:
-    span = declared.scale * NEAR_BOUND
-    return EstimatedParameter(
-        name=declared.name,
-        value=value,
-        std=std,
-        unit=declared.unit,
-        lower=declared.lower,
-        upper=declared.upper,
-        at_bound=bool(value <= declared.lower + span or value >= declared.upper - span),
-        identifiable=bool(np.isfinite(std) and std <= VAGUE * max(abs(value), declared.scale)),
-        meaning=declared.meaning,
-    )
-
-
-def _warnings(
-    problem: Problem, solution: Solution, parameters: Sequence[EstimatedParameter], starts: tuple[float, ...]
-) -> tuple[str, ...]:
-    notes = []
-    if not solution.converged:
-        notes.append(f"NOT CONVERGED: {solution.status}; the estimates are not at an optimum")
-    for p in parameters:
-        if p.at_bound:
-            notes.append(f"{p.name} = {p.value:.6g} {p.unit} is at a bound [{p.lower:g}, {p.upper:g}]")
-        if not p.identifiable:
-            notes.append(
-                f"{p.name} is not identifiable from these records: standard error {p.std:.3g} {p.unit}"
-            )
-    used, integrator = problem.windows.substeps, problem.shooter.integrator
-    needed = substeps_wanted(problem.model, solution.p, problem.records, integrator=integrator)
-    if needed > used:
-        wanted = f"{needed}" if needed <= MOST else f"more than {MOST}"
-        notes.append(f"the fitted model wants {wanted} steps of {integrator} a sample, {used} were used")
-    best = min(starts)
-    apart = sum(1 for cost in starts if cost > best * (1 + SAME_OPTIMUM))
-    if apart:
-        notes.append(f"{apart} of {len(starts)} starts ended at a higher cost: the cost has several valleys")
-    return tuple(notes)

@@ -1,0 +1,108 @@
+"""From where an optimiser stopped to an ``Estimate``: what to say of it, and what to warn of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from hybridid.declarations import Parameter
+from hybridid.estimators.estimate import Estimate, EstimatedParameter, Solution
+from hybridid.estimators.problem import Problem
+from hybridid.estimators.settings import FitSettings
+from hybridid.estimators.uncertainty import Uncertainty
+from hybridid.simulation.stability import MOST, substeps_wanted
+
+VAGUE = 0.5
+"""A standard error above this share of the value (or of its scale) marks a parameter that
+the records do not identify."""
+NEAR_BOUND = 1e-6
+SAME_OPTIMUM = 1e-3
+"""Relative difference of cost below which two starts count as arrived at one optimum."""
+MOSTLY = 0.9
+"""Share of a standard error above which it is called that of the smoothing of sign(v)."""
+
+
+def estimate_of(
+    problem: Problem,
+    solution: Solution,
+    doubt: Uncertainty,
+    settings: FitSettings,
+    seconds: Mapping[str, float],
+    starts: tuple[float, ...],
+) -> Estimate:
+    """The solution in the words of an ``Estimate``; ``starts`` are the costs at which each start ended."""
+    model = problem.model
+    parameters = tuple(
+        _estimated(model.parameters[k], float(solution.p[k]), float(std), float(moved))
+        for k, std, moved in zip(problem.positions, doubt.std, doubt.smoothing, strict=True)
+    )
+    known = {
+        q.name: float(v)
+        for q, v in zip(model.parameters, solution.p, strict=True)
+        if q.name not in problem.free
+    }
+    return Estimate(
+        parameters=parameters,
+        known=known,
+        correlation=doubt.correlation,
+        initial_states=solution.x0,
+        origin=problem.windows.origin,
+        cost=solution.cost,
+        status=solution.status,
+        converged=solution.converged,
+        iterations=solution.iterations,
+        seconds=seconds,
+        substeps=problem.windows.substeps,
+        settings=settings,
+        history=solution.history,
+        starts=starts,
+        warnings=_warnings(problem, solution, parameters, starts),
+    )
+
+
+def _estimated(declared: Parameter, value: float, std: float, smoothing: float) -> EstimatedParameter:
+    span = declared.scale * NEAR_BOUND
+    return EstimatedParameter(
+        name=declared.name,
+        value=value,
+        std=std,
+        unit=declared.unit,
+        lower=declared.lower,
+        upper=declared.upper,
+        at_bound=bool(value <= declared.lower + span or value >= declared.upper - span),
+        identifiable=bool(np.isfinite(std) and std <= VAGUE * max(abs(value), declared.scale)),
+        meaning=declared.meaning,
+        smoothing=smoothing,
+    )
+
+
+def _warnings(
+    problem: Problem, solution: Solution, parameters: Sequence[EstimatedParameter], starts: tuple[float, ...]
+) -> tuple[str, ...]:
+    notes = []
+    if not solution.converged:
+        notes.append(f"NOT CONVERGED: {solution.status}; the estimates are not at an optimum")
+    for p in parameters:
+        if p.at_bound:
+            notes.append(f"{p.name} = {p.value:.6g} {p.unit} is at a bound [{p.lower:g}, {p.upper:g}]")
+        if not p.identifiable:
+            notes.append(
+                f"{p.name} is not identifiable from these records: standard error {p.std:.3g} {p.unit}"
+            )
+    smeared = [p.name for p in parameters if np.isfinite(p.std) and abs(p.smoothing) > MOSTLY * p.std]
+    if smeared:
+        notes.append(
+            f"the error of {', '.join(smeared)} is mostly that of smoothing sign(v): where the machine "
+            "truly sticks, a smaller epsilon of its port says more"
+        )
+    used, integrator = problem.windows.substeps, problem.shooter.integrator
+    needed = substeps_wanted(problem.model, solution.p, problem.records, integrator=integrator)
+    if needed > used:
+        wanted = f"{needed}" if needed <= MOST else f"more than {MOST}"
+        notes.append(f"the fitted model wants {wanted} steps of {integrator} a sample, {used} were used")
+    best = min(starts)
+    apart = sum(1 for cost in starts if cost > best * (1 + SAME_OPTIMUM))
+    if apart:
+        notes.append(f"{apart} of {len(starts)} starts ended at a higher cost: the cost has several valleys")
+    return tuple(notes)
