@@ -38,3 +38,9 @@ def horizon_fit(symmetric, noisy) -> Estimate:
 def values_of():
     """Values of an estimate's parameters as an array."""
     return lambda estimate: np.array([p.value for p in estimate.parameters])
+
+
+@pytest.fixture(scope="session")
+def of_noise():
+    """Standard errors less what they allow for smoothing: the simulated truth is as smooth as the model."""
+    return lambda estimate: np.array([np.sqrt(p.std**2 - p.smoothing**2) for p in estimate.parameters])

@@ -40,24 +40,31 @@ def inverse(carriage, symmetric) -> np.ndarray:
     return np.linalg.inv(jacobian.T @ jacobian)[:4, :4]
 
 
-def test_white_noise_gives_the_classical_covariance(free_run_fit, noisy, inverse):
-    squares = 2 * free_run_fit.cost * noisy.outputs.var()
-    std = np.array([p.std for p in free_run_fit.parameters])
-    size = np.sqrt(np.diag(inverse))
-    np.testing.assert_allclose(std, np.sqrt(squares / (600 - 6)) * size, rtol=0.05)
-    np.testing.assert_allclose(free_run_fit.correlation, inverse / np.outer(size, size), atol=0.02)
+def test_white_noise_gives_the_classical_covariance(free_run_fit, noisy, inverse, of_noise):
+    variance = 2 * free_run_fit.cost * noisy.outputs.var() / (600 - 6)
+    moved = np.array([p.smoothing for p in free_run_fit.parameters])
+    total = variance * inverse + np.outer(moved, moved)
+    size = np.sqrt(np.diag(total))
+    np.testing.assert_allclose(of_noise(free_run_fit), np.sqrt(variance * np.diag(inverse)), rtol=0.05)
+    np.testing.assert_allclose([p.std for p in free_run_fit.parameters], size, rtol=0.05)
+    np.testing.assert_allclose(free_run_fit.correlation, total / np.outer(size, size), atol=0.05)
 
 
-def draws(carriage, model, noise, settings, std, rho) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Errors and standard errors of every draw, (draws, 4), and their costs, (draws,)."""
-    errors, stated, squares = [], [], []
-    for seed in range(DRAWS):
-        made = carriage.record(noise=noise(600, std, rho, seed=100 + seed))
-        found = fit(model, [made], settings)
-        errors.append([p.value - carriage.truth[p.name] for p in found.parameters])
-        stated.append([p.std for p in found.parameters])
-        squares.append(2 * found.cost * made.outputs.var())
-    return np.array(errors), np.array(stated), np.array(squares)
+@pytest.fixture(scope="module")
+def draws(carriage, symmetric, noise, of_noise):
+    """``draws(settings, std, rho)``: errors and standard errors (draws, 4), and sums of squares (draws,)."""
+
+    def make(settings, std, rho):
+        errors, stated, squares = [], [], []
+        for seed in range(DRAWS):
+            made = carriage.record(noise=noise(600, std, rho, seed=100 + seed))
+            found = fit(symmetric, [made], settings)
+            errors.append([p.value - carriage.truth[p.name] for p in found.parameters])
+            stated.append(of_noise(found))
+            squares.append(2 * found.cost * made.outputs.var())
+        return np.array(errors), np.array(stated), np.array(squares)
+
+    return make
 
 
 def share(errors: np.ndarray, std: np.ndarray) -> float:
@@ -65,27 +72,27 @@ def share(errors: np.ndarray, std: np.ndarray) -> float:
     return float(np.mean(np.abs(errors) <= 1.96 * std))
 
 
-def test_white_noise_is_covered(carriage, symmetric, noise):
-    errors, std, _ = draws(carriage, symmetric, noise, FitSettings(horizon=100), 1e-4, 0.0)
+def test_white_noise_is_covered(draws):
+    errors, std, _ = draws(FitSettings(horizon=100), 1e-4, 0.0)
     assert 0.88 <= share(errors, std) <= 1.0
     np.testing.assert_allclose(std.mean(axis=0), errors.std(axis=0), rtol=0.4)
 
 
-def test_correlated_noise_is_covered_where_the_classical_interval_is_not(carriage, symmetric, noise, inverse):
-    errors, std, squares = draws(carriage, symmetric, noise, FitSettings(), 1e-4, 0.9)
+def test_correlated_noise_is_covered_where_the_classical_interval_is_not(draws, inverse):
+    errors, std, squares = draws(FitSettings(), 1e-4, 0.9)
     classical = np.sqrt(squares / (600 - 6))[:, None] * np.sqrt(np.diag(inverse))
     assert share(errors, classical) < 0.6
     assert 0.86 <= share(errors, std) <= 1.0
 
 
-def test_correlated_noise_is_covered_over_short_horizons(carriage, symmetric, noise):
+def test_correlated_noise_is_covered_over_short_horizons(draws):
     """Initial states take most of the slow noise out of the residual: that must not look like precision."""
-    errors, std, _ = draws(carriage, symmetric, noise, FitSettings(horizon=60), 1e-4, 0.9)
+    errors, std, _ = draws(FitSettings(horizon=60), 1e-4, 0.9)
     assert 0.86 <= share(errors, std) <= 1.0
     np.testing.assert_allclose(std.mean(axis=0), errors.std(axis=0), rtol=0.4)
 
 
-def test_a_second_look_at_the_same_noise_adds_nothing(carriage, noise, make_model):
+def test_a_second_look_at_the_same_noise_adds_nothing(carriage, noise, make_model, of_noise):
     """Two encoders that share their noise know no more than one; with noise of their own they do."""
     one = carriage.record(noise=noise(600, 1e-5, 0.5, seed=1))
     single = fit(make_model(), [one])
@@ -95,12 +102,12 @@ def test_a_second_look_at_the_same_noise_adds_nothing(carriage, noise, make_mode
         channels = (*one.output_channels, Channel("again", "m"))
         made = replace(one, outputs=np.hstack([one.outputs, second]), output_channels=channels)
         both = fit(model, [made])
-        ratio.append([p.std / q.std for p, q in zip(both.parameters, single.parameters, strict=True)])
+        ratio.append(of_noise(both) / of_noise(single))
     np.testing.assert_allclose(ratio[0], 1.0, rtol=0.05)
     np.testing.assert_allclose(ratio[1], np.sqrt(0.5), rtol=0.2)
 
 
-def test_noise_that_is_louder_in_fast_horizons_is_covered(carriage, symmetric, noise):
+def test_noise_that_is_louder_in_fast_horizons_is_covered(carriage, symmetric, noise, of_noise):
     """As a model that lacks an effect leaves it. Noise alike everywhere would be stated 40 % too small."""
     n, length, name = 1200, 30, "carriage.viscous.f_v"
     fastest = np.abs(carriage.states(n)[:, 1]).reshape(-1, length).max(axis=1)
@@ -110,7 +117,7 @@ def test_noise_that_is_louder_in_fast_horizons_is_covered(carriage, symmetric, n
         made = carriage.record(n, noise=level * noise(n, 1.0, seed=500 + seed))
         found = fit(symmetric, [made], FitSettings(horizon=length, continuation=(1.0,)))
         errors.append(found.values[name] - carriage.truth[name])
-        stated.append({p.name: p.std for p in found.parameters}[name])
+        stated.append(of_noise(found)[[p.name for p in found.parameters].index(name)])
     assert np.mean(stated) > 0.7 * np.std(errors)
     assert share(np.array(errors), np.array(stated)) >= 0.8
 
@@ -123,9 +130,26 @@ def test_a_parameter_at_a_bound_still_has_an_error(make_model, noisy, free_run_f
     assert 0 < at.std < np.inf
 
 
-def test_more_data_halve_the_error(carriage, make_model, noise):
+def test_more_data_halve_the_error(carriage, make_model, noise, of_noise):
     """Four records of the same motion: half the standard error of one."""
     records = [carriage.record(noise=noise(600, 1e-4, seed=s), name=f"r{s}") for s in range(4)]
     one, four = fit(make_model(), records[:1]), fit(make_model(), records)
-    ratio = [b.std / a.std for a, b in zip(one.parameters, four.parameters, strict=True)]
-    np.testing.assert_allclose(ratio, 0.5, rtol=0.12)
+    np.testing.assert_allclose(of_noise(four) / of_noise(one), 0.5, rtol=0.12)
+
+
+@pytest.mark.parametrize("horizon", [None, 100])
+def test_a_machine_that_truly_sticks_is_covered_although_the_model_creeps(carriage_like, make_model, horizon):
+    """Without noise, all of the error is that of smoothing sign(v): seen, said, and of the right size."""
+    dry = carriage_like(epsilon=2e-6)
+    model = make_model(adjust={"carriage.epsilon": {"guess": 1e-4}})
+    found = fit(model, [dry.record()], FitSettings(horizon=horizon))
+    error = np.array([p.value - dry.truth[p.name] for p in found.parameters])
+    moved = np.array([p.smoothing for p in found.parameters])
+    assert np.all(np.abs(error) <= 1.96 * np.array([p.std for p in found.parameters]))
+    np.testing.assert_allclose(moved / error, 1.0, atol=0.4)
+    assert any("mostly that of smoothing sign(v)" in note for note in found.warnings)
+
+
+def test_a_model_without_sign_is_not_smoothed(make_model, noisy):
+    found = fit(make_model(("viscous", "offset")), [noisy])
+    assert [p.smoothing for p in found.parameters] == [0.0, 0.0, 0.0]
