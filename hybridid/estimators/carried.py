@@ -31,7 +31,7 @@ def carry(problem: Problem, p: Array, x0: Array) -> Array:
     handed[:, problem.carried] = 0.0
     for _ in range(PASSES):
         ends = problem.shooter(handed, p).ends(problem.windows)
-        known: NDArray[np.bool_] = np.isfinite(ends).all(axis=1)
+        known = [bool(np.isfinite(end).all()) for end in ends]
         for k, before in enumerate(follows):
             if before is not None and known[before]:
                 handed[k] = np.where(problem.carried, ends[before], handed[k])
