@@ -19,6 +19,8 @@ from hybridid.residuals.settings import Architecture, Training
 from hybridid.residuals.stack import new_stack, one_thread, padded_orders
 
 Report = Callable[[Progress], None]
+WORTH = 0.95
+"""Share of the error without correction, on the held-out blocks, that a network must get below."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +47,16 @@ class Trained:
     history: tuple[Epoch, ...]
     stopped: tuple[str, ...]
     seconds: float
+
+    @property
+    def warning(self) -> str | None:
+        """One line if the network learned next to nothing, else None."""
+        if self.held_out < WORTH * self.zero:
+            return None
+        return (
+            f"the network for the error of {self.network.output} is no better than no correction: on the "
+            f"held-out blocks its error is {self.held_out:.3g} {self.unit}, that of none {self.zero:.3g}"
+        )
 
 
 def train(task: Task, settings: Training, report: Report | None = None) -> Trained:
