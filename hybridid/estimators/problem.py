@@ -86,9 +86,7 @@ class Problem:
     @property
     def widths(self) -> list[int]:
         """Places of the smoothing widths in the parameter vector."""
-        return [
-            k for k, q in enumerate(self.model.parameters) if q.fixed and q.name.endswith(".epsilon")
-        ]
+        return [k for k, q in enumerate(self.model.parameters) if q.fixed and q.name.endswith(".epsilon")]
 
     def on(self, horizons: Sequence[int]) -> Problem:
         """The same problem on some of its horizons, by number."""

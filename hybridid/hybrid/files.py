@@ -37,10 +37,14 @@ def save_hybrid(hybrid: Hybrid, folder: Path | str) -> Path:
     """Write ``hybrid`` into ``folder``, each file whole or not at all; returns the description's path."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    describe = {OutputErrorHybrid: _describe_narx, PortHybrid: _describe_rbf}[type(hybrid)]
-    description, arrays = describe(hybrid)
+    if isinstance(hybrid, PortHybrid):
+        description, arrays = _describe_rbf(hybrid)
+    elif isinstance(hybrid, OutputErrorHybrid):
+        description, arrays = _describe_narx(hybrid)
+    else:
+        raise TypeError(f"no file format for a {type(hybrid).__name__}")
     if arrays:
-        _replace(folder / WEIGHTS, lambda path: np.savez(path, **arrays))
+        _replace(folder / WEIGHTS, lambda path: np.savez(path, **arrays))  # type: ignore[arg-type]
     text = json.dumps({"format": FORMAT, **description}, indent=1, ensure_ascii=False) + "\n"
     return _replace(folder / DESCRIPTION, lambda path: path.write_text(text, encoding="utf-8"))
 
