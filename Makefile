@@ -37,7 +37,7 @@ reproduce-thesis: $(READY) ## the thesis' tables beside what hybridid gets
 	$(BIN)/hybridid reproduce
 
 study-coverage: $(READY) ## do the stated 95 % intervals hold the truth? (simulated, minutes)
-	$(BIN)/python benchmarks/coverage.py
+	$(BIN)/python benchmarks/interval_coverage.py
 
 clean: ## remove what tools and builds left behind (never outputs/ or data/)
 	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache
