@@ -48,7 +48,7 @@ class ESEA(Plant):
             position_unit="rad",
             position_scale=1.0,
             velocity_scale=5.0,
-            epsilon=0.1,
+            epsilon=0.03,
             meaning="motor bearings and brushes: the thesis' friction",
         ),
         Port(
@@ -70,7 +70,7 @@ class ESEA(Plant):
             position_unit="rad",
             position_scale=1.0,
             velocity_scale=5.0,
-            epsilon=0.1,
+            epsilon=0.03,
             meaning="link bearing; the link's weight",
         ),
         Port("torque", "input", effort_unit="N·m", effort_scale=0.1, meaning="torque command to torque"),

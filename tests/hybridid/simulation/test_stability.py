@@ -56,7 +56,7 @@ def test_a_lightly_damped_resonance_is_integrated_accurately():
 def test_sharper_friction_asks_for_more_steps(carriage, make_model):
     made = carriage.record(200)
     steps = []
-    for epsilon in (1e-2, 1e-3, 2e-4):
+    for epsilon in (1e-2, 5e-4, 1e-4):
         model = make_model(adjust={"carriage.epsilon": {"fixed": epsilon}})
         steps.append(substeps_for(model, model.values(carriage.truth), [made]))
     assert steps[0] < steps[1] < steps[2], "even where no sample is at rest"
