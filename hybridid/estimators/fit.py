@@ -13,13 +13,14 @@ from hybridid.estimators import gauss_newton, multiple_shooting
 from hybridid.estimators.carried import carries_nothing, carry
 from hybridid.estimators.estimate import Estimate, Progress, Solution
 from hybridid.estimators.findings import SAME_OPTIMUM, estimate_of
-from hybridid.estimators.problem import Problem, build_problem, check_records
+from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.settings import FitSettings
 from hybridid.estimators.short_horizons import short_horizon_problem, short_horizon_start
 from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.simulation.matching import check_records
 from hybridid.simulation.stability import MOST, first_substeps, substeps_wanted
 
 Array = NDArray[np.float64]
@@ -97,10 +98,12 @@ def _refined(
         needed = _steps_needed(problem, solution, settings)
         if not problem.windows.substeps < needed <= MOST:
             break
-        problem = _problem(problem.model, problem.records, settings, needed)
+        finer = _problem(problem.model, problem.records, settings, needed)
         watch = _reporter(progress, f"fit with {needed} steps a sample", 1.0)
-        again = _descend(problem, solution.p, solution.x0, settings, (1.0,), watch)
-        solution = _after(solution, again, again)
+        again = _descend(finer, solution.p, solution.x0, settings, (1.0,), watch)
+        if not np.isfinite(again.cost):
+            break
+        problem, solution = finer, _after(solution, again, again)
     return problem, solution
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.initial import measured_states
+from hybridid.simulation.matching import check_records
 from hybridid.simulation.shooter import Shooter
 from hybridid.simulation.stability import substeps_for
 from hybridid.simulation.windows import cut
@@ -49,7 +50,9 @@ def simulate(
 
     Raises:
         Diverged: if the simulation does not stay finite.
+        ValueError: if the record has not the model's signals or a value names no parameter.
     """
+    check_records(model, [record])
     p = model.values(values)
     steps = substeps or substeps_for(model, p, [record], integrator=integrator)
     x0 = measured_states(model, record)[0] if initial_state is None else np.asarray(initial_state, float)

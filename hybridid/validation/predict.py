@@ -19,6 +19,7 @@ from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.simulation.matching import check_records
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import substeps_for
 
@@ -59,27 +60,36 @@ def free_run(
     record: Record,
     initial_state: str = "estimated",
     integrator: str = "rk4",
+    substeps: int | None = None,
 ) -> Prediction:
     """Simulate the whole record from one initial state.
 
     ``initial_state`` is "estimated" (the one that fits the record best; the parameters
-    stay) or "measured" (what the first samples say).
+    stay) or "measured" (what the first samples say). ``substeps`` are integration steps a
+    sample, such as an estimate's own; by default as many as stability asks for.
 
     Raises:
         Diverged: if the simulation does not stay finite.
     """
-    return _predict(model, values, record, None, initial_state, "free_run", integrator)
+    return _predict(model, values, record, None, initial_state, "free_run", integrator, substeps)
 
 
 def horizon_run(
-    model: Model, values: Mapping[str, float], record: Record, horizon: int, integrator: str = "rk4"
+    model: Model,
+    values: Mapping[str, float],
+    record: Record,
+    horizon: int,
+    integrator: str = "rk4",
+    substeps: int | None = None,
 ) -> Prediction:
     """Simulate each horizon of ``horizon`` samples from its own estimated initial state.
+
+    ``substeps`` as for ``free_run``.
 
     Raises:
         Diverged: if the simulation does not stay finite.
     """
-    return _predict(model, values, record, horizon, "estimated", "horizon", integrator)
+    return _predict(model, values, record, horizon, "estimated", "horizon", integrator, substeps)
 
 
 def _predict(
@@ -90,12 +100,14 @@ def _predict(
     initial_state: str,
     view: str,
     integrator: str,
+    substeps: int | None,
 ) -> Prediction:
     if initial_state not in ("estimated", "measured"):
         raise ValueError(f"validate.initial_state is {initial_state!r}, allowed: estimated, measured")
+    check_records(model, [record])
     p = model.values(values)
     estimate = initial_state == "estimated"
-    substeps = substeps_for(model, p, [record], integrator=integrator)
+    substeps = substeps or substeps_for(model, p, [record], integrator=integrator)
     problem = build_problem(model, [record], horizon, substeps, estimate, free=(), integrator=integrator)
     x0 = initial_states(problem, p) if estimate else problem.measured_x0()
     shot = problem.shooter(x0, p)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -91,4 +93,13 @@ def test_a_simulation_that_leaves_the_numbers_says_when(smooth):
     with pytest.raises(Diverged, match=r"record smooth diverged at t = [\d.]+ s") as caught:
         simulate(smooth, unstable, record("zoh"), np.array([0.3, -0.2]), 2)
     assert isinstance(caught.value, ValueError)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_record_of_something_else_is_refused_in_one_line(smooth):
+    other = replace(record("zoh"), input_channels=(Channel("torque", "N·m"),))
+    with pytest.raises(
+        ValueError, match=r"record smooth has inputs \['torque'\], plant emps needs"
+    ) as caught:
+        simulate(smooth, VALUES, other)
     assert "\n" not in str(caught.value)

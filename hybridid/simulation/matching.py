@@ -1,0 +1,37 @@
+"""Whether records fit a model: its signals, by name, order and unit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hybridid.model import Model
+from hybridid.records.record import Record
+
+
+def check_records(model: Model, records: Sequence[Record]) -> None:
+    """Whether the records have the model's signals, in its units.
+
+    Raises:
+        ValueError: if one has not, or there is none.
+    """
+    if not records:
+        raise ValueError("no record to work on: at least one is needed")
+    for record in records:
+        _check_signals(model, record)
+
+
+def _check_signals(model: Model, record: Record) -> None:
+    pairs = (
+        ("inputs", record.input_channels, model.inputs),
+        ("outputs", record.output_channels, model.outputs),
+    )
+    for what, channels, signals in pairs:
+        have, want = [c.name for c in channels], [s.name for s in signals]
+        if have != want:
+            raise ValueError(f"record {record.name} has {what} {have}, plant {model.plant.name} needs {want}")
+        for channel, signal in zip(channels, signals, strict=True):
+            if channel.unit != signal.unit:
+                raise ValueError(
+                    f"record {record.name}: {channel.name} is in {channel.unit}, "
+                    f"plant {model.plant.name} needs {signal.unit}"
+                )
