@@ -43,7 +43,8 @@ SPREAD = 1.0
 def regression_start(model: Model, records: Sequence[Record]) -> Array | None:
     """Parameter vector (n_p,) from the equation error, or None where states stay unseen.
 
-    Effects with states of their own keep their guesses.
+    Effects with states of their own keep their guesses; all do where the equations at the
+    guesses leave the range of numbers.
     """
     skeleton = replace(model, terms=tuple(t for t in model.terms if not t.effect.states), adjustments={})
     skeleton = replace(skeleton, adjustments={p.name: _as_adjustment(p) for p in _shared(model, skeleton)})
@@ -81,9 +82,14 @@ def _equation_error(model: Model, records: Sequence[Record]) -> Array:
         q[free] = z * size
         return q
 
+    def residual(z: Array) -> Array:
+        return np.append(error(t, x.T, u.T, rate.T, full(z)).full().ravel(), PRIOR * (z - guess))
+
     guess, prior = p[free] / size, PRIOR * np.eye(len(free))
+    if not np.isfinite(residual(guess)).all():
+        return p
     fit = least_squares(
-        lambda z: np.append(error(t, x.T, u.T, rate.T, full(z)).full().ravel(), PRIOR * (z - guess)),
+        residual,
         guess,
         jac=lambda z: np.vstack([slope(t, x.T, u.T, rate.T, full(z)).full()[:, free] * size, prior]),
         bounds=([q.lower / q.scale for q in chosen], [q.upper / q.scale for q in chosen]),

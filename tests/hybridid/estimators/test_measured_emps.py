@@ -36,7 +36,7 @@ def test_the_thesis_model_fitted_free_run(records):
     estimate = fit(model, [records["identification"]])
     assert estimate.converged
     assert millimetres(free_run(model, estimate.values, records["identification"])) <= 2.6
-    assert estimate.seconds["solve"] < 10, "2 s on a machine with nothing else to do"
+    assert estimate.seconds["solve"] < 20, "under 2 s on a machine with nothing else to do"
 
 
 def test_the_thesis_model_fitted_over_one_second(records):

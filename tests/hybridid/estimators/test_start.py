@@ -59,6 +59,13 @@ def test_effects_with_states_keep_their_guess_in_the_regression(carriage, make_m
         assert start[name] == by_name[name]
 
 
+def test_equations_that_cannot_be_evaluated_at_the_guess_leave_the_guess(carriage, make_model):
+    """A root of the position, which is negative at times."""
+    root = replace(RIPPLE, id="root", law=lambda at: at.p.A * ca.sqrt(at.position - 0.01) + 0 * at.p.L)
+    model = make_model().plus(root)
+    np.testing.assert_array_equal(regression_start(model, [carriage.record(500)]), model.values())
+
+
 def test_further_starts_try_declared_shapes_and_stay_inside_the_bounds(make_model):
     model = make_model(STRIBECK, {"M": {"lower": 90.0, "upper": 100.0}})
     starts = scattered(model, model.values(), 12, seed=0)
