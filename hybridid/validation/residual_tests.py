@@ -2,6 +2,9 @@
 
 The residual of a complete model is white and uncorrelated with past inputs. Source:
 Ljung (1999), System Identification, sec. 16.6; Ljung, Box (1978), Biometrika 65(2).
+
+Over horizons of less than a hundred samples or so, the initial states that are fitted to each
+colour even a white residual, and the test for whiteness rejects too often.
 """
 
 from __future__ import annotations
