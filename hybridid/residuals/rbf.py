@@ -9,6 +9,7 @@ widths s and weights w in simulation. With all weights at zero it is not there.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Literal
 
 import casadi as ca
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 
 from hybridid.declarations import Port
 from hybridid.effects.dimension import Dimension
-from hybridid.effects.effect import Effect, EffectParameter, Local
+from hybridid.effects.effect import Effect, EffectParameter, Law, Local
 
 Array = NDArray[np.float64]
 Over = Literal["velocity", "position"]
@@ -107,7 +108,7 @@ class RBFNetwork:
             kind="effort",
             title=f"radial basis functions of the {self.over}, {self.nodes} nodes",
             equation=f"F = Σ w_i exp(-({letter} - c_i)²/(2 s_i²)), i = 1 … {self.nodes}",
-            law=GaussianSum(self.nodes, self.over),
+            law=LAWS[self.over],
             parameters=tuple(parameters),
             source="thesis Eqs. 6-4 to 6-6",
             pattern="none: it can take the shape of any law: it says how much is missing, not what",
@@ -141,17 +142,24 @@ class RBFNetwork:
         return low / port.effort_scale, high / port.effort_scale
 
 
-@dataclass(frozen=True)
-class GaussianSum:
-    """The law ``F = sum_i w_i exp(-(x - c_i)² / (2 s_i²))``; a class, so that it can be pickled."""
+def _gaussian_sum(x: ca.SX | float, p: SimpleNamespace) -> ca.SX:
+    """``sum_i w_i exp(-(x - c_i)² / (2 s_i²))`` over the nodes that ``p`` holds."""
+    total = ca.SX(0)
+    for k in range(1, len(vars(p)) // 3 + 1):
+        c, s, w = (getattr(p, f"{letter}_{k}") for letter in "csw")
+        total = total + w * ca.exp(-((x - c) ** 2) / (2 * s**2))
+    return total
 
-    nodes: int
-    over: Over
 
-    def __call__(self, at: Local) -> ca.SX:
-        x = at.velocity if self.over == "velocity" else at.position
-        total = ca.SX(0)
-        for k in range(1, self.nodes + 1):
-            c, s, w = (getattr(at.p, f"{letter}_{k}") for letter in "csw")
-            total = total + w * ca.exp(-((x - c) ** 2) / (2 * s**2))
-        return total
+# plain functions of a module, so that models with a network can be sent to other processes
+def of_velocity(at: Local) -> ca.SX:
+    """The network's effort over the port's velocity."""
+    return _gaussian_sum(at.velocity, at.p)
+
+
+def of_position(at: Local) -> ca.SX:
+    """The network's effort over the port's position."""
+    return _gaussian_sum(at.position, at.p)
+
+
+LAWS: dict[Over, Law] = {"velocity": of_velocity, "position": of_position}

@@ -24,9 +24,7 @@ def make_series(n: int, seed: int, noise: float = 1e-3) -> ErrorSeries:
     gray = lfilter([0.0, 0.1], [1.0, -0.9], u)
     error = np.zeros(n)
     for t in range(2, n):
-        error[t] = (
-            1.2 * error[t - 1] - 0.5 * error[t - 2] + 0.3 * np.tanh(u[t - 1]) + 0.2 * gray[t - 1] ** 2
-        )
+        error[t] = 1.2 * error[t - 1] - 0.5 * error[t - 2] + 0.3 * np.tanh(u[t - 1]) + 0.2 * gray[t - 1] ** 2
     seen = Surroundings("y", "m", DT, u[:, None], ("u",), gray, (0,))
     return ErrorSeries(f"record {seed}", "simulated", error + noise * rng.normal(size=n), seen)
 
