@@ -19,10 +19,12 @@ KEYS = (*sources.KEYS, "preprocess")
 
 
 def run(job: Job) -> None:
-    """Read every record of the case, apply ``preprocess.steps``, store it beside what is to know of it."""
+    """Read every record of the case, apply its own steps and then ``preprocess.steps``, store it
+    beside what is to know of it."""
     rows = []
     for source in sources_of(job.settings).found:
-        record = apply_steps(source.record(), job.settings.get("preprocess.steps", []))
+        steps = [*source.steps, *job.settings.get("preprocess.steps", [])]
+        record = apply_steps(source.record(), steps)
         for warning in record.warnings:
             job.watcher.warn(f"record {source.name}: {warning}")
         save_record(record, job.folder / f"{source.name}.parquet")
@@ -57,8 +59,10 @@ def check(settings: Settings) -> None:
         ConfigError: if a name or number in the config is wrong.
         RecordNotFoundError: if there is neither a record nor a rig to stand in.
     """
-    sources_of(settings)
+    found = sources_of(settings).found
     try:
+        for source in found:
+            parse_steps(source.steps, f"records.{source.name}.steps")
         parse_steps(settings.get("preprocess.steps", []), "preprocess.steps")
     except StepError as error:
         raise ConfigError(str(error)) from error

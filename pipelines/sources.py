@@ -19,7 +19,7 @@ from pipelines.imports import named
 KEYS = ("data", "records", "signals", "rig", "paths.data")
 CHOICES = ("auto", "measured", "simulated")
 ROLES = ("identification", "validation")
-_OWN = ("role", "run")
+_OWN = ("role", "run", "steps")
 _STANDS_IN = "no measured record found; the virtual rig stands in, all that follows is SIMULATED"
 
 
@@ -31,6 +31,7 @@ class Measured:
     role: str
     plan: RecordMap
     files: tuple[Path, ...]
+    steps: tuple[Any, ...] = ()
 
     @property
     def digest(self) -> str:
@@ -53,6 +54,7 @@ class Simulated:
     run: str
     seed: int
     duration: float | None
+    steps: tuple[Any, ...] = ()
 
     @property
     def digest(self) -> str:
@@ -168,7 +170,8 @@ def _measured(
         plan = record_map({**settings.get("signals", {}), **own}, f"record {name}")
     except RecordError as error:
         raise ConfigError(str(error)) from error
-    return Measured(name, entry["role"], plan, tuple(locate(file, roots) for file in plan.files))
+    files = tuple(locate(file, roots) for file in plan.files)
+    return Measured(name, entry["role"], plan, files, tuple(entry.get("steps") or ()))
 
 
 def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> tuple[Simulated, ...]:
@@ -189,7 +192,8 @@ def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> 
         run = str(entry.get("run", name))
         if run not in rig.runs:
             raise ConfigError(unknown(f"run of rig {rig.name}, for record {name}:", run, rig.runs))
-        made.append(Simulated(name, entry["role"], rig, run, given.get("seed") or 0, given.get("duration")))
+        seed, duration, steps = given.get("seed") or 0, given.get("duration"), entry.get("steps") or ()
+        made.append(Simulated(name, entry["role"], rig, run, seed, duration, tuple(steps)))
     return tuple(made)
 
 
