@@ -20,12 +20,12 @@ class Duffing(Plant):
     effect ``offset``.
 
     Source: Wigren, Schoukens (2013), "Three free data sets for development and benchmarking in
-    nonlinear system identification", European Control Conference, sec. II.
+    nonlinear system identification", European Control Conference.
     """
 
     name = "duffing"
     meaning = "oscillator with mass, damper and spring, in volts"
-    source = "Wigren, Schoukens (2013), sec. II"
+    source = "Wigren, Schoukens (2013), European Control Conference"
     states = (
         State("y", "V", scale=0.05, observed_by="V2", derivative=0, meaning="displacement"),
         State("y_dot", "V/s", scale=20.0, observed_by="V2", derivative=1, meaning="velocity"),

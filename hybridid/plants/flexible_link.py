@@ -21,7 +21,7 @@ class FlexibleLink(Plant):
     them the inertias and the stiffness come out in SI units. Its back-EMF brakes like a viscous friction of
     eta_g eta_m K_g² k_t k_m / R_m = 0.056 N·m·s/rad.
 
-    Source: Quanser, Rotary Flexible Link user manual, eqs. 2.1 to 2.6, and SRV02 user manual, table 3.
+    Source: Quanser, manuals of the Rotary Flexible Link and of its servo, the SRV02.
     """
 
     name = "flexible_link"

@@ -8,7 +8,7 @@ CasADi's symbolic QR, and so is its derivative. There is no pivoting by size. Of
 at s: it vanishes only where a part of the model, the rest held still, grows by itself at the rate s.
 
 Source: Markowitz (1957), Management Science 3(3), 255-269; Duff, Erisman, Reid (2017), Direct
-Methods for Sparse Matrices, ch. 10.
+Methods for Sparse Matrices.
 """
 
 from __future__ import annotations
