@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
+from hybridid.residuals.criteria import Criterion
 from hybridid.residuals.samples import Samples, Windows, gather
 from hybridid.residuals.settings import Training
 from hybridid.residuals.stack import Stack
@@ -19,8 +19,8 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Epoch:
-    """Mean squared errors over the error's mean square: of the training, and of the held-out blocks
-    over the last horizon."""
+    """Mean squared errors over the error's mean square: of the training over its horizon, and of the
+    held-out blocks by the criterion."""
 
     horizon: int
     train: float
@@ -29,10 +29,15 @@ class Epoch:
 
 class Course:
     """Trains ``stack`` on ``samples`` (one for each network); ``best`` holds the best weights so far,
-    ``score`` (b,) their held-out error and ``zero`` (b,) that of predicting no error."""
+    ``score`` (b,) their held-out error by ``criterion``."""
 
     def __init__(
-        self, stack: Stack, samples: Sequence[Samples], settings: Training, seeds: Sequence[int]
+        self,
+        stack: Stack,
+        samples: Sequence[Samples],
+        criterion: Criterion,
+        settings: Training,
+        seeds: Sequence[int],
     ) -> None:
         self.settings = settings
         self.samples = samples
@@ -40,11 +45,8 @@ class Course:
         self.history: list[list[Epoch]] = [[] for _ in samples]
         self.stopped: list[list[str]] = [[] for _ in samples]
         self._dice = [np.random.default_rng([seed, 1]) for seed in seeds]
-        last = settings.horizons[-1]
-        checks = [s.split.checks(last, s.reach) for s in samples]
-        self._checks = gather(samples, checks, last, stack.lags)
-        self.score = self._held_out(self.best, range(len(samples)))
-        self.zero = _mean_square(self._checks.target, self._checks.weight)
+        self._criterion = criterion
+        self.score = criterion(self.best, range(len(samples)))
 
     def run(self, horizon: int, tell: Callable[[int, float], None]) -> None:
         """Train on one horizon from the best weights, until every network has stopped."""
@@ -53,7 +55,7 @@ class Course:
         stale = np.zeros(len(running), dtype=int)
         for epoch in range(1, self.settings.epochs + 1):
             train = self._epoch(learner, running, horizon)
-            held_out = self._held_out(learner.stack, running)
+            held_out = self._criterion(learner.stack, list(running))
             better = held_out < self.score[running]
             self.best.put(list(running[better]), learner.stack.part(list(np.flatnonzero(better))))
             self.score[running[better]] = held_out[better]
@@ -89,22 +91,9 @@ class Course:
         sample = self.samples[network]
         return np.resize(self._dice[network].permutation(sample.split.starts(horizon, sample.reach)), count)
 
-    def _held_out(self, stack: Stack, networks: Sequence[int] | Index) -> NDArray[np.float64]:
-        windows = self._checks.of(list(networks))
-        with torch.no_grad():
-            error = stack(windows.past, windows.rows) - windows.target
-        found = _mean_square(error, windows.weight)
-        return np.where(np.isfinite(found), found, np.inf)
-
     def _note(self, networks: Index, why: str, horizon: int, epoch: int) -> None:
         for k in networks:
             self.stopped[k].append(f"horizon {horizon}: {why}, {epoch} epochs")
-
-
-def _mean_square(error: Tensor, weight: Tensor) -> NDArray[np.float64]:
-    """Mean of ``error**2`` (b, w, h) over the windows that count, (b,)."""
-    squares = (error.double().square().mean(dim=2) * weight).sum(dim=1) / weight.sum(dim=1)
-    return squares.numpy()
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,24 @@ class Weights:
         return sum(a.size for a in (*self.matrices, *self.biases))
 
 
+def scaled_run(weights: Weights, rows: Array, past: Array, carry: float, limit: float) -> tuple[Array, int]:
+    """Scaled errors (m,) along exogenous regressors ``rows`` (m, d) from ``past`` ones, newest first; and
+    how many stayed within ``limit``: nan follows."""
+    first, *inner, last = weights.matrices
+    lags, width = len(past), len(first)
+    return recur(
+        rows @ first[:, lags:].T + weights.biases[0],
+        np.ascontiguousarray(first[:, :lags]),
+        np.array(inner).reshape(-1, width, width),
+        np.array(weights.biases[1:-1]).reshape(-1, width),
+        np.ascontiguousarray(last[0]),
+        float(weights.biases[-1][0]),
+        past,
+        carry,
+        limit,
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class ErrorRun:
     """A network's free run.
@@ -108,20 +126,8 @@ class NARX:
         return exogenous(seen, piece, self.architecture.orders, self.scaling, self.architecture.every)
 
     def _recur(self, rows: Array, past: Array) -> tuple[Array, int]:
-        matrices, biases = self.weights.matrices, self.weights.biases
-        lags, width = self.architecture.orders.error, self.architecture.width
-        hidden = np.array(matrices[1:-1]).reshape(-1, width, width)
-        return recur(
-            rows @ matrices[0][:, lags:].T + biases[0],
-            np.ascontiguousarray(matrices[0][:, :lags]),
-            hidden,
-            np.array(biases[1:-1]).reshape(-1, width),
-            np.ascontiguousarray(matrices[-1][0]),
-            float(biases[-1][0]),
-            past,
-            float(self.architecture.increment),
-            self.limit / self.scaling.error,
-        )
+        carry = float(self.architecture.increment)
+        return scaled_run(self.weights, rows, past, carry, self.limit / self.scaling.error)
 
     def _between(self, found: Array, piece: slice) -> Array:
         """The grid's errors at every sample of the piece, linear in between, in the output's unit."""

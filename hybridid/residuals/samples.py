@@ -44,11 +44,13 @@ class Samples:
     """The scaled error and regressors of one task on its grid, all pieces of all records in a row.
 
     ``error`` (m,), ``rows`` (m, d) with the orders of the whole stack, ``split`` into blocks;
-    ``reach`` is how far back the task's own network looks.
+    ``pieces`` are the stretches simulated in one go; ``reach`` is how far back the task's own
+    network looks.
     """
 
     error: Tensor
     rows: Tensor
+    pieces: tuple[tuple[int, int], ...]
     split: Blocks
     reach: int
 
@@ -73,6 +75,7 @@ def samples_of(
     return Samples(
         error=torch.from_numpy(np.concatenate(errors)).to(kind),
         rows=torch.from_numpy(np.concatenate(rows)).to(kind),
+        pieces=tuple(pieces),
         split=blocks(pieces, settings.blocks, settings.held_out),
         reach=one.orders.longest,
     )

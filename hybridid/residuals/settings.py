@@ -40,9 +40,11 @@ class Training:
     A horizon of 1 is the one-step prediction of the thesis. Over a longer one, of h grid samples, the
     network runs free from h to h: it starts from measured errors and then feeds on its own
     predictions, and the gradient goes back through all of them. ``(1, 10, 50)`` goes from easy to
-    hard. On each horizon training ends when the error on the held-out blocks, over the last
-    horizon, has not fallen for ``patience`` epochs, or after ``epochs``; the weights kept are those
-    with the lowest held-out error of all.
+    hard. On each horizon training ends when the held-out error has not fallen for ``patience`` epochs,
+    or after ``epochs``; the weights kept are those with the lowest held-out error of all. By the
+    ``criterion`` "free_run" that is the error on the held-out blocks when the network simulates the
+    whole record from an error of zero, as it will in use; by "horizon" that of windows of the last
+    horizon, each from measured errors, as in the thesis.
 
     ``held_out`` is the share of the ``blocks`` contiguous blocks of each record that no
     gradient sees. ``batch`` counts predicted samples a step. ``weight_decay`` is Adam's L2 term.
@@ -63,6 +65,7 @@ class Training:
     blocks: int = 10
     guard: float = 10.0
     precision: Literal["single", "double"] = "single"
+    criterion: Literal["free_run", "horizon"] = "free_run"
 
     def __post_init__(self) -> None:
         for name, least in (("epochs", 1), ("patience", 1), ("batch", 1), ("blocks", 2)):
@@ -74,6 +77,9 @@ class Training:
             )
         if not 0 < self.held_out <= 0.5:
             raise ValueError(f"residual.held_out is {self.held_out}: a share above 0 and up to 0.5")
+        for name, allowed in (("precision", ("single", "double")), ("criterion", ("free_run", "horizon"))):
+            if getattr(self, name) not in allowed:
+                raise ValueError(f"residual.{name} is {getattr(self, name)!r}, allowed: {', '.join(allowed)}")
         if not self.learning_rate > 0:
             raise ValueError(f"residual.learning_rate is {self.learning_rate}: must be positive")
         if not self.weight_decay >= 0:

@@ -97,15 +97,15 @@ class Stack:
             for mine, theirs in zip(self.tensors, other.tensors, strict=True):
                 mine[rows] = theirs
 
-    def weights(self, index: int, architecture: Architecture) -> Weights:
-        """One network's weights without the padding, as float64."""
-        seen = np.flatnonzero(self.mask[index, :, 0].numpy())
-        matrices = [w[index].detach().double().numpy().T for w, _ in self.layers]
-        biases = [b[index, 0].detach().double().numpy() for _, b in self.layers]
+    def weights(self, index: int, padded: bool = False) -> Weights:
+        """One network's weights as float64, without the padding or with zeros there."""
+        seen = self.mask[index, :, 0].bool().numpy()
+        first, *inner, last = (w[index].detach().double().numpy().T for w, _ in self.layers)
+        *shifts, offset = (b[index, 0].detach().double().numpy().copy() for _, b in self.layers)
         gain = float(self.gain[index])
-        matrices = [matrices[0][:, seen], *matrices[1:-1], gain * matrices[-1]]
-        biases = [*(b.copy() for b in biases[:-1]), gain * biases[-1]]
-        return Weights(tuple(np.ascontiguousarray(m) for m in matrices), tuple(biases))
+        first = first * seen if padded else first[:, seen]
+        matrices = (np.ascontiguousarray(m) for m in (first, *inner, gain * last))
+        return Weights(tuple(matrices), (*shifts, gain * offset))
 
 
 def new_stack(

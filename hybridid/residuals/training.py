@@ -10,6 +10,7 @@ import numpy as np
 
 from hybridid.estimators.estimate import Progress
 from hybridid.residuals.course import Course, Epoch
+from hybridid.residuals.criteria import Criterion, FreeRunError, HorizonError, without_correction
 from hybridid.residuals.narx import NARX
 from hybridid.residuals.orders import Orders
 from hybridid.residuals.regressors import Scaling
@@ -36,8 +37,9 @@ class Task:
 class Trained:
     """A network and how it came about.
 
-    ``held_out`` is the RMS error on the held-out blocks over the last horizon, ``zero`` that of
-    predicting no error at all, both in ``unit``. ``stopped`` says why each horizon's training ended.
+    ``held_out`` is the RMS error on the held-out blocks when the network simulates the records from
+    an error of zero, ``zero`` that of no correction at all, both in ``unit``. ``stopped`` says why
+    each horizon's training ended.
     """
 
     network: NARX
@@ -54,8 +56,9 @@ class Trained:
         if self.held_out < WORTH * self.zero:
             return None
         return (
-            f"the network for the error of {self.network.output} is no better than no correction: on the "
-            f"held-out blocks its error is {self.held_out:.3g} {self.unit}, that of none {self.zero:.3g}"
+            f"the network for the error of {self.network.output} is no better than no correction: running "
+            f"free it leaves {self.held_out:.3g} {self.unit} on the held-out blocks, without it they have "
+            f"{self.zero:.3g} {self.unit}"
         )
 
 
@@ -81,11 +84,21 @@ def train_stack(tasks: Sequence[Task], settings: Training, report: Report | None
     with one_thread():
         stack = new_stack(architectures, [task.seed for task in tasks], gains, settings.precision)
         samples = _samples(tasks, scalings, settings, stack.lags)
-        course = Course(stack, samples, settings, [task.seed for task in tasks])
-        for stage, horizon in enumerate(settings.horizons):
-            course.run(horizon, _reporter(report, stage, settings))
+        limits = [settings.guard * _largest(t) / s.error for t, s in zip(tasks, scalings, strict=True)]
+        free_run = FreeRunError(samples, limits)
+        horizon = HorizonError.of(samples, settings.horizons[-1], stack.lags)
+        criterion: Criterion = {"free_run": free_run, "horizon": horizon}[settings.criterion]
+        course = Course(stack, samples, criterion, settings, [task.seed for task in tasks])
+        for stage, length in enumerate(settings.horizons):
+            course.run(length, _reporter(report, stage, settings))
+        held_out = free_run(course.best, range(len(tasks)))
     seconds = time.perf_counter() - began
-    return [_trained(course, k, task, scalings[k], settings, seconds) for k, task in enumerate(tasks)]
+    return [
+        _trained(
+            course, k, task, scalings[k], (held_out[k], without_correction(samples[k])), settings, seconds
+        )
+        for k, task in enumerate(tasks)
+    ]
 
 
 def _samples(
@@ -123,11 +136,20 @@ def _reporter(report: Report | None, stage: int, settings: Training) -> Callable
     return tell
 
 
+def _largest(task: Task) -> float:
+    return max(float(np.abs(s.error).max()) for s in task.series)
+
+
 def _trained(
-    course: Course, index: int, task: Task, scaling: Scaling, settings: Training, seconds: float
+    course: Course,
+    index: int,
+    task: Task,
+    scaling: Scaling,
+    squares: tuple[float, float],
+    settings: Training,
+    seconds: float,
 ) -> Trained:
     seen = task.series[0].seen
-    largest = max(float(np.abs(s.error).max()) for s in task.series)
     network = NARX(
         output=seen.output,
         unit=seen.unit,
@@ -135,16 +157,17 @@ def _trained(
         input_names=seen.input_names,
         architecture=task.architecture,
         scaling=scaling,
-        weights=course.best.weights(index, task.architecture),
-        limit=settings.guard * largest,
+        weights=course.best.weights(index),
+        limit=settings.guard * _largest(task),
         seed=task.seed,
         records=tuple(s.record for s in task.series),
         provenance=" and ".join(sorted({s.provenance for s in task.series})),
     )
+    held_out, zero = (square**0.5 * scaling.error for square in squares)
     return Trained(
         network=network,
-        held_out=float(course.score[index]) ** 0.5 * scaling.error,
-        zero=float(course.zero[index]) ** 0.5 * scaling.error,
+        held_out=float(held_out),
+        zero=zero,
         unit=seen.unit,
         history=tuple(course.history[index]),
         stopped=tuple(course.stopped[index]),

@@ -33,7 +33,7 @@ def make_network(series):
             input_names=("u",),
             architecture=architecture,
             scaling=Scaling.of([one], architecture.every),
-            weights=stack.weights(0, architecture),
+            weights=stack.weights(0),
             limit=1e6,
             seed=seed,
             records=("record 0",),

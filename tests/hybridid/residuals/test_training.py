@@ -65,9 +65,10 @@ class TestLearning:
 
 class TestStopping:
     def test_it_stops_when_nothing_improves(self, series, small):
-        settings = Training(horizons=(1,), epochs=500, patience=3, learning_rate=0.03)
-        found = train(Task((series(400, 0),), small), settings)
-        assert len(found.history) < 500
+        settings = Training(horizons=(1,), epochs=500, patience=3, batch=128, learning_rate=0.01)
+        found = train(Task((series(800, 0),), small), settings)
+        assert 5 < len(found.history) < 500
+        assert min(e.held_out for e in found.history) < 0.5
         assert found.stopped == (f"horizon 1: no gain in 3 epochs, {len(found.history)} epochs",)
         assert min(e.held_out for e in found.history[-3:]) > min(e.held_out for e in found.history)
 

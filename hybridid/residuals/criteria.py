@@ -1,0 +1,75 @@
+"""How good a network is on what no gradient sees: the error that decides when training stops."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from hybridid.residuals.narx import scaled_run
+from hybridid.residuals.samples import Samples, Windows, gather
+from hybridid.residuals.stack import Stack
+
+Array = NDArray[np.float64]
+
+
+class Criterion(abc.ABC):
+    """Mean squares, over the error's mean square, on the held-out blocks; infinite if it runs away."""
+
+    @abc.abstractmethod
+    def __call__(self, stack: Stack, networks: Sequence[int]) -> Array:
+        """Of the networks of ``stack``, which are those with the numbers ``networks``; (b,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class HorizonError(Criterion):
+    """Over windows side by side, each from measured errors."""
+
+    windows: Windows
+
+    @classmethod
+    def of(cls, samples: Sequence[Samples], horizon: int, lags: int) -> HorizonError:
+        starts = [s.split.checks(horizon, s.reach) for s in samples]
+        return cls(gather(samples, starts, horizon, lags))
+
+    def __call__(self, stack: Stack, networks: Sequence[int]) -> Array:
+        windows = self.windows.of(networks)
+        with torch.no_grad():
+            squares = (stack(windows.past, windows.rows) - windows.target).double().square().mean(dim=2)
+        found = ((squares * windows.weight).sum(dim=1) / windows.weight.sum(dim=1)).numpy()
+        return np.where(np.isfinite(found), found, np.inf)
+
+
+@dataclass(frozen=True, eq=False)
+class FreeRunError(Criterion):
+    """Simulating each record whole from an error of zero; ``limits`` (b,) of the scaled |error|."""
+
+    samples: Sequence[Samples]
+    limits: Sequence[float]
+
+    def __call__(self, stack: Stack, networks: Sequence[int]) -> Array:
+        return np.array([self._of(stack, k, network) for k, network in enumerate(networks)])
+
+    def _of(self, stack: Stack, index: int, network: int) -> float:
+        sample = self.samples[network]
+        weights = stack.weights(index, padded=True)
+        rows = sample.rows.double().numpy()
+        found = np.concatenate(
+            [
+                scaled_run(weights, rows[a:b], np.zeros(stack.lags), stack.carry, self.limits[network])[0]
+                for a, b in sample.pieces
+            ]
+        )
+        held_out = np.concatenate([np.arange(a, b) for a, b in sample.split.held_out])
+        square = float(np.mean((found - sample.error.double().numpy())[held_out] ** 2))
+        return square if np.isfinite(square) else np.inf
+
+
+def without_correction(sample: Samples) -> float:
+    """Mean square of the scaled error itself on the held-out blocks."""
+    held_out = np.concatenate([np.arange(a, b) for a, b in sample.split.held_out])
+    return float(np.mean(sample.error.double().numpy()[held_out] ** 2))
