@@ -52,23 +52,25 @@ class Intervals:
         return len(self.first)
 
 
-def split(problem: Problem, interval: int, x0: Array) -> Intervals:
+def split(problem: Problem, interval: int, x0: Array, p: Array) -> Intervals:
     """Cut each horizon of the problem into intervals of ``interval`` samples.
 
-    A node starts from the smoothed record where an output shows the state, otherwise
-    from the horizon's initial state ``x0`` (w, n_x).
+    A node starts from the smoothed record where an output shows the state, otherwise from a run of
+    the horizon from its initial state ``x0`` (w, n_x) at ``p`` (n_p,), or from ``x0`` if that diverges.
     """
     windows = problem.windows
     length = min(interval, windows.length)
     states = [measured_states(problem.model, record) for record in problem.records]
     shown = np.array([s.observed_by is not None for s in problem.model.states])
+    runs = problem.shooter(x0, p).states
+    runs = np.where(np.isfinite(runs).all(axis=2, keepdims=True), runs, x0[:, None])
     rows: list[tuple[NDArray[Any], ...]] = []
     first: list[bool] = []
     for k, (record, start, stop) in enumerate(windows.origin):
         for begin in range(0, stop - start, length):
             index = np.minimum(np.arange(begin, begin + length), stop - start - 1)
             used = np.arange(begin, begin + length) < stop - start
-            node = x0[k] if begin == 0 else np.where(shown, states[record][start + begin], x0[k])
+            node = x0[k] if begin == 0 else np.where(shown, states[record][start + begin], runs[k, begin])
             fields = (windows.time, windows.stages, windows.inputs, windows.outputs)
             rows.append((*(a[k, index] for a in fields), used, node))
             first.append(begin == 0)
@@ -91,7 +93,7 @@ def solve(
 
     ``factors`` multiply the smoothing velocities, one solve each, from the nodes of the last.
     """
-    program = _Program(problem, split(problem, interval, x0))
+    program = _Program(problem, split(problem, interval, x0, p))
     nlp, gauss_newton = program.nlp()
     callback = _Watch(nlp["x"].shape[0], len(program.gap_rows), watch) if watch else None
     options = _options(max_iterations, tolerance, callback)
