@@ -1,16 +1,18 @@
 """The ceiling: how much any memoryless effect at a port could explain.
 
-    F = sum_k w_k exp(-(s - c_k)^2 / (2 width^2)),   s the port's velocity or position
+    F = sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2)),   s the port's velocity or position
 
-A sum of Gaussian bumps on a fixed grid over the range that the record covers is fitted in
-simulation, like any effect, with every other parameter. No effect of velocity alone (or
-position alone) can gain more than that on held-out horizons, up to the grid's resolution.
-Source: thesis Eqs. 6-4 to 6-6, with fixed centres and widths.
+A sum of Gaussian bumps on a fixed grid over the range that the fitted horizons cover is fitted
+in simulation, like any effect, with every other parameter. V holds the combinations of bumps
+that these horizons show (principal components): a bump where the record hardly ever is would
+take any height. No effect of velocity alone (or position alone) can gain more than that on
+held-out horizons, up to the grid's resolution. Source: thesis Eqs. 6-4 to 6-6, with fixed
+centres and widths; Jolliffe (2002), Principal Component Analysis, ch. 8.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,16 +20,19 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.effects.dimension import Dimension
+from hybridid.effects.dimension import EFFORT
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.model import Model
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import DECLARED, Refit, problem_of, refit
+from hybridid.trace.refit import Refit, problem_of, refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
 Over = Literal["velocity", "position"]
 BUMPS = 12
+FAINT = 1e-4
+"""Mean square of a combination of bumps over the fitted horizons, against the strongest, below which
+they do not show it."""
 BINS, LEAST_IN_BIN = 60, 20
 """Of the curve that is shown."""
 
@@ -51,34 +56,42 @@ class Ceiling:
 
 @dataclass(frozen=True)
 class Bumps:
-    """The law of a learned effort: Gaussian bumps at ``centres`` over ``over``."""
+    """The law of a learned effort: combinations ``basis`` (bumps, n) of Gaussian bumps at ``centres``.
+
+    Beyond its range it stays what it is at the end: nothing has been learned there.
+    """
 
     over: Over
     centres: tuple[float, ...]
     width: float
+    basis: tuple[tuple[float, ...], ...]
 
     def __call__(self, at: Local) -> ca.SX:
         s = at.velocity if self.over == "velocity" else at.position
-        weights = [getattr(at.p, f"w{k}") for k in range(len(self.centres))]
-        return sum(
-            w * ca.exp(-(((s - c) / self.width) ** 2) / 2) for w, c in zip(weights, self.centres, strict=True)
-        )
+        s = ca.fmin(ca.fmax(s, self.centres[0]), self.centres[-1])
+        weights = ca.DM(self.basis) @ ca.vertcat(*[getattr(at.p, f"a{j}") for j in range(len(self.basis[0]))])
+        bumps = [ca.exp(-(((s - c) / self.width) ** 2) / 2) for c in self.centres]
+        return ca.dot(weights, ca.vertcat(*bumps))
 
 
-def learned_effort(over: Over, low: float, high: float, bumps: int = BUMPS) -> Effect:
-    """A learned effort over ``[low, high]`` of the port's velocity or position."""
-    centres = tuple(np.linspace(low, high, bumps).tolist())
-    width = (high - low) / (bumps - 1)
+def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
+    """A learned effort over the port's velocity or position, as far as ``seen`` (n,) covers it."""
+    centres = np.linspace(seen.min(), seen.max(), bumps)
+    width = (seen.max() - seen.min()) / (bumps - 1)
+    shapes = np.exp(-(((seen[:, None] - centres) / width) ** 2) / 2)
+    spread, components = np.linalg.eigh(shapes.T @ shapes / len(seen))
+    shown = spread > FAINT * spread[-1]
+    basis = components[:, shown] / np.sqrt(spread[shown])
     weights = tuple(
-        EffectParameter(f"w{k}", Dimension(effort=1), f"weight of the bump at {c:.4g}", guess=0.0, nests=True)
-        for k, c in enumerate(centres)
+        EffectParameter(f"a{j}", EFFORT, f"RMS effort of combination {j}", guess=0.0, nests=True)
+        for j in range(basis.shape[1])
     )
     return Effect(
         id=f"learned_{over}",
         kind="effort",
         title=f"learned effort over {over}",
-        equation="F = sum_k w_k exp(-(s - c_k)²/(2 width²))",
-        law=Bumps(over, centres, width),
+        equation="F = sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
+        law=Bumps(over, tuple(centres.tolist()), float(width), tuple(map(tuple, basis.tolist()))),
         parameters=weights,
         source="thesis Eqs. 6-4 to 6-6 with fixed centres",
         pattern=f"any function of {over}",
@@ -88,22 +101,20 @@ def learned_effort(over: Over, low: float, high: float, bumps: int = BUMPS) -> E
 def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     """Fit a learned effort at ``port`` beside everything else and score it held out."""
     where = base.model.plant.port(port)
-    path = _Path.of(base, split)
-    s = path.motion(port, over)
-    low, high = float(s.min()), float(s.max())
-    effect = learned_effort(over, low, high)
+    path = _Path.of(base, split, (*split.fitted, *split.held_out))
+    effect = learned_effort(over, _Path.of(base, split, split.fitted).motion(port, over))
     model: Model = base.model.plus(effect, port)
-    found = refit(model, split, [base.values], base)
+    found = refit(model, split, [base.values], base, base.numerics)
     evidence = compare(base.score, found.score)
     net = path.effort(model, found.values, port) - path.effort(base.model, base.values, port)
     unit = where.position_unit + ("/s" if over == "velocity" else "")
-    curve = _binned(s, net)
+    curve = _binned(path.motion(port, over), net)
     return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, unit)
 
 
 @dataclass(frozen=True)
 class _Path:
-    """The base model's own way through every horizon: times (n,), states (n, n_x), inputs (n, n_u)."""
+    """The base model's own way through some horizons: times (n,), states (n, n_x), inputs (n, n_u)."""
 
     model: Model
     p: Array
@@ -112,10 +123,11 @@ class _Path:
     inputs: Array
 
     @classmethod
-    def of(cls, base: Refit, split: Split) -> _Path:
-        problem, p = problem_of(base.model, split, DECLARED, base.values), base.model.values(base.values)
+    def of(cls, base: Refit, split: Split, horizons: Sequence[int]) -> _Path:
+        p = base.model.values(base.values)
+        problem = problem_of(base.model, split, base.numerics, base.values).on(horizons)
         used = problem.windows.used
-        states = problem.shooter(base.x0, p).states
+        states = problem.shooter(base.x0[list(horizons)], p).states
         return cls(base.model, p, problem.windows.time[used], states[used], problem.windows.inputs[used])
 
     def motion(self, port: str, over: Over) -> Array:

@@ -29,7 +29,9 @@ class Rules:
     difference of RMSE below which two effects explain the record equally well; ``vague``
     the standard error, as a share of the value, above which a parameter is not determined,
     and ``collinear`` the correlation with another parameter above which the two are one;
-    ``steady`` the share of its value that a parameter may move when the numerics change;
+    ``steady`` the share of its value that a parameter may move when the numerics change, and
+    ``kept`` the least share of what an effect explains that must outlive the change; ``refuted``
+    how many times the error a change may leave before it counts as refuted by the records;
     ``near_floor`` how close to the noise floor nothing more can be found.
     """
 
@@ -39,6 +41,8 @@ class Rules:
     vague: float = 0.5
     collinear: float = 0.995
     steady: float = 0.5
+    kept: float = 0.5
+    refuted: float = 1.5
     near_floor: float = 1.05
     most_effects: int = 6
 

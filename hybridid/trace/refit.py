@@ -17,10 +17,10 @@ from hybridid.estimators import gauss_newton
 from hybridid.estimators.carried import carries_nothing, carry
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.problem import Problem, build_problem
-from hybridid.estimators.start import at_rest, best_initial_states, x0_candidates
-from hybridid.estimators.uncertainty import uncertainty
+from hybridid.estimators.start import best_initial_states, x0_candidates
+from hybridid.estimators.uncertainty import Uncertainty, uncertainty
 from hybridid.model import Model
-from hybridid.records.record import Hold
+from hybridid.records.record import Hold, Record
 from hybridid.simulation.stability import MOST, substeps_wanted
 from hybridid.trace.score import Score, score_of
 from hybridid.trace.split import Split
@@ -28,11 +28,15 @@ from hybridid.trace.split import Split
 Array = NDArray[np.float64]
 GLANCE = 8
 """Iterations spent on each start before the best is carried to convergence."""
+GLANCED = 8
+"""Fitted horizons that a glance looks at, evenly chosen: enough to tell starts apart."""
 GLANCE_TOLERANCE = 1e-3
 MOST_ITERATIONS = 40
-HANDOVERS = 3
+HANDOVERS, HANDOVER_ITERATIONS = 3, 12
 SETTLED = 1e-3
 """Relative change of the cost below which handing inner states on changes nothing more."""
+HOPE = 0.02
+"""Relative decrease of the fitted cost below which a converged effect is not polished further."""
 MARGIN = 1.1
 STIFF = 8
 """Steps a sample beyond which a start is left to those that are less stiff."""
@@ -60,7 +64,8 @@ DECLARED = Numerics()
 class Refit:
     """A model fitted on the split's fitted horizons, and its score on the held-out ones.
 
-    ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out.
+    ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out; ``numerics``
+    say how its equations were solved. ``std`` and ``correlation`` are those of the noise alone.
     """
 
     model: Model
@@ -74,6 +79,7 @@ class Refit:
     status: str
     converged: bool
     seconds: float
+    numerics: Numerics = DECLARED
 
 
 def refit(
@@ -89,12 +95,17 @@ def refit(
     ``before`` lends its initial states. ``factors`` is the continuation in epsilon.
     """
     began = time.perf_counter()
-    problem = problem_of(model, split, numerics, *starts)
-    x0 = _initial(problem, before)
-    p, x0 = _best_start(problem, split, starts, x0, before is None, numerics)
-    solution, x0 = _settled(problem, split, p, x0, [factor * numerics.smoothing for factor in factors])
+    begun = _best_start(model, split, starts, before, numerics)
+    smoothing = [factor * numerics.smoothing for factor in factors]
+    hopeless = np.inf if before is None else (1 - HOPE) * before.cost
+    solution, x0 = _settled(begun, split, smoothing, hopeless)
+    problem = begun.problem
+    needed = min(_steps(problem, solution.p, numerics), STIFF)
+    if needed * numerics.finer > problem.windows.substeps:
+        problem = _laid_out(model, split, numerics, needed)
+        solution, x0 = _settled(_Begun(problem, solution.p, x0), split, smoothing[-1:], hopeless)
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
-    doubt = uncertainty(fitted, solution.p, solution.x0)
+    doubt = _of_noise(uncertainty(fitted, solution.p, solution.x0))
     ours = _errors(fitted, solution.p, solution.x0)
     theirs = _errors(judged, solution.p, x0[list(split.held_out)])
     return Refit(
@@ -109,94 +120,136 @@ def refit(
         status=solution.status,
         converged=solution.converged,
         seconds=time.perf_counter() - began,
+        numerics=numerics,
     )
 
 
-def problem_of(model: Model, split: Split, numerics: Numerics, *starts: Mapping[str, float]) -> Problem:
-    """Every horizon of ``split`` as a problem, solved as ``numerics`` say.
+def problem_of(model: Model, split: Split, numerics: Numerics, values: Mapping[str, float]) -> Problem:
+    """Every horizon of ``split`` as a problem, solved as ``numerics`` say, in steps fit for ``values``."""
+    records = _recorded(split, numerics)
+    steps = substeps_wanted(model, model.values(values), records, MARGIN, numerics.integrator)
+    if steps > MOST:
+        raise ValueError(f"needs more than {MOST} steps a sample")
+    return _laid_out(model, split, numerics, steps)
 
-    The steps suit the stiffest of ``starts`` that ``STIFF`` of them can follow.
-    """
-    records = split.records
-    if numerics.hold is not None:
-        hold = numerics.hold
-        records = tuple(
-            replace(r, input_channels=tuple(replace(c, hold=hold) for c in r.input_channels), warnings=())
-            for r in records
-        )
-    wanted = [
-        substeps_wanted(model, model.values(start), records, MARGIN, numerics.integrator) for start in starts
-    ]
-    substeps = max((steps for steps in wanted if steps <= STIFF), default=min(wanted))
-    if substeps > MOST:
-        raise ValueError(f"needs more than {MOST} steps a sample at every start")
+
+@dataclass(frozen=True)
+class _Begun:
+    """A problem, and where to begin in it: parameters (n_p,), initial states of all horizons (w, n_x)."""
+
+    problem: Problem
+    p: Array
+    x0: Array
+
+
+def _laid_out(model: Model, split: Split, numerics: Numerics, steps: int) -> Problem:
     problem = build_problem(
-        model, records, split.horizon, substeps * numerics.finer, integrator=numerics.integrator
+        model,
+        _recorded(split, numerics),
+        split.horizon,
+        steps * numerics.finer,
+        integrator=numerics.integrator,
     )
     return problem.without_ends(split.gap)
 
 
-def _initial(problem: Problem, before: Refit | None) -> Array:
-    """Initial states (w, n_x): those of the poorer model, or the measured ones."""
-    measured = problem.measured_x0()
-    if before is not None:
-        names = [s.name for s in problem.model.states]
-        for column, state in enumerate(before.model.states):
-            if state.name in names:
-                measured[:, names.index(state.name)] = before.x0[:, column]
-    return measured
+def _recorded(split: Split, numerics: Numerics) -> tuple[Record, ...]:
+    """The records, their inputs held as ``numerics`` say."""
+    hold = numerics.hold
+    if hold is None:
+        return split.records
+    return tuple(
+        replace(r, input_channels=tuple(replace(c, hold=hold) for c in r.input_channels), warnings=())
+        for r in split.records
+    )
 
 
-def _chosen(problem: Problem, p: Array, x0: Array, alone: bool) -> Array:
-    """For each horizon the best of the initial states at hand; ``alone``: no poorer model lends any."""
-    candidates = x0_candidates(problem, p) if alone else [problem.measured_x0(), at_rest(problem, x0)]
-    return best_initial_states(problem, p, [x0, *candidates])
+def _steps(problem: Problem, p: Array, numerics: Numerics) -> int:
+    return substeps_wanted(problem.model, p, problem.records, MARGIN, numerics.integrator)
 
 
 def _best_start(
-    problem: Problem,
+    model: Model,
     split: Split,
     starts: Sequence[Mapping[str, float]],
-    x0: Array,
-    alone: bool,
+    before: Refit | None,
     numerics: Numerics,
-) -> tuple[Array, Array]:
-    """The start whose first iterations get furthest: its parameters and all initial states."""
-    fitted, rows = problem.on(split.fitted), list(split.fitted)
-    found: list[tuple[float, Array, Array]] = []
-    for start in starts:
-        p = problem.smoothed(problem.model.values(start), numerics.smoothing)
-        begun = carry(problem, p, _chosen(problem, p, x0, alone))
+) -> _Begun:
+    """The start whose first iterations get furthest, each in steps of its own.
+
+    Raises:
+        ValueError: if every start is too stiff.
+    """
+    records = _recorded(split, numerics)
+    wanted = [substeps_wanted(model, model.values(s), records, MARGIN, numerics.integrator) for s in starts]
+    if min(wanted) > MOST:
+        raise ValueError(f"needs more than {MOST} steps a sample at every start")
+    limit = max(STIFF, min(wanted))
+    problems = {n: _laid_out(model, split, numerics, n) for n in sorted(set(wanted)) if n <= limit}
+    rows = list(split.fitted[:: max(1, len(split.fitted) // GLANCED)])
+    parts = {n: problem.on(rows) for n, problem in problems.items()}
+    found: list[tuple[float, _Begun]] = []
+    for start, steps in zip(starts, wanted, strict=True):
+        if steps > limit:
+            continue
+        begun = _begun(problems[steps], problems[steps].model.values(start), before, numerics)
         if len(starts) == 1:
-            return p, begun
-        glance = gauss_newton.solve(fitted, p, begun[rows], (numerics.smoothing,), GLANCE, GLANCE_TOLERANCE)
-        found.append((glance.cost, glance.p, _with(begun, rows, glance.x0)))
-    _, p, begun = min(found, key=lambda one: one[0])
-    return p, begun
+            return begun
+        glance = gauss_newton.solve(
+            parts[steps], begun.p, begun.x0[rows], (numerics.smoothing,), GLANCE, GLANCE_TOLERANCE
+        )
+        found.append((glance.cost, replace(begun, p=glance.p, x0=_with(begun.x0, rows, glance.x0))))
+    return min(found, key=lambda one: one[0])[1]
+
+
+def _begun(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> _Begun:
+    """A start with the initial states of the poorer model, or without one the best at hand."""
+    p = problem.smoothed(values, numerics.smoothing)
+    x0 = problem.measured_x0()
+    if before is None:
+        x0 = best_initial_states(problem, p, [x0, *x0_candidates(problem, p)])
+    else:
+        names = [s.name for s in problem.model.states]
+        for column, state in enumerate(before.model.states):
+            if state.name in names:
+                x0[:, names.index(state.name)] = before.x0[:, column]
+    return _Begun(problem, p, carry(problem, p, x0))
 
 
 def _settled(
-    problem: Problem, split: Split, p: Array, x0: Array, smoothing: Sequence[float]
+    begun: _Begun, split: Split, smoothing: Sequence[float], hopeless: float
 ) -> tuple[Solution, Array]:
     """Converged parameters, and the initial states of all horizons at them.
 
-    Where effects have inner states, these are handed on and the fit goes on, until both agree.
+    Where effects have inner states, these are handed on and the fit goes on, until both agree; a fit
+    that ends at a cost above ``hopeless`` is not carried further.
     """
+    problem, x0 = begun.problem, begun.x0
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
     ours, theirs = list(split.fitted), list(split.held_out)
-    solution = gauss_newton.solve(fitted, p, x0[ours], smoothing, MOST_ITERATIONS)
-    for _ in range(HANDOVERS):
-        x0 = _with(x0, ours, solution.x0)
-        x0 = _with(x0, theirs, gauss_newton.solve(judged, solution.p, x0[theirs], smoothing[-1:]).x0)
-        if carries_nothing(problem):
-            break
-        x0, before = carry(problem, solution.p, x0), solution.cost
-        solution = gauss_newton.solve(fitted, solution.p, x0[ours], smoothing[-1:], MOST_ITERATIONS)
+
+    def handed_on(p: Array, x0: Array) -> Array:
+        """Inner states from horizon to horizon, the held-out ones' own states fitted at ``p``."""
+        x0 = carry(problem, p, x0)
+        return _with(x0, theirs, gauss_newton.solve(judged, p, x0[theirs], smoothing[-1:]).x0)
+
+    solution = gauss_newton.solve(fitted, begun.p, x0[ours], smoothing, MOST_ITERATIONS)
+    for _ in range(0 if carries_nothing(problem) or solution.cost > hopeless else HANDOVERS):
+        x0, before = handed_on(solution.p, _with(x0, ours, solution.x0)), solution.cost
+        solution = gauss_newton.solve(fitted, solution.p, x0[ours], smoothing[-1:], HANDOVER_ITERATIONS)
         if abs(before - solution.cost) <= SETTLED * solution.cost:
-            x0 = _with(x0, ours, solution.x0)
-            x0 = _with(x0, theirs, gauss_newton.solve(judged, solution.p, x0[theirs], smoothing[-1:]).x0)
             break
-    return solution, x0
+    return solution, handed_on(solution.p, _with(x0, ours, solution.x0))
+
+
+def _of_noise(found: Uncertainty) -> Uncertainty:
+    """Without the share of the smoothing of sign(v).
+
+    It moves all parameters together, which is no sign that the records cannot tell them apart;
+    whether a verdict hangs on it, refits at other smoothings say.
+    """
+    moved = found.smoothing
+    return replace(found, covariance=found.covariance - np.outer(moved, moved), smoothing=0.0 * moved)
 
 
 def _with(x0: Array, rows: Sequence[int], values: Array) -> Array:

@@ -7,36 +7,41 @@ effect. A gain that vanishes when they change was made by them.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from hybridid.records.record import Hold, Record
+from hybridid.records.record import HOLDS, Record
 from hybridid.trace.evidence import Rules, compare
-from hybridid.trace.refit import Numerics, Refit, refit
+from hybridid.trace.refit import DECLARED, Numerics, Refit, refit
 from hybridid.trace.split import Split
 
-OTHER_HOLD: Mapping[Hold, Hold] = {"zoh": "foh", "foh": "bandlimited", "bandlimited": "foh"}
+OTHER_INTEGRATOR = {"rk4": "rodas3", "rodas3": "rk4"}
 
 
 @dataclass(frozen=True)
 class Survival:
-    """The gain of an effect under one variation, its parameters there, and whether it still passes."""
+    """An effect under one variation: its gain, the share ``kept`` of what it took from the squared
+    error as declared, its parameters, whether the records refute the variation itself, and whether
+    the effect passes or that does not matter."""
 
     variation: str
     gain: float
+    kept: float
     p_value: float
     parameters: Mapping[str, float]
+    refuted: bool
     survives: bool
 
 
-def variations(records: Sequence[Record]) -> tuple[Numerics, ...]:
+def variations(records: Sequence[Record], declared: Numerics = DECLARED) -> tuple[Numerics, ...]:
     """Changes of smoothing, step, integrator and input hold that no effect should feel."""
-    hold = OTHER_HOLD[records[0].input_channels[0].hold]
+    holds = [hold for hold in HOLDS if hold != records[0].input_channels[0].hold]
+    integrator = OTHER_INTEGRATOR[declared.integrator]
     return (
-        Numerics("epsilon x 3", smoothing=3.0),
-        Numerics("epsilon / 2", smoothing=0.5),
-        Numerics("half the step", finer=2),
-        Numerics("another integrator", integrator="rodas3"),
-        Numerics(f"inputs {hold}", hold=hold),
+        replace(declared, name="epsilon x 3", smoothing=3.0),
+        replace(declared, name="epsilon / 2", smoothing=0.5),
+        replace(declared, name="half the step", finer=2),
+        replace(declared, name=f"integrator {integrator}", integrator=integrator),
+        *(replace(declared, name=f"inputs {hold}", hold=hold) for hold in holds),
     )
 
 
@@ -45,15 +50,29 @@ def survival(
 ) -> Survival:
     """Refit both models under ``numerics`` and compare them again.
 
+    The effect must still take from the squared error ``rules.kept`` of what it took as declared.
+    A variation that these records refute, since even with the effect it leaves ``rules.refuted``
+    times the error, is no other explanation, and does not count: a coarse smoothing adds an error
+    beside which a true effect looks small.
+
     The effect's own parameters must stay what they were: an amplitude that follows the
-    smoothing or the step belongs to them, not to the machine.
+    smoothing or the step belongs to them, not to the machine. What moves within two standard
+    errors of it says nothing.
     """
     poorer = refit(base.model, split, [base.values], base, numerics)
     richer = refit(augmented.model, split, [augmented.values], augmented, numerics)
     again = compare(poorer.score, richer.score)
     own = {name: value for name, value in richer.values.items() if name.startswith(f"{term}.")}
     steady = all(
-        abs(v - augmented.values[k]) <= rules.steady * abs(augmented.values[k]) for k, v in own.items()
+        abs(value - augmented.values[name]) <= _room(augmented, name, rules) for name, value in own.items()
     )
-    passes = again.gain >= rules.worth and again.p_value <= rules.alpha and steady
-    return Survival(numerics.name, again.gain, again.p_value, own, passes)
+    taken, then = (a.score.loss**2 - b.score.loss**2 for a, b in ((base, augmented), (poorer, richer)))
+    kept = float(then / taken) if taken > 0 else 0.0
+    refuted = bool(richer.score.loss > rules.refuted * augmented.score.loss)
+    passes = kept >= rules.kept and again.p_value <= rules.alpha and steady
+    return Survival(numerics.name, again.gain, kept, again.p_value, own, refuted, refuted or passes)
+
+
+def _room(augmented: Refit, name: str, rules: Rules) -> float:
+    """How far a parameter may move."""
+    return max(rules.steady * abs(augmented.values[name]), 2 * augmented.std.get(name, 0.0))

@@ -9,7 +9,7 @@ from hybridid.effects.effect import Effect
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
 from hybridid.trace.evidence import Rules, compare
-from hybridid.trace.refit import DECLARED, Refit, refit
+from hybridid.trace.refit import DECLARED, Numerics, Refit, refit
 from hybridid.trace.robustness import Survival, survival, variations
 from hybridid.trace.split import Split
 from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt, equivalents, judge
@@ -79,6 +79,7 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
         split,
         [*rival.candidate.starts(model, _less(final, one.name))[:-1], {**_less(final, one.name), **own}],
         final,
+        final.numerics,
     )
     advantage = compare(other.score, final.score)
     return advantage.gain < rules.tie or advantage.p_value > rules.alpha
@@ -99,12 +100,13 @@ def search(
     mapper: Mapper = serial,
     report: Report = lambda stage, done, of, what: None,
     ports: Sequence[str] | None = None,
+    numerics: Numerics = DECLARED,
 ) -> Search:
     """Add effects to ``model`` until none passes or the residual meets the noise ``floor``.
 
     ``start`` holds parameter values to start the declared model from; ``floor`` is a loss.
     """
-    base = refit(model, split, start, factors=CONTINUATION)
+    base = refit(model, split, start, numerics=numerics, factors=CONTINUATION)
     steps: list[Step] = []
     accepted: list[Accepted] = []
     while True:
@@ -138,7 +140,7 @@ def _step(
 ) -> Step:
     candidates = list(admissible(base.model, effects, ports))
     trials: list[Trial] = []
-    for trial in mapper(attempt, ((c, base, split, DECLARED) for c in candidates)):
+    for trial in mapper(attempt, ((c, base, split) for c in candidates)):
         trials.append(trial)
         report(f"step {number}", len(trials), len(candidates), trial.candidate.name)
     judged = judge(trials, rules)
@@ -153,9 +155,15 @@ def _step(
             return Step(
                 base, tuple(judged), Accepted(best, tuple(equivalents(best, judged, rules)), survivals)
             )
-        why = ", ".join(f"{s.variation} (gain {s.gain:.1%})" for s in lost)
+        why = ", ".join(_lost(s) for s in lost)
         withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: the gain does not survive {why}")
         judged = [withdrawn if t is best else t for t in judged]
+
+
+def _lost(survival: Survival) -> str:
+    """What became of a gain under a variation."""
+    what = ", ".join(f"{name.rsplit('.', 1)[-1]} {value:.3g}" for name, value in survival.parameters.items())
+    return f"{survival.variation} (keeps {max(survival.kept, 0.0):.0%}, p = {survival.p_value:.1g}, {what})"
 
 
 def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
@@ -172,7 +180,10 @@ def _free_parameters(trial: Trial) -> int:
 def _survivals(base: Refit, best: Trial, split: Split, rules: Rules, mapper: Mapper) -> Iterable[Survival]:
     return mapper(
         survival,
-        ((base, best.refit, best.candidate.name, split, n, rules) for n in variations(split.records)),
+        (
+            (base, best.refit, best.candidate.name, split, numerics, rules)
+            for numerics in variations(split.records, base.numerics)
+        ),
     )
 
 
@@ -182,7 +193,8 @@ def _backward(
     """Take out again each accepted effect that the later ones have made needless."""
     dropped: list[str] = []
     for one in accepted[:-1]:
-        poorer = refit(refitted.model.without(one.name), split, [_less(refitted, one.name)], refitted)
+        model, values = refitted.model.without(one.name), _less(refitted, one.name)
+        poorer = refit(model, split, [values], refitted, refitted.numerics)
         evidence = compare(poorer.score, refitted.score)
         if evidence.gain < rules.worth or evidence.p_value > rules.alpha:
             refitted = poorer

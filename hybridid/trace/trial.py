@@ -11,7 +11,7 @@ import numpy as np
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, Rules, compare, holm
-from hybridid.trace.refit import Numerics, Refit, refit
+from hybridid.trace.refit import Refit, refit
 from hybridid.trace.split import Split
 
 PASSED, REJECTED, UNIDENTIFIABLE = "passed", "rejected", "unidentifiable"
@@ -40,11 +40,11 @@ class Trial:
         return {name.removeprefix(prefix): value for name, value in table.items() if name.startswith(prefix)}
 
 
-def attempt(candidate: Candidate, base: Refit, split: Split, numerics: Numerics) -> Trial:
+def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons."""
     model: Model = candidate.added_to(base.model)
     try:
-        found = refit(model, split, candidate.starts(model, base.values), base, numerics)
+        found = refit(model, split, candidate.starts(model, base.values), base, base.numerics)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):

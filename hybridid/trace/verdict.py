@@ -14,6 +14,7 @@ from hybridid.model import Model
 from hybridid.trace.ceiling import Ceiling, ceiling
 from hybridid.trace.evidence import Rules
 from hybridid.trace.noise import noise_level
+from hybridid.trace.refit import Numerics
 from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
 from hybridid.trace.split import Split
 
@@ -53,11 +54,13 @@ def trace(
     mapper: Mapper = serial,
     report: Report = lambda stage, done, of, what: None,
     ports: Sequence[str] | None = None,
+    integrator: str = "rk4",
 ) -> Trace:
     """Find what ``model`` lacks on the records of ``split``.
 
     ``effects`` are tried at every port of their kind (or only at ``ports``); ``mapper``
-    runs refits, in parallel if it likes; ``report(stage, done, of, what)`` follows them.
+    runs refits, in parallel if it likes; ``report(stage, done, of, what)`` follows them;
+    ``integrator`` solves the equations, and the other one checks it.
 
     Raises:
         ValueError: if a record does not fit the model or it diverges on the records.
@@ -67,7 +70,8 @@ def trace(
     noise = np.max([noise_level(record) for record in split.records], axis=0)
     spread = np.concatenate([record.outputs for record in split.records]).std(axis=0)
     floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
-    found = search(model, split, effects, began, floor, rules, mapper, report, ports)
+    numerics = Numerics(integrator=integrator)
+    found = search(model, split, effects, began, floor, rules, mapper, report, ports, numerics)
     found = recheck(found, split, rules)
     ceilings = _ceilings(found, split, mapper, report, ports)
     remains = tuple(
