@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from hybridid.records.sources import DataRoot, RecordNotFoundError, data_roots, 
 from hybridid.rigs.rig import Rig
 from pipelines.config import Settings
 from pipelines.errors import ConfigError, unknown
-from pipelines.imports import named
+from pipelines.rigs import rig_of
 
 KEYS = ("data", "records", "signals", "rig", "paths.data")
 CHOICES = ("auto", "measured", "simulated")
@@ -178,15 +177,7 @@ def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> 
     given = settings.get("rig")
     if given is None:
         raise ConfigError(f"data=simulated: case {settings.case} has no virtual rig")
-    for key in given:
-        if key not in ("path", "seed", "duration"):
-            raise ConfigError(unknown("config key below rig", key, ("path", "seed", "duration")))
-    rig = named(given.get("path"), "rig.path")
-    rig = rig() if inspect.isclass(rig) else rig
-    if not isinstance(rig, Rig):
-        raise ConfigError(
-            f"rig.path {given.get('path')} is a {type(rig).__name__}, not a hybridid.rigs.rig.Rig"
-        )
+    rig = rig_of(given)
     made = []
     for name, entry in records.items():
         run = str(entry.get("run", name))

@@ -11,8 +11,9 @@ Source: Janot, Gautier, Brunot (2019), "Data set and reference models of EMPS".
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any, final
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from hybridid.rigs.loop import CascadedPD, Drive, Encoder
 from hybridid.rigs.machine import Machine, Motion
 from hybridid.rigs.rig import Experiment, Rig
 from hybridid.rigs.trajectory import BangBang, Move
+from hybridid.rigs.truth import PlantedAt, revised
 
 Array = NDArray[np.float64]
 
@@ -122,6 +124,7 @@ class EMPSRig(Rig):
 
     name = "emps"
     runs = ("identification", "validation")
+    ports = ("carriage",)
     sampling_time = 1e-3
     full_duration = 24.84
     input_channels = (Channel("force", "N", "zoh", "motor force on the load side"),)
@@ -130,6 +133,12 @@ class EMPSRig(Rig):
 
     def __init__(self, config: EMPSConfig = DEFAULT) -> None:
         self.config = config
+
+    def with_truth(self, values: Mapping[str, Any], planted: tuple[PlantedAt, ...] | None = None) -> Self:
+        truth = revised(self.config.truth, values)
+        if planted is not None:
+            truth = replace(truth, planted=tuple(one.what for one in planted))
+        return type(self)(replace(self.config, truth=truth))
 
     def configuration(self) -> dict[str, Any]:
         plain = asdict(self.config)

@@ -48,13 +48,15 @@ _ERROR = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 
 
 class Tables(NamedTuple):
     """A ``Machine`` as flat arrays. Law k acts at ``contact[k]``; its states and parameters start at
-    ``state_start[k]`` and ``parameter_start[k]``; contact c can stick where ``dry[c]``.
+    ``state_start[k]`` and ``parameter_start[k]``; contact c can stick where ``dry[c]``, and its direction
+    matters where ``sided[c]``.
     The state is y = (q, q', states of the laws)."""
 
     inverse_mass: NDArray[np.float64]
     input_matrix: NDArray[np.float64]
     directions: NDArray[np.float64]
     dry: NDArray[np.bool_]
+    sided: NDArray[np.bool_]
     laws: Any
     contact: NDArray[np.int64]
     state_start: NDArray[np.int64]
@@ -205,6 +207,8 @@ def _changes(m, t, y, hold, slip):
     changed = _excess(m, t, y, hold, slip) != 0.0
     some = False
     for c in range(len(slip)):
+        if not m.sided[c]:
+            continue
         speed = _speed(m, y, c)
         if slip[c] * speed < 0.0 or (slip[c] == 0.0 and speed != 0.0 and not m.dry[c]):
             changed[c] = True
@@ -259,15 +263,17 @@ def _event_step(m, t, h, u, y, slip, tolerance):
 @njit(cache=True)
 def advance(
     start, duration, u, y, slip, tolerance, max_step,
-    inverse_mass, input_matrix, directions, dry, laws, contact, state_start, parameter_start, parameters,
+    inverse_mass, input_matrix, directions, dry, sided, laws, contact, state_start, parameter_start,
+    parameters,
 ):  # fmt: skip
     """Integrates over ``duration`` [s] with ``u`` held, in place; returns the number of events, or -1.
 
     The fields of ``Tables`` come one by one because numba takes 50 us to look at a tuple from Python.
     """
     m = Tables(
-        inverse_mass, input_matrix, directions, dry, laws, contact, state_start, parameter_start, parameters
-    )
+        inverse_mass, input_matrix, directions, dry, sided, laws, contact, state_start, parameter_start,
+        parameters,
+    )  # fmt: skip
     elapsed, events, h = 0.0, 0, min(duration, max_step)
     _release(m, start, u, y, slip)
     for _ in range(_MAX_STEPS):

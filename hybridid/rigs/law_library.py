@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 
+from hybridid.rigs.contact_laws import ASYMMETRIC_DAMPER, LUGRE, MAXWELL, WHEEL_LIFT_OFF
 from hybridid.rigs.laws import Law, Planted, RigError, nearest
 
 # Signature of every function below: t [s], q [m], v [m/s], direction s, states z, parameters p, rates dz.
@@ -79,10 +80,10 @@ def _flexible_mode(t, q, v, s, z, p, dz):
     return -pull
 
 
-VISCOUS = Law("viscous", "F = f_v v", _viscous, (("f_v", "N s/m"),))
+VISCOUS = Law("viscous", "F = f_v v", _viscous, (("f_v", "N s/m"),), sided=False)
 COULOMB = Law("coulomb", "F = f_c sign(v)", _coulomb, (("f_c", "N"),), dry=True)
-OFFSET = Law("offset", "F = offset", _offset, (("offset", "N"),))
-STIFFNESS = Law("stiffness", "F = k (q - q_0)", _stiffness, (("k", "N/m"), ("q_0", "m")))
+OFFSET = Law("offset", "F = offset", _offset, (("offset", "N"),), sided=False)
+STIFFNESS = Law("stiffness", "F = k (q - q_0)", _stiffness, (("k", "N/m"), ("q_0", "m")), sided=False)
 ASYMMETRIC_VISCOUS = Law(
     "asymmetric_viscous",
     "F = -(difference / 2) |v|, difference = f_v(v<0) - f_v(v>0)",
@@ -113,12 +114,14 @@ CUBIC_STIFFNESS = Law(
     "F = k_3 (q - q_0)^3",
     _cubic_stiffness,
     (("k_3", "N/m^3"), ("q_0", "m")),
+    sided=False,
 )
 COGGING = Law(
     "cogging",
     "F = amplitude sin(2 pi q / pitch + phase)",
     _cogging,
     (("amplitude", "N"), ("pitch", "m"), ("phase", "rad")),
+    sided=False,
     positive=("pitch",),
 )
 POSITION_FRICTION = Law(
@@ -144,6 +147,7 @@ FLEXIBLE_MODE = Law(
     _flexible_mode,
     (("mass", "kg"), ("frequency", "Hz"), ("damping", "")),
     states=2,
+    sided=False,
     positive=("mass", "frequency"),
 )
 
@@ -162,6 +166,10 @@ LAWS: tuple[Law, ...] = (
     FRICTION_DRIFT,
     DAHL,
     FLEXIBLE_MODE,
+    MAXWELL,
+    LUGRE,
+    ASYMMETRIC_DAMPER,
+    WHEEL_LIFT_OFF,
 )
 
 

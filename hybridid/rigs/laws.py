@@ -33,7 +33,8 @@ class Law:
     """One phenomenon: its equation, its parameters as (name, unit) and its number of states.
 
     ``function`` has the signature above and must be plain numba-compilable Python.
-    ``dry`` says that the force jumps with the direction at rest, so that the contact can stick.
+    ``dry`` says that the force jumps with the direction at rest, so that the contact can stick; ``sided``
+    that it uses the direction at all: where no law does, a contact may turn round unnoticed, which is faster.
     ``positive`` names the parameters that must be above zero.
     """
 
@@ -43,6 +44,7 @@ class Law:
     parameters: tuple[tuple[str, str], ...]
     states: int = 0
     dry: bool = False
+    sided: bool = True
     positive: tuple[str, ...] = ()
     source: str = ""
 

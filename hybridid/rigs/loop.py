@@ -1,4 +1,7 @@
-"""The digital parts of a rig: encoder, cascaded controller, drive. Plain Python, one sample at a time."""
+"""The digital parts of a rig: encoder, controllers, drive. Plain Python, one sample at a time.
+
+Lengths are in m and forces in N; on a machine that turns read rad and N·m.
+"""
 
 from __future__ import annotations
 
@@ -69,3 +72,18 @@ class CascadedPD:
         newest, previous, oldest = positions
         velocity = (0.5 * (newest + previous) - 0.5 * (previous + oldest)) / dt
         return self.kp * self.kv * (reference - newest) - self.kv * velocity
+
+
+@dataclass(frozen=True)
+class PD:
+    """``command = kp e + kd e'``, e = reference - position; kp [N/m], kd [N s/m].
+
+    The error's rate is its backward difference.
+    """
+
+    kp: float
+    kd: float
+
+    def command(self, error: float, previous: float, dt: float) -> float:
+        """Command [N] from the newest two errors [m], ``dt`` [s] apart."""
+        return self.kp * error + self.kd * (error - previous) / dt

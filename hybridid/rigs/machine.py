@@ -4,7 +4,8 @@
 
 Contact c moves with position ``directions[c] . q``. A carriage on its guide is one mass and one
 contact; a motor and a load joined by a shaft are two masses and three contacts, the third along
-``(1, -1)`` with a spring at work.
+``(1, -1)`` with a spring at work. The last ``prescribed`` coordinates have no mass: they go where they are
+driven, as the road under a wheel, and q'' above is of the others.
 """
 
 from __future__ import annotations
@@ -25,41 +26,54 @@ Array = NDArray[np.float64]
 class Machine:
     """The truth of a rig.
 
-    ``mass`` (n, n), constant and positive definite; ``input_matrix`` (n, n_u); ``directions`` (c, n);
-    ``laws`` holds the laws at work at each of the c contacts.
+    ``mass`` (n, n), constant and positive definite; ``input_matrix`` (n, n_u); ``directions``
+    (c, n + prescribed); ``laws`` holds the laws at work at each of the c contacts. Through contacts with the
+    last ``prescribed`` coordinates the machine is driven by a given motion: see ``Motion.drive``.
 
     Raises:
-        RigError: if shapes disagree, the mass is not positive definite, or dry contacts overlap so
-            that friction at rest could not be shared out between them.
+        RigError: if shapes disagree, the mass is not positive definite, dry contacts overlap so that
+            friction at rest could not be shared out between them, or one of them touches a prescribed motion.
     """
 
     mass: tuple[tuple[float, ...], ...]
     input_matrix: tuple[tuple[float, ...], ...]
     directions: tuple[tuple[float, ...], ...]
     laws: tuple[tuple[Planted, ...], ...]
+    prescribed: int = 0
 
     def __post_init__(self) -> None:
         mass = np.array(self.mass, dtype=float)
         n = len(mass)
         if mass.shape != (n, n) or not np.allclose(mass, mass.T) or np.linalg.eigvalsh(mass).min() <= 0:
             raise RigError(f"machine: mass must be symmetric and positive definite, is {self.mass}")
-        if np.array(self.input_matrix).shape[:1] != (n,) or np.array(self.directions).shape[1:] != (n,):
-            raise RigError(f"machine: {n} masses need {n} rows of inputs and directions of {n} numbers")
+        if np.array(self.input_matrix).shape[:1] != (n,):
+            raise RigError(f"machine: {n} masses need {n} rows of inputs")
+        if self.prescribed < 0 or np.array(self.directions).shape[1:] != (self.coordinates,):
+            raise RigError(
+                f"machine: {n} masses and {self.prescribed} prescribed motions need directions of as many"
+            )
         if len(self.laws) != len(self.directions):
             raise RigError(f"machine: {len(self.directions)} contacts need as many sets of laws")
         dry = np.array(self.directions)[list(self.dry)]
         if len(dry) and np.linalg.matrix_rank(dry) < len(dry):
             raise RigError("machine: contacts with dry friction must have independent directions")
+        if dry[:, n:].any():
+            raise RigError("machine: a contact with a prescribed motion cannot have dry friction")
 
     @property
     def coordinates(self) -> int:
-        """Number n of coordinates."""
-        return len(self.mass)
+        """Number of coordinates: those with mass, then the prescribed ones."""
+        return len(self.mass) + self.prescribed
 
     @property
     def dry(self) -> tuple[bool, ...]:
         """Which contacts can stick, shape (c,)."""
         return tuple(any(planted.law.dry for planted in laws) for laws in self.laws)
+
+    @property
+    def sided(self) -> tuple[bool, ...]:
+        """At which contacts some law depends on the direction, shape (c,)."""
+        return tuple(any(planted.law.dry or planted.law.sided for planted in laws) for laws in self.laws)
 
     @property
     def planted(self) -> tuple[tuple[int, Planted], ...]:
@@ -87,12 +101,15 @@ class Motion:
         self.time = 0.0
         self.events = 0
         self._n, self._tolerance, self._max_step = n, tolerance, max_step
+        self._driven = slice(n - machine.prescribed, n)
+        self._directions = np.array(machine.directions, dtype=float)
+        self._gliding = ~np.array(machine.dry)
         self._y = np.concatenate([np.asarray(positions, float), np.zeros(n + states)])
         self._slip = np.zeros(len(machine.directions))
         self._tables = _tables(machine)
         if velocities is not None:
             self._y[n : 2 * n] = velocities
-            self._slip[:] = np.sign(np.array(machine.directions) @ self._y[n : 2 * n])
+            self._slip[:] = np.sign(self._directions @ self._y[n : 2 * n])
 
     @property
     def positions(self) -> Array:
@@ -113,6 +130,17 @@ class Motion:
     def slip(self) -> Array:
         """Direction of each contact: +1 or -1 while it slides, 0 while it sticks; shape (c,)."""
         return self._slip.copy()
+
+    def drive(self, positions: ArrayLike, velocities: ArrayLike) -> None:
+        """Put the prescribed coordinates at ``positions``, to move on with ``velocities`` until driven anew.
+
+        Both (prescribed,); a position that follows from the last drive makes the motion continuous.
+        """
+        n, driven = self._n, self._driven
+        self._y[driven] = positions
+        self._y[n + driven.start : n + driven.stop] = velocities
+        turned = np.sign(self._directions @ self._y[n : 2 * n])
+        self._slip[self._gliding] = turned[self._gliding]
 
     def advance(self, duration: float, inputs: Array) -> None:
         """Move on by ``duration`` [s] with ``inputs`` (n_u,) held.
@@ -137,11 +165,14 @@ def _tables(machine: Machine) -> Any:
 
     contacts, planted = zip(*machine.planted, strict=True)
     parameters = [[value for _, value in one.values] for one in planted]
+    # no force moves a prescribed coordinate: its rows of the inverse mass are zero
+    massless = (0, machine.prescribed)
     return Tables(
-        inverse_mass=np.linalg.inv(np.array(machine.mass, dtype=float)),
-        input_matrix=np.array(machine.input_matrix, dtype=float),
+        inverse_mass=np.pad(np.linalg.inv(np.array(machine.mass, dtype=float)), (massless, massless)),
+        input_matrix=np.pad(np.array(machine.input_matrix, dtype=float), (massless, (0, 0))),
         directions=np.array(machine.directions, dtype=float),
         dry=np.array(machine.dry),
+        sided=np.array(machine.sided),
         laws=function_list([one.law.function for one in planted]),
         contact=np.array(contacts, dtype=np.int64),
         state_start=_starts([one.law.states for one in planted]),

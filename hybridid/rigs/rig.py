@@ -13,7 +13,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, final
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 import hybridid
 from hybridid.records.record import Channel, Record
 from hybridid.rigs.laws import RigError, nearest
+from hybridid.rigs.truth import PlantedAt
 
 Array = NDArray[np.float64]
 
@@ -38,10 +39,14 @@ class Experiment:
 
 
 class Rig(abc.ABC):
-    """A virtual rig. A subclass declares its channels and runs, and writes the experiment."""
+    """A virtual rig. A subclass declares its channels, runs and ports, and writes the experiment.
+
+    ``ports`` are the places of its machine where laws can be planted, named as the plant's effort ports.
+    """
 
     name: str
     runs: tuple[str, ...]
+    ports: tuple[str, ...]
     sampling_time: float
     full_duration: float
     input_channels: tuple[Channel, ...]
@@ -51,6 +56,15 @@ class Rig(abc.ABC):
     @abc.abstractmethod
     def perform(self, run: str, time: Array, generator: np.random.Generator) -> Experiment:
         """The experiment ``run`` at the instants ``time`` (n,) [s], noise drawn from ``generator``."""
+
+    @abc.abstractmethod
+    def with_truth(self, values: Mapping[str, Any], planted: tuple[PlantedAt, ...] | None = None) -> Self:
+        """The same rig with another truth: ``values`` by name, and ``planted`` instead of what is planted
+        (None: as it is).
+
+        Raises:
+            RigError: in one line for an unknown name or a value that cannot be.
+        """
 
     @abc.abstractmethod
     def configuration(self) -> Mapping[str, Any]:

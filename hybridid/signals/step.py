@@ -69,7 +69,7 @@ class Target:
         if self.name in {channel.name for channel in record.channels}:
             raise StepError(f"record {record.name} already has a signal {self.name!r}; choose another name")
         appended = _appended(record, Channel(self.name, self.unit), values, self.role)
-        return _demoted(appended, self.source) if self.demote else appended
+        return _demoted(appended, self.source, self.role == "output") if self.demote else appended
 
 
 def in_place(record: Record, names: tuple[str, ...], change: Callable[[Array], Array]) -> Record:
@@ -117,16 +117,21 @@ def _appended(record: Record, channel: Channel, values: Array, role: Role) -> Re
     )
 
 
-def _demoted(record: Record, name: str) -> Record:
-    """The output ``name`` as an auxiliary signal; inputs and auxiliary signals stay what they are."""
+def _demoted(record: Record, name: str, made: bool) -> Record:
+    """The output ``name`` as an auxiliary signal; inputs and auxiliary signals stay what they are.
+
+    If an output was ``made`` from it, the last, that one comes to stand where ``name`` stood: outputs keep
+    the order in which a plant expects them.
+    """
     names = [channel.name for channel in record.output_channels]
     if name not in names:
         return record
     j = names.index(name)
+    kept = [*range(j), *([len(names) - 1] if made else []), *range(j + 1, len(names) - made)]
     return replace(
         record,
-        outputs=np.delete(record.outputs, j, axis=1),
-        output_channels=tuple(c for c in record.output_channels if c.name != name),
+        outputs=record.outputs[:, kept],
+        output_channels=tuple(record.output_channels[k] for k in kept),
         auxiliary=np.column_stack([_auxiliary(record), record.outputs[:, j]]),
         auxiliary_channels=(*record.auxiliary_channels, record.output_channels[j]),
     )

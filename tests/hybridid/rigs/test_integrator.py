@@ -148,6 +148,31 @@ def test_a_load_behind_a_spring_breaks_loose_when_the_spring_has_wound_up_enough
     assert motion.time == pytest.approx(np.arccos(1 - f_load / 3.0) / 10, abs=1e-4)
 
 
+def test_a_mass_on_a_spring_follows_a_ground_that_runs_as_it_is_driven():
+    """q'' = w^2 (b - q) with b = r t: q = r (t - sin(w t) / w); the ground feels nothing."""
+    mass, k, rate = 2.0, 50.0, 0.3
+    machine = Machine(((mass,),), ((),), ((1.0, -1.0),), ((STIFFNESS(k=k, q_0=0.0),),), prescribed=1)
+    motion, omega = Motion(machine, [0.0, 0.0]), np.sqrt(k / mass)
+    for j in range(100):
+        t = 0.01 * j
+        assert motion.positions == pytest.approx([rate * (t - np.sin(omega * t) / omega), rate * t], abs=1e-9)
+        motion.drive([rate * t], [rate])
+        motion.advance(0.01, np.empty(0))
+
+
+def test_a_driven_contact_turns_round_as_its_ground_does():
+    """A massless side: friction 1 one way and 3 the other, on a mass too heavy to be moved."""
+    laws = (VISCOUS(f_v=2.0), ASYMMETRIC_VISCOUS(difference=2.0))
+    machine = Machine(((1e9,),), ((),), ((1.0, -1.0),), (laws,), prescribed=1)
+    motion = Motion(machine, [0.0, 0.0])
+    for rate, f_v in ((1.0, 3.0), (-1.0, 1.0), (2.0, 3.0)):
+        before = motion.velocities[0]
+        motion.drive([motion.positions[1]], [rate])
+        assert motion.slip[0] == -np.sign(rate)
+        motion.advance(0.5, np.empty(0))
+        assert motion.velocities[0] - before == pytest.approx(f_v * rate * 0.5 / 1e9, rel=1e-6)
+
+
 def test_halving_the_step_gains_the_order_of_the_method_across_stops_and_turns():
     machine = carriage(CUBIC_STIFFNESS(k_3=400.0, q_0=0.0), COULOMB(f_c=0.5), VISCOUS(f_v=0.2))
 
@@ -187,6 +212,11 @@ def test_a_truth_that_diverges_says_where():
     [
         ((((0.0,),), ((1.0,),), ((1.0,),), ((),)), "positive definite"),
         ((((1.0,),), ((1.0,), (1.0,)), ((1.0,),), ((),)), "1 masses need"),
+        ((((1.0,),), ((1.0,),), ((1.0,),), ((),), 1), "1 prescribed motions need directions of as many"),
+        (
+            (((1.0,),), ((1.0,),), ((1.0, -1.0),), ((COULOMB(f_c=1.0),),), 1),
+            "a contact with a prescribed motion cannot have dry friction",
+        ),
         ((((1.0,),), ((1.0,),), ((1.0,),), ()), "1 contacts need"),
         ((((1.0,),), ((1.0,),), ((1.0,), (2.0,)), ((COULOMB(f_c=1.0),),) * 2), "independent directions"),
     ],

@@ -28,8 +28,13 @@ TEXTBOOK = {
     ),
     "position_friction": ({"slope": 30.0, "q_0": 0.1}, lambda t, q, v: 30.0 * (q - 0.1) * np.sign(v)),
     "friction_drift": ({"rate": 0.5}, lambda t, q, v: 0.5 * t * np.sign(v)),
+    "asymmetric_damper": (
+        {"difference": 70.0, "knee": 0.02},
+        lambda t, q, v: -35.0 * (np.hypot(v, 0.02) - 0.02),
+    ),
+    "wheel_lift_off": ({"k": 900.0, "d": 0.3}, lambda t, q, v: 0.0),
 }
-HAS_MEMORY = {"dahl", "flexible_mode"}
+HAS_MEMORY = {"dahl", "flexible_mode", "maxwell", "lugre"}
 
 
 def force(planted: Planted, t, q, v, z=()):
@@ -57,6 +62,42 @@ def test_dahl_bristle_saturates_at_its_amplitude_in_both_directions(v):
     assert resisting == pytest.approx(2.0)
     assert rates == pytest.approx([1e5 / 5.0 * (v - 0.1 * 0.4)])
     assert force(planted, 0, 0, v, [np.sign(v)])[1] == pytest.approx([0.0])
+
+
+def test_a_tyre_off_the_road_neither_pulls_nor_pushes():
+    """k q about a static load k d: what is left below q = -d is the load with its sign turned."""
+    for q in (-0.5, -0.31, -0.29, 0.2):
+        lift_off, _ = force(plant("wheel_lift_off", k=900.0, d=0.3), 0, q, 0.1)
+        assert 900.0 * q + lift_off == pytest.approx(max(900.0 * q, -900.0 * 0.3))
+
+
+def test_a_maxwell_branch_is_a_spring_that_relaxes():
+    resisting, rates = force(plant("maxwell", k=6.0, tau=0.03), 0, 0, 0.5, [0.01])
+    assert resisting == pytest.approx(0.06)
+    assert rates == pytest.approx([0.5 - 0.01 / 0.03])
+
+
+@pytest.mark.parametrize("v", [-0.7, 0.7])
+def test_lugre_friction_settles_at_its_stribeck_curve(v):
+    values = {"f_c": 0.045, "f_s": 0.06, "v_s": 1.0, "sigma_0": 9.0, "sigma_1": 0.01}
+    curve = 0.045 + 0.015 * np.exp(-(0.7**2))
+    resisting, rates = force(plant("lugre", **values), 0, 0, v, [np.sign(v) * curve / 9.0])
+    assert rates == pytest.approx([0.0], abs=1e-15)
+    assert resisting == pytest.approx(np.sign(v) * curve)
+    resisting, rates = force(plant("lugre", **values), 0, 0, v, [0.001])
+    assert rates == pytest.approx([v - 9.0 * 0.7 * 0.001 / curve])
+    assert resisting == pytest.approx(0.009 + 0.01 * rates[0])
+
+
+@pytest.mark.parametrize("law", [law for law in LAWS if not law.sided], ids=lambda law: law.name)
+def test_a_law_said_to_have_no_side_has_none(law):
+    values = np.full(len(law.parameters), 0.3)
+    sides = []
+    for s in (-1.0, 0.0, 1.0):
+        rates = np.zeros(law.states)
+        sides.append((law.function(0.5, -0.7, 0.2, s, np.full(law.states, 0.1), values, rates), *rates))
+    assert sides[0] == sides[1] == sides[2]
+    assert not law.dry
 
 
 def test_an_appended_mass_pulls_back_what_accelerates_it():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hybridid.rigs.laws import RigError
-from hybridid.rigs.loop import CascadedPD, Drive, Encoder
+from hybridid.rigs.loop import PD, CascadedPD, Drive, Encoder
 
 
 def test_an_encoder_counts():
@@ -35,6 +35,10 @@ def test_the_controller_is_the_cascade_with_the_velocity_of_the_filtered_positio
     velocity = (filtered[1] - filtered[0]) / dt
     expected = kp * kv * (0.02 - q[2]) - kv * velocity
     assert CascadedPD(kp, kv).command(0.02, (q[2], q[1], q[0]), dt) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_pd_answers_the_error_and_its_slope():
+    assert PD(kp=3.0, kd=0.05).command(0.2, 0.1, 2e-3) == pytest.approx(3.0 * 0.2 + 0.05 * 50.0)
 
 
 @pytest.mark.parametrize(
