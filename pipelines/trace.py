@@ -51,6 +51,7 @@ def run(job: Job) -> None:
             mapper=mapper,
             report=_Report(job),
             ports=request.ports,
+            integrator=fit_settings(job.settings).integrator,
         )
         proofs = _proved(job, request, split, found, mapper)
         ceilings = _ceilings(job, split, found, mapper)
@@ -110,7 +111,7 @@ def _ceilings(job: Job, split: Split, found: Trace, mapper: Mapper) -> list[Sequ
 def _missing(job: Job, request: Request, split: Split, proofs: Sequence[Proof], mapper: Mapper) -> Missing:
     model = proofs[0].model
     ports = [p.name for p in model.effort_ports if request.ports is None or p.name in request.ports]
-    missing, failures = missing_efforts(proofs, split.records, ports, split.horizon, mapper, _Report(job))
+    missing, failures = missing_efforts(proofs, split.records, ports, mapper, _Report(job))
     for failure in failures:
         job.watcher.warn(failure)
     return missing

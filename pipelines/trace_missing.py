@@ -30,17 +30,14 @@ def missing_efforts(
     proofs: Sequence[Proof],
     records: Sequence[Record],
     ports: Sequence[str],
-    horizon: int,
     mapper: Mapper,
     report: Report,
 ) -> tuple[Missing, list[str]]:
     """What each proved model lacks at each of ``ports`` on every record, and in words what failed."""
-    places = [(proof, record, port, horizon) for record in records for port in ports for proof in proofs]
+    places = [(proof, record, port) for record in records for port in ports for proof in proofs]
     found: Missing = {}
     failures: list[str] = []
-    for done, ((proof, record, port, _), one) in enumerate(
-        zip(places, mapper(_lack, places), strict=True), 1
-    ):
+    for done, ((proof, record, port), one) in enumerate(zip(places, mapper(_lack, places), strict=True), 1):
         report("missing effort", done, len(places), f"{record.name}, {port}")
         if isinstance(one, Failure):
             failures.append(f"missing effort at {port} on {record.name}, {proof.name}: {one.what}")
@@ -49,9 +46,9 @@ def missing_efforts(
     return found, failures
 
 
-def _lack(proof: Proof, record: Record, port: str, horizon: int) -> MissingEffort | Failure:
+def _lack(proof: Proof, record: Record, port: str) -> MissingEffort | Failure:
     try:
-        return missing_effort(proof.model, proof.estimate.values, record, port, horizon)
+        return missing_effort(proof.model, proof.estimate.values, record, port)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
         return Failure(str(error))
 

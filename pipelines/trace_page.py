@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from pipelines.page import Page, Picture, Section, Table
@@ -60,21 +61,27 @@ def _of(pictures: Sequence[Picture], kind: str) -> tuple[Picture, ...]:
 
 
 def _scores(data: Data) -> tuple[Table, ...]:
-    """Rows of one record, output and view together: a row a model."""
+    """A table an output; in it a row a model, those of one record and view together."""
     models = [data["before"], data["after"]] if data["accepted"] else [data["before"]]
-    rows = [_score(row, same[0]) for same in zip(*models, strict=True) for row in same]
-    header = ("record", "view", "output", "model", "RMSE", "change", "MSE", "R²", "data")
+    groups = list(zip(*models, strict=True))
+    header = ("record", "", "view", "model", "RMSE", "change", "MSE", "R²", "data")
     notes = (
         f"The gray box: {listed(data['declared'])}. Added: {listed([_name(a) for a in data['accepted']])}. "
         f"Each with every parameter refitted over horizons of {data['horizon']:g} s of "
         f"{listed(data['fitted_records'])}.",
     )
-    return (Table("Error before and after", header, tuple(rows), notes, words=(0, 1, 2, 3, 8)),)
+    tables = []
+    for output in data["noise_floor"]:
+        rows = [_score(row, same[0]) for same in groups for row in same if row["output"] == output]
+        tables.append(
+            Table(f"Error of {output} before and after", header, tuple(rows), words=(0, 1, 2, 3, 8))
+        )
+    return (*tables[:-1], replace(tables[-1], notes=notes))
 
 
 def _score(row: Data, first: Data) -> tuple[str, ...]:
     leading = row is first
-    where = (f"{row['record']} ({row['role']})", _view(row), row["output"]) if leading else ("", "", "")
+    where = (row["record"], row["role"], _view(row)) if leading else ("", "", "")
     change = "" if leading else _change(first["rmse"], row["rmse"])
     mse = f"{power(row['mse'])} {squared(row['unit'])}" if row["mse"] is not None else ""
     return (
@@ -118,22 +125,30 @@ def _accepted(data: Data) -> Section | None:
 
 def _survival(entry: Data) -> Table:
     names = list(entry["parameters"])
-    rows = [
-        (
-            "as declared",
-            share(entry["gain"]),
-            probability(entry["p_value"]),
-            *_values(entry["at_step"], names),
-        )
-    ]
+    declared = (share(entry["gain"]), "", probability(entry["p_value"]))
+    rows = [("as declared", *declared, *_values(entry["at_step"], names), "")]
     rows += [
-        (s["variation"], share(s["gain"]), probability(s["p_value"]), *_values(s["parameters"], names))
+        (
+            s["variation"], share(s["gain"]), f"{100 * s['kept']:.0f} %", probability(s["p_value"]),
+            *_values(s["parameters"], names), _outcome(s),
+        )
         for s in entry["survivals"]
-    ]
+    ]  # fmt: skip
     units = [f"{n} [{entry['parameters'][n]['unit']}]" for n in names]
-    note = "A gain or a parameter that moves with these would belong to the numerics, not to the machine."
+    notes = (
+        "Kept: of what the effect takes from the squared error as declared. A gain or a parameter that went "
+        "away with these would belong to the numerics, not to the machine. Refuted: with it even the "
+        "augmented model errs far more, so that it is no other explanation.",
+    )
     title = f"{entry['effect']} at {entry['port']} when the equations are solved another way"
-    return Table(title, ("variation", "gain", "p", *units), tuple(rows), (note,))
+    header = ("variation", "gain", "kept", "p", *units, "")
+    return Table(title, header, tuple(rows), notes, words=(0, len(header) - 1))
+
+
+def _outcome(survival: Data) -> str:
+    if survival["refuted"]:
+        return "refuted by the records"
+    return "survives" if survival["survives"] else "lost"
 
 
 def _values(parameters: Mapping[str, float], names: Sequence[str]) -> tuple[str, ...]:
@@ -183,8 +198,8 @@ def _remaining(data: Data, pictures: tuple[Picture, ...]) -> Section:
         (
             c["port"],
             c["over"],
-            share(before[c["port"], c["over"]]["gain"]),
-            share(c["gain"]),
+            _up_to(before[c["port"], c["over"]]["gain"]),
+            _up_to(c["gain"]),
             probability(c["p_value"]),
         )
         for c in data["ceilings"]["after"]
@@ -229,7 +244,7 @@ def _use(data: Data) -> Section | None:
 
 
 def _view(row: Data) -> str:
-    return f"horizons of {row['horizon']:g} s" if row["view"] == "horizon" else "free run"
+    return f"{row['horizon']:g} s horizons" if row["view"] == "horizon" else "free run"
 
 
 def _change(before: float | None, after: float | None) -> str:
@@ -240,6 +255,11 @@ def _change(before: float | None, after: float | None) -> str:
 
 def _r2(row: Data) -> str:
     return "" if row["r2"] is None else f"{row['r2']:.6f}".replace("-", "−")
+
+
+def _up_to(gain: float) -> str:
+    """What a learned effort could take away; one that only learned noise takes nothing."""
+    return share(max(gain, 0.0))
 
 
 def _capital(text: str) -> str:

@@ -10,7 +10,6 @@ from hybridid.estimators import Estimate, FitSettings, fit
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.simulate import Diverged
-from hybridid.trace.missing_effort import MissingEffort, missing_effort
 from hybridid.validation import Prediction, free_run, horizon_run, metrics
 
 BEFORE, AFTER = "gray box", "gray box + effects"
@@ -86,8 +85,3 @@ def _predicted(
     if horizon is None:
         return free_run(model, estimate.values, record, ask.initial_state, integrator)
     return horizon_run(model, estimate.values, record, round(horizon / record.dt), integrator)
-
-
-def missing(proof: Proof, record: Record, port: str, horizon: int) -> MissingEffort:
-    """The effort that the proved model lacks at ``port`` on ``record``."""
-    return missing_effort(proof.model, proof.estimate.values, record, port, horizon)

@@ -3,11 +3,14 @@
     x' = f(t, x, u, p) with the port's resisting effort raised by w,   w a random walk
 
 A smoother finds the w(t) that makes the model agree with the record: an input estimated in
-simulation, never a second derivative of noise. The model is linearised about its own
-horizon predictions, then about the smoothed states; the walk's intensity maximises the
-innovations' likelihood. Source: Rauch, Tung, Striebel (1965), AIAA J. 3(8), 1445-1450;
-Särkkä (2013), Bayesian Filtering and Smoothing, ch. 5 and 12; the augmented input is the
-"disturbance model" of Muske, Badgwell (2002), J. Process Control 12(5).
+simulation, never a second derivative of noise. The model is linearised about the states that the
+record shows, then about the smoothed ones until they stand still; each time the walk's intensity
+maximises the innovations' likelihood. (Linearised about a model's own prediction, which is wrong
+by what is missing, the walk would have to mend the linearisation too.)
+
+Source: Rauch, Tung, Striebel (1965), AIAA J. 3(8), 1445-1450; Särkkä (2013), Bayesian Filtering
+and Smoothing, ch. 5 and 12; the augmented input is the "disturbance model" of Muske, Badgwell
+(2002), J. Process Control 12(5).
 """
 
 from __future__ import annotations
@@ -27,13 +30,16 @@ from hybridid.records.record import Record
 from hybridid.simulation.holds import all_held, stage_inputs
 from hybridid.simulation.integrators import INTEGRATORS
 from hybridid.simulation.stability import substeps_for
+from hybridid.simulation.unobserved import filled_states
 from hybridid.trace.noise import noise_level
-from hybridid.validation.predict import horizon_run
 
 Array = NDArray[np.float64]
 INTENSITIES = np.logspace(-4, 2, 13)
 """Standard deviation of the walk over one time scale of the port, in its effort scale."""
-PASSES = 2
+NEAR = 3
+"""Steps of the grid that the intensity may move from one pass to the next."""
+PASSES, STILL = 5, 0.1
+"""Linearisations at most, and the share of its standard deviation by which the effort may still move."""
 INITIAL_SPREAD = 10.0
 """Initial standard deviation of states and effort, in their scales: nothing is assumed."""
 
@@ -74,9 +80,7 @@ class MissingEffort:
     intensity: float
 
 
-def missing_effort(
-    model: Model, values: Mapping[str, float], record: Record, port: str, horizon: int
-) -> MissingEffort:
+def missing_effort(model: Model, values: Mapping[str, float], record: Record, port: str) -> MissingEffort:
     """Estimate the effort that ``model`` at ``values`` lacks at an effort port.
 
     Raises:
@@ -88,34 +92,36 @@ def missing_effort(
             f"port {port} is {where.kind}: a missing effort can only be estimated at an effort port"
         )
     walking = Model(model.plant, model.terms, model.adjustments).plus(WALK, port)
-    switch = f"{port}.{WALK.id}.g"
-    known = {**values, switch: 1.0, f"{port}.epsilon": walking_epsilon(walking, values, port)}
-    p = walking.values({k: v for k, v in known.items() if k in {q.name for q in walking.parameters}})
-    states = horizon_run(model, values, record, horizon).states
+    p = walking.values(_known(walking, {**values, f"{port}.{WALK.id}.g": 1.0}))
     about = np.zeros((record.n, len(walking.states)))
-    about[: len(states), : states.shape[1]] = states
-    about[len(states) :] = about[len(states) - 1]
+    about[:, :-1] = filled_states(model, model.values(_known(model, values)), record)
     linear = _Linearised(walking, record, p)
     scales = np.array([s.scale for s in walking.states])
     noise = noise_level(record) ** 2
     per_sample = where.effort_scale * np.sqrt(record.dt / where.time_scale)
-    intensity = INTENSITIES[len(INTENSITIES) // 2]
-    for turn in range(PASSES):
+    grid = list(range(len(INTENSITIES)))
+    for _ in range(PASSES):
         a, b, c, d = linear.about(about)
-        if turn == 0:
-            intensity = max(
-                INTENSITIES,
-                key=lambda q: _filter(a, b, c, d, record.outputs, noise, scales, (q * per_sample) ** 2)[0],
-            )
-        walk = (intensity * per_sample) ** 2
+
+        def likelihood(k: int) -> float:
+            walk = (INTENSITIES[k] * per_sample) ** 2
+            return float(_filter(a, b, c, d, record.outputs, noise, scales, walk)[0])  # noqa: B023
+
+        best = max(grid, key=likelihood)
+        grid = [k for k in range(len(INTENSITIES)) if abs(k - best) <= NEAR]
+        walk = (INTENSITIES[best] * per_sample) ** 2
         _, mean, cov, predicted, spread = _filter(a, b, c, d, record.outputs, noise, scales, walk)
-        about, covariance = _smooth(a, mean, cov, predicted, spread)
-    return _result(walking, record, port, p, about, covariance, float(intensity))
+        before, (about, covariance) = about, _smooth(a, mean, cov, predicted, spread)
+        moved = np.abs(about[:, -1] - before[:, -1])
+        if np.median(moved) < STILL * np.sqrt(np.median(covariance)):
+            break
+    return _result(walking, record, port, p, about, covariance, float(INTENSITIES[best]))
 
 
-def walking_epsilon(model: Model, values: Mapping[str, float], port: str) -> float:
-    """The port's smoothing velocity: the fitted model's, or the declared one."""
-    return values.get(f"{port}.epsilon", model.plant.port(port).epsilon)
+def _known(model: Model, values: Mapping[str, float]) -> dict[str, float]:
+    """Those of ``values`` that ``model`` has."""
+    names = {q.name for q in model.parameters}
+    return {name: value for name, value in values.items() if name in names}
 
 
 def _result(

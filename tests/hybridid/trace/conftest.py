@@ -1,0 +1,56 @@
+"""Simulated carriages that hide something, and horizons of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hybridid.records.record import Channel, Record
+from hybridid.trace.split import Split, by_record
+
+Array = NDArray[np.float64]
+HORIZON = 50  # samples, 0.25 s
+NOISE = 2e-6  # m
+
+
+@pytest.fixture(scope="session")
+def two_records(carriage_like, noise) -> Callable[..., tuple[Record, Record]]:
+    """``two_records(df_v=80)``: a carriage's run, and one with another noise, less force, backwards and slower."""
+
+    def make(std: float = NOISE, n: int = 800, **truth: float) -> tuple[Record, Record]:
+        carriage = carriage_like(**truth)
+
+        class Reversed(carriage_like):
+            def force(self, time: Array) -> Array:
+                return self.offset - 0.9 * (super().force(0.9 * time) - self.offset)
+
+        other = Reversed(**truth)
+        first = carriage.record(n, noise=noise(n, std, seed=1), name="first")
+        return first, other.record(n, noise=noise(n, std, seed=2), name="second")
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def split_of(two_records) -> Callable[..., Split]:
+    """Fitted on the first record, judged on the second."""
+
+    def make(**given: float) -> Split:
+        first, second = two_records(**given)
+        return by_record([first], [second], HORIZON)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def held_as() -> Callable[..., Record]:
+    """A record that says its force runs otherwise between samples."""
+
+    def make(record: Record, hold: str) -> Record:
+        return replace(record, input_channels=(Channel("force", "N", hold),))
+
+    return make

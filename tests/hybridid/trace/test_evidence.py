@@ -1,0 +1,76 @@
+"""Holm's adjustment against statsmodels, and comparisons whose answer is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from statsmodels.stats.multitest import multipletests
+
+from hybridid.trace.evidence import compare, holm
+from hybridid.trace.score import Score, score_of
+
+HORIZONS, LENGTH = 24, 200
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_holm_is_holm(seed):
+    p = np.random.default_rng(seed).uniform(size=17) ** 4
+    assert holm(list(p)) == pytest.approx(multipletests(p, method="holm")[1])
+
+
+def errors(std, seed, bias=0.0):
+    generator = np.random.default_rng(seed)
+    return [bias + generator.normal(0, std, (LENGTH, 1)) for _ in range(HORIZONS)]
+
+
+def test_a_better_model_is_found_better():
+    poor = score_of(errors(2.0, 0), errors(2.0, 1), np.ones(1))
+    rich = score_of(errors(1.0, 0), errors(1.0, 1), np.ones(1))
+    evidence = compare(poor, rich)
+    assert evidence.gain == pytest.approx(0.5, abs=0.02)
+    assert evidence.p_value < 1e-12
+    assert compare(rich, poor).p_value > 0.999
+
+
+def test_half_the_comparisons_of_equals_favour_either():
+    """Under the null the p-value is not small more often than it says."""
+    p = [
+        compare(
+            score_of(errors(1.0, s), errors(1.0, 500 + s), np.ones(1)),
+            score_of(errors(1.0, 1000 + s), errors(1.0, 1500 + s), np.ones(1)),
+        ).p_value
+        for s in range(200)
+    ]
+    assert np.mean(np.array(p) < 0.05) < 0.1
+
+
+def test_one_lucky_horizon_is_not_significant():
+    """Horizons are the independent units: a gain that one of them makes says little."""
+    rows = errors(1.0, 1)
+    rows[7] = rows[7] + 30.0
+    poor, rich = (score_of(errors(1.0, 0), held, np.ones(1)) for held in (rows, errors(1.0, 1)))
+    evidence = compare(poor, rich)
+    assert evidence.gain > 0.8
+    assert evidence.p_value > 0.1
+
+
+def test_what_is_not_finite_gains_nothing():
+    fine = score_of(errors(1.0, 0), errors(1.0, 1), np.ones(1))
+    broken = Score(
+        np.full_like(fine.squares, np.inf), fine.samples, np.full_like(fine.likelihood, -np.inf), fine.scale
+    )
+    evidence = compare(fine, broken)
+    assert (evidence.gain, evidence.p_value) == (0.0, 1.0)
+
+
+def test_coloured_errors_are_whitened(noise):
+    """The same errors, coloured: likelihood judges innovations, so twice the error is found in either."""
+    coloured = [noise(LENGTH, 1.0, 0.95, seed)[:, None] for seed in range(2 * HORIZONS)]
+    half = [0.5 * row for row in coloured]
+    evidence = compare(
+        score_of(coloured[:HORIZONS], coloured[HORIZONS:], np.ones(1)),
+        score_of(half[:HORIZONS], half[HORIZONS:], np.ones(1)),
+    )
+    assert evidence.gain == pytest.approx(0.5)
+    expected = HORIZONS * LENGTH * np.log(2)
+    assert evidence.likelihood_gain == pytest.approx(expected, rel=0.02)

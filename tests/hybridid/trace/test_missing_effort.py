@@ -1,0 +1,73 @@
+"""A force planted in a simulated carriage, and hidden from its record, comes back inside its band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from hybridid.trace.missing_effort import missing_effort
+
+N, NOISE = 800, 2e-6
+
+
+def planted(time):
+    """Slow, fast and sudden, N."""
+    return 4.0 * np.sin(2 * np.pi * 0.6 * time) + 3.0 * (time > 2.0)
+
+
+@pytest.fixture(scope="module")
+def found(carriage_like, make_model, noise):
+    @dataclass(frozen=True)
+    class Pushed(carriage_like):
+        def force(self, time):
+            return super().force(time) - planted(time)
+
+    honest, pushed = carriage_like(), Pushed()
+    record = pushed.record(N, noise=noise(N, NOISE, seed=5))
+    record = replace(record, inputs=honest.force(record.time)[:, None])
+    return missing_effort(make_model(), honest.truth, record, "carriage")
+
+
+def test_the_force_comes_back(found):
+    inner = slice(20, N - 20)
+    error = (found.effort - planted(found.time))[inner]
+    jump = np.abs(found.time[inner] - 2.0) < 0.1
+    assert np.sqrt(np.mean(error[~jump] ** 2)) < 0.5
+    assert np.corrcoef(found.effort[inner], planted(found.time)[inner])[0, 1] > 0.98
+
+
+def test_its_band_holds_it(found):
+    """95 % bands hold the truth at about 95 % of the samples, and are no wider than they must be."""
+    away = np.abs(found.time - 2.0) > 0.1
+    inside = np.abs(found.effort - planted(found.time)) < 1.96 * found.std
+    assert 0.9 < inside[away].mean() <= 1.0
+    assert np.median(found.std) < 1.0
+
+
+def test_it_says_whose_it_is(found):
+    assert (found.port, found.unit, found.provenance) == ("carriage", "N", "simulated")
+    assert len(found.time) == len(found.effort) == len(found.since_reversal) == N
+
+
+def test_travel_since_the_last_reversal(found):
+    turned = np.flatnonzero(np.diff(np.sign(found.velocity)) != 0) + 1
+    assert len(turned) > 3
+    assert found.since_reversal[turned] == pytest.approx(0.0, abs=1e-12)
+    assert (found.since_reversal >= 0).all()
+    span = slice(turned[1], turned[2])
+    assert (np.diff(found.since_reversal[span]) >= -1e-9).all()
+
+
+def test_nothing_is_missing_where_nothing_is(carriage, make_model, noise):
+    record = carriage.record(N, noise=noise(N, NOISE, seed=6))
+    found = missing_effort(make_model(), carriage.truth, record, "carriage")
+    inside = np.abs(found.effort[20:-20]) < 1.96 * found.std[20:-20]
+    assert inside.mean() > 0.9
+    assert np.sqrt(np.mean(found.effort[20:-20] ** 2)) < 0.3
+
+
+def test_only_effort_ports_lack_effort(carriage, make_model):
+    with pytest.raises(ValueError, match="port force is input"):
+        missing_effort(make_model(), carriage.truth, carriage.record(200), "force")

@@ -1,0 +1,36 @@
+"""The noise floor is a floor: neither motion nor jerks raise it, and quantisation is seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hybridid.records.record import Channel, Record
+from hybridid.trace.noise import noise_level
+
+TIME = np.arange(4000) * 1e-3
+MOTION = 0.1 * np.sin(2 * np.pi * 0.7 * TIME)
+
+
+def record_of(samples):
+    one = (Channel("force", "N"),)
+    return Record("made", TIME, np.sin(TIME)[:, None], samples[:, None], one, (Channel("position", "m"),))
+
+
+@pytest.mark.parametrize("std", [1e-7, 1e-5, 1e-3])
+def test_white_noise_on_a_motion(std, noise):
+    (found,) = noise_level(record_of(MOTION + noise(len(TIME), std, seed=3)))
+    assert found == pytest.approx(std, rel=0.05)
+
+
+@pytest.mark.parametrize("step", [1e-7, 1e-5, 1e-3])
+def test_quantisation(step):
+    (found,) = noise_level(record_of(step * np.round(MOTION / step)))
+    # rounding errors are not Gaussian: the local estimate may exceed the grid's own by a fifth
+    assert found == pytest.approx(step / np.sqrt(12), rel=0.25)
+
+
+def test_a_jerk_does_not_raise_the_floor(noise):
+    jerky = MOTION + np.cumsum(np.where(np.arange(len(TIME)) % 500 == 250, 1e-3, 0.0))
+    (found,) = noise_level(record_of(jerky + noise(len(TIME), 1e-5, seed=4)))
+    assert found == pytest.approx(1e-5, rel=0.1)

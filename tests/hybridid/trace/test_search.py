@@ -1,0 +1,105 @@
+"""Simulated carriages traced: what was planted is named, nothing is found where nothing is missing."""
+
+from __future__ import annotations
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.ceiling import ceiling
+from hybridid.trace.evidence import Rules
+from hybridid.trace.refit import Numerics
+from hybridid.trace.robustness import survival, variations
+from hybridid.trace.search import search
+from hybridid.trace.verdict import trace
+
+DF_V = 80.0
+TRIED = tuple(
+    effect_named(name)
+    for name in ("stribeck", "asymmetric_viscous", "asymmetric_coulomb", "quadratic_drag", "cubic_stiffness", "input_gain")
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def worn(make_model, split_of):
+    """A trace of a carriage whose friction differs by direction."""
+    return trace(make_model(), split_of(df_v=DF_V), TRIED)
+
+
+def test_what_was_planted_is_named(worn):
+    assert worn.verdict == "effect_found"
+    (one,) = worn.accepted
+    assert one.name == "carriage.asymmetric_viscous"
+    assert one.trial.own("values")["df_v"] == pytest.approx(DF_V, rel=0.01)
+    assert [t.candidate.name for t in one.alike] == ["carriage.asymmetric_viscous"]
+
+
+def test_its_gain_survives_every_variation(worn, split_of):
+    (one,) = worn.accepted
+    names = [numerics.name for numerics in variations(split_of(df_v=DF_V).records)]
+    assert [s.variation for s in one.survivals] == names
+    assert all(s.survives for s in one.survivals)
+
+
+def test_the_search_ends_at_the_noise(worn):
+    assert worn.search.stopped == "the residual meets the noise floor"
+    assert worn.search.final.score.rmse == pytest.approx(2e-6, rel=0.1)
+    assert worn.floor["position"] == pytest.approx(2e-6, rel=0.2)
+    assert worn.remains == ()
+
+
+def test_nothing_is_found_where_nothing_is_missing(make_model, split_of):
+    found = trace(make_model(), split_of(), TRIED)
+    assert found.verdict == "nothing_missing"
+    assert found.accepted == ()
+    assert found.model.terms == make_model().terms
+
+
+def test_two_effects_are_found_one_after_the_other(make_model, split_of):
+    """From viscous friction alone: the Coulomb friction first, then the asymmetry."""
+    tried = [effect_named(name) for name in ("coulomb", "offset", "asymmetric_viscous", "quadratic_drag")]
+    found = trace(make_model(("viscous", "offset")), split_of(df_v=DF_V), tried)
+    assert [one.name for one in found.accepted] == ["carriage.coulomb", "carriage.asymmetric_viscous"]
+    assert found.model.terms[-1].name == "carriage.asymmetric_viscous"
+
+
+def test_structure_that_no_effect_explains_is_said_to_remain(make_model, split_of):
+    """Friction by direction with nothing in the library that knows direction: unexplained, and where."""
+    tried = [effect_named(name) for name in ("stribeck", "input_gain")]
+    found = trace(make_model(), split_of(df_v=DF_V), tried)
+    assert found.verdict == "unexplained"
+    assert "at carriage over velocity" in found.remains
+
+
+def test_a_learned_effort_is_the_ceiling(worn, split_of):
+    """Over velocity it can do what the planted effect did; it looks like it, too."""
+    split = split_of(df_v=DF_V)
+    base = worn.search.steps[0].base
+    over_velocity, over_position = (
+        ceiling(base, split, "carriage", over) for over in ("velocity", "position")
+    )
+    (one,) = worn.accepted
+    assert over_velocity.gain > 0.8 * one.trial.gain
+    assert over_position.gain < 0.5 * over_velocity.gain
+    fast = [(v, effort) for v, effort, samples in over_velocity.curve if abs(v) > 0.05 and samples > 20]
+    assert fast
+    for v, effort in fast:
+        # the symmetric terms have taken over what of it is odd or constant, so only roughly
+        assert effort == pytest.approx(-0.5 * DF_V * abs(v), abs=2.5), v
+
+
+def test_an_effect_that_the_numerics_made_does_not_survive(make_model, two_records, held_as):
+    """Half a sample of delay, from a held force taken for a linear one, is no physics: withdrawn."""
+    from hybridid.trace.split import by_record
+
+    first, second = (held_as(record, "foh") for record in two_records())
+    split = by_record([first], [second], 50)
+    found = search(make_model(), split, [effect_named("input_delay")], [{}], 0.0, Rules())
+    step = found.steps[0]
+    (trial,) = step.trials
+    assert trial.gain > 0.05
+    assert found.accepted == ()
+    assert "does not survive" in trial.reason
+    base = step.base
+    assert trial.refit is not None
+    again = survival(base, trial.refit, trial.candidate.name, split, Numerics("held", hold="zoh"), Rules())
+    assert not again.survives

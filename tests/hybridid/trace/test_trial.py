@@ -1,0 +1,142 @@
+"""How trials are decided, on trials whose numbers are written down here."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.plants.emps import EMPS
+from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.refit import Refit
+from hybridid.trace.score import Score
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, equivalents, judge
+
+RULES = Rules()
+HORIZONS, SAMPLES = 20, 100
+LUCKY = 0.055  # two standard errors of the scatter
+
+
+def score(rmse, likelihood, seed=0):
+    """A score whose horizons all have ``rmse``, and a ``likelihood`` that scatters by 0.1."""
+    scatter = np.random.default_rng(seed).normal(0, 0.1, (HORIZONS, 1))
+    samples = np.full((HORIZONS, 1), SAMPLES)
+    return Score(samples * rmse**2, samples, np.full((HORIZONS, 1), likelihood) + scatter, np.ones(1))
+
+
+BASE = score(1.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def trial(make_model):
+    """``trial(effect, rmse, likelihood, values, std)`` added to the symmetric model, all else certain."""
+    model = make_model()
+
+    def make(effect, rmse=0.5, likelihood=10.0, std=0.01, correlated=None, **values):
+        candidate = Candidate(effect_named(effect), "carriage")
+        richer = candidate.added_to(model)
+        port = model.plant.port("carriage")
+        found = {p.name: p.guess for p in richer.parameters}
+        for p in candidate.effect.parameters:
+            found[f"{candidate.name}.{p.name}"] = values.get(p.name, 0.5 * p.scale_at(port))
+        free = [p.name for p in richer.free]
+        own = [name.startswith(candidate.name) for name in free]
+        spread = {n: abs(found[n]) * std if mine else 1e-3 for n, mine in zip(free, own, strict=True)}
+        correlation = np.eye(len(free))
+        if correlated:
+            pair = (own.index(True), free.index(correlated))
+            correlation[pair] = correlation[pair[::-1]] = 0.999
+        made = Refit(
+            model=richer, values=found, std=spread, correlation=correlation, x0=np.zeros((1, 2)),
+            fitted_rmse=np.ones(1), score=score(rmse, likelihood, seed=1), cost=1.0, status="", converged=True, seconds=0.0,
+        )  # fmt: skip
+        return Trial(candidate, made, compare(BASE, made.score))
+
+    return make
+
+
+def only(trial):
+    (judged,) = judge([trial], RULES)
+    return judged
+
+
+def test_a_large_certain_gain_passes(trial):
+    judged = only(trial("asymmetric_viscous"))
+    assert judged.status == PASSED
+    assert judged.gain == pytest.approx(0.5)
+
+
+def test_a_gain_not_worth_having_is_refused_however_significant(trial):
+    judged = only(trial("asymmetric_viscous", rmse=0.97))
+    assert judged.comparison.p_value < 1e-10
+    assert judged.status == REJECTED
+    assert "5%" in judged.reason
+
+
+def test_significance_counts_all_that_were_tried(trial):
+    """What would pass alone does not among a hundred tries."""
+    lucky = trial("asymmetric_viscous", likelihood=LUCKY)
+    assert 1e-3 < lucky.comparison.p_value < RULES.alpha
+    assert only(lucky).status == PASSED
+    idle = [trial("stribeck", rmse=1.0, likelihood=-1.0)] * 99
+    judged = judge([lucky, *idle], RULES)[0]
+    assert judged.status == REJECTED
+    assert "not significant" in judged.reason
+
+
+def test_an_amplitude_that_could_be_nothing_is_not_identifiable(trial):
+    judged = only(trial("asymmetric_viscous", std=0.8))
+    assert judged.status == UNIDENTIFIABLE
+    assert "not determined" in judged.reason
+
+
+def test_a_shape_at_its_bound_is_a_degenerate_effect(trial):
+    stribeck = Candidate(effect_named("stribeck"), "carriage")
+    (v_s,) = [p for p in stribeck.effect.parameters if p.name == "v_s"]
+    at_bound = v_s.at(EMPS().port("carriage")).upper
+    judged = only(trial("stribeck", v_s=at_bound))
+    assert judged.status == UNIDENTIFIABLE
+    assert "bound" in judged.reason
+
+
+def test_an_effect_that_another_parameter_mimics_is_not_identifiable(trial):
+    judged = only(trial("asymmetric_viscous", correlated="carriage.offset.offset"))
+    assert judged.status == UNIDENTIFIABLE
+    assert "carriage.offset.offset" in judged.reason
+
+
+def test_what_could_not_be_fitted_says_why(make_model):
+    candidate = Candidate(effect_named("dahl"), "carriage")
+    judged = only(Trial(candidate, None, None, failure="the simulation diverges from every start"))
+    assert judged.status == REJECTED
+    assert "diverges" in judged.reason
+
+
+def test_a_class_holds_what_held_out_horizons_cannot_tell_apart(trial):
+    best = trial("asymmetric_viscous", rmse=0.5, likelihood=10.0)
+    near = trial("asymmetric_coulomb", rmse=0.505, likelihood=9.9)
+    far = trial("quadratic_drag", rmse=0.8, likelihood=3.0)
+    judged = judge([best, near, far], RULES)
+    names = [t.candidate.effect.id for t in equivalents(judged[0], judged, RULES)]
+    assert names == ["asymmetric_viscous", "asymmetric_coulomb"]
+
+
+def test_candidates_keep_to_ports_and_to_what_is_missing(make_model):
+    model = make_model()
+    effects = [effect_named(n) for n in ("viscous", "dahl", "gravity", "input_delay", "sensor_lag")]
+    names = [c.name for c in admissible(model, effects)]
+    # viscous is there already, gravity wants an angle
+    assert names == ["carriage.dahl", "force.input_delay", "position.sensor_lag"]
+    assert [c.name for c in admissible(model, effects, ["force"])] == ["force.input_delay"]
+
+
+def test_candidates_begin_where_the_poorer_model_ended(make_model):
+    model = make_model()
+    candidate = Candidate(effect_named("stribeck"), "carriage")
+    base = {"M": 91.0, "carriage.coulomb.f_c": 19.0}
+    starts = candidate.starts(candidate.added_to(model), base)
+    assert all(start["M"] == 91.0 for start in starts)
+    assert sum(start["carriage.stribeck.df_s"] == 0.0 for start in starts) >= 3
+    assert len({start["carriage.stribeck.v_s"] for start in starts}) >= 3
+    assert starts[-1]["carriage.stribeck.df_s"] > 0.0
