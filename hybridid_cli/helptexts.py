@@ -69,6 +69,32 @@ Its own keys
   estimator.starts=N       how many starts; the best is kept
 """
 
+RESIDUAL = """\
+Fits a network to what the gray box leaves of the records of fit.records and writes residual/: the hybrid, how
+it came about, and how much of the network the model's own parameters could have explained. Held-out blocks of
+those records decide its size, or when its training stops. With a network chosen, run, validate and plot take
+up the hybrid beside the gray box.
+
+  hybridid residual case=emps residual=rbf residual.nodes=[4,8,16,32]   inside the equations, at a port
+  hybridid residual case=emps residual=narx                             after the output
+  hybridid run case=emps residual=rbf                                   gray box and hybrid, with figures
+
+Keys of residual=narx
+  residual.orders.error=N  past errors that the network sees; orders.gray: of the gray box' output;
+                           orders.inputs: of each input, or orders.inputs={torque: 6} by name
+  residual.depth=N         hidden layers; residual.width=N neurons in each
+  residual.horizons=[...]  samples the network runs free in training; [1]: one step ahead, as in the thesis
+  residual.every=N         the network works on every n-th sample; residual.increment=true for slow errors
+  residual.seeds=[...]     trained together; the best on the held-out blocks is kept
+  residual.epochs=N, patience, batch, learning_rate, weight_decay, held_out, blocks, criterion, guard
+Keys of residual=rbf
+  residual.nodes=[...]     numbers of nodes to choose from
+  residual.horizons=[...]  samples over which it is fitted (null: the whole record) to choose from
+  residual.physics=refitted|fixed   whether the parameters are estimated with the network or kept
+  residual.port=NAME       effort port; residual.over=velocity|position; residual.span=[from,to]
+  residual.bounds.KEY=X    where the nodes may go; residual.folds=N, max_iterations, processes
+"""
+
 VALIDATE = """\
 Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, R2 and fit percentage
 by record, output and view, and tests of the residual.

@@ -10,6 +10,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from hybridid.plotting.units import engineering
+from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import rendered, table
 from hybridid_cli.trace_results import trace_results
 from pipelines.findings import estimate_of, metric_rows, prepared_records
@@ -82,13 +83,16 @@ def _flags(parameter: dict[str, Any]) -> Text:
 
 
 def _scores(tree: Path) -> list[RenderableType]:
-    names = [(name, "") for name in ("record", "output", "view")]
+    rows = metric_rows(tree)
+    several = len({row["model"] for row in rows}) > 1
+    names = [(name, "") for name in (*(("model",) if several else ()), "record", "output", "view")]
     scores = [(name, "right") for name in ("RMSE", "MSE", "R²", "fit %", "n")]
     made = table("Scores", [*names, *scores, ("data", "")])
-    for row in metric_rows(tree):
+    for row in rows:
         factor, unit = engineering(row["rmse"] or 0.0, row["unit"])
         rmse = None if row["rmse"] is None else row["rmse"] * factor
         made.add_row(
+            *((row["model"],) if several else ()),
             row["record"],
             row["output"],
             _view(row),
@@ -132,6 +136,7 @@ def _fixed(value: float | None, places: int) -> str:
 _SECTIONS: dict[str, Callable[[Path], list[RenderableType]]] = {
     "preprocess": _records,
     "fit": _estimates,
+    "residual": residual_results,
     "validate": _scores,
     "plot": _figures,
     "trace": trace_results,

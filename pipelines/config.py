@@ -25,6 +25,7 @@ SECTIONS: Mapping[str, tuple[str, ...] | None] = {
     "preprocess": ("steps",),
     "estimator": None,
     "fit": ("records",),
+    "residual": None,
     "validate": ("records", "views", "horizon", "initial_state", "lags"),
     "trace": (
         "records",
@@ -50,6 +51,7 @@ SECTIONS: Mapping[str, tuple[str, ...] | None] = {
 # What makes a model what it is: runs that agree in these share a tree.
 MODELLING = (
     "plant", "rig", "data", "records", "signals", "preprocess", "effects", "parameters", "estimator", "fit",
+    "residual",
 )  # fmt: skip
 
 

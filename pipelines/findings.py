@@ -13,6 +13,7 @@ from pipelines.storage import read_json
 RECORDS = "preprocess/records.json"
 ESTIMATE = "fit/estimate.json"
 METRICS = "validate/metrics.json"
+RESIDUAL = "residual/residual.json"
 TRACE = "trace/trace.json"
 
 
@@ -62,6 +63,11 @@ def loaded_estimate(tree: Path) -> Estimate:
     return replace(estimate, seconds={k: float(v) for k, v in estimate.seconds.items()})
 
 
+def residual_of(tree: Path) -> dict[str, Any]:
+    """``residual/residual.json``: how the network came about, and how much physics could have explained."""
+    return dict(read_json(tree / RESIDUAL))
+
+
 def trace_of(tree: Path) -> dict[str, Any]:
     """``trace/trace.json``."""
     return dict(read_json(tree / TRACE))
@@ -82,12 +88,29 @@ def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
         for name, parameter in estimate["parameters"].items():
             found |= {f"parameter.{name}": parameter["value"], f"std.{name}": parameter["std"]}
     if "validate" in stages:
+        gray = estimate_of(tree)["model"]
         for row in metric_rows(tree):
             where = f"{row['record']}.{row['output']}.{row['view']}"
+            where = where if row["model"] == gray else f"hybrid.{where}"
             found |= {f"{where}.{score}": row[score] for score in ("mse", "rmse", "r2", "fit_percent")}
+    if "residual" in stages:
+        found |= _residual_metrics(residual_of(tree))
     if "trace" in stages:
         found |= _trace_metrics(trace_of(tree))
     return {name: float(value) for name, value in found.items() if value is not None}
+
+
+def _residual_metrics(data: Mapping[str, Any]) -> dict[str, float | None]:
+    """Each network's held-out error, and how much of the network physics could have explained."""
+    found: dict[str, float | None] = {"residual.seconds": data["seconds"]}
+    for row in data["explained"]:
+        found[f"residual.explained.{row['record']}"] = row["share"]
+    for row in data.get("networks", ()):
+        found[f"residual.held_out.{row['output']}.seed_{row['seed']}"] = row["held_out"]
+    for row in data.get("candidates", ()):
+        horizon = "record" if row["horizon"] is None else row["horizon"]
+        found[f"residual.score.nodes_{row['nodes']}.horizon_{horizon}"] = row["score"]
+    return found
 
 
 def _trace_metrics(data: Mapping[str, Any]) -> dict[str, float | None]:

@@ -59,5 +59,5 @@ FIT = Stage(
     run,
     inputs=modelling.own_code,
     check=check,
-    ignores=("plotting", "rigs", "validation", "fetch"),
+    ignores=("plotting", "rigs", "validation", "fetch", "residuals", "hybrid"),
 )

@@ -18,6 +18,8 @@ from hybridid.validation import Prediction, ResidualTests
 from pipelines.storage import read_json, read_table, write_json, write_table
 
 FOLDER = "validate"
+HYBRID = "hybrid"
+"""Folder, below ``FOLDER``, of what the hybrid predicts; the gray box' predictions lie beside it."""
 RESIDUALS = "residuals.json"
 
 
@@ -51,6 +53,7 @@ def write_prediction(folder: Path, prediction: Prediction, model: str, horizon: 
     words = ("record", "view", "provenance", "output_names", "output_units", "state_names", "breaks")
     about: dict[str, Any] = {word: getattr(prediction, word) for word in words}
     about |= {"initial_states": prediction.initial_states.tolist(), "model": model, "horizon": horizon}
+    folder.mkdir(exist_ok=True)
     path = folder / f"{prediction.record}.{prediction.view}.parquet"
     write_table(path, columns, {"hybridid": json.dumps(about, ensure_ascii=False)})
     return path
@@ -77,8 +80,9 @@ def read_prediction(path: Path) -> Stored:
 
 
 def predictions_in(tree: Path) -> list[Stored]:
-    """Every prediction of a run tree, by record and view."""
-    return [read_prediction(path) for path in sorted((tree / FOLDER).glob("*.parquet"))]
+    """Every prediction of a run tree, by record and view; the gray box' first, then the hybrid's."""
+    gray, hybrid = ((tree / FOLDER / below).glob("*.parquet") for below in ("", HYBRID))
+    return [read_prediction(path) for path in (*sorted(gray), *sorted(hybrid))]
 
 
 def write_tests(path: Path, tests: Sequence[Tested]) -> None:

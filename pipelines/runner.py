@@ -13,6 +13,7 @@ from pipelines.fit import FIT
 from pipelines.freshness import Fingerprint, fingerprint, folder_digest, why_stale, write_receipt
 from pipelines.plot import PLOT
 from pipelines.preprocess import PREPROCESS
+from pipelines.residual import RESIDUAL
 from pipelines.sources import sources_of
 from pipelines.stage import Job, Outcome, Stage
 from pipelines.trace import TRACE
@@ -20,7 +21,7 @@ from pipelines.tree import locked, point_latest, remove, replacing, tree_of, wri
 from pipelines.validate import VALIDATE
 from pipelines.watch import Watcher
 
-RUN: tuple[Stage, ...] = (PREPROCESS, FIT, VALIDATE, PLOT)
+RUN: tuple[Stage, ...] = (PREPROCESS, FIT, RESIDUAL, VALIDATE, PLOT)
 """What the command ``run`` brings up to date."""
 STAGES: tuple[Stage, ...] = (*RUN, TRACE)
 
@@ -32,7 +33,7 @@ def run_stages(settings: Settings, command: str, watcher: Watcher) -> Outcome:
         ConfigError: before anything is written, if the request cannot be carried out.
         RecordError: if a record cannot be used.
     """
-    stages = wanted(command)
+    stages = tuple(s for s in wanted(command) if s.name == command or s.asked(settings))
     for stage in stages:
         stage.check(settings)  # a wrong name is said now, not after minutes
     sources = sources_of(settings)
@@ -45,6 +46,9 @@ def run_stages(settings: Settings, command: str, watcher: Watcher) -> Outcome:
         write_text(
             root / "config.yaml", yaml.safe_dump(dict(settings.config), sort_keys=False, allow_unicode=True)
         )
+        for stage in STAGES:
+            if not stage.asked(settings) and remove(root / stage.name):
+                watcher.say(f"{stage.name}: removed, the config no longer asks for it")
         ran = _bring_up_to_date(stages, settings, root, watcher)
         if settings.get("out") is None:
             point_latest(root)

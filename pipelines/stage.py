@@ -27,7 +27,8 @@ class Stage:
     ``keys`` are the config keys its results depend on, ``reads`` the stages whose files it
     reads, ``inputs`` digests of whatever else it reads. ``check`` raises a ``ConfigError``,
     before anything is done, if the config cannot be carried out. ``ignores`` names
-    subpackages of hybridid whose code does not touch its results.
+    subpackages of hybridid whose code does not touch its results. A stage that is not ``asked``
+    for by the config is left out, and an older result of it removed.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Stage:
     inputs: Callable[[Settings], Mapping[str, str]] = lambda settings: {}
     check: Callable[[Settings], None] = lambda settings: None
     ignores: tuple[str, ...] = ("plotting",)
+    asked: Callable[[Settings], bool] = lambda settings: True
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,10 @@
-"""``validate``: the fitted model against every record, in free run and over horizons."""
+"""``validate``: the fitted model, and its hybrid, against every record, in free run and over horizons."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +19,8 @@ from pipelines.config import Settings
 from pipelines.errors import ConfigError, unknown
 from pipelines.findings import estimate_of, prepared_records
 from pipelines.fitted import load
-from pipelines.predictions import RESIDUALS, Tested, write_prediction, write_tests
+from pipelines.hybrids import hybrid_of
+from pipelines.predictions import HYBRID, RESIDUALS, Tested, write_prediction, write_tests
 from pipelines.sources import chosen, sources_of
 from pipelines.stage import Job, Stage
 from pipelines.storage import write_json
@@ -26,18 +29,33 @@ INITIAL_STATES = ("estimated", "measured")
 _NO_SCORE = {"mse": None, "rmse": None, "r2": None, "fit_percent": None}
 
 
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    """A model to be validated: its ``name``, how it runs over a record, where its predictions go."""
+
+    name: str
+    free_run: Callable[[Record, str], Prediction]
+    horizon_run: Callable[[Record, int], Prediction]
+    folder: Path
+
+
 def run(job: Job) -> None:
-    """Predict every chosen record in every view; write predictions, ``metrics.json``, ``residuals.json``."""
+    """Predict every chosen record in every view with the gray box and with the hybrid, if there is one;
+    write predictions, ``metrics.json``, ``residuals.json``."""
     settings = job.settings
+    model, estimate = load(job.tree)
+    candidates = _candidates(job, model, estimate)
     rows: list[dict[str, Any]] = []
     tests: list[Tested] = []
     for prepared in chosen(prepared_records(job.tree), settings.get("validate.records"), "validate.records"):
         record = load_record(prepared.file)
-        for view in settings["validate.views"]:
-            job.watcher.progress("validate", f"record {record.name}, {view.replace('_', ' ')}", None)
-            new_rows, new_tests = _validated(job, record, view)
-            rows += new_rows
-            tests += new_tests
+        for candidate in candidates:
+            for view in settings["validate.views"]:
+                what = f"{candidate.name}, record {record.name}, {view.replace('_', ' ')}"
+                job.watcher.progress("validate", what, None)
+                new_rows, new_tests = _validated(job, candidate, model, record, view)
+                rows += new_rows
+                tests += new_tests
     write_json(job.folder / "metrics.json", rows)
     write_tests(job.folder / RESIDUALS, tests)
 
@@ -62,37 +80,61 @@ def check(settings: Settings) -> None:
     _positive(settings, "validate.lags", "samples")
 
 
-def _validated(job: Job, record: Record, view: str) -> tuple[list[dict[str, Any]], list[Tested]]:
-    """One record in one view: its prediction is written, its scores and tests are returned."""
-    model, estimate = load(job.tree)
-    name = str(estimate_of(job.tree)["model"])
+def _candidates(job: Job, model: Model, estimate: Estimate) -> list[_Candidate]:
+    """The gray box, then the hybrid around it."""
+    integrator, values = estimate.settings.integrator, estimate.values
+    found = [
+        _Candidate(
+            str(estimate_of(job.tree)["model"]),
+            lambda record, start: free_run(model, values, record, start, integrator),
+            lambda record, samples: horizon_run(model, values, record, samples, integrator),
+            job.folder,
+        )
+    ]
+    hybrid = hybrid_of(job.tree, model)
+    if hybrid is not None:
+        found.append(
+            _Candidate(
+                hybrid.name,
+                lambda record, start: hybrid.free_run(record, start, integrator),
+                lambda record, samples: hybrid.horizon_run(record, samples, integrator),
+                job.folder / HYBRID,
+            )
+        )
+    return found
+
+
+def _validated(
+    job: Job, candidate: _Candidate, model: Model, record: Record, view: str
+) -> tuple[list[dict[str, Any]], list[Tested]]:
+    """One model on one record in one view: its prediction is written, its scores and tests are returned."""
+    name = candidate.name
     seconds = float(job.settings["validate.horizon"]) if view == "horizon" else None
     try:
-        prediction = _predicted(job.settings, model, estimate, record, seconds)
+        prediction = _predicted(job.settings, candidate, record, seconds)
     except Diverged as error:
         job.watcher.warn(str(error))
         about = {"model": name, "record": record.name, "view": view, "horizon": seconds, "remark": str(error)}
         scores = {**_NO_SCORE, "n": record.n, "provenance": record.provenance}
         return [{**about, "output": y.name, **scores, "unit": y.unit} for y in model.outputs], []
-    write_prediction(job.folder, prediction, name, seconds)
+    write_prediction(candidate.folder, prediction, name, seconds)
     rows = [{**asdict(row), "horizon": seconds} for row in metrics(prediction, name)]
     found = residual_tests(prediction, record, int(job.settings["validate.lags"]))
     return rows, [Tested(name, view, seconds, test) for test in found]
 
 
 def _predicted(
-    settings: Settings, model: Model, estimate: Estimate, record: Record, seconds: float | None
+    settings: Settings, candidate: _Candidate, record: Record, seconds: float | None
 ) -> Prediction:
-    integrator = estimate.settings.integrator
     if seconds is None:
-        return free_run(model, estimate.values, record, settings["validate.initial_state"], integrator)
+        return candidate.free_run(record, settings["validate.initial_state"])
     samples = round(seconds / record.dt)
     if samples < 2:
         raise ConfigError(
             f"validate.horizon is {seconds:g} s: record {record.name} is sampled every {record.dt:g} s, "
             "a horizon needs 2 samples"
         )
-    return horizon_run(model, estimate.values, record, samples, integrator)
+    return candidate.horizon_run(record, samples)
 
 
 def _positive(settings: Settings, key: str, unit: str) -> None:
@@ -102,5 +144,10 @@ def _positive(settings: Settings, key: str, unit: str) -> None:
 
 
 VALIDATE = Stage(
-    "validate", ("validate",), ("preprocess", "fit"), run, check=check, ignores=("plotting", "rigs", "fetch")
+    "validate",
+    ("validate",),
+    ("preprocess", "fit", "residual"),
+    run,
+    check=check,
+    ignores=("plotting", "rigs", "fetch"),
 )

@@ -28,6 +28,8 @@ LAYERS = (
     ("validation",),
     ("residuals",),
     ("hybrid",),
+    ("residuals",),
+    ("hybrid",),
     ("trace",),
     ("plotting",),
 )

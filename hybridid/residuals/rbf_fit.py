@@ -74,7 +74,7 @@ def fit_rbf(
     Raises:
         ValueError: if the port is none of the plant's effort ports, or the fit cannot be done.
     """
-    port = _port(gray, plan)
+    port = port_of(gray, plan)
     span = plan.span or visited(gray, values, records, port, plan.over, settings)
     network = RBFNetwork(plan.nodes, span, plan.over, plan.bounds)
     model = (_held(gray, values) if plan.physics == "fixed" else gray).plus(
@@ -111,7 +111,12 @@ def visited(
     return low - MARGIN * (high - low), high + MARGIN * (high - low)
 
 
-def _port(gray: Model, plan: RBFPlan) -> str:
+def port_of(gray: Model, plan: RBFPlan) -> str:
+    """The port of ``plan`` on the plant.
+
+    Raises:
+        ValueError: if it is none of the effort ports.
+    """
     names = [port.name for port in gray.effort_ports]
     if not names:
         raise ValueError(f"plant {gray.plant.name} has no effort port for a network")

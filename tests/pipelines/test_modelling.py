@@ -109,9 +109,10 @@ def test_unknown_key_names_the_nearest():
     [
         ("preprocess", ["preprocess"]),
         ("fit", ["preprocess", "fit"]),
-        ("validate", ["preprocess", "fit", "validate"]),
-        ("plot", ["preprocess", "fit", "validate", "plot"]),
-        ("run", ["preprocess", "fit", "validate", "plot"]),
+        ("residual", ["preprocess", "fit", "residual"]),
+        ("validate", ["preprocess", "fit", "residual", "validate"]),
+        ("plot", ["preprocess", "fit", "residual", "validate", "plot"]),
+        ("run", ["preprocess", "fit", "residual", "validate", "plot"]),
     ],
 )
 def test_stages_of_a_command(command, stages):
