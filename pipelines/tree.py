@@ -43,12 +43,18 @@ def locked(root: Path, waiting: Callable[[str], None]) -> Iterator[None]:
         waiting(f"waiting: another hybridid works in {root}")
         lock.acquire()
     try:
-        for prefix in (_UNFINISHED, _REPLACED):
-            for left in root.glob(f"{prefix}*"):
-                shutil.rmtree(left, ignore_errors=True)
+        _clear(root)
         yield
     finally:
+        _clear(root)  # an interrupt may strike between a folder's making and its guard
         lock.release()
+
+
+def _clear(root: Path) -> None:
+    """Remove what was left unfinished; only who holds the lock may."""
+    for prefix in (_UNFINISHED, _REPLACED):
+        for left in root.glob(f"{prefix}*"):
+            shutil.rmtree(left, ignore_errors=True)
 
 
 @contextmanager

@@ -17,8 +17,12 @@ import pytest
 from hybridid.effects.library import EFFECTS
 from hybridid_cli.commands import BY_NAME
 from hybridid_cli.completion import candidates
+from hybridid_cli.config_files import conf_folder
 
 pytestmark = pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
+
+
+CASES = {f"case={path.stem}" for path in (conf_folder() / "case").glob("*.yaml")}
 
 
 class Bash:
@@ -101,7 +105,7 @@ def test_bash_completes_what_is_typed(bash, tmp_path):
     ("line", "offered"),
     [
         ("hybridid fi", {"fit"}),
-        ("hybridid fit case=", {"case=emps"}),
+        ("hybridid fit case=", CASES),
         (
             "hybridid fit validate.",
             {f"validate.{k}=" for k in ("horizon", "initial_state", "lags", "records", "views")},
