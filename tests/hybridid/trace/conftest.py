@@ -19,7 +19,7 @@ NOISE = 2e-6  # m
 
 @pytest.fixture(scope="session")
 def two_records(carriage_like, noise) -> Callable[..., tuple[Record, Record]]:
-    """``two_records(df_v=80)``: a carriage's run, and one with another noise, less force, backwards and slower."""
+    """``two_records(df_v=80)``: a carriage's run, and one noisier, with less force, backwards and slower."""
 
     def make(std: float = NOISE, n: int = 800, **truth: float) -> tuple[Record, Record]:
         carriage = carriage_like(**truth)

@@ -15,8 +15,15 @@ from hybridid.trace.verdict import trace
 DF_V = 80.0
 TRIED = tuple(
     effect_named(name)
-    for name in ("stribeck", "asymmetric_viscous", "asymmetric_coulomb", "quadratic_drag", "cubic_stiffness", "input_gain")
-)  # fmt: skip
+    for name in (
+        "stribeck",
+        "asymmetric_viscous",
+        "asymmetric_coulomb",
+        "quadratic_drag",
+        "cubic_stiffness",
+        "input_gain",
+    )
+)
 
 
 @pytest.fixture(scope="module")

@@ -49,7 +49,8 @@ def trial(make_model):
             correlation[pair] = correlation[pair[::-1]] = 0.999
         made = Refit(
             model=richer, values=found, std=spread, correlation=correlation, x0=np.zeros((1, 2)),
-            fitted_rmse=np.ones(1), score=score(rmse, likelihood, seed=1), cost=1.0, status="", converged=True, seconds=0.0,
+            fitted_rmse=np.ones(1), score=score(rmse, likelihood, seed=1), cost=1.0,
+            status="", converged=True, seconds=0.0,
         )  # fmt: skip
         return Trial(candidate, made, compare(BASE, made.score))
 
