@@ -87,7 +87,8 @@ def estimate_entries(estimate: Estimate) -> dict[str, dict[str, Any]]:
 
 def ceiling_entry(found: Ceiling) -> dict[str, Any]:
     """A ceiling without its curve, which the figure shows."""
-    return {key: value for key, value in asdict(found).items() if key != "curve"}
+    kept = ("port", "over", "gain", "p_value", "unit", "over_unit")
+    return {key: getattr(found, key) for key in kept}
 
 
 def floor_entries(found: Trace, model: Model) -> dict[str, dict[str, Any]]:

@@ -59,5 +59,7 @@ def _name_in(module: ModuleType | None, effect: Any) -> str | None:
 
 
 def _importable(function: Callable[..., Any]) -> bool:
-    module = sys.modules.get(getattr(function, "__module__", ""))
-    return getattr(module, getattr(function, "__qualname__", ""), None) is function
+    """Whether another process finds the function, or the class of what is called like one."""
+    found = function if hasattr(function, "__qualname__") else type(function)
+    module = sys.modules.get(found.__module__)
+    return getattr(module, found.__qualname__, None) is found

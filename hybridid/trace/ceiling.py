@@ -43,6 +43,7 @@ class Ceiling:
 
     ``curve`` (velocity or position, effort, samples) is what it adds there to the model's own terms,
     less what these lose in the refit: alone, bumps and viscous friction could trade any amount.
+    ``refit`` is the model with it.
     """
 
     port: str
@@ -52,6 +53,7 @@ class Ceiling:
     curve: tuple[tuple[float, float, int], ...]
     unit: str
     over_unit: str
+    refit: Refit
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,7 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     net = path.effort(model, found.values, port) - path.effort(base.model, base.values, port)
     unit = where.position_unit + ("/s" if over == "velocity" else "")
     curve = _binned(path.motion(port, over), net)
-    return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, unit)
+    return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, unit, found)
 
 
 @dataclass(frozen=True)
