@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.initial import measured_states
-from hybridid.simulation.integrators import INTEGRATORS
+from hybridid.simulation.integrators import sample_step
 
 Array = NDArray[np.float64]
 EXPANDABLE = 60_000
@@ -267,7 +267,7 @@ class _Program:
 def _interval_function(problem: Problem, length: int) -> ca.Function:
     """``(x, t, U, u, p) -> (x after the interval, outputs (n_y, length))``."""
     model, windows = problem.model, problem.windows
-    step = INTEGRATORS[problem.shooter.integrator](model, windows.dt, windows.substeps, windows.held)
+    step = sample_step(problem.shooter.integrator, model, windows.dt, windows.substeps, windows.held)
     x, t = ca.SX.sym("x", len(model.states)), ca.SX.sym("t")
     stages = ca.SX.sym("U", windows.stages.shape[2])
     u, p = ca.SX.sym("u", len(model.inputs)), ca.SX.sym("p", len(model.parameters))

@@ -98,7 +98,7 @@ class Problem:
         return self._over(self.windows.without_ends(gap))
 
     def _over(self, windows: Windows) -> Problem:
-        return replace(self, windows=windows, shooter=replace(self.shooter, windows=windows))
+        return replace(self, windows=windows, shooter=self.shooter.over(windows))
 
     def estimating(self, free: Sequence[str]) -> Problem:
         """The same problem with other parameters free."""

@@ -1,7 +1,7 @@
-"""One sample of time, integrated: ``x_next = step(t, x, U, p)`` as a CasADi function.
+"""One step of an integrator: ``x_next = step(t, x, U, p)`` as a CasADi function, and samples of several.
 
-``U`` holds the inputs of the sample: (n_u,) when they are held, else (n_u (2 s + 1),) at the
-stages, as ``holds.stage_inputs`` lays them out for s steps a sample.
+``U`` holds the inputs: of a step (n_u,) when they are held, else (3 n_u,) at its start, middle and
+end; of a sample (n_u,) or (n_u (2 s + 1),), as ``holds.stage_inputs`` lays them out for s steps.
 """
 
 from __future__ import annotations
@@ -13,56 +13,61 @@ import casadi as ca
 from hybridid.model import Model
 from hybridid.simulation.rosenbrock import Inputs, Rodas3
 
-StepBuilder = Callable[[Model, float, int, bool], ca.Function]
-"""``(model, dt, substeps, held) -> step``."""
+StepBuilder = Callable[[Model, float, bool], ca.Function]
+"""``(model, h, held) -> step``."""
 
 
-def rk4_step(model: Model, dt: float, substeps: int, held: bool) -> ca.Function:
-    """The classical fourth-order Runge-Kutta method, ``substeps`` steps a sample.
+def rk4_step(model: Model, h: float, held: bool) -> ca.Function:
+    """The classical fourth-order Runge-Kutta method.
 
     Stable while |eigenvalue| times step stays below 2.78. Source: thesis sec. 3.1.
     """
 
-    def step(t: ca.SX, h: float, x: ca.SX, u: Inputs, p: ca.SX) -> ca.SX:
+    def step(t: ca.SX, x: ca.SX, u: Inputs, p: ca.SX) -> ca.SX:
         k1 = model.f(t, x, u.first, p)
         k2 = model.f(t + h / 2, x + h / 2 * k1, u.middle, p)
         k3 = model.f(t + h / 2, x + h / 2 * k2, u.middle, p)
         k4 = model.f(t + h, x + h * k3, u.last, p)
         return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
-    return _sample(model, dt, substeps, held, step)
+    return _function(model, held, step)
 
 
-def rodas3_step(model: Model, dt: float, substeps: int, held: bool) -> ca.Function:
-    """The linearly implicit method ``rosenbrock.Rodas3``, ``substeps`` steps a sample.
+def rodas3_step(model: Model, h: float, held: bool) -> ca.Function:
+    """The linearly implicit method ``rosenbrock.Rodas3``.
 
     L-stable: stiffness costs it no steps, only accuracy does.
     """
-    return _sample(model, dt, substeps, held, Rodas3(model).step)
+    method = Rodas3(model)
+    return _function(model, held, lambda t, x, u, p: method.step(t, h, x, u, p))
 
 
 INTEGRATORS: Mapping[str, StepBuilder] = {"rk4": rk4_step, "rodas3": rodas3_step}
-"""Ways to integrate one sample, by the name that a config gives."""
+"""Ways to integrate one step, by the name that a config gives."""
 
 
-def _sample(
-    model: Model,
-    dt: float,
-    substeps: int,
-    held: bool,
-    step: Callable[[ca.SX, float, ca.SX, Inputs, ca.SX], ca.SX],
-) -> ca.Function:
-    """``substeps`` steps of a one-step method as one function of the sample's inputs."""
+def sample_step(integrator: str, model: Model, dt: float, substeps: int, held: bool) -> ca.Function:
+    """``substeps`` steps as one function of the sample's inputs."""
     n_u = len(model.inputs)
-    t, x = ca.SX.sym("t"), ca.SX.sym("x", len(model.states))
-    p = ca.SX.sym("p", len(model.parameters))
+    t, x, p = _symbols(model)
     u = ca.SX.sym("U", n_u if held else n_u * (2 * substeps + 1))
     h = dt / substeps
-
-    def at(index: int) -> ca.SX:
-        return u if held else u[n_u * index : n_u * (index + 1)]
-
+    step = INTEGRATORS[integrator](model, h, held)
     state = x
     for i in range(substeps):
-        state = step(t + i * h, h, state, Inputs(at(2 * i), at(2 * i + 1), at(2 * i + 2)), p)
-    return ca.Function("step", [t, x, u, p], [state], ["t", "x", "U", "p"], ["x_next"], {"cse": True})
+        state = step(t + i * h, state, u if held else u[2 * i * n_u : (2 * i + 3) * n_u], p)
+    return ca.Function("sample", [t, x, u, p], [state], ["t", "x", "U", "p"], ["x_next"], {"cse": True})
+
+
+def _function(model: Model, held: bool, step: Callable[[ca.SX, ca.SX, Inputs, ca.SX], ca.SX]) -> ca.Function:
+    """A one-step method as a function of the step's inputs."""
+    n_u = len(model.inputs)
+    t, x, p = _symbols(model)
+    u = ca.SX.sym("U", n_u if held else 3 * n_u)
+    first, middle, last = (u, u, u) if held else (u[:n_u], u[n_u : 2 * n_u], u[2 * n_u :])
+    x_next = step(t, x, Inputs(first, middle, last), p)
+    return ca.Function("step", [t, x, u, p], [x_next], ["t", "x", "U", "p"], ["x_next"], {"cse": True})
+
+
+def _symbols(model: Model) -> tuple[ca.SX, ca.SX, ca.SX]:
+    return ca.SX.sym("t"), ca.SX.sym("x", len(model.states)), ca.SX.sym("p", len(model.parameters))

@@ -9,7 +9,7 @@ Parameteridentifizierung, "internal numerical differentiation".
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import casadi as ca
@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.model import Model
-from hybridid.simulation.integrators import INTEGRATORS
+from hybridid.simulation.integrators import sample_step
+from hybridid.simulation.machine_code import Code, total_derivative
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
@@ -51,7 +52,10 @@ class Shot:
 
 @dataclass(frozen=True)
 class Shooter:
-    """Simulates ``windows`` with ``model``; ``free`` lists the parameters to differentiate by."""
+    """Simulates ``windows`` with ``model``; ``free`` lists the parameters to differentiate by.
+
+    By machine code where that is worth compiling, else by CasADi's interpreter.
+    """
 
     model: Model
     windows: Windows
@@ -60,6 +64,24 @@ class Shooter:
 
     def __call__(self, x0: Array, p: Array, sensitivities: bool = False) -> Shot:
         """Simulate every horizon from ``x0`` (w, n_x) at the parameters ``p`` (n_p,)."""
+        if self.code.worth_it(self.windows):
+            states, outputs, final, slopes = self.code(self.windows, x0, p, sensitivities)
+            return _shot(states, outputs, final, slopes if sensitivities else None)
+        return self._interpreted(x0, p, sensitivities)
+
+    def over(self, windows: Windows) -> Shooter:
+        """The same over other horizons of the same records."""
+        other = replace(self, windows=windows)
+        other.__dict__["code"] = self.code  # compiled once for all of them
+        return other
+
+    @cached_property
+    def code(self) -> Code:
+        """One step, as machine code."""
+        w = self.windows
+        return Code(self.model, self.free, self.integrator, w.dt / w.substeps, w.held)
+
+    def _interpreted(self, x0: Array, p: Array, sensitivities: bool) -> Shot:
         w, length, count = self.windows.count, self.windows.length, self.windows.chunk
         n_x, n_y, n_s = (
             len(self.model.states),
@@ -82,10 +104,7 @@ class Shooter:
             start = tuple(value[:, -1] for value in values[: len(start)])
             for result, value in zip(results, values[len(start) :], strict=True):
                 result[:, part] = value
-        if not sensitivities:
-            return Shot(results[1], results[0], start[0])
-        by = results[2].swapaxes(2, 3)
-        return Shot(results[1], results[0], start[0], by_state=by[..., :n_x], by_parameter=by[..., n_x:])
+        return _shot(results[0], results[1], start[0], results[2] if sensitivities else None)
 
     @property
     def _data(self) -> tuple[Array, Array, Array]:
@@ -94,7 +113,7 @@ class Shooter:
     @cached_property
     def _step(self) -> ca.Function:
         windows = self.windows
-        return INTEGRATORS[self.integrator](self.model, windows.dt, windows.substeps, windows.held)
+        return sample_step(self.integrator, self.model, windows.dt, windows.substeps, windows.held)
 
     @cached_property
     def _symbols(self) -> tuple[ca.SX, ...]:
@@ -116,27 +135,19 @@ class Shooter:
         t, stages, u, p = self._symbols
         n_x = len(self.model.states)
         x, s = ca.SX.sym("x", n_x), ca.SX.sym("S", n_x, n_x + len(self.free))
-        columns = _positions(self.model, self.free)
         x_next, y = self._step(t, x, stages, p), self.model.h(t, x, u, p)
-        s_next, dy = (_total(value, x, p, s, columns) for value in (x_next, y))
+        s_next, dy = (total_derivative(self.model, value, x, p, s, self.free) for value in (x_next, y))
         out = [ca.densify(v) for v in (x_next, s_next, x, y, dy)]
         one = ca.Function("sample", [x, s, t, stages, u, p], out, {"cse": True})
         return one.mapaccum("chunk", self.windows.chunk, 2).map(self.windows.count)
 
 
-def _positions(model: Model, names: Sequence[str]) -> list[int]:
-    order = {parameter.name: k for k, parameter in enumerate(model.parameters)}
-    return [order[name] for name in names]
-
-
-def _total(value: ca.SX, x: ca.SX, p: ca.SX, s: ca.SX, columns: Sequence[int]) -> ca.SX:
-    """``d value / d(x0, p) = value_x S + [0, value_p]``."""
-    n_x = x.shape[0]
-    through = ca.jacobian(value, x) @ s
-    if columns:
-        direct = ca.jacobian(value, p)[:, list(columns)]
-        through = ca.horzcat(through[:, :n_x], through[:, n_x:] + direct)
-    return through
+def _shot(states: Array, outputs: Array, final: Array, slopes: Array | None) -> Shot:
+    """``slopes`` (w, H, n_x + n_free, n_y), as CasADi's columns lie."""
+    if slopes is None:
+        return Shot(outputs, states, final)
+    by, n_x = slopes.swapaxes(2, 3), states.shape[2]
+    return Shot(outputs, states, final, by_state=by[..., :n_x], by_parameter=by[..., n_x:])
 
 
 def _call(function: ca.Function, given: Sequence[Array], shapes: Sequence[tuple[int, ...]]) -> list[Array]:

@@ -28,7 +28,7 @@ from hybridid.effects.effect import Effect, EffectParameter, EffectState
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.holds import all_held, stage_inputs
-from hybridid.simulation.integrators import INTEGRATORS
+from hybridid.simulation.integrators import sample_step
 from hybridid.simulation.stability import substeps_for
 from hybridid.simulation.unobserved import filled_states
 from hybridid.trace.noise import noise_level
@@ -172,7 +172,7 @@ class _Linearised:
         record, model = self.record, self.model
         substeps = substeps_for(model, self.p, [record])
         held = all_held(record)
-        step = INTEGRATORS["rk4"](model, record.dt, substeps, held)
+        step = sample_step("rk4", model, record.dt, substeps, held)
         t, x = ca.SX.sym("t"), ca.SX.sym("x", len(model.states))
         stages = ca.SX.sym("U", step.size1_in(2))
         u, q = ca.SX.sym("u", len(model.inputs)), ca.SX.sym("p", len(self.p))

@@ -131,7 +131,7 @@ def test_a_stiff_mode_is_gone_after_a_step_or_two(stiffness):
     """L-stability: M v' = -f_v v with f_v h / M far above what any explicit method bears."""
     model = compose(EMPS(), ["viscous"])
     p = model.values({"M": 1.0, "carriage.viscous.f_v": stiffness})
-    step = INTEGRATORS["rodas3"](model, 0.01, 1, True)
+    step = INTEGRATORS["rodas3"](model, 0.01, True)
     x = np.array([0.0, 1.0])
     for _ in range(2):
         x = np.asarray(step(0.0, x, [0.0], p)).ravel()

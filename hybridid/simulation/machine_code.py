@@ -1,0 +1,159 @@
+"""A model's step as machine code, where the machine has a C compiler.
+
+CasADi interprets a model some five times slower than a compiler's code runs. So what will cost
+more to interpret than to compile is compiled: CasADi writes C of one step, of the outputs and of
+their sensitivities, and ``shoot.c`` drives it over all horizons. The compiler keeps to IEEE
+arithmetic (no fused or reordered operations), so both ways give the same numbers to rounding.
+
+Without a compiler everything is interpreted.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import hashlib
+import os
+import shutil
+import subprocess
+import tempfile
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import resources
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.model import Model
+from hybridid.simulation.integrators import INTEGRATORS
+from hybridid.simulation.windows import Windows
+
+Array = NDArray[np.float64]
+FLAGS = ("-O2", "-fPIC", "-shared", "-ffp-contract=off")
+WORTH = 1e7
+"""Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.3 s, pays: a
+fit simulates ten times and more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Code:
+    """One step of ``integrator`` over ``h`` seconds, differentiated by initial states and ``free``."""
+
+    model: Model
+    free: tuple[str, ...]
+    integrator: str
+    h: float
+    held: bool
+
+    def worth_it(self, windows: Windows) -> bool:
+        """Whether to simulate ``windows`` by machine code."""
+        if _compiler() is None:
+            return False
+        steps = windows.count * windows.length * windows.substeps
+        return steps * self._functions[0].n_instructions() > WORTH and self._library is not None
+
+    def __call__(self, windows: Windows, x0: Array, p: Array, sensitivities: bool) -> tuple[Array, ...]:
+        """States (w, H, n_x), outputs (w, H, n_y), final states (w, n_x) and, if asked for (else empty),
+        the outputs' sensitivities (w, H, n_x + n_free, n_y)."""
+        library = self._library
+        assert library is not None
+        w, length, n_x = windows.count, windows.length, len(self.model.states)
+        n_y, n_u, n_stage = len(self.model.outputs), len(self.model.inputs), windows.stages.shape[2]
+        n_s = n_x + len(self.free) if sensitivities else 0
+        hop = 0 if self.held else 2 * n_u
+        size = np.array([w, length, windows.substeps, n_x, n_s, n_u, n_stage, hop, n_y], dtype=np.int64)
+        given = [windows.time, windows.stages, windows.inputs, p, x0]
+        arrays = [np.ascontiguousarray(a, dtype=float) for a in given]
+        shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y)]
+        results = [np.empty(shape) for shape in shapes]
+        pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*arrays, *results)]
+        if library.shoot(ctypes.c_void_p(size.ctypes.data), ctypes.c_double(self.h), *pointers):
+            raise MemoryError("no memory left to simulate in")
+        final, states, outputs, slopes = results
+        return states, outputs, final, slopes
+
+    @cached_property
+    def _functions(self) -> tuple[ca.Function, ...]:
+        step = INTEGRATORS[self.integrator](self.model, self.h, self.held)
+        return (*_pair(self.model, step, self.free, ""), *_pair(self.model, step, None, "_only"))
+
+    @cached_property
+    def _library(self) -> ctypes.CDLL | None:
+        generator = ca.CodeGenerator("model.c")
+        for function in self._functions:
+            generator.add(function)
+        driver = (resources.files("hybridid.simulation") / "shoot.c").read_text(encoding="utf-8")
+        return _compiled(generator.dump() + driver)
+
+
+def _pair(
+    model: Model, step: ca.Function, free: Sequence[str] | None, suffix: str
+) -> tuple[ca.Function, ca.Function]:
+    """``model_advance`` and ``model_observe`` of (x, S, t, u, p); with ``free`` None without sensitivities.
+
+    Not plain ``advance``: glibc exports one, and a library's call of its own would end up there.
+    """
+    t, x, p = ca.SX.sym("t"), ca.SX.sym("x", len(model.states)), ca.SX.sym("p", len(model.parameters))
+    stages, u = ca.SX.sym("U", step.size1_in("U")), ca.SX.sym("u", len(model.inputs))
+    n_s = 0 if free is None else len(model.states) + len(free)
+    s = ca.SX.sym("S", len(model.states), n_s)
+    made = []
+    for name, inputs, value in (
+        ("model_advance", stages, step(t, x, stages, p)),
+        ("model_observe", u, model.h(t, x, u, p)),
+    ):
+        out = [value] if free is None else [value, total_derivative(model, value, x, p, s, free)]
+        made.append(
+            ca.Function(name + suffix, [x, s, t, inputs, p], [ca.densify(v) for v in out], {"cse": True})
+        )
+    return made[0], made[1]
+
+
+def total_derivative(model: Model, value: ca.SX, x: ca.SX, p: ca.SX, s: ca.SX, free: Sequence[str]) -> ca.SX:
+    """``d value / d(x0, p) = value_x S + [0, value_p]`` with ``S = dx / d(x0, p)``, of the ``free`` p."""
+    n_x, order = x.shape[0], [parameter.name for parameter in model.parameters]
+    through = ca.jacobian(value, x) @ s
+    if free:
+        direct = ca.jacobian(value, p)[:, [order.index(name) for name in free]]
+        through = ca.horzcat(through[:, :n_x], through[:, n_x:] + direct)
+    return through
+
+
+@functools.cache
+def _compiler() -> str | None:
+    """The C compiler: the one that CC names, or the first of the usual names on the PATH."""
+    return next(filter(None, map(shutil.which, (os.environ.get("CC", ""), "cc", "gcc", "clang"))), None)
+
+
+@functools.cache
+def _folder() -> tempfile.TemporaryDirectory[str]:
+    """Where this process keeps its code; gone when it ends."""
+    return tempfile.TemporaryDirectory(prefix="hybridid-")
+
+
+_LIBRARIES: dict[str, ctypes.CDLL | None] = {}
+
+
+def _compiled(source: str) -> ctypes.CDLL | None:
+    """The library of a C source, made once a process; None, with a warning, if the compiler fails."""
+    key = hashlib.sha256(source.encode()).hexdigest()
+    if key not in _LIBRARIES:
+        _LIBRARIES[key] = _built(source, Path(_folder().name) / key[:16])
+    return _LIBRARIES[key]
+
+
+def _built(source: str, stem: Path) -> ctypes.CDLL | None:
+    text, library = stem.with_suffix(".c"), stem.with_suffix(".so")
+    text.write_text(source, encoding="utf-8")
+    command = [str(_compiler()), *FLAGS, str(text), "-o", str(library), "-lm"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    text.unlink()
+    if done.returncode:
+        why = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        warnings.warn(f"{command[0]} fails ({why}): models are interpreted, which is slower", stacklevel=2)
+        return None
+    return ctypes.CDLL(str(library))

@@ -1,0 +1,87 @@
+/* Simulates horizons, one after another. It is compiled behind what CasADi writes of a model: `model_advance`,
+   one step of the state and its sensitivities, and `model_observe`, the outputs and theirs; the same without
+   sensitivities as `model_advance_only` and `model_observe_only`. Matrices lie column by column, as CasADi has them. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef int (*Function)(const double **arg, double **res, casadi_int *iw, double *w, int memory);
+typedef int (*Work)(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w);
+
+typedef struct {
+  Function call;
+  const double **arg;
+  double **res;
+  casadi_int *iw;
+  double *w;
+} Part;
+
+static int prepare(Part *part, Function call, Work work) {
+  casadi_int n_arg = 0, n_res = 0, n_iw = 0, n_w = 0;
+  work(&n_arg, &n_res, &n_iw, &n_w);
+  part->call = call;
+  part->arg = calloc(n_arg + 1, sizeof *part->arg);
+  part->res = calloc(n_res + 1, sizeof *part->res);
+  part->iw = calloc(n_iw + 1, sizeof *part->iw);
+  part->w = calloc(n_w + 1, sizeof *part->w);
+  return part->arg && part->res && part->iw && part->w;
+}
+
+static void run(Part *part, const double *x, const double *s, const double *t, const double *u,
+                const double *p, double *value, double *slope) {
+  part->arg[0] = x, part->arg[1] = s, part->arg[2] = t, part->arg[3] = u, part->arg[4] = p;
+  part->res[0] = value, part->res[1] = slope;
+  part->call(part->arg, part->res, part->iw, part->w, 0);
+}
+
+static void release(Part *part) { free(part->arg), free(part->res), free(part->iw), free(part->w); }
+
+static void blank(double *a, casadi_int n) {
+  for (casadi_int k = 0; k < n; ++k) a[k] = NAN;
+}
+
+static int is_finite(const double *a, casadi_int n) {
+  for (casadi_int k = 0; k < n; ++k)
+    if (!isfinite(a[k])) return 0;
+  return 1;
+}
+
+/* size: horizons, their length, steps a sample, states, columns of sensitivities (0: none), inputs,
+   stage inputs a sample, stage inputs from one step to the next, outputs. A horizon that leaves the
+   numbers is blank from there on. Returns 0, or 1 without memory. */
+int shoot(const casadi_int *size, double h, const double *time, const double *stages, const double *inputs,
+          const double *p, const double *x0, double *final, double *states, double *outputs, double *slopes) {
+  const casadi_int count = size[0], length = size[1], steps = size[2], n_x = size[3], n_s = size[4];
+  const casadi_int n_u = size[5], n_stage = size[6], hop = size[7], n_y = size[8];
+  Part step_part = {0}, outputs_part = {0};
+  double *now = malloc(n_x * (1 + n_s) * sizeof *now), *next = malloc(n_x * (1 + n_s) * sizeof *next);
+  int ready = now && next && prepare(&step_part, n_s ? model_advance : model_advance_only, n_s ? model_advance_work : model_advance_only_work)
+              && prepare(&outputs_part, n_s ? model_observe : model_observe_only, n_s ? model_observe_work : model_observe_only_work);
+  for (casadi_int w = 0; ready && w < count; ++w) {
+    memset(now, 0, n_x * (1 + n_s) * sizeof *now);
+    memcpy(now, x0 + w * n_x, n_x * sizeof *now);
+    for (casadi_int j = 0; j < n_x && j < n_s; ++j) now[n_x + j * n_x + j] = 1.0;
+    for (casadi_int k = 0; k < length; ++k) {
+      const casadi_int at = w * length + k;
+      if (!is_finite(now, n_x)) {
+        blank(states + at * n_x, (length - k) * n_x);
+        blank(outputs + at * n_y, (length - k) * n_y);
+        if (n_s) blank(slopes + at * n_s * n_y, (length - k) * n_s * n_y);
+        blank(now, n_x);
+        break;
+      }
+      memcpy(states + at * n_x, now, n_x * sizeof *now);
+      run(&outputs_part, now, now + n_x, time + at, inputs + at * n_u, p, outputs + at * n_y,
+          slopes + at * n_s * n_y);
+      for (casadi_int i = 0; i < steps; ++i) {
+        const double t = time[at] + i * h;
+        double *swap = now;
+        run(&step_part, now, now + n_x, &t, stages + at * n_stage + i * hop, p, next, next + n_x);
+        now = next, next = swap;
+      }
+    }
+    memcpy(final + w * n_x, now, n_x * sizeof *now);
+  }
+  release(&step_part), release(&outputs_part), free(now), free(next);
+  return !ready;
+}

@@ -1,0 +1,83 @@
+"""Machine code and CasADi's interpreter give the same numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybridid.simulation import machine_code
+from hybridid.simulation.shooter import Shooter
+from hybridid.simulation.windows import cut
+
+FREE = ("carriage.coulomb.f_c", "M", "carriage.dahl.s")
+compiled = pytest.mark.skipif(machine_code._compiler() is None, reason="no C compiler on this machine")
+
+
+@pytest.fixture(autouse=True)
+def always(monkeypatch):
+    """Compile whatever the work."""
+    monkeypatch.setattr(machine_code, "WORTH", 0.0)
+
+
+def shooter_of(carriage, make_model, hold="zoh", integrator="rk4"):
+    made = carriage.record(150)
+    made = replace(made, input_channels=(replace(made.input_channels[0], hold=hold),))
+    model = make_model(("viscous", "coulomb", "offset", "dahl", "sensor_lag"))
+    return Shooter(model, cut([made], 60, 4), FREE, integrator)
+
+
+@compiled
+@pytest.mark.parametrize("integrator", ["rk4", "rodas3"])
+@pytest.mark.parametrize("hold", ["zoh", "foh"])
+def test_the_same_numbers_as_interpreted(carriage, make_model, hold, integrator):
+    shooter = shooter_of(carriage, make_model, hold, integrator)
+    model = shooter.model
+    x0 = np.random.default_rng(1).normal(size=(shooter.windows.count, len(model.states))) * 1e-3
+    for sensitivities in (False, True):
+        ours = shooter(x0, model.values(), sensitivities)
+        theirs = shooter._interpreted(x0, model.values(), sensitivities)
+        assert shooter.code.worth_it(shooter.windows)
+        for name in ("outputs", "states", "final", "by_state", "by_parameter"):
+            a, b = getattr(ours, name), getattr(theirs, name)
+            np.testing.assert_allclose(a, b, rtol=1e-10, atol=1e-12 * np.abs(b).max(initial=1e-300))
+
+
+@compiled
+def test_other_horizons_share_the_code(carriage, make_model):
+    shooter = shooter_of(carriage, make_model)
+    x0, p = np.zeros((shooter.windows.count, len(shooter.model.states))), shooter.model.values()
+    some = shooter.over(shooter.windows.select([1]))
+    assert some.code is shooter.code
+    np.testing.assert_array_equal(some(x0[[1]], p).outputs, shooter(x0, p).outputs[[1]])
+
+
+@compiled
+def test_a_horizon_that_leaves_the_numbers_is_blank_from_there_on(carriage, make_model):
+    model = make_model(("cubic_stiffness",))
+    shooter = Shooter(model, cut([carriage.record(100)], 50, 1), ("M",))
+    x0 = np.array([[1.0, 0.0], [0.0, 0.0]])
+    shot = shooter(x0, model.values({"carriage.cubic_stiffness.k_3": -1e9}), sensitivities=True)
+    assert np.isfinite(shot.outputs[0, 0]).all()
+    assert not np.isfinite(shot.outputs[0, -1]).any()
+    assert np.isfinite(shot.outputs[1]).all()
+
+
+def test_without_a_compiler_everything_is_interpreted(carriage, make_model, monkeypatch):
+    monkeypatch.setattr(machine_code, "_compiler", lambda: None)
+    shooter = shooter_of(carriage, make_model)
+    x0 = np.zeros((shooter.windows.count, len(shooter.model.states)))
+    assert not shooter.code.worth_it(shooter.windows)
+    assert shooter(x0, shooter.model.values()).outputs.shape == (*shooter.windows.used.shape, 1)
+
+
+def test_a_compiler_that_fails_is_named_once(carriage, make_model, monkeypatch, tmp_path):
+    broken = tmp_path / "cc"
+    broken.write_text("#!/bin/sh\necho no such option >&2\nexit 1\n")
+    broken.chmod(0o755)
+    monkeypatch.setattr(machine_code, "_compiler", lambda: str(broken))
+    monkeypatch.setattr(machine_code, "_LIBRARIES", {})
+    shooter = shooter_of(carriage, make_model)
+    with pytest.warns(UserWarning, match="fails \\(no such option\\): models are interpreted"):
+        assert not shooter.code.worth_it(shooter.windows)
