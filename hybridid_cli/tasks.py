@@ -93,11 +93,11 @@ def reproduce(cfg: DictConfig) -> None:
     """Run the thesis' experiments and write its tables beside ours."""
     from pipelines.reproduce import reproduce as run
 
-    own = ("experiments=", "experiment=", "case=")
+    own = ("experiments=", "processes=", "experiment=", "case=")
     words = [word for word in HydraConfig.get().overrides.task if not word.lstrip("+~").startswith(own)]
     experiments = {str(name): _composed(str(name), words) for name in cfg.experiments}
     with Terminal() as terminal:
-        page = run(experiments, Path(str(cfg.paths.outputs)), terminal)
+        page = run(experiments, Path(str(cfg.paths.outputs)), terminal, cfg.processes)
         terminal.show(f"page: {page}")
 
 

@@ -21,6 +21,7 @@ th:first-child,td:first-child{padding-left:0}td:not(.w){white-space:nowrap}
 font-size:.9rem;color:#444}
 .scroll{overflow-x:auto}code{background:#f4f4f4;padding:.1rem .3rem;border-radius:.2rem}
 pre{background:#f4f4f4;padding:.6rem .8rem;border-radius:.3rem;overflow-x:auto;font-size:.9rem}
+nav{margin:1rem 0;padding:.5rem 0;border-top:1px solid #ddd;border-bottom:1px solid #ddd}a{color:#0072b2}
 figure{margin:1.5rem 0}figure img{width:100%}figcaption{color:#666;font-size:.9rem}
 @page{size:A4;margin:15mm}
 @media print{body{max-width:none;margin:0;padding:0;font-size:10pt}figure,tr,pre{break-inside:avoid}
@@ -60,16 +61,22 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """A report: title, ``marks`` (words such as ``measured``), the sentence that says it all, sections."""
+    """A report: title, ``marks`` (words such as ``measured``), the sentence that says it all, sections.
+
+    ``contents`` puts links to the sections above them.
+    """
 
     title: str
     lead: str
     sections: tuple[Section, ...]
     marks: tuple[str, ...] = ()
+    contents: bool = False
 
     def html(self) -> str:
         """One HTML document with its pictures inside."""
         body = "".join(_section_html(section) for section in self.sections)
+        links = " · ".join(f'<a href="#{_anchor(s)}">{escape(s.title)}</a>' for s in self.sections)
+        body = f"<nav>{links}</nav>{body}" if self.contents else body
         marks = "".join(f'<span class="mark">{escape(mark)}</span>' for mark in self.marks)
         marks = f"<p>{marks}</p>" if marks else ""
         return (
@@ -84,6 +91,8 @@ class Page:
     def markdown(self, folder: Path) -> str:
         """The same as Markdown; pictures are linked relative to ``folder``."""
         parts = [f"# {self.title}", *([" · ".join(self.marks)] if self.marks else []), self.lead]
+        if self.contents:
+            parts.append(" · ".join(f"[{s.title}](#{_anchor(s)})" for s in self.sections))
         for section in self.sections:
             parts += [f"## {section.title}", *section.paragraphs]
             parts += [f"```\n{command}\n```" for command in section.commands]
@@ -92,12 +101,19 @@ class Page:
         return "\n\n".join(parts) + "\n"
 
 
+def _anchor(section: Section) -> str:
+    """As Markdown's readers make it from a heading."""
+    kept = "".join(c for c in section.title.lower() if c.isalnum() or c in " -")
+    return kept.replace(" ", "-")
+
+
 def _section_html(section: Section) -> str:
     paragraphs = "".join(f"<p>{escape(text)}</p>" for text in section.paragraphs)
     tables = "".join(_table_html(table) for table in section.tables)
     pictures = "".join(_picture_html(picture) for picture in section.pictures)
     commands = "".join(f"<pre>{escape(command)}</pre>" for command in section.commands)
-    return f"<section><h2>{escape(section.title)}</h2>{paragraphs}{commands}{tables}{pictures}</section>"
+    heading = f'<section id="{_anchor(section)}"><h2>{escape(section.title)}</h2>'
+    return f"{heading}{paragraphs}{commands}{tables}{pictures}</section>"
 
 
 def _table_html(table: Table) -> str:

@@ -1,69 +1,186 @@
-"""``reproduce``: the thesis' experiments run one after another, and its tables beside ours.
+"""``reproduce``: the thesis' experiments, and its tables and figures beside ours on one page.
 
-An experiment whose results are fresh is reused, so an interrupted run goes on where it stopped.
+Experiments run side by side. What is fresh is reused, so an interrupted run goes on where it
+stopped; one that fails leaves its reason on the page and the others their results.
 """
 
 from __future__ import annotations
 
+import os
+import time
+import traceback
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from pipelines.config import Settings
-from pipelines.findings import provenance_of
-from pipelines.page import Page, Picture, Section
+from pipelines.errors import ConfigError
+from pipelines.page import Page
 from pipelines.runner import run_stages
-from pipelines.thesis.compare import table_of
-from pipelines.thesis.reference import TABLES, MetricOf, ParameterOf, ThesisTable
+from pipelines.side_by_side import Died, side_by_side
+from pipelines.thesis.look_up import Failed
 from pipelines.tracking import tracked
-from pipelines.tree import write_text
+from pipelines.tree import replacing, write_text
 from pipelines.watch import Watcher
 
-FIGURES = ("comparison", "error", "friction", "raincloud")
-"""Endings of the figures' names that the page shows."""
+LAST_STAGE = "validate"
+"""Experiments run up to here: the page draws the thesis' figures itself, ``hybridid plot`` all others."""
+_LONGEST = 300
 
 
-def reproduce(experiments: Mapping[str, Settings], outputs: Path, watcher: Watcher) -> Path:
-    """Run every experiment and write ``outputs/thesis/index.html`` and ``index.md``.
+class Incomplete(RuntimeError):
+    """Some experiments failed; the page of the others is written."""
+
+
+@dataclass(frozen=True)
+class Done:
+    """An experiment's run tree and how long it took in s."""
+
+    tree: Path
+    seconds: float
+
+
+def reproduce(
+    experiments: Mapping[str, Settings], outputs: Path, watcher: Watcher, processes: int | None = None
+) -> Path:
+    """Run every experiment, ``processes`` side by side (None: one a core), and write
+    ``outputs/thesis/index.html`` and ``index.md``.
 
     Returns the page's path.
+
+    Raises:
+        Incomplete: if experiments failed, after the page is written; names them.
     """
-    trees: dict[str, Path] = {}
-    for number, (name, settings) in enumerate(experiments.items(), 1):
-        watcher.say(f"experiment {number} of {len(experiments)}: {name}")
-        with tracked(settings, "run", watcher) as logged:
-            outcome = run_stages(settings, "run", watcher)
-            logged.finish(outcome)
-        trees[name] = outcome.tree
+    if processes is not None and (isinstance(processes, bool) or processes < 1):
+        raise ConfigError(f"processes is {processes!r}: at least 1, or null for one a core")
+    outcomes = _run(experiments, processes or os.cpu_count() or 1, watcher)
     folder = outputs / "thesis"
     folder.mkdir(parents=True, exist_ok=True)
-    page = thesis_page(trees)
+    page = _page(experiments, outcomes, folder, watcher)
     write_text(folder / "index.md", page.markdown(folder))
     write_text(folder / "index.html", page.html())
+    failed = {name: outcome.reason for name, outcome in outcomes.items() if isinstance(outcome, Failed)}
+    if failed:
+        listed = "; ".join(f"{name} ({reason})" for name, reason in failed.items())
+        raise Incomplete(
+            f"{len(failed)} of {len(outcomes)} experiments failed: {listed}; "
+            f"the page holds the others: {folder / 'index.html'}"
+        )
     return folder / "index.html"
 
 
-def thesis_page(trees: Mapping[str, Path]) -> Page:
-    """The page of all tables whose experiments were run, and their figures."""
-    tables = [table for table in TABLES if _experiments(table) <= set(trees)]
-    data = sorted({provenance_of(tree) for tree in trees.values()})
-    figures = tuple(
-        Section(f"Figures of {name}", (f"Data: {provenance_of(tree)}.",), pictures=_pictures(tree))
-        for name, tree in trees.items()
-    )
-    return Page(
-        "The thesis, reproduced",
-        f"The thesis' tables beside ours. Data here: {' and '.join(data)}; each row says which.",
-        (Section("Tables", (_INTERVALS,), tuple(table_of(t, trees) for t in tables)), *figures),
-    )
+def attempt(settings: Settings, watcher: Watcher) -> Done | Failed:
+    """One experiment up to its validation; whatever goes wrong with it becomes its result."""
+    began = time.monotonic()
+    try:
+        with tracked(settings, "run", watcher) as logged:
+            outcome = run_stages(settings, LAST_STAGE, watcher)
+            logged.finish(outcome)
+    except Exception as error:
+        kind = "" if isinstance(error, ConfigError) else f"{type(error).__name__}: "
+        reason = " ".join(f"{kind}{error}".split())[:_LONGEST]
+        return Failed(reason, traceback.format_exc())
+    return Done(outcome.tree, time.monotonic() - began)
 
 
-_INTERVALS = "± gives the 95 % interval of an estimate, with autocorrelated residuals allowed for. SI units."
+def _run(experiments: Mapping[str, Settings], processes: int, watcher: Watcher) -> dict[str, Done | Failed]:
+    """Every experiment's outcome, in the order in which they were asked for."""
+    board = _Board(list(experiments), watcher)
+    found: dict[str, Done | Failed] = {}
+    if processes == 1 or len(experiments) == 1:
+        for name, settings in experiments.items():
+            board.of(name).say("begins")
+            found[name] = board.finished(name, attempt(settings, board.of(name)))
+    else:
+        for name, outcome in side_by_side(attempt, experiments, processes, board.of):
+            told = Failed(outcome.reason) if isinstance(outcome, Died) else outcome
+            found[name] = board.finished(name, told)
+    return {name: found[name] for name in experiments}
 
 
-def _experiments(table: ThesisTable) -> set[str]:
-    return {e.ours.experiment for e in table.entries if isinstance(e.ours, ParameterOf | MetricOf)}
+class _Board:
+    """Which experiment of how many, and for how long: every line says it."""
+
+    def __init__(self, names: list[str], watcher: Watcher) -> None:
+        self._names, self._watcher = names, watcher
+        self._began = time.monotonic()
+        self._done = 0
+        self._states: dict[str, str] = {}
+
+    def of(self, name: str) -> _Labelled:
+        return _Labelled(name, self)
+
+    def line(self, name: str, line: str) -> str:
+        number = self._names.index(name) + 1
+        return f"[{self._elapsed()}] {number} of {len(self._names)} {name}: {line}"
+
+    def say(self, name: str, line: str) -> None:
+        self._watcher.say(self.line(name, line))
+
+    def warn(self, name: str, line: str) -> None:
+        self._watcher.warn(self.line(name, line))
+
+    def carry_on(self) -> None:
+        self._watcher.carry_on()
+
+    def progress(self, name: str, state: str) -> None:
+        self._states[name] = state
+        now = " | ".join(f"{name}: {state}" for name, state in self._states.items())
+        total = len(self._names)
+        self._watcher.progress("thesis", f"{self._done} of {total} done, {self._elapsed()}; {now}", None)
+
+    def finished(self, name: str, outcome: Done | Failed) -> Done | Failed:
+        self._done += 1
+        self._states.pop(name, None)
+        if isinstance(outcome, Failed):
+            self.warn(name, f"failed: {outcome.reason}")
+        else:
+            self.say(name, f"done in {outcome.seconds:.0f} s; {self._done} of {len(self._names)} are done")
+        return outcome
+
+    def _elapsed(self) -> str:
+        minutes, seconds = divmod(round(time.monotonic() - self._began), 60)
+        return f"{minutes}:{seconds:02d}"
 
 
-def _pictures(tree: Path) -> tuple[Picture, ...]:
-    files = sorted((tree / "plot").glob("*.svg"))
-    return tuple(Picture(f, f.stem.replace(".", ", ")) for f in files if f.stem.rpartition(".")[2] in FIGURES)
+@dataclass(frozen=True)
+class _Labelled:
+    """The watcher of one experiment on the board."""
+
+    name: str
+    board: _Board
+
+    def say(self, line: str) -> None:
+        self.board.say(self.name, line)
+
+    def warn(self, line: str) -> None:
+        self.board.warn(self.name, line)
+
+    def carry_on(self) -> None:
+        self.board.carry_on()
+
+    def progress(self, work: str, state: str, fraction: float | None) -> None:
+        self.board.progress(self.name, f"{work}: {state}")
+
+
+def _page(
+    experiments: Mapping[str, Settings],
+    outcomes: Mapping[str, Done | Failed],
+    folder: Path,
+    watcher: Watcher,
+) -> Page:
+    """The page, its figures drawn, and the traceback of each failure beside it."""
+    from pipelines.thesis.page import drawn, thesis_page
+    from pipelines.thesis.views import Runs  # matplotlib takes a second to import
+
+    trees = {name: o.tree if isinstance(o, Done) else o for name, o in outcomes.items()}
+    runs = Runs(experiments, trees)
+    with replacing(folder / "figures") as new:
+        captions = drawn(runs, new, watcher)
+    for old in folder.glob("failed-*.txt"):
+        old.unlink()
+    for name, outcome in outcomes.items():
+        if isinstance(outcome, Failed) and outcome.traceback:
+            write_text(folder / f"failed-{name}.txt", outcome.traceback)
+    seconds = {name: o.seconds for name, o in outcomes.items() if isinstance(o, Done)}
+    return thesis_page(runs, captions, folder / "figures", seconds)

@@ -36,9 +36,9 @@ def spectrum_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -
         PlotError: if there is no response, they show different things, or one is too short or not finite.
     """
     whole = one_output(responses)
-    data = _amplitude(whole, whole.measured)
-    models = [_amplitude(r, r.predicted) for r in responses]
-    errors = [_amplitude(r, r.error) for r in responses]
+    data = amplitude_density(whole.time, whole.measured, whole.record)
+    models = [amplitude_density(r.time, r.predicted, r.model) for r in responses]
+    errors = [amplitude_density(r.time, r.error, r.model) for r in responses]
     scale = scale_for("amplitude density", per_root_hertz(whole.unit), data[1])
     limits = _limits([data, *errors])
     wide = is_wide(width)
@@ -60,14 +60,18 @@ def spectrum_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -
     return Plot(figure, "spectrum", _caption(whole, responses, data[0]), whole.provenance)
 
 
-def _amplitude(response: Response, values: Array) -> Spectrum:
-    """Frequencies in Hz without zero, and the amplitude density there."""
+def amplitude_density(time: Array, values: Array, of: str) -> Spectrum:
+    """Frequencies in Hz without zero, and ``sqrt(S)`` there, both (m,), of ``values`` (n,) over ``time``.
+
+    Raises:
+        PlotError: if there are too few samples or one is not finite; ``of`` says whose they are.
+    """
     n = len(values)
     if n < LEAST_SAMPLES:
-        raise PlotError(f"spectrum of {response.model}: {n} samples, at least {LEAST_SAMPLES} are needed")
+        raise PlotError(f"spectrum of {of}: {n} samples, at least {LEAST_SAMPLES} are needed")
     if not np.isfinite(values).all():
-        raise PlotError(f"spectrum of {response.model}: the response is not finite (the model diverged)")
-    rate = (n - 1) / (response.time[-1] - response.time[0])
+        raise PlotError(f"spectrum of {of}: the response is not finite (the model diverged)")
+    rate = (n - 1) / (time[-1] - time[0])
     length = max(LEAST_SAMPLES // 2, n // SEGMENTS)
     frequency, power = signal.welch(values, rate, window="hann", nperseg=length, detrend="constant")
     return _logarithmic(frequency[1:], power[1:])

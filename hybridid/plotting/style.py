@@ -9,8 +9,8 @@ from __future__ import annotations
 import functools
 import os
 import tempfile
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ParamSpec
@@ -146,10 +146,15 @@ def new_figure(width: float, height: float, title: str, provenance: str) -> Figu
     return figure
 
 
-def save(plot: Plot, folder: str | os.PathLike[str], name: str | None = None) -> list[Path]:
-    """Write ``plot`` as SVG, PDF and PNG into ``folder`` and return the three paths.
+def save(
+    plot: Plot,
+    folder: str | os.PathLike[str],
+    name: str | None = None,
+    kinds: Sequence[str] = ("svg", "pdf", "png"),
+) -> list[Path]:
+    """Write ``plot`` into ``folder``, one file for each of ``kinds``, and return their paths.
 
-    All three are drawn under temporary names first, so that none is ever half-written. Each
+    All are drawn under temporary names first, so that none is ever half-written. Each
     carries its caption and its provenance as metadata, and no date: equal data, equal bytes.
     """
     folder, name = Path(folder), name or plot.name
@@ -161,9 +166,22 @@ def save(plot: Plot, folder: str | os.PathLike[str], name: str | None = None) ->
         "png": {"Title": name, "Description": about, "Keywords": plot.provenance},
     }
     with context(), tempfile.TemporaryDirectory(dir=folder, prefix=".figure-") as scratch:
-        for kind, entries in metadata.items():
-            plot.figure.savefig(Path(scratch) / f"figure.{kind}", dpi=PNG_DPI, metadata=entries)
-        paths = [folder / f"{name}.{kind}" for kind in metadata]
+        with _laid_out(plot.figure):
+            for kind in kinds:
+                plot.figure.savefig(Path(scratch) / f"figure.{kind}", dpi=PNG_DPI, metadata=metadata[kind])
+        paths = [folder / f"{name}.{kind}" for kind in kinds]
         for path in paths:
             (Path(scratch) / f"figure{path.suffix}").replace(path)
     return paths
+
+
+@contextmanager
+def _laid_out(figure: Figure) -> Iterator[None]:
+    """The layout found once, then kept: else each file is drawn twice, to find it anew."""
+    engine = figure.get_layout_engine()
+    figure.draw_without_rendering()
+    figure.set_layout_engine(None)
+    try:
+        yield
+    finally:
+        figure.set_layout_engine(engine)

@@ -1,11 +1,14 @@
-"""What the thesis printed, table by table, and which of our results stands beside each number.
+"""What a chapter of the thesis shows, as data: each number it printed and where ours stands in the run trees.
 
-Source: PUC-Rio thesis (2023), Tables 6.2 to 6.4. Where a table needs care, ``care`` says so on the page.
+Source: PUC-Rio thesis (2023), Tables 4.2 to 6.4. ``care`` are the errata that bear on a table.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
+
+Measure = Literal["rmse", "mse"]
 
 
 @dataclass(frozen=True)
@@ -17,97 +20,91 @@ class ParameterOf:
 
 
 @dataclass(frozen=True)
-class MetricOf:
-    """Our score in an experiment: of the records with ``role``, one ``output`` in one ``view``."""
+class ScoreOf:
+    """Our score in an experiment: of the record with ``role``, of the gray box or of the hybrid."""
 
     experiment: str
     role: str
     output: str
-    view: str
-    quantity: str
+    of: Literal["gray box", "hybrid"] = "gray box"
+    view: str = "free_run"
 
 
 @dataclass(frozen=True)
-class Entry:
-    """One number: its label, the thesis' value (None: the thesis has none), its unit, and ours."""
+class NetworkOf:
+    """Our score of one network of a grid: the hybrid of this ``depth`` and ``width`` in free run."""
+
+    experiment: str
+    role: str
+    output: str
+    depth: int
+    width: int
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """A row of estimates: the thesis' value (None: it prints none) and ours."""
 
     label: str
     thesis: float | None
-    unit: str
-    ours: ParameterOf | MetricOf
+    ours: ParameterOf
 
 
 @dataclass(frozen=True)
-class ThesisTable:
-    """A table of the thesis; ``care`` are the errata that bear on it."""
+class EveryEstimate:
+    """A row for each parameter that ``experiment`` estimated; the thesis' values are not legible."""
+
+    label: str
+    experiment: str
+
+
+@dataclass(frozen=True)
+class Printed:
+    """The thesis' error and R² of a model, and the reduction in % that it printed beside them."""
+
+    error: float
+    r2: float
+    reduction: float | None = None
+
+
+@dataclass(frozen=True)
+class Scores:
+    """A row of scores. ``against`` is the label of the row whose error this one reduces; "" for none."""
+
+    label: str
+    thesis: Printed | None
+    ours: ScoreOf | NetworkOf
+    against: str = ""
+
+
+@dataclass(frozen=True)
+class EstimateTable:
+    """A table of estimates."""
 
     number: str
     title: str
-    entries: tuple[Entry, ...]
+    rows: tuple[Estimates | EveryEstimate, ...]
     care: tuple[str, ...] = ()
 
 
-_FREE, _HORIZON, _DIRECTION = "emps_free_run", "emps_horizon", "emps_direction"
-_RMSE = (
-    'The thesis heads this column "MSE". It is the RMSE in metres: 1 - 0.0049²/0.006833 = 0.9965, its own R².'
-)
-_OPTIMUM = (
-    "The thesis' gray box is not at its optimum: the same model fitted here in free run has a lower error, "
-    "and other values."
-)
-_HORIZONS = (
-    "EMPS integrates: over the whole record a 3 % change of friction grows to millimetres. The last rows "
-    "score horizons of 1 s, each from its own estimated initial state; the thesis has no such view."
-)
+@dataclass(frozen=True)
+class ScoreTable:
+    """A table of errors and of R²; an error in SI units times ``factor`` is one in ``unit``."""
+
+    number: str
+    title: str
+    measure: Measure
+    unit: str
+    rows: tuple[Scores, ...]
+    care: tuple[str, ...] = ()
+    factor: float = 1.0
 
 
-def _score(
-    label: str, thesis: float | None, unit: str, experiment: str, role: str, view: str, what: str
-) -> Entry:
-    return Entry(label, thesis, unit, MetricOf(experiment, role, "position", view, what))
+ThesisTable = EstimateTable | ScoreTable
 
 
-def _scores(role: str, rmse: float, r2: float) -> tuple[Entry, ...]:
-    return (
-        _score("gray box, free run, RMSE", rmse, "m", _FREE, role, "free_run", "rmse"),
-        _score("gray box, free run, R²", r2, "", _FREE, role, "free_run", "r2"),
-        _score("gray box fitted over 1 s, horizons, RMSE", None, "m", _HORIZON, role, "horizon", "rmse"),
-        _score(
-            "with viscous friction by direction, horizons, RMSE",
-            None,
-            "m",
-            _DIRECTION,
-            role,
-            "horizon",
-            "rmse",
-        ),
-    )
-
-
-TABLES: tuple[ThesisTable, ...] = (
-    ThesisTable(
-        "6.2",
-        "EMPS, estimates of the gray box",
-        (
-            Entry("M", 95.4520, "kg", ParameterOf(_FREE, "M")),
-            Entry("f_v", 214.9261, "N·s/m", ParameterOf(_FREE, "carriage.viscous.f_v")),
-            Entry("f_c", 19.3607, "N", ParameterOf(_FREE, "carriage.coulomb.f_c")),
-            Entry("offset", -3.2902, "N", ParameterOf(_FREE, "carriage.offset.offset")),
-            Entry("M, fitted over 1 s", None, "kg", ParameterOf(_HORIZON, "M")),
-            Entry("f_v, fitted over 1 s", None, "N·s/m", ParameterOf(_HORIZON, "carriage.viscous.f_v")),
-            Entry("f_c, fitted over 1 s", None, "N", ParameterOf(_HORIZON, "carriage.coulomb.f_c")),
-            Entry("offset, fitted over 1 s", None, "N", ParameterOf(_HORIZON, "carriage.offset.offset")),
-            Entry(
-                "Fv− − Fv+, by direction",
-                None,
-                "N·s/m",
-                ParameterOf(_DIRECTION, "carriage.asymmetric_viscous.df_v"),
-            ),
-        ),
-        ("The thesis prints f_c in N·s/m; a Coulomb friction is a force, N.", _OPTIMUM),
-    ),
-    ThesisTable(
-        "6.3", "EMPS, identification record", _scores("identification", 0.0049, 0.9965), (_RMSE, _HORIZONS)
-    ),
-    ThesisTable("6.4", "EMPS, validation record", _scores("validation", 0.0069, 0.9930), (_RMSE, _HORIZONS)),
-)
+def experiments_of(table: ThesisTable) -> set[str]:
+    """The experiments that a table's numbers come from."""
+    if isinstance(table, ScoreTable):
+        return {row.ours.experiment for row in table.rows}
+    return {row.experiment if isinstance(row, EveryEstimate) else row.ours.experiment for row in table.rows}

@@ -1,0 +1,64 @@
+"""Figures of Chapter 4: the vehicle over the bump."""
+
+from __future__ import annotations
+
+from hybridid.plotting.style import Plot
+from pipelines.thesis.chapter4 import EXPERIMENT, PITCH, VELOCITY
+from pipelines.thesis.figure import Draw, Figure, plot_of
+from pipelines.thesis.views import Runs, error_panel, response_panel, scatter_panel, signal_panels
+
+OUTPUTS = {"vertical velocity": VELOCITY, "pitch rate": PITCH}
+
+
+def _filtered(runs: Runs) -> Plot:
+    run = runs[EXPERIMENT]
+    record = run.record("identification")
+    panels = signal_panels(record, (PITCH, "vertical_acceleration"), run.raw("identification"))
+    return plot_of(record, "pitch rate and vertical acceleration before and after the filter", panels)
+
+
+def _used(runs: Runs) -> Plot:
+    record = runs[EXPERIMENT].record("identification")
+    said = "pitch rate and vertical velocity that the models are fitted to"
+    return plot_of(record, said, signal_panels(record, (PITCH, VELOCITY)))
+
+
+def _responses(role: str) -> Draw:
+    def draw(runs: Runs) -> Plot:
+        run = runs[EXPERIMENT]
+        panels = [response_panel(word, run.both(role, name), focus=False) for word, name in OUTPUTS.items()]
+        return plot_of(run.record(role), "data, gray box and hybrid in free run", panels, row=44.0)
+
+    return draw
+
+
+def _errors(role: str) -> Draw:
+    def draw(runs: Runs) -> Plot:
+        run = runs[EXPERIMENT]
+        panels = [error_panel(word, run.both(role, name), focus=False) for word, name in OUTPUTS.items()]
+        return plot_of(run.record(role), "errors of gray box and hybrid in free run", panels)
+
+    return draw
+
+
+def _scatter(role: str) -> Draw:
+    def draw(runs: Runs) -> Plot:
+        run = runs[EXPERIMENT]
+        panels = [scatter_panel(word, run.both(role, name)) for word, name in OUTPUTS.items()]
+        said = "models over data, sample by sample; a perfect model lies on the line"
+        return plot_of(run.record(role), said, panels, columns=2, row=84.0)
+
+    return draw
+
+
+FIGURES = (
+    Figure("4.3", "pitch rate and vertical acceleration, recorded and filtered", _filtered),
+    Figure("4.4", "pitch rate and vertical velocity that the method uses", _used),
+    Figure("4.7", "data, gray box and hybrid", _responses("identification")),
+    Figure("4.8", "errors of gray box and hybrid", _errors("identification")),
+    Figure("4.9", "data against models", _scatter("identification")),
+    Figure(
+        "", "data, gray box and hybrid at the held-out speed", _responses("validation"), "vehicle-held-out"
+    ),
+)
+NOT_DRAWN = "Figures 4.1, 4.2, 4.5 and 4.6 are a bump's dimensions, a photograph, a sketch and a diagram."
