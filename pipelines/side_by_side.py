@@ -18,7 +18,7 @@ from pipelines.watch import Watcher
 
 Given = TypeVar("Given")
 Result = TypeVar("Result")
-THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 PATIENCE = 10.0
 """Seconds that a worker has to tidy up when it is told to stop."""
 BETWEEN = 0.2

@@ -60,9 +60,10 @@ def draw(
     label: str,
     starts: Array | None = None,
     steps: bool = False,
+    blocks: int = BLOCKS,
 ) -> Line2D:
-    """A line through the extremes of ``y``, interrupted before each of ``starts``."""
-    x, y = thin(np.asarray(x, float), np.asarray(y, float), BLOCKS)
+    """A line through the extremes of ``y`` in ``blocks``, interrupted before each of ``starts``."""
+    x, y = thin(np.asarray(x, float), np.asarray(y, float), blocks)
     if starts is not None and len(starts):
         x, y = broken(x, y, starts)
     return axes.plot(

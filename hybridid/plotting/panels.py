@@ -18,6 +18,7 @@ from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
 
 ROW = 34.0  # mm
+BLOCKS = 350  # extremes per line: panels are narrower than a figure
 DOTS = 700  # of a scatter; more only makes it opaque
 DECADES = 5.0  # of a logarithmic panel shown below its highest value
 
@@ -88,13 +89,14 @@ def panels_plot(
     handles: dict[str, Line2D] = {}
     for number, panel in enumerate(panels):
         at, place = divmod(number, columns)
+        before = len(figure.axes)
         axes = figure.add_subplot(grid[at, parts * place])
         drawn, scales = _panel(axes, panel, 0.7 / columns)
         handles = {**drawn, **handles}
         if beside and panel.focus is not None:
             _enlarged(figure.add_subplot(grid[at, parts * place + 1]), axes, panel, scales)
         if number + columns < len(panels) and panels[number + columns].x == panel.x:
-            for shown in figure.axes[-parts:]:
+            for shown in figure.axes[before:]:
                 shown.set_xlabel("")
     legend_on_top(figure, list(handles.values()))
     figure.align_ylabels()
@@ -107,7 +109,7 @@ def _panel(axes: Axes, panel: Panel, room: float) -> tuple[dict[str, Line2D], tu
     y = scale_for(*panel.y, first.y, *([] if panel.kind == "series" else [line.y for line in panel.lines]))
     x = Scale(panel.x[0], 1.0, panel.x[1]) if panel.kind == "spectrum" else scale_for(*panel.x, first.x)
     x = y if panel.kind == "scatter" else x
-    x = Scale(panel.x[0], x.factor, x.unit)
+    x = Scale(panel.x[0].replace("_", " "), x.factor, x.unit)
     handles = {line.label: _line(axes, panel.kind, line, x, y) for line in panel.lines}
     _LIMITS[panel.kind](axes, panel, x, y)
     axes.set_xlabel(x.label)
@@ -118,12 +120,14 @@ def _panel(axes: Axes, panel: Panel, room: float) -> tuple[dict[str, Line2D], tu
 
 def _line(axes: Axes, kind: Kind, line: Line, x: Scale, y: Scale) -> Line2D:
     if kind != "scatter":
-        return draw(axes, line.x * x.factor, line.y * y.factor, line.look, line.label)
+        at = (line.x * x.factor, line.y * y.factor)
+        return draw(axes, *at, line.look, line.label, blocks=BLOCKS)
     step = max(1, len(line.x) // DOTS)
     dots = (line.x[::step] * x.factor, line.y[::step] * y.factor)
     return axes.plot(
-        *dots, ".", color=line.look.colour, markersize=2.4, markeredgewidth=0, alpha=0.7, label=line.label
-    )[0]
+        *dots, ".", color=line.look.colour, markersize=3.0, markeredgewidth=0, alpha=0.6, label=line.label,
+        rasterized=True,
+    )[0]  # fmt: skip
 
 
 def _limit_series(axes: Axes, panel: Panel, x: Scale, y: Scale) -> None:

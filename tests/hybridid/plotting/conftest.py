@@ -13,12 +13,14 @@ from hybridid.estimators.settings import FitSettings
 from hybridid.plotting.comparison import comparison_plot
 from hybridid.plotting.error import error_plot
 from hybridid.plotting.friction import FrictionCurve, FrictionData, friction_plot
+from hybridid.plotting.looks import DATA, look
+from hybridid.plotting.panels import Kind, Line, Panel, panels_plot
 from hybridid.plotting.parameters import parameters_plot
 from hybridid.plotting.raincloud import raincloud_plot
 from hybridid.plotting.record import record_plot
 from hybridid.plotting.residual_correlation import residual_correlation_plot
 from hybridid.plotting.series import Response
-from hybridid.plotting.spectrum import spectrum_plot
+from hybridid.plotting.spectrum import amplitude_density, spectrum_plot
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot
 from hybridid.records.record import Channel, Record
 from hybridid.validation import Prediction, residual_tests
@@ -33,6 +35,9 @@ FIGURES = (
     "residual_correlation",
     "raincloud",
     "parameters",
+    "panels",
+    "scatter",
+    "spectra",
 )
 PORT = Port("carriage", "effort", effort_unit="N", effort_scale=30, position_unit="m", velocity_scale=0.1)
 NAMES = ("M", "carriage.viscous.f_v", "carriage.coulomb.f_c", "carriage.offset.offset")
@@ -117,6 +122,25 @@ def make_estimate(values: tuple[float, ...] = (91.16, 190.2, 22.18, -3.36), **of
     )  # fmt: skip
 
 
+def make_panels(record: Record, kind: Kind, width: float) -> Plot:
+    """Two panels of one kind, on the data of ``make_responses``; those over time with a part enlarged."""
+    data, model = make_responses(record)[:2]
+    x, y = ("time", "s"), ("position_of_the_carriage", "m")
+    lines = [Line(record.provenance, data.time, data.measured, DATA)]
+    lines.append(Line("a model", data.time, model.predicted, look(0)))
+    if kind == "scatter":
+        x, lines = y, [Line("a model", data.measured, model.predicted, look(0))]
+    if kind == "spectrum":
+        x, y = ("frequency", "Hz"), ("amplitude density", "m/√Hz")
+        lines = [Line(n.label, *amplitude_density(n.x, n.y, n.label), n.look) for n in lines]
+    focus = (9.0, 11.0) if kind == "series" else None
+    panels = [Panel(title, x, y, lines, kind, focus) for title in ("first", "second")]
+    name = {"series": "panels", "scatter": "scatter", "spectrum": "spectra"}[kind]
+    columns, row = (2, 84.0) if kind == "scatter" else (1, 40.0)
+    caption = f"Two panels ({record.provenance})."
+    return panels_plot(name, record.name, panels, caption, record.provenance, columns, row, width)
+
+
 def declared() -> list[Parameter]:
     scales = (80.0, 150.0, 9.0, 30.0)
     guesses = (80.0, 150.0, 9.0, 0.0)
@@ -144,6 +168,9 @@ def make_plot(name: str, simulated: bool = False, width: float = DOUBLE_COLUMN) 
             *where,
             width,
         ),
+        "panels": lambda: make_panels(record, "series", width),
+        "scatter": lambda: make_panels(record, "scatter", width),
+        "spectra": lambda: make_panels(record, "spectrum", width),
     }
     return makers[name]()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import matplotlib
 import pytest
 from PIL import Image
@@ -78,3 +80,26 @@ def test_a_cut_keeps_both_ends():
     assert cut("viscous, number 12", 10) == "visco…r 12"
     assert cut("viscous", 7) == "viscous"
     assert all(len(cut("a longish name of something", n)) <= n for n in range(4, 27))
+
+
+def test_only_the_kinds_asked_for_are_written(tmp_path):
+    plot = Plot(new_figure(88, 40, "a", "measured"), "a", "A.")
+    assert save(plot, tmp_path, kinds=("svg",)) == [tmp_path / "a.svg"]
+    assert [path.name for path in tmp_path.iterdir()] == ["a.svg"]
+
+
+def test_saving_keeps_the_figures_layout(tmp_path):
+    plot = Plot(new_figure(88, 40, "a", "measured"), "a", "A.")
+    engine = plot.figure.get_layout_engine()
+    save(plot, tmp_path)
+    assert plot.figure.get_layout_engine() is engine
+
+
+def test_coordinates_of_an_svg_are_short_and_true(tmp_path):
+    figure = new_figure(88, 40, "a", "measured")
+    figure.subplots().plot([0, 1 / 3], [0, 2 / 3])
+    text = save(Plot(figure, "a", "A."), tmp_path, kinds=("svg",))[0].read_text()
+    paths = re.findall(r' d="([^"]*)"', text)
+    assert paths
+    assert not re.search(r"\.\d{3}", " ".join(paths))
+    assert "scale(0.015625)" in text  # what is no coordinate stays whole
