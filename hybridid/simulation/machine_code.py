@@ -41,20 +41,22 @@ fit simulates ten times and more."""
 
 @dataclass(frozen=True, eq=False)
 class Code:
-    """One step of ``integrator`` over ``h`` seconds, differentiated by initial states and ``free``."""
+    """One step of ``integrator`` over ``h`` seconds, differentiated by initial states and ``free``, for
+    simulations of ``steps`` such steps."""
 
     model: Model
     free: tuple[str, ...]
     integrator: str
     h: float
     held: bool
+    steps: int
 
-    def worth_it(self, windows: Windows) -> bool:
-        """Whether to simulate ``windows`` by machine code."""
-        if _compiler() is None:
+    @cached_property
+    def worth_it(self) -> bool:
+        """Whether to simulate by machine code."""
+        if _compiler() is None or self.steps * self._functions[0].n_instructions() < WORTH:
             return False
-        steps = windows.count * windows.length * windows.substeps
-        return steps * self._functions[0].n_instructions() > WORTH and self._library is not None
+        return self._library is not None
 
     def __call__(self, windows: Windows, x0: Array, p: Array, sensitivities: bool) -> tuple[Array, ...]:
         """States (w, H, n_x), outputs (w, H, n_y), final states (w, n_x) and, if asked for (else empty),

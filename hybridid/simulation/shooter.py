@@ -64,22 +64,23 @@ class Shooter:
 
     def __call__(self, x0: Array, p: Array, sensitivities: bool = False) -> Shot:
         """Simulate every horizon from ``x0`` (w, n_x) at the parameters ``p`` (n_p,)."""
-        if self.code.worth_it(self.windows):
+        if self.code.worth_it:
             states, outputs, final, slopes = self.code(self.windows, x0, p, sensitivities)
             return _shot(states, outputs, final, slopes if sensitivities else None)
         return self._interpreted(x0, p, sensitivities)
 
     def over(self, windows: Windows) -> Shooter:
-        """The same over other horizons of the same records."""
+        """The same over other horizons of the same records, by the same code."""
         other = replace(self, windows=windows)
-        other.__dict__["code"] = self.code  # compiled once for all of them
+        other.__dict__["code"] = self.code
         return other
 
     @cached_property
     def code(self) -> Code:
         """One step, as machine code."""
         w = self.windows
-        return Code(self.model, self.free, self.integrator, w.dt / w.substeps, w.held)
+        steps = w.count * w.length * w.substeps
+        return Code(self.model, self.free, self.integrator, w.dt / w.substeps, w.held, steps)
 
     def _interpreted(self, x0: Array, p: Array, sensitivities: bool) -> Shot:
         w, length, count = self.windows.count, self.windows.length, self.windows.chunk

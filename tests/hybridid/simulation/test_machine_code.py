@@ -38,7 +38,7 @@ def test_the_same_numbers_as_interpreted(carriage, make_model, hold, integrator)
     for sensitivities in (False, True):
         ours = shooter(x0, model.values(), sensitivities)
         theirs = shooter._interpreted(x0, model.values(), sensitivities)
-        assert shooter.code.worth_it(shooter.windows)
+        assert shooter.code.worth_it
         for name in ("outputs", "states", "final", "by_state", "by_parameter"):
             a, b = getattr(ours, name), getattr(theirs, name)
             np.testing.assert_allclose(a, b, rtol=1e-10, atol=1e-12 * np.abs(b).max(initial=1e-300))
@@ -68,7 +68,7 @@ def test_without_a_compiler_everything_is_interpreted(carriage, make_model, monk
     monkeypatch.setattr(machine_code, "_compiler", lambda: None)
     shooter = shooter_of(carriage, make_model)
     x0 = np.zeros((shooter.windows.count, len(shooter.model.states)))
-    assert not shooter.code.worth_it(shooter.windows)
+    assert not shooter.code.worth_it
     assert shooter(x0, shooter.model.values()).outputs.shape == (*shooter.windows.used.shape, 1)
 
 
@@ -80,4 +80,4 @@ def test_a_compiler_that_fails_is_named_once(carriage, make_model, monkeypatch, 
     monkeypatch.setattr(machine_code, "_LIBRARIES", {})
     shooter = shooter_of(carriage, make_model)
     with pytest.warns(UserWarning, match="fails \\(no such option\\): models are interpreted"):
-        assert not shooter.code.worth_it(shooter.windows)
+        assert not shooter.code.worth_it
