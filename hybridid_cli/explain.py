@@ -14,7 +14,7 @@ from hydra.errors import (
 from omegaconf.errors import OmegaConfBaseException
 
 from hybridid_cli.config_files import groups, keys, options, user_folders
-from pipelines.errors import ConfigError, unknown
+from pipelines.errors import ConfigError, Incomplete, unknown
 
 FAILED = 1
 WRONG_REQUEST = 2
@@ -27,7 +27,7 @@ def explained(error: Exception, command: str, words: Sequence[str]) -> tuple[str
         return str(error), WRONG_REQUEST
     if isinstance(error, (HydraException, OmegaConfBaseException)):
         return _config_problem(error, command, words), WRONG_REQUEST
-    if isinstance(error, ValueError):  # RecordError and the like speak for themselves
+    if isinstance(error, (ValueError, Incomplete)):  # RecordError and the like speak for themselves
         return one_line(str(error)), FAILED
     return f"{type(error).__name__}: {one_line(str(error))}{_MAKERS_HINT}", FAILED
 

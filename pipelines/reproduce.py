@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipelines.config import Settings
-from pipelines.errors import ConfigError
+from pipelines.errors import ConfigError, Incomplete
 from pipelines.page import Page
 from pipelines.runner import run_stages
 from pipelines.side_by_side import Died, side_by_side
@@ -26,10 +26,6 @@ from pipelines.watch import Watcher
 LAST_STAGE = "validate"
 """Experiments run up to here: the page draws the thesis' figures itself, ``hybridid plot`` all others."""
 _LONGEST = 300
-
-
-class Incomplete(RuntimeError):
-    """Some experiments failed; the page of the others is written."""
 
 
 @dataclass(frozen=True)

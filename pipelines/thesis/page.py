@@ -46,7 +46,7 @@ _RIG = (
     "The thesis' recordings of this machine are not public: a virtual rig repeats its experiment. Our "
     "numbers are simulated and say how the method behaves, not how the thesis' machine does."
 )
-_STANDS_IN = "The measured records were not found; the virtual rig stands in, and its numbers are simulated."
+_STANDS_IN = "The measured records were not used; the virtual rig stands in, and its numbers are simulated."
 _READ = (
     "± gives the 95 % interval of an estimate, with autocorrelated residuals allowed for. SI units. Scores "
     "without another word are of free runs over the whole record."

@@ -100,12 +100,13 @@ def _our_reduction(row: Scores, measure: Measure, found: dict[str, FoundScore | 
 
 
 def _patterns(table: ScoreTable, found: dict[str, FoundScore | Missing]) -> tuple[str, ...]:
-    """How the rows' reductions compare, for each row that reductions are measured against."""
+    """How the rows' reductions compare. Where each row has a gray box of its own, that one names it."""
+    several = len({row.against for row in table.rows if row.thesis is not None and row.against}) > 1
     improved: list[Improved] = []
     for row in table.rows:
         thesis, ours = _thesis_reduction(row, table), _our_reduction(row, table.measure, found)
         if row.thesis is not None and thesis is not None and ours is not None:
-            improved.append(Improved(row.label, thesis, ours))
+            improved.append(Improved(row.against if several else row.label, thesis, ours))
     data = sorted({f.provenance for f in found.values() if isinstance(f, FoundScore)})
     return pattern(improved, " and ".join(data))
 
