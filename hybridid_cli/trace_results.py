@@ -25,6 +25,8 @@ def trace_results(tree: Path) -> list[RenderableType]:
     if data["accepted"]:
         parts.append(_accepted(data))
     parts.append(_before_after(data))
+    if data["completeness"]:
+        parts.append(_completeness(data["completeness"]))
     parts += [
         Text(
             f"tried {len(data['rejected']) + len(data['accepted'])} effects in {len(data['steps'])} steps, "
@@ -59,7 +61,8 @@ def _accepted(data: dict[str, Any]) -> RenderableType:
 
 def _before_after(data: dict[str, Any]) -> RenderableType:
     columns = [
-        ("record", ""), ("output", ""), ("view", ""), ("RMSE before", "right"), ("after", "right"),
+        ("record", ""), ("output", ""), ("view", ""), ("network", ""),
+        ("RMSE before", "right"), ("after", "right"),
         ("change", "right"), ("R² before", "right"), ("after", "right"), ("data", ""),
     ]  # fmt: skip
     made = table("Before and after", columns)
@@ -68,6 +71,7 @@ def _before_after(data: dict[str, Any]) -> RenderableType:
             f"{before['record']} ({before['role']})",
             before["output"],
             "free run" if before["view"] == "free_run" else f"horizon {before['horizon']:g} s",
+            "with" if before["network"] else "–",
             quantity(before["rmse"], before["unit"]),
             quantity(after["rmse"], after["unit"]),
             _change(before["rmse"], after["rmse"]),
@@ -76,6 +80,14 @@ def _before_after(data: dict[str, Any]) -> RenderableType:
             Text(before["provenance"], style="bold magenta" if before["provenance"] == "simulated" else ""),
         )
     return made
+
+
+def _completeness(check: dict[str, Any]) -> Text:
+    outcome = "nothing that it could find is left" if check["complete"] else "it finds what no effect names"
+    return Text(
+        f"completeness: a network ({check['network']}) takes {share(max(check['gain'], 0.0))} from the "
+        f"held-out error that is left, {share(max(check['gain_before'], 0.0))} from that before: {outcome}"
+    )
 
 
 def _change(before: float | None, after: float | None) -> str:

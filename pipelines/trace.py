@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hybridid.plotting.style import save
+from hybridid.records.record import Record
 from hybridid.trace.ceiling import Ceiling, ceiling
 from hybridid.trace.refit import Refit
 from hybridid.trace.search import Mapper
@@ -27,6 +28,7 @@ from pipelines.page import Picture
 from pipelines.sources import sources_of
 from pipelines.stage import Job, Stage
 from pipelines.storage import write_json
+from pipelines.trace_complete import completed
 from pipelines.trace_figures import Gallery
 from pipelines.trace_missing import Missing, missing_efforts, write_missing
 from pipelines.trace_page import trace_page
@@ -55,8 +57,12 @@ def run(job: Job) -> None:
         )
         proofs = _proved(job, request, split, found, mapper)
         ceilings = _ceilings(job, split, found, mapper)
+        networks = completed(
+            proofs, ceilings, _parts(job, split), _ask(job, request, split), mapper, _Report(job)
+        )
         missing = _missing(job, request, split, proofs, mapper)
-    story = Story(job.settings, request, split, *division(prepared, job.settings), found, proofs, ceilings)
+    divided = division(prepared, job.settings)
+    story = Story(job.settings, request, split, *divided, found, proofs, ceilings, networks)
     _write(job, story, missing, began)
 
 
@@ -72,8 +78,23 @@ class _Report:
 
 def _proved(job: Job, request: Request, split: Split, found: Trace, mapper: Mapper) -> list[Proof]:
     """The declared model and, if anything was accepted, the augmented one."""
-    counts = [len(part) for part in division(prepared_records(job.tree), job.settings)]
-    fitted, others = split.records[: counts[0]], split.records[counts[0] :]
+    ask, parts = _ask(job, request, split), _parts(job, split)
+    asked = {BEFORE: _first(found), AFTER: found.search.final} if found.accepted else {BEFORE: _first(found)}
+    places = [(name, base.model, base.values, *parts, ask) for name, base in asked.items()]
+    proofs: list[Proof] = []
+    for proof in mapper(prove, places):
+        proofs.append(proof)
+        _Report(job)("before and after", len(proofs), len(places), proof.name)
+    return proofs
+
+
+def _parts(job: Job, split: Split) -> tuple[Sequence[Record], Sequence[Record]]:
+    """The fitted records and the others."""
+    fitted = len(division(prepared_records(job.tree), job.settings)[0])
+    return split.records[:fitted], split.records[fitted:]
+
+
+def _ask(job: Job, request: Request, split: Split) -> Ask:
     settings = replace(
         fit_settings(job.settings),
         method="gauss_newton",
@@ -81,14 +102,7 @@ def _proved(job: Job, request: Request, split: Split, found: Trace, mapper: Mapp
         continuation=(1.0,),
         starts=1,
     )
-    ask = Ask(settings, request.horizon, str(job.settings["validate.initial_state"]))
-    asked = {BEFORE: _first(found), AFTER: found.search.final} if found.accepted else {BEFORE: _first(found)}
-    places = [(name, base.model, base.values, fitted, others, ask) for name, base in asked.items()]
-    proofs: list[Proof] = []
-    for proof in mapper(prove, places):
-        proofs.append(proof)
-        _Report(job)("before and after", len(proofs), len(places), proof.name)
-    return proofs
+    return Ask(settings, request.horizon, str(job.settings["validate.initial_state"]))
 
 
 def _first(found: Trace) -> Refit:

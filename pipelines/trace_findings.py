@@ -63,7 +63,7 @@ def path_entries(search: Search) -> list[dict[str, Any]]:
     """Held-out error over horizons, from the declared model to the last, at each change."""
     entries = [{"label": "declared model", **_scores(search.steps[0].base if search.steps else search.final)}]
     following = [*(step.base for step in search.steps[1:]), search.final]
-    for step, after in zip(search.steps, following, strict=True):
+    for step, after in zip(search.steps, following, strict=False):  # no step where the floor is met at once
         if step.accepted is not None:
             entries.append({"label": _change(step), **_scores(after)})
     return entries

@@ -62,13 +62,15 @@ def _of(pictures: Sequence[Picture], kind: str) -> tuple[Picture, ...]:
 
 def _scores(data: Data) -> tuple[Table, ...]:
     """A table an output; in it a row a model, those of one record and view together."""
-    models = [data["before"], data["after"]] if data["accepted"] else [data["before"]]
+    rows = [*data["before"], *(data["after"] if data["accepted"] else ())]
+    models = [[r for r in rows if r["model"] == name] for name in dict.fromkeys(r["model"] for r in rows)]
     groups = list(zip(*models, strict=True))
     header = ("record", "", "view", "model", "RMSE", "change", "MSE", "R²", "data")
     notes = (
         f"The gray box: {listed(data['declared'])}. Added: {listed([_name(a) for a in data['accepted']])}. "
         f"Each with every parameter refitted over horizons of {data['horizon']:g} s of "
         f"{listed(data['fitted_records'])}.",
+        *(("The network has seen only the fitted horizons.",) if data["completeness"] else ()),
     )
     tables = []
     for output in data["noise_floor"]:
@@ -216,7 +218,24 @@ def _remaining(data: Data, pictures: tuple[Picture, ...]) -> Section:
         if data["remains"]
         else "No learned effort over velocity or position takes as much from the held-out error as is asked."
     )
-    return Section("What is left", (left, f"Noise floor of the sensors: {floors}."), tuple(tables), pictures)
+    said = (left, *_completeness(data), f"Noise floor of the sensors: {floors}.")
+    return Section("What is left", said, tuple(tables), pictures)
+
+
+def _completeness(data: Data) -> tuple[str, ...]:
+    check = data["completeness"]
+    if check is None:
+        return ()
+    last = AFTER if data["accepted"] else BEFORE
+    outcome = (
+        "nothing that it could find is left"
+        if check["complete"]
+        else "it finds what no effect in the library names"
+    )
+    return (
+        f"Completeness check: a network ({check['network']}) takes {_up_to(check['gain'])} from the held-out "
+        f"error of the {last} (p = {probability(check['p_value'])}): {outcome}.",
+    )
 
 
 def _rules(data: Data) -> Table:

@@ -14,6 +14,8 @@ from hybridid.validation import Prediction, free_run, horizon_run, metrics
 
 BEFORE, AFTER = "gray box", "gray box + effects"
 """What the two models are called wherever a person reads of them."""
+WITH_NETWORK = "{} + network"
+"""What one of them is called with a learned effort beside it."""
 FITTED, HELD_OUT = "fitted", "held out"
 _NO_SCORE = {"mse": None, "rmse": None, "r2": None, "fit_percent": None}
 
@@ -53,24 +55,37 @@ def prove(
 ) -> Proof:
     """Refit ``model`` from ``values`` on all of ``fitted``; score it on every record, in both views."""
     estimate = fit(model, fitted, ask.settings, start_values=values)
+    rows, predictions = scored(name, model, estimate.values, fitted, others, ask)
+    return Proof(name, model, estimate, rows, predictions)
+
+
+def scored(
+    name: str,
+    model: Model,
+    values: Mapping[str, float],
+    fitted: Sequence[Record],
+    others: Sequence[Record],
+    ask: Ask,
+) -> tuple[tuple[dict[str, Any], ...], tuple[Prediction, ...]]:
+    """Metrics rows and predictions of ``model`` at ``values`` on every record, in both views."""
     rows: list[dict[str, Any]] = []
     predictions: list[Prediction] = []
     for role, records in ((FITTED, fitted), (HELD_OUT, others)):
         for record in records:
             for view in ("free_run", "horizon"):
-                row, prediction = _scored(name, model, estimate, record, view, ask)
+                row, prediction = _scored(name, model, values, record, view, ask)
                 rows += [{**r, "role": role} for r in row]
                 predictions += prediction
-    return Proof(name, model, estimate, tuple(rows), tuple(predictions))
+    return tuple(rows), tuple(predictions)
 
 
 def _scored(
-    name: str, model: Model, estimate: Estimate, record: Record, view: str, ask: Ask
+    name: str, model: Model, values: Mapping[str, float], record: Record, view: str, ask: Ask
 ) -> tuple[list[dict[str, Any]], list[Prediction]]:
     """Metrics rows of one record in one view; without numbers where the model diverges."""
     horizon = None if view == "free_run" else ask.seconds
     try:
-        prediction = _predicted(model, estimate, record, horizon, ask)
+        prediction = _predicted(model, values, record, horizon, ask)
     except Diverged as error:
         about = {"model": name, "record": record.name, "view": view, "horizon": horizon, "remark": str(error)}
         scores = {**_NO_SCORE, "n": record.n, "provenance": record.provenance}
@@ -79,9 +94,9 @@ def _scored(
 
 
 def _predicted(
-    model: Model, estimate: Estimate, record: Record, horizon: float | None, ask: Ask
+    model: Model, values: Mapping[str, float], record: Record, horizon: float | None, ask: Ask
 ) -> Prediction:
     integrator = ask.settings.integrator
     if horizon is None:
-        return free_run(model, estimate.values, record, ask.initial_state, integrator)
-    return horizon_run(model, estimate.values, record, round(horizon / record.dt), integrator)
+        return free_run(model, values, record, ask.initial_state, integrator)
+    return horizon_run(model, values, record, round(horizon / record.dt), integrator)

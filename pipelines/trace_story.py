@@ -13,6 +13,7 @@ from hybridid.trace.verdict import Trace
 from pipelines.augmented import augmented, commands
 from pipelines.config import Settings
 from pipelines.findings import Prepared
+from pipelines.trace_complete import Completed, completeness
 from pipelines.trace_findings import (
     accepted_entries,
     ceiling_entry,
@@ -30,7 +31,7 @@ from pipelines.trace_words import listed, sentence
 @dataclass(frozen=True)
 class Story:
     """A finished trace. ``proofs`` are of the declared and, if anything was accepted, the augmented model,
-    ``ceilings`` theirs; ``fitted`` and ``held_out`` are the records that served each way."""
+    ``ceilings`` and ``networks`` theirs; ``fitted`` and ``held_out`` are the records that served each way."""
 
     settings: Settings
     request: Request
@@ -40,6 +41,7 @@ class Story:
     found: Trace
     proofs: Sequence[Proof]
     ceilings: Sequence[Sequence[Ceiling]]
+    networks: Sequence[Completed]
 
     @property
     def provenance(self) -> str:
@@ -61,6 +63,12 @@ class Story:
         paths = {path.partition(":")[2]: path for path in own_effects(self.settings)}
         return augmented(self.settings, terms, paths, self.proofs[-1].estimate)
 
+    def _rows(self, model: int) -> list[dict[str, Any]]:
+        """Metrics of a proved model, and of it with the network of the completeness check."""
+        alone = [{**row, "network": False} for row in self.proofs[model].rows]
+        networks = self.networks[model].rows if self.networks else ()
+        return [*alone, *({**row, "network": True} for row in networks)]
+
     def data(self, model_file: Path, seconds: float) -> dict[str, Any]:
         """``trace.json``."""
         search, before, after = self.found.search, self.proofs[0], self.proofs[-1]
@@ -71,8 +79,8 @@ class Story:
             "sentence": "",
             "accepted": accepted_entries(self.found, after.estimate),
             "rejected": rejected_entries(search),
-            "before": list(before.rows),
-            "after": list(after.rows),
+            "before": self._rows(0),
+            "after": self._rows(-1),
             "noise_floor": floor_entries(self.found, self.found.model),
             "seconds": seconds,
             "declared": [term.name for term in before.model.terms],
@@ -87,7 +95,7 @@ class Story:
                 "after": [ceiling_entry(c) for c in self.ceilings[-1]],
             },
             "remains": list(self.found.remains),
-            "completeness": None,
+            "completeness": completeness(self.networks, self.request.rules),
             "stopped": search.stopped,
             "split": self.split.described,
             "horizon": self.request.horizon,

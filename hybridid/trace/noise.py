@@ -4,22 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_coeffs, savgol_filter
+from scipy.signal import savgol_coeffs, savgol_filter, welch
+from scipy.stats import chi2
 
 from hybridid.records.record import Record
 
 Array = NDArray[np.float64]
 HALF_WIDTH, ORDER = 4, 3
+SEGMENT, QUIETEST = 256, 0.1
 
 
 def noise_level(record: Record) -> Array:
     """Standard deviation of each output's sample noise, shape (n_y,).
 
-    The larger of the quantisation step over sqrt(12) and what a local cubic over
-    ``2 HALF_WIDTH + 1`` samples leaves, corrected for what the cubic itself absorbs. The
-    median makes it a floor: jerks in the motion do not raise it.
+    The larger of the quantisation step over sqrt(12) and of what looks like white noise: the lesser
+    of what a local cubic leaves and of what the quietest frequencies show. The cubic takes fast
+    motion for noise, the spectrum what leaks from strong motion; neither takes noise for motion.
     """
-    return np.array([max(_quantisation(y) / np.sqrt(12), _local(y)) for y in record.outputs.T])
+    return np.array(
+        [max(_quantisation(y) / np.sqrt(12), min(_local(y), _quietest(y))) for y in record.outputs.T]
+    )
 
 
 def _quantisation(y: Array) -> float:
@@ -34,6 +38,10 @@ def _quantisation(y: Array) -> float:
 
 
 def _local(y: Array) -> float:
+    """What a local cubic over ``2 HALF_WIDTH + 1`` samples leaves, less what it absorbs of noise itself.
+
+    The median makes it a floor: jerks in the motion do not raise it.
+    """
     width = 2 * HALF_WIDTH + 1
     if len(y) < 3 * width:
         return 0.0
@@ -41,3 +49,18 @@ def _local(y: Array) -> float:
     kept = 1.0 - savgol_coeffs(width, ORDER)[HALF_WIDTH]
     # The median of |rest| is 0.6745 standard deviations of Gaussian noise.
     return float(np.median(np.abs(rest)) / 0.6745 / np.sqrt(kept))
+
+
+def _quietest(y: Array) -> float:
+    """White noise of the level that the quietest tenth of the frequencies shows (Welch's periodogram).
+
+    A low quantile of a scattered estimate lies below what it scatters about: a chi-squared
+    distribution with two degrees of freedom a segment says by how much.
+    """
+    length = min(SEGMENT, len(y) // 4)
+    if length < 16:
+        return np.inf
+    _, density = welch(y, nperseg=length)
+    degrees = 2 * max(1.0, 1.9 * len(y) / length - 1.0)  # half overlapped
+    level = np.quantile(density[2:-1], QUIETEST) / (chi2.ppf(QUIETEST, degrees) / degrees)
+    return float(np.sqrt(level / 2))

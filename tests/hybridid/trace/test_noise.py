@@ -34,3 +34,9 @@ def test_a_jerk_does_not_raise_the_floor(noise):
     jerky = MOTION + np.cumsum(np.where(np.arange(len(TIME)) % 500 == 250, 1e-3, 0.0))
     (found,) = noise_level(record_of(jerky + noise(len(TIME), 1e-5, seed=4)))
     assert found == pytest.approx(1e-5, rel=0.1)
+
+
+def test_motion_fast_beside_the_samples_is_no_noise(noise):
+    fast = 0.05 * np.sin(2 * np.pi * 115.0 * TIME) + 0.03 * np.sin(2 * np.pi * 60.0 * TIME)
+    (found,) = noise_level(record_of(fast + noise(len(TIME), 1e-4, seed=5)))
+    assert found == pytest.approx(1e-4, rel=0.1)
