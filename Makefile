@@ -11,13 +11,14 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format reproduce-thesis study-coverage clean distclean FORCE
+.PHONY: help install test lint format reproduce-thesis study-coverage league clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
 	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
+	@echo "  ARGS=...         for make league, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
@@ -33,11 +34,14 @@ format: $(READY) ## put every file in the house style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-reproduce-thesis: $(READY) ## the thesis' tables beside what hybridid gets
+reproduce-thesis: $(READY) ## the thesis' tables and figures beside ours: outputs/thesis/index.html
 	$(BIN)/hybridid reproduce
 
 study-coverage: $(READY) ## do the stated 95 % intervals hold the truth? (simulated, minutes)
 	$(BIN)/python benchmarks/interval_coverage.py
+
+league: $(READY) ## which of ours and two rivals names what simulated machines hide? (hours; goes on where it stopped)
+	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.league $(ARGS)
 
 clean: ## remove what tools and builds left behind (never outputs/ or data/)
 	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache

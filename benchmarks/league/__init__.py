@@ -1,0 +1,1 @@
+"""The league: effects planted in virtual rigs, undeclared, and who names them. All its data are simulated."""

@@ -1,0 +1,139 @@
+"""Our player: a trace over the whole library; and the oracle that is told what was planted."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from benchmarks.league.answer import Answer
+from benchmarks.league.machines import CASES
+from benchmarks.league.planting import Hidden
+from benchmarks.league.scenario import Scenario
+from hybridid.effects.library import EFFECTS
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.refit import Refit, refit
+from hybridid.trace.search import CONTINUATION, Search
+from hybridid.trace.split import Split, by_record
+from hybridid.trace.trial import Trial
+from hybridid.trace.verdict import Trace, trace
+
+DETECTABLE = 1e-3
+NAME = "ours"
+
+
+def play(scenario: Scenario, records: tuple[Record, Record], most_effects: int = 2, ids=None) -> Answer:
+    """A trace over the whole library (or the effects ``ids``), with its default rules."""
+    began = time.process_time()
+    effects = [effect for effect in EFFECTS if ids is None or effect.id in ids]
+    split = _split(scenario, records)
+    model = CASES[scenario.machine].model()
+    found = trace(model, split, effects, Rules(most_effects=most_effects))
+    first = found.accepted[0] if found.accepted else None
+    return Answer(
+        player=NAME,
+        named=tuple(one.name for one in found.accepted),
+        alike=tuple(t.candidate.name for t in _class_of_first(found)),
+        values=first.trial.own("values") if first else {},
+        before=_first(found.search).score.loss,
+        after=found.search.final.score.loss,
+        remains=bool(found.remains),
+        seconds=time.process_time() - began,
+        notes={
+            "verdict": found.verdict,
+            "stopped": found.search.stopped,
+            "steps": [_step_notes(step.trials) for step in found.search.steps],
+        },
+    )
+
+
+def _class_of_first(found: Trace) -> tuple[Trial, ...]:
+    return found.accepted[0].alike if found.accepted else ()
+
+
+def _first(found: Search) -> Refit:
+    return found.steps[0].base if found.steps else found.final
+
+
+def _step_notes(trials: tuple[Trial, ...]) -> list[dict[str, Any]]:
+    """The trials that came nearest, and why each ended as it did."""
+    best = sorted(trials, key=lambda t: -t.gain)[:8]
+    return [
+        {"name": t.candidate.name, "gain": t.gain, "p": t.p_adjusted, "status": t.status, "reason": t.reason}
+        for t in best
+    ]
+
+
+def _split(scenario: Scenario, records: tuple[Record, Record]) -> Split:
+    return by_record(records[:1], records[1:], CASES[scenario.machine].horizon)
+
+
+@dataclass(frozen=True)
+class Oracle:
+    """The true structure against the declared, both fitted by our estimator on the same horizons.
+
+    ``gain`` and ``p_value`` held out; ``error`` of each planted value the truth states, relative to it.
+    """
+
+    gain: float
+    p_value: float
+    before: float
+    after: float
+    error: dict[str, float]
+    seconds: float
+
+    @property
+    def detectable(self) -> bool:
+        return self.p_value < DETECTABLE and self.gain > 0
+
+
+def consult(scenario: Scenario, records: tuple[Record, Record]) -> Oracle | None:
+    """None where nothing is planted.
+
+    It starts from the truth: what it cannot find is not in the records.
+    """
+    if not scenario.hidden:
+        return None
+    began = time.process_time()
+    split = _split(scenario, records)
+    poorer = _declared(CASES[scenario.machine].model(), split)
+    richer = poorer
+    for one in scenario.hidden:
+        richer = _with_truth(richer, one, split)
+    evidence = compare(poorer.score, richer.score)
+    return Oracle(
+        gain=evidence.gain,
+        p_value=evidence.p_value,
+        before=poorer.score.loss,
+        after=richer.score.loss,
+        error={
+            name: error for one in scenario.hidden for name, error in errors_of(one, richer.values).items()
+        },
+        seconds=time.process_time() - began,
+    )
+
+
+def _declared(model: Model, split: Split) -> Refit:
+    from hybridid.trace.verdict import _regressed
+
+    return refit(model, split, [_regressed(model, split)], factors=CONTINUATION)
+
+
+def _with_truth(poorer: Refit, one: Hidden, split: Split) -> Refit:
+    candidate = Candidate(one.effect, one.port)
+    model = candidate.added_to(poorer.model)
+    truth = {f"{one.name}.{name}": value for name, value in one.truth.items()}
+    starts = candidate.starts(model, poorer.values)
+    return refit(model, split, [{**starts[0], **truth}, starts[0]], poorer, poorer.numerics)
+
+
+def errors_of(one: Hidden, values) -> dict[str, float]:
+    """Relative error of each value that the truth states and a fit has found under its qualified name."""
+    return {
+        f"{one.name}.{name}": abs(values[f"{one.name}.{name}"] - true) / abs(true)
+        for name, true in one.truth.items()
+        if true and f"{one.name}.{name}" in values
+    }

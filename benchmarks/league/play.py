@@ -1,0 +1,125 @@
+"""Every scenario before every player, and what came of it: JSON lines that a later run goes on with.
+
+A line is one player's answer to one scenario under one version: the digest of the scenario and of all code
+that decides the answer. A line of another version is not used.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import hybridid
+from benchmarks.league import ours, rivals
+from benchmarks.league.machines import records_of
+from benchmarks.league.scenario import CATEGORIES, Scenario
+
+HERE, PACKAGE = Path(__file__).parent, Path(hybridid.__file__).parent
+ORACLE = "oracle"
+PLAYERS = (ORACLE, ours.NAME, "regression", "regression_own_cutoff", "pysindy")
+_RECORDS = ("bench.py", "laws.py", "machines.py", "planting.py", "rigs")
+_DECIDES = {
+    ORACLE: ("ours.py", "effects", "estimators", "model", "plants", "simulation", "trace"),
+    ours.NAME: ("ours.py", "effects", "estimators", "model", "plants", "simulation", "trace"),
+    "": ("rivals.py", "columns.py", "signals.py", "memory.py", "effects", "plants"),
+}
+Line = Mapping[str, Any]
+
+
+@functools.cache
+def version(player: str) -> str:
+    """SHA-256 of the code that decides what ``player`` answers."""
+    parts = (*_RECORDS, *_DECIDES.get(player, _DECIDES[""]))
+    found = sorted(
+        path
+        for part in parts
+        for path in ([HERE / part] if part.endswith(".py") else (PACKAGE / part).glob("*.py"))
+    )
+    return hashlib.sha256(b"\0".join(path.read_bytes() for path in found)).hexdigest()[:16]
+
+
+def chosen(
+    scenarios: Iterable[Scenario], only: Sequence[str] = (), match: str = "", limit: int | None = None
+) -> list[Scenario]:
+    """Those of the categories ``only`` (empty: all) whose key contains ``match``, at most ``limit`` of each
+    category, evenly spread."""
+    matching = [s for s in scenarios if (not only or s.category in only) and match in s.key]
+    if limit is None:
+        return matching
+    kept: list[Scenario] = []
+    for category in CATEGORIES:
+        part = [s for s in matching if s.category == category]
+        count = min(limit, len(part))
+        kept += [part[k * len(part) // count] for k in range(count)]
+    return kept
+
+
+def answer(scenario: Scenario, players: Sequence[str], most_effects: int = 2) -> list[dict[str, Any]]:
+    """One line a player. What a player raises is its answer, and the league goes on and says so."""
+    records = records_of(scenario)
+    lines = []
+    for player in players:
+        line: dict[str, Any] = {
+            "key": scenario.key,
+            "player": player,
+            "digest": scenario.digest(version(player)),
+            "scenario": {**scenario.described(), "truth": scenario.truth},
+        }
+        try:
+            line["answer"] = _answered(scenario, records, player, most_effects)
+        except Exception:
+            line["failure"] = traceback.format_exc(limit=-3)
+        lines.append(line)
+    return lines
+
+
+def _answered(scenario: Scenario, records, player: str, most_effects: int) -> dict[str, Any] | None:
+    if player == ORACLE:
+        found = ours.consult(scenario, records)
+        return None if found is None else {**vars(found), "detectable": found.detectable}
+    plays: Mapping[str, Callable[..., Any]] = {
+        "regression": rivals.regression,
+        "regression_own_cutoff": rivals.own_cutoff,
+        "pysindy": rivals.pysindy,
+    }
+    if player == ours.NAME:
+        return ours.play(scenario, records, most_effects).described()
+    return plays[player](scenario, records).described()
+
+
+def known(file: Path, scenarios: Iterable[Scenario], players: Sequence[str]) -> dict[tuple[str, str], Line]:
+    """Lines of ``file`` that still hold, by (key, player); an unfinished last line is passed over."""
+    wanted = {(s.key, p): s.digest(version(p)) for s in scenarios for p in players}
+    found: dict[tuple[str, str], Line] = {}
+    for text in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
+        try:
+            line = json.loads(text)
+        except json.JSONDecodeError:
+            continue
+        key = (line["key"], line["player"])
+        if wanted.get(key) == line["digest"] and "failure" not in line:
+            found[key] = line
+    return found
+
+
+def played(
+    scenarios: Sequence[Scenario], players: Sequence[str], file: Path, processes: int, most_effects: int
+) -> Iterator[list[Line]]:
+    """Plays what ``file`` does not hold yet and appends it as it comes; yields the lines of each scenario."""
+    from joblib import Parallel, delayed, parallel_config
+
+    there = known(file, scenarios, players)
+    todo = [(s, [p for p in players if (s.key, p) not in there]) for s in scenarios]
+    todo = [(s, missing) for s, missing in todo if missing]
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with parallel_config(backend="loky", n_jobs=processes, inner_max_num_threads=1):
+        pool = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch=processes + 1)
+        for lines in pool(delayed(answer)(s, missing, most_effects) for s, missing in todo):
+            with file.open("a", encoding="utf-8") as out:
+                out.writelines(json.dumps(line, default=float) + "\n" for line in lines)
+            yield lines
