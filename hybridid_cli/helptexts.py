@@ -166,15 +166,16 @@ what tells it from its look-alikes.
 """
 
 REPRODUCE = """\
-Runs the thesis' experiments one after another and writes its tables and figures beside ours, each number with
-"measured" or "simulated" beside it: outputs/thesis/index.html and index.md. What is fresh is reused, so an
-interrupted run goes on where it stopped.
+Runs the thesis' experiments side by side and writes its tables and figures beside ours, each with "measured"
+or "simulated": outputs/thesis/index.html and index.md. What is fresh is reused, so an interrupted run goes on
+where it stopped. An experiment that fails is named, on the page too, and does not touch the others.
 
   hybridid reproduce
   hybridid reproduce experiments=[emps_free_run] paths.outputs=/data/outputs
 
 Its own keys
   experiments=[NAME,...]   files of conf/experiment
+  processes=N              experiments side by side; default: one a core
 """
 
 FETCH = """\

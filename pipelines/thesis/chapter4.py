@@ -16,7 +16,7 @@ from pipelines.thesis.reference import (
 EXPERIMENT = "vehicle_narx"
 VELOCITY, PITCH = "vertical_velocity", "pitch_rate"
 _UNITS = "The thesis prints I_yy in kg·m⁴; a moment of inertia is kg·m²."
-_TYRE = "k_t of the tables is k_p of the thesis' Eqs. 4-8 to 4-14: one tyre stiffness."
+_TYRE = "k_t of the thesis' tables is k_p of its half-car equations: one tyre stiffness."
 _HELD_OUT = (
     "The thesis has no held-out record: its hybrid is scored on the run that trained it. The rows of the "
     "held-out speed are ours alone: 15 km/h, where gray box and networks have seen 20 km/h only."

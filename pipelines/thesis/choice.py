@@ -2,58 +2,93 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from hybridid.plotting.units import engineering
 from pipelines.findings import residual_of
-from pipelines.thesis import chapter4, chapter6
-from pipelines.thesis.look_up import Missing, Outcomes, score, tree_of
-from pipelines.thesis.reference import NetworkOf, ScoreTable
+from pipelines.thesis import chapter4, chapter5, chapter6
+from pipelines.thesis.look_up import Missing, Outcomes, tree_of
+from pipelines.thesis.reference import NetworkOf, Printed, ScoreTable
 
 
 def choices(chapter: int, outcomes: Outcomes) -> tuple[str, ...]:
-    """A sentence for each choice that the chapter's results hold."""
-    makers = {4: _vehicle, 6: _emps}
-    return tuple(makers[chapter](outcomes)) if chapter in makers else ()
+    """What the chapter's results say of how their networks were chosen, in sentences."""
+    return tuple(_MAKERS[chapter](outcomes))
 
 
 def _vehicle(outcomes: Outcomes) -> Iterator[str]:
     """The network of each output: by our rule, and by the thesis' error."""
+    report = _report(chapter4.EXPERIMENT, outcomes)
+    if report is None:
+        return
     for table in chapter4.TABLES:
         if not isinstance(table, ScoreTable):
             continue
-        rows = [row for row in table.rows if isinstance(row.ours, NetworkOf) and row.thesis is not None]
-        chosen = [row.label for row in rows if _is_chosen(row.ours, outcomes)]
-        if not chosen:
-            continue
-        best = min(rows, key=lambda row: row.thesis.error if row.thesis else float("inf"))
+        grid = _grid(table)
+        if grid:
+            depth, width = min(grid, key=lambda size: grid[size].error)
+            yield (
+                f"Table {table.number}: chosen here {_chosen(report, table.rows[0].ours.output)}, the thesis "
+                f"{depth} × {width} by the error on the record that trained it."
+            )
+    yield f"Our rule, on the identification record alone: {report['rule']}."
+
+
+def _grid(table: ScoreTable) -> dict[tuple[int, int], Printed]:
+    """The thesis' numbers by depth and width."""
+    return {
+        (row.ours.depth, row.ours.width): row.thesis
+        for row in table.rows
+        if isinstance(row.ours, NetworkOf) and row.thesis is not None
+    }
+
+
+def _esea(outcomes: Outcomes) -> Iterator[str]:
+    """The network of each friction."""
+    reports = {name: _report(experiment, outcomes) for name, experiment in chapter5.FRICTIONS.items()}
+    there = {name: report for name, report in reports.items() if report is not None}
+    if there:
+        listed = ", ".join(f"{name} {_chosen(report, chapter5.OUTPUT)}" for name, report in there.items())
+        rule = next(iter(there.values()))["rule"]
         yield (
-            f"{table.title}: chosen here {chosen[0]}, by the lowest free-run error on held-out blocks of "
-            f"the identification record; the thesis chose {best.label}, by the error on the record that "
-            "trained it."
+            f"Networks chosen here, hidden layers × neurons: {listed}; on the identification record alone, "
+            f"by the rule: {rule}. The thesis has 4 × 256 for every friction, the best by R²."
         )
-
-
-def _is_chosen(where: Any, outcomes: Outcomes) -> bool:
-    try:
-        return score(where, outcomes).chosen
-    except Missing:
-        return False
 
 
 def _emps(outcomes: Outcomes) -> Iterator[str]:
     """The number of nodes that held-out blocks of the identification record choose."""
-    for experiment in chapter6.NODES.values():
-        try:
-            report = residual_of(tree_of(experiment, outcomes))
-        except Missing:
-            continue
-        rows = {row["nodes"]: row for row in report["candidates"]}
-        chosen = [nodes for nodes, row in rows.items() if row["chosen"]]
-        if set(chapter6.NODES) <= set(rows) and chosen:
-            scored = ", ".join(f"{nodes}: {row['score']:.3g}" for nodes, row in sorted(rows.items()))
-            yield (
-                f'Nodes chosen without the validation record: {chosen[0]}, by the rule "{report["rule"]}". '
-                f"Error over that of the gray box on those blocks, by nodes: {scored}."
-            )
-            return
+    report = _report(chapter6.CHOSEN, outcomes)
+    if report is not None:
+        rows = sorted(report["candidates"], key=lambda row: row["nodes"])
+        scored = ", ".join(f"{row['nodes']} nodes {_blocks(row['rmse'], row)}" for row in rows)
+        yield (
+            f"Nodes chosen without the validation record: {report['nodes']}, by the rule: {report['rule']}. "
+            f"RMSE on those blocks: gray box {_blocks(rows[0]['gray_rmse'], rows[0])}, {scored}."
+        )
+
+
+def _blocks(rmse: Sequence[float | None], row: Mapping[str, Any]) -> str:
+    """The error on held-out blocks; a candidate that failed on one has none."""
+    (value,), (unit,) = rmse, row["units"]
+    if value is None or not math.isfinite(value):
+        return f"failed ({'; '.join(row['failures'])})"
+    factor, printed = engineering(value, unit)
+    return f"{value * factor:.3g} {printed}"
+
+
+def _chosen(report: Mapping[str, Any], output: str) -> str:
+    row = next(row for row in report["networks"] if row["output"] == output and row["chosen"])
+    return f"{row['depth']} × {row['width']}"
+
+
+def _report(experiment: str, outcomes: Outcomes) -> dict[str, Any] | None:
+    try:
+        return residual_of(tree_of(experiment, outcomes))
+    except Missing:
+        return None
+
+
+_MAKERS: Mapping[int, Callable[[Outcomes], Iterator[str]]] = {4: _vehicle, 5: _esea, 6: _emps}

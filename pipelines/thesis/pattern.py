@@ -72,6 +72,8 @@ def _worse(rows: Sequence[Improved]) -> str:
 
 
 def _names(labels: set[str], rows: Sequence[Improved]) -> str:
+    if len(labels) == len(rows):
+        return f"all {len(rows)}"
     return ", ".join(row.label for row in rows if row.label in labels) or "none"
 
 

@@ -58,7 +58,7 @@ def _estimates(spec: Estimates | EveryEstimate, outcomes: Outcomes) -> list[Row]
 
 def _estimate(label: str, thesis: str, found: FoundEstimate) -> Row:
     ours = "?" if found.value is None else _five(found.value)
-    ours += "" if found.std is None else f" ± {1.96 * found.std:.2g}"
+    ours += "" if found.std is None else f" ± {_two(1.96 * found.std)}"
     remarks = f" ({', '.join(found.remarks)})" if found.remarks else ""
     return (label, thesis, ours + remarks, found.unit, found.provenance)
 
@@ -116,7 +116,13 @@ def _error(found: FoundScore, measure: Measure) -> float:
 
 
 def _five(value: float) -> str:
-    return (f"{value:.5g}" if abs(value) < 1e5 else f"{value:.4e}").replace("-", "−")
+    digits = 5 if abs(value) < 1e5 else 7
+    return f"{value:.{digits}g}".replace("-", "−")
+
+
+def _two(value: float) -> str:
+    """Two digits, without an exponent where one can do without."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _r2(value: float) -> str:

@@ -46,7 +46,8 @@ def _tree(tree: Path, experiment: str, numbers: Iterator[float]) -> Path:
         for view in ("free_run", "horizon")
     ]
     _write(tree / "validate/metrics.json", rows)
-    _write(tree / "residual/residual.json", {"networks": _networks(numbers, data), **_candidates()})
+    report = {"networks": _networks(experiment, numbers, data), **_candidates(), "rule": "the smallest"}
+    _write(tree / "residual/residual.json", report)
     return tree
 
 
@@ -65,24 +66,27 @@ def _outputs(experiment: str) -> list[str]:
     return sorted({row.ours.output for row in rows if row.ours.experiment == experiment})
 
 
-def _networks(numbers: Iterator[float], data: str) -> list[dict[str, Any]]:
-    """Two seeds of each network of the vehicle's grid; the second has the lower held-out error."""
+def _networks(experiment: str, numbers: Iterator[float], data: str) -> list[dict[str, Any]]:
+    """Two seeds of each network of a grid; the second has the lower held-out error."""
     rows = [row.ours for table in chapter4.TABLES if isinstance(table, ScoreTable) for row in table.rows]
-    sizes = sorted({(n.output, n.depth, n.width) for n in rows if isinstance(n, NetworkOf)})
+    sizes = {(n.depth, n.width) for n in rows if isinstance(n, NetworkOf)}
     return [
         {
             "output": output, "depth": depth, "width": width, "seed": seed, "held_out": 2.0 - seed,
             "chosen": (depth, width, seed) == (3, 8, 1),
             "hybrid": [_scores(numbers, data) | {"record": role} for role in ROLES],
         }
-        for output, depth, width in sizes
+        for output in _outputs(experiment)
+        for depth, width in sorted(sizes)
         for seed in (0, 1)
     ]  # fmt: skip
 
 
 def _candidates() -> dict[str, Any]:
-    rows = [{"nodes": n, "score": 1 / n, "chosen": n == 8} for n in chapter6.NODES]
-    return {"candidates": rows, "rule": "the fewest that do"}
+    about = {"gray_rmse": [2e-3], "units": ["m"], "failures": []}
+    rows = [{**about, "nodes": n, "rmse": [1e-3 + n * 1e-5]} for n in chapter6.NODES]
+    rows[-1] |= {"rmse": [None], "failures": ["a simulation diverges"]}
+    return {"candidates": rows, "nodes": 8}
 
 
 def _scores(numbers: Iterator[float], data: str) -> dict[str, Any]:

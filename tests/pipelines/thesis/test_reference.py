@@ -38,7 +38,9 @@ def test_printed_reductions_follow_from_the_errors_beside_them(of):
 
 def test_the_emps_mse_is_an_rmse():
     """var(qm) is 0.006833 m²: only errors in metres give the printed R²."""
-    for row in table("6.3").rows:
+    rows = [row for row in table("6.3").rows if row.thesis is not None]
+    assert len(rows) == 5
+    for row in rows:
         assert 1 - row.thesis.error**2 / 0.006833 == pytest.approx(row.thesis.r2, abs=1e-4)
         assert 1 - row.thesis.error / 0.006833 < 0.5
 

@@ -146,12 +146,17 @@ def test_without_a_validation_record_there_is_no_number(trees):
 
 
 def test_the_choices_are_told_with_their_rule(trees):
-    nodes = choices(6, trees)
-    assert len(nodes) == 1
-    assert "Nodes chosen without the validation record: 8" in nodes[0]
-    assert '"the fewest that do"' in nodes[0]
-    velocity, pitch = choices(4, trees)
-    assert "chosen here 3 layers × 8" in velocity
-    assert "the thesis chose 4 layers × 16" in velocity
-    assert "the thesis chose 3 layers × 16" in pitch
-    assert choices(5, trees) == ()
+    (nodes,) = choices(6, trees)
+    assert nodes.startswith("Nodes chosen without the validation record: 8, by the rule: the smallest. ")
+    assert "gray box 2 mm, 4 nodes 1.04 mm, 8 nodes 1.08 mm" in nodes
+    assert "32 nodes failed (a simulation diverges)" in nodes
+    velocity, pitch, rule = choices(4, trees)
+    assert velocity.startswith("Table 4.4: chosen here 3 × 8, the thesis 4 × 16")
+    assert pitch.startswith("Table 4.5: chosen here 3 × 8, the thesis 3 × 16")
+    assert rule == "Our rule, on the identification record alone: the smallest."
+    (joint,) = choices(5, trees)
+    assert "linear 3 × 8, Coulomb and Stribeck 3 × 8, Dahl 3 × 8, LuGre 3 × 8" in joint
+
+
+def test_without_results_nothing_is_said_of_choices():
+    assert [choices(chapter, {"vehicle_narx": Failed("no")}) for chapter in (4, 5, 6)] == [(), (), ()]
