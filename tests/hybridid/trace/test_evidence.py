@@ -74,3 +74,13 @@ def test_coloured_errors_are_whitened(noise):
     assert evidence.gain == pytest.approx(0.5)
     expected = HORIZONS * LENGTH * np.log(2)
     assert evidence.likelihood_gain == pytest.approx(expected, rel=0.02)
+
+
+def test_horizons_of_strong_motion_do_not_outvote_the_others():
+    """Errors that grow with the motion, beyond anything fitted: a tenth less in each horizon is found."""
+    growth = np.geomspace(0.1, 30.0, HORIZONS)
+    held = [g * row for g, row in zip(growth, errors(1.0, 1), strict=True)]
+    less = [0.9 * row for row in held]
+    strange = [held[-1] + 0.2 * errors(30.0, 3)[0], *less[:-1]]  # and one strong horizon worse
+    poor = score_of(errors(1.0, 0), [held[-1], *held[:-1]], np.ones(1))
+    assert compare(poor, score_of(errors(0.9, 0), strange, np.ones(1))).p_value < 1e-6
