@@ -20,9 +20,11 @@ def residual_results(tree: Path) -> list[RenderableType]:
     fitted = f"{', '.join(found['records'])} ({found['provenance']})"
     parts: list[RenderableType] = []
     if found.get("candidates"):
-        parts += [_candidates(found, fitted), Text(f"rule: {found['rule']}")]
+        parts.append(_candidates(found, fitted))
     if found.get("networks"):
         parts.append(_networks(found, fitted))
+    if found.get("rule"):
+        parts.append(Text(f"rule: {found['rule']}"))
     line = f"{found['model']}, fitted to {fitted} in {found['seconds']:.1f} s"
     if "horizon" in found:
         span = "the whole record" if found["horizon"] is None else f"horizons of {found['horizon']} samples"
@@ -50,14 +52,36 @@ def _candidates(found: Mapping[str, Any], fitted: str) -> RenderableType:
 
 
 def _networks(found: Mapping[str, Any], fitted: str) -> RenderableType:
-    columns = [("output", ""), ("seed", "right"), ("weights", "right")]
-    columns += [("held-out RMSE", "right"), ("without", "right"), ("", "")]
-    made = table(f"Networks running free, on held-out blocks of {fitted}", columns)
-    for row in found["networks"]:
-        hybrid, gray = (_sizes([row[key]], [row["unit"]]) for key in ("held_out", "without"))
-        note = "kept" if row["chosen"] else ""
-        made.add_row(row["output"], str(row["seed"]), str(row["weights"]), hybrid, gray, note)
+    """One row a size and output: the seed that held-out blocks prefer, and its hybrid on every record."""
+    records = [(row["record"], row["fitted"]) for row in found["networks"][0]["hybrid"]]
+    columns = [("output", ""), ("layers", ""), ("seed", "right"), ("weights", "right")]
+    columns += [("held-out RMSE", "right"), ("without", "right")]
+    columns += [(f"{name}{'' if seen else ', unseen'}", "right") for name, seen in records] + [("", "")]
+    made = table(f"Networks running free, on held-out blocks of {fitted}; then the hybrid's RMSE", columns)
+    for row in _best_seeds(found["networks"]):
+        blocks = (_size(row[key], row["unit"]) for key in ("held_out", "without"))
+        scores = (_size(one["rmse"], row["unit"], "ran away") for one in row["hybrid"])
+        size, note = f"{row['depth']} x {row['width']}", "kept" if row["chosen"] else ""
+        made.add_row(row["output"], size, str(row["seed"]), str(row["weights"]), *blocks, *scores, note)
+    for output in dict.fromkeys(row["output"] for row in found["gray"]):
+        rows = [row for row in found["gray"] if row["output"] == output]
+        scores = (_size(row["rmse"], row.get("unit", ""), "ran away") for row in rows)
+        made.add_row(output, "gray box", "", "", "", "", *scores, "")
     return made
+
+
+def _best_seeds(networks: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of each output and size the network that is kept, or else the seed with the lowest held-out error."""
+    best: dict[tuple[Any, ...], dict[str, Any]] = {}
+    for row in networks:
+        at = (row["output"], row["depth"], row["width"])
+        if at not in best or _rank(row) < _rank(best[at]):
+            best[at] = row
+    return list(best.values())
+
+
+def _rank(row: Mapping[str, Any]) -> tuple[bool, float]:
+    return not row["chosen"], float("inf") if row["held_out"] is None else row["held_out"]
 
 
 def _explained(row: Mapping[str, Any]) -> RenderableType:
@@ -71,8 +95,8 @@ def _sizes(values: list[float | None], units: list[str]) -> str:
     return ", ".join(_size(value, unit) for value, unit in zip(values, units, strict=True))
 
 
-def _size(value: float | None, unit: str) -> str:
+def _size(value: float | None, unit: str, otherwise: str = "failed") -> str:
     if value is None:
-        return "failed"
+        return otherwise
     factor, shown = engineering(value, unit)
     return f"{value * factor:.4g} {shown}"

@@ -106,7 +106,8 @@ def _residual_metrics(data: Mapping[str, Any]) -> dict[str, float | None]:
     for row in data["explained"]:
         found[f"residual.explained.{row['record']}"] = row["share"]
     for row in data.get("networks", ()):
-        found[f"residual.held_out.{row['output']}.seed_{row['seed']}"] = row["held_out"]
+        size = f"{row['depth']}x{row['width']}"
+        found[f"residual.held_out.{row['output']}.{size}.seed_{row['seed']}"] = row["held_out"]
     for row in data.get("candidates", ()):
         horizon = "record" if row["horizon"] is None else row["horizon"]
         found[f"residual.score.nodes_{row['nodes']}.horizon_{horizon}"] = row["score"]

@@ -32,8 +32,13 @@ KINDS: Mapping[str, type[Request]] = {"narx": NARXRequest, "rbf": RBFRequest}
 def run(job: Job) -> None:
     """Make the hybrid from the records that the gray box was fitted to."""
     model, estimate = load(job.tree)
-    fitted = chosen(prepared_records(job.tree), job.settings.get("fit.records"), "fit.records")
-    gray = GrayBox(model, estimate, tuple(load_record(record.file) for record in fitted))
+    prepared = prepared_records(job.tree)
+    fitted = chosen(prepared, job.settings.get("fit.records"), "fit.records")
+    records, unseen = (
+        tuple(load_record(record.file) for record in prepared if (record in fitted) is wanted)
+        for wanted in (True, False)
+    )
+    gray = GrayBox(model, estimate, records, unseen)
     made = request_of(job.settings).make(gray, job.watcher)
     save_hybrid(made.hybrid, job.folder)
     write_json(job.folder / "residual.json", _report(made, gray, job.settings.case))

@@ -1,19 +1,22 @@
-"""``residual=narx``: a network on the error of each output, several seeds trained together."""
+"""``residual=narx``: a network on the error of each output, chosen from a grid of sizes and seeds."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
+from hybridid.estimators.estimate import Progress
 from hybridid.hybrid import OutputErrorHybrid
 from hybridid.model import Model
+from hybridid.residuals.choice import RULE, smallest_near_best
 from hybridid.residuals.orders import Orders, orders_of
 from hybridid.residuals.series import ErrorSeries, error_series
 from hybridid.residuals.settings import Architecture, Training
-from hybridid.validation import free_run
 from pipelines.errors import ConfigError, unknown
-from pipelines.residual_request import GrayBox, Made, Request, reporter, section_of
+from pipelines.residual_request import GrayBox, Made, Request, section_of
+from pipelines.residual_scores import GrayRun, gray_runs, gray_scores, hybrid_scores
 from pipelines.watch import Watcher
 
 if TYPE_CHECKING:
@@ -35,8 +38,8 @@ class _Shape:
 
     orders: _Orders
     outputs: tuple[str, ...] | None = None
-    depth: int = 3
-    width: int = 16
+    depth: tuple[int, ...] = (3,)
+    width: tuple[int, ...] = (16,)
     every: int = 1
     increment: bool = False
     seeds: tuple[int, ...] = (0,)
@@ -45,7 +48,8 @@ class _Shape:
 
 @dataclass(frozen=True)
 class NARXRequest(Request):
-    """Networks of one ``shape``, trained by ``training``."""
+    """Networks of every depth and width of ``shape`` and every seed, trained by ``training``; those of one
+    size train together."""
 
     shape: _Shape
     training: Training = field(default_factory=Training)
@@ -59,8 +63,9 @@ class NARXRequest(Request):
         own = {key: value for key, value in section.items() if key not in _OF_TRAINING}
         rest = {key: value for key, value in section.items() if key in _OF_TRAINING}
         shape = section_of(_Shape, own)
-        if not shape.seeds:
-            raise ConfigError("residual.seeds is []: give at least one number")
+        for name in ("depth", "width", "seeds"):
+            if not getattr(shape, name):
+                raise ConfigError(f"residual.{name} is []: give at least one number")
         if shape.initial_state not in ("estimated", "measured"):
             raise ConfigError(
                 unknown("value of residual.initial_state", shape.initial_state, ("estimated", "measured"))
@@ -73,50 +78,76 @@ class NARXRequest(Request):
             if name not in outputs:
                 raise ConfigError(unknown("output in residual.outputs", name, outputs))
         try:
-            self._architecture(model)
+            self._architectures(model)
         except ValueError as error:
             raise ConfigError(str(error)) from error
 
     def make(self, gray: GrayBox, watcher: Watcher) -> Made:
+        outputs = self.shape.outputs or tuple(signal.name for signal in gray.model.outputs)
+        began = time.perf_counter()
+        runs = gray_runs(gray, self.shape.initial_state)
+        trained = self._trained(gray.model, runs, outputs, watcher)
+        best = [smallest_near_best([one for one in trained if one.network.output == o]) for o in outputs]
+        hybrid = OutputErrorHybrid(gray.model, gray.estimate.values, tuple(b.network for b in best))
+        rows = [
+            {**_row(one, one in best), "hybrid": hybrid_scores(gray, runs, one.network)} for one in trained
+        ]
+        report = {
+            "networks": rows,
+            "gray": gray_scores(runs, outputs),
+            "rule": RULE,
+            "history": {one.network.output: [asdict(epoch) for epoch in one.history] for one in best},
+            "seconds": time.perf_counter() - began,
+        }
+        useless = [one.warning for one in best if one.warning]
+        lost = [one["remark"] for row in rows if row["chosen"] for one in row["hybrid"] if "remark" in one]
+        return Made(hybrid, report, (*useless, *lost))
+
+    def _trained(
+        self, model: Model, runs: Sequence[GrayRun], outputs: Sequence[str], watcher: Watcher
+    ) -> list[Trained]:
+        """Every network, size after size, on what the gray box leaves of the fitted records."""
         from hybridid.residuals.training import Task, train_stack  # torch takes seconds to import
 
-        outputs = self.shape.outputs or tuple(signal.name for signal in gray.model.outputs)
-        series = {name: self._series(gray, name) for name in outputs}
-        architecture = self._architecture(gray.model)
-        tasks = [Task(series[name], architecture, seed) for name in outputs for seed in self.shape.seeds]
-        trained = train_stack(tasks, self.training, reporter(watcher))
-        best = [_best(trained, name) for name in outputs]
-        hybrid = OutputErrorHybrid(gray.model, gray.estimate.values, tuple(b.network for b in best))
-        report = {
-            "networks": [_row(one, one in best) for one in trained],
-            "history": {one.network.output: [asdict(epoch) for epoch in one.history] for one in best},
-            "seconds": trained[0].seconds,
-        }
-        return Made(hybrid, report, tuple(one.warning for one in best if one.warning))
+        series = {output: _series(runs, output) for output in outputs}
+        architectures = self._architectures(model)
+        trained: list[Trained] = []
+        for number, one in enumerate(architectures):
+            tasks = [Task(series[name], one, seed) for name in outputs for seed in self.shape.seeds]
+            size = f"{one.depth} x {one.width}, {number + 1} of {len(architectures)} sizes"
+            trained += train_stack(tasks, self.training, _within(watcher, size, number, len(architectures)))
+        return trained
 
-    def _series(self, gray: GrayBox, output: str) -> tuple[ErrorSeries, ...]:
-        values, integrator = gray.estimate.values, gray.estimate.settings.integrator
-        runs = (
-            (free_run(gray.model, values, r, self.shape.initial_state, integrator), r) for r in gray.records
-        )
-        return tuple(error_series(run, record, output) for run, record in runs)
-
-    def _architecture(self, model: Model) -> Architecture:
-        given, inputs = self.shape.orders, [signal.name for signal in model.inputs]
+    def _architectures(self, model: Model) -> list[Architecture]:
+        given, shape, inputs = self.shape.orders, self.shape, [signal.name for signal in model.inputs]
         orders: Orders = orders_of(given.error, given.inputs, given.gray, inputs)
-        return Architecture(
-            orders, self.shape.depth, self.shape.width, self.shape.every, self.shape.increment
-        )
+        return [
+            Architecture(orders, depth, width, shape.every, shape.increment)
+            for depth in shape.depth
+            for width in shape.width
+        ]
 
 
-def _best(trained: Sequence[Trained], output: str) -> Trained:
-    """The seed with the lowest free-run error on the held-out blocks."""
-    return min((one for one in trained if one.network.output == output), key=lambda one: one.held_out)
+def _series(runs: Sequence[GrayRun], output: str) -> tuple[ErrorSeries, ...]:
+    return tuple(
+        error_series(run.prediction, run.record, output) for run in runs if run.fitted and run.prediction
+    )
+
+
+def _within(watcher: Watcher, size: str, number: int, sizes: int) -> Callable[[Progress], None]:
+    """Tells the watcher of one size's training as a part of all."""
+    return lambda report: watcher.progress(
+        f"networks of {size}",
+        f"{report.stage}, epoch {report.iteration}, held-out share {report.cost:.3g}",
+        (number + (report.fraction or 0.0)) / sizes,
+    )
 
 
 def _row(one: Trained, chosen: bool) -> dict[str, Any]:
     return {
         "output": one.network.output,
+        "depth": one.network.architecture.depth,
+        "width": one.network.architecture.width,
         "seed": one.network.seed,
         "weights": one.network.weights.count,
         "held_out": one.held_out,

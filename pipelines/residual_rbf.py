@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time
 from collections.abc import Mapping
@@ -64,7 +65,7 @@ class RBFRequest(Request):
         scored: list[Scored] = []
         if len(candidates) > 1:
             with workers(self.processes or os.cpu_count() or 1) as mapper:
-                counted = _counted(mapper, watcher, len(candidates) * self.folds)
+                counted = _counted(mapper, watcher, (len(candidates) + 1) * self.folds)
                 scored = compare(
                     gray.model, gray.records, candidates, gray.estimate.settings, self.folds, counted
                 )
@@ -112,10 +113,12 @@ RULE = (
 
 
 def _counted(mapper: Mapper, watcher: Watcher, total: int) -> Mapper:
-    """``mapper``, telling the watcher of each result."""
+    """``mapper``, telling the watcher of each result of all its calls."""
+    finished = itertools.count(1)
 
     def count(function: Any, arguments: Any) -> Any:
-        for done, result in enumerate(mapper(function, arguments), 1):
+        for result in mapper(function, arguments):
+            done = next(finished)
             watcher.progress("networks on held-out blocks", f"{done} of {total}", done / total)
             yield result
 

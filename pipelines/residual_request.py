@@ -20,11 +20,15 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class GrayBox:
-    """The fitted model, and the records that its network is fitted to."""
+    """The fitted model, and the records that its network is fitted to.
+
+    ``unseen`` are the others: every choice made, networks are scored on them, never the other way round.
+    """
 
     model: Model
     estimate: Estimate
     records: tuple[Record, ...]
+    unseen: tuple[Record, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

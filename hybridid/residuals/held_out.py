@@ -121,17 +121,36 @@ def _fold(records: Sequence[Record], index: int, count: int) -> Fold:
     return Fold(tuple(fitted), tuple(held_out))
 
 
-def score_fold(gray: Model, fold: Fold, candidate: Candidate, gray_settings: FitSettings) -> FoldScore:
-    """Fit gray box and network on the fold's fitted parts, simulate its held-out blocks."""
-    settings = candidate.settings
-    values = fit(gray, fold.fitted, gray_settings).values
+@dataclass(frozen=True, eq=False)
+class Alone:
+    """The gray box fitted without a fold's held-out blocks: its parameters, and its mean square errors
+    (n_y,) on those blocks. ``failure`` says why there are none."""
+
+    values: dict[str, float]
+    square: Array
+    failure: str = ""
+
+
+def fit_alone(gray: Model, fold: Fold, settings: FitSettings) -> Alone:
+    """Fit the gray box on the fold's fitted parts, simulate its held-out blocks."""
+    values = fit(gray, fold.fitted, settings).values
     try:
-        alone = _mean_square(gray, values, fold, gray_settings)
-        found = fit_rbf(gray, values, fold.fitted, candidate.plan, settings)
-        return FoldScore(alone, _mean_square(found.model, found.estimate.values, fold, settings))
+        return Alone(values, _mean_square(gray, values, fold, settings))
+    except Diverged as failure:
+        return Alone(values, np.full(len(gray.outputs), np.inf), str(failure))
+
+
+def score_fold(gray: Model, fold: Fold, candidate: Candidate, alone: Alone) -> FoldScore:
+    """Fit the network beside the gray box on the fold's fitted parts, simulate its held-out blocks."""
+    nothing = np.full(len(gray.outputs), np.inf)
+    if alone.failure:
+        return FoldScore(alone.square, nothing, alone.failure)
+    try:
+        found = fit_rbf(gray, alone.values, fold.fitted, candidate.plan, candidate.settings)
+        square = _mean_square(found.model, found.estimate.values, fold, candidate.settings)
+        return FoldScore(alone.square, square)
     except (Diverged, ValueError) as failure:
-        nothing = np.full(len(gray.outputs), np.inf)
-        return FoldScore(nothing, nothing, str(failure))
+        return FoldScore(alone.square, nothing, str(failure))
 
 
 def _mean_square(model: Model, values: dict[str, float], fold: Fold, settings: FitSettings) -> Array:
@@ -147,9 +166,14 @@ def compare(
     count: int = 4,
     mapper: Mapper = starmap,
 ) -> list[Scored]:
-    """Every candidate on the same ``count`` folds of ``records``."""
+    """Every candidate on the same ``count`` folds of ``records``; the gray box is fitted once a fold."""
     cut = folds(records, count)
-    jobs = [(gray, fold, candidate, gray_settings) for candidate in candidates for fold in cut]
+    alone = list(mapper(fit_alone, [(gray, fold, gray_settings) for fold in cut]))
+    jobs = [
+        (gray, fold, candidate, fitted)
+        for candidate in candidates
+        for fold, fitted in zip(cut, alone, strict=True)
+    ]
     scores = list(mapper(score_fold, jobs))
     spread = np.concatenate([r.outputs for r in records]).std(axis=0)
     spread[spread == 0] = 1.0

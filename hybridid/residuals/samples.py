@@ -82,19 +82,22 @@ def samples_of(
 
 
 def check_lengths(samples: Samples, settings: Training, output: str) -> None:
-    """Whether the blocks hold windows of the longest horizon.
+    """Whether the blocks hold what trains on the longest horizon, and what judges it.
 
     Raises:
         ValueError: if they do not.
     """
-    horizon = settings.horizons[-1]
-    split, reach = samples.split, samples.reach
-    if not len(split.starts(horizon, reach)) or not len(split.checks(horizon, reach)):
-        longest = max(end - first for first, end in split.held_out)
-        raise ValueError(
-            f"residual.horizons reaches {horizon} samples and the orders {reach} back, but a held-out "
-            f"block of {output} has {longest}: shorten them, or lower residual.blocks ({settings.blocks})"
-        )
+    horizon, split, reach = settings.horizons[-1], samples.split, samples.reach
+    parts = [("training", split.train, len(split.starts(horizon, reach)))]
+    if settings.criterion == "horizon":
+        parts.append(("held-out", split.held_out, len(split.checks(horizon, reach))))
+    for what, runs, windows in parts:
+        if not windows:
+            longest = max((end - first for first, end in runs), default=0)
+            raise ValueError(
+                f"residual.horizons reaches {horizon} samples and the orders {reach} back, but a {what} "
+                f"block of {output} has {longest}: shorten them, or lower residual.blocks ({settings.blocks})"
+            )
 
 
 def gather(

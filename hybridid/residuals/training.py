@@ -86,8 +86,9 @@ def train_stack(tasks: Sequence[Task], settings: Training, report: Report | None
         samples = _samples(tasks, scalings, settings, stack.lags)
         limits = [settings.guard * _largest(t) / s.error for t, s in zip(tasks, scalings, strict=True)]
         free_run = FreeRunError(samples, limits)
-        horizon = HorizonError.of(samples, settings.horizons[-1], stack.lags)
-        criterion: Criterion = {"free_run": free_run, "horizon": horizon}[settings.criterion]
+        criterion: Criterion = free_run
+        if settings.criterion == "horizon":
+            criterion = HorizonError.of(samples, settings.horizons[-1], stack.lags)
         course = Course(stack, samples, criterion, settings, [task.seed for task in tasks])
         for stage, length in enumerate(settings.horizons):
             course.run(length, _reporter(report, stage, settings))

@@ -83,7 +83,15 @@ class TestStopping:
 
     def test_blocks_too_short_for_the_horizon_are_refused(self, series, small):
         with pytest.raises(ValueError, match=r"reaches 50 samples .* a held-out block of y has 30"):
-            train(Task((series(300, 0),), small), Training(horizons=(50,)))
+            train(Task((series(300, 0),), small), Training(horizons=(50,), criterion="horizon"))
+        with pytest.raises(ValueError, match=r"reaches 200 samples .* a training block of y has 120"):
+            train(Task((series(300, 0),), small), Training(horizons=(200,)))
+
+    def test_a_free_run_is_judged_on_blocks_shorter_than_the_horizon(self, series, small):
+        """Held-out blocks of 30 samples lie within one free run; only windows would have to fit into them."""
+        found = train(Task((series(300, 0),), small), Training(horizons=(50,), epochs=2, patience=2))
+        assert len(found.history) == 2
+        assert np.isfinite(found.held_out)
 
 
 class TestStacks:
