@@ -78,14 +78,17 @@ up the hybrid beside the gray box.
   hybridid residual case=emps residual=rbf residual.nodes=[4,8,16,32]   inside the equations, at a port
   hybridid residual case=emps residual=narx                             after the output
   hybridid run case=emps residual=rbf                                   gray box and hybrid, with figures
+  hybridid run experiment=vehicle_narx                                  the grid of Tables 4.4 and 4.5
 
 Keys of residual=narx
   residual.orders.error=N  past errors that the network sees; orders.gray: of the gray box' output;
                            orders.inputs: of each input, or orders.inputs={torque: 6} by name
-  residual.depth=N         hidden layers; residual.width=N neurons in each
+  residual.depth=N         hidden layers; residual.width=N neurons in each. Lists, such as depth=[3,4,5]
+                           width=[8,16,32], make a grid: of all sizes and seeds the smallest network is kept
+                           whose error on the held-out blocks is within 5 % of the lowest
   residual.horizons=[...]  samples the network runs free in training; [1]: one step ahead, as in the thesis
   residual.every=N         the network works on every n-th sample; residual.increment=true for slow errors
-  residual.seeds=[...]     trained together; the best on the held-out blocks is kept
+  residual.seeds=[...]     one network of each size for each, trained together
   residual.epochs=N, patience, batch, learning_rate, weight_decay, held_out, blocks, criterion, guard
 Keys of residual=rbf
   residual.nodes=[...]     numbers of nodes to choose from
