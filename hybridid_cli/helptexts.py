@@ -117,6 +117,10 @@ Draws record, model against data, error, friction over velocity, spectrum, resid
 spread of errors, as files for a paper.
 
   hybridid plot case=emps
+  hybridid run case=emps plot.formats=[svg]    one kind of file: less than half the time
+
+Its own keys
+  plot.formats=[svg,pdf,png]   files of each figure; default: all three
 """
 
 TRACE = """\

@@ -27,6 +27,7 @@ SECTIONS: Mapping[str, tuple[str, ...] | None] = {
     "fit": ("records",),
     "residual": None,
     "validate": ("records", "views", "horizon", "initial_state", "lags"),
+    "plot": ("formats",),
     "trace": (
         "records",
         "held_out",

@@ -1,4 +1,4 @@
-"""``plot``: the figures of a fitted and validated model, each as SVG, PDF and PNG."""
+"""``plot``: the figures of a fitted and validated model, each in every format of ``plot.formats``."""
 
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ from hybridid.plotting.record import record_plot
 from hybridid.plotting.residual_correlation import residual_correlation_plot
 from hybridid.plotting.series import Response
 from hybridid.plotting.spectrum import spectrum_plot
-from hybridid.plotting.style import Plot, save
+from hybridid.plotting.style import KINDS, Plot, save
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
+from pipelines.config import Settings
+from pipelines.errors import ConfigError, unknown
 from pipelines.findings import estimate_of, prepared_records
 from pipelines.fitted import load
 from pipelines.laws import Law, friction_plots, laws_of
@@ -29,6 +31,7 @@ Named = Iterator[tuple[str, Plot]]
 
 def run(job: Job) -> None:
     """Draw everything; files are called ``<record>.<output or port>.<figure>``."""
+    kinds = _kinds(job.settings)
     model, estimate = load(job.tree)
     laws = laws_of(job.tree)
     stored = predictions_in(job.tree)
@@ -36,12 +39,31 @@ def run(job: Job) -> None:
     for prepared in prepared_records(job.tree):
         record = load_record(prepared.file)
         job.watcher.progress("plot", f"record {record.name}", None)
-        save(record_plot(record), job.folder, f"{record.name}.record")
+        save(record_plot(record), job.folder, f"{record.name}.record", kinds)
         own = [s for s in stored if s.prediction.record == record.name]
         for name, plot in _of_record(laws, record, own, tests):
-            save(plot, job.folder, name)
+            save(plot, job.folder, name, kinds)
     for name, plot in _of_model(model, estimate, stored, estimate_of(job.tree)):
-        save(plot, job.folder, name)
+        save(plot, job.folder, name, kinds)
+
+
+def check(settings: Settings) -> None:
+    """Whether the formats can be written.
+
+    Raises:
+        ConfigError: if not.
+    """
+    _kinds(settings)
+
+
+def _kinds(settings: Settings) -> tuple[str, ...]:
+    given = settings.get("plot.formats", list(KINDS))
+    if not isinstance(given, list) or not given:
+        raise ConfigError(f"plot.formats is {given!r}: give a list of {', '.join(KINDS)}")
+    for kind in given:
+        if kind not in KINDS:
+            raise ConfigError(unknown("format in plot.formats:", str(kind), KINDS))
+    return tuple(given)
 
 
 def _of_record(
@@ -77,4 +99,11 @@ def _of_model(model: Model, estimate: Estimate, stored: Sequence[Stored], about:
     yield "parameters", parameters_plot(estimates, model.parameters, fitted, about["provenance"])
 
 
-PLOT = Stage("plot", (), ("preprocess", "fit", "residual", "validate"), run, ignores=("rigs", "fetch"))
+PLOT = Stage(
+    "plot",
+    ("plot",),
+    ("preprocess", "fit", "residual", "validate"),
+    run,
+    check=check,
+    ignores=("rigs", "fetch"),
+)

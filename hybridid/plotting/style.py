@@ -28,6 +28,8 @@ from hybridid.plotting.looks import GRID_GREY, INK, SOFT_INK, VERMILION
 SINGLE_COLUMN = 88.0  # mm, one column of a two-column page
 DOUBLE_COLUMN = 180.0  # mm, both columns
 PNG_DPI = 200
+KINDS = ("svg", "pdf", "png")
+"""Files that a figure is written as."""
 HEADER = 5.5  # mm, the line on top that says what is shown and where it comes from
 MARGIN = 1.5  # mm
 MM_PER_INCH = 25.4
@@ -151,7 +153,7 @@ def save(
     plot: Plot,
     folder: str | os.PathLike[str],
     name: str | None = None,
-    kinds: Sequence[str] = ("svg", "pdf", "png"),
+    kinds: Sequence[str] = KINDS,
 ) -> list[Path]:
     """Write ``plot`` into ``folder``, one file for each of ``kinds``, and return their paths.
 
