@@ -154,3 +154,15 @@ def test_only_what_the_page_needs_is_run(experiments, heard):
     reproduce(experiments, Path("outputs"), heard, processes=1)
     assert module.LAST_STAGE == "validate"
     assert not any((tree / "plot").exists() for tree in trees())
+
+
+def test_a_network_inside_the_equations_has_all_figures_of_chapter_6(settings, data, heard):
+    network = {"kind": "rbf", "nodes": [2], "max_iterations": 2}
+    hybrid = settings({"residual": network, "mlflow.enabled": False})
+    reproduce({"emps_rbf_4": hybrid}, Path("outputs"), heard, processes=1)
+    drawn = {path.stem for path in Path("outputs/thesis/figures").iterdir()}
+    assert drawn == {f"figure-6.{k}" for k in (1, 2, 4, 5, 6, 7, 8)}
+    cells = row(pages()[1], "hybrid, 4 nodes")
+    assert float(cells[2]) > 0
+    assert cells[-1] == "measured"
+    assert heard.warned == []
