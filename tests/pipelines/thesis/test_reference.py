@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
+import yaml
 
 from pipelines.thesis import chapter4, chapter5, chapter6
 from pipelines.thesis.pattern import reduction
-from pipelines.thesis.reference import ScoreTable
+from pipelines.thesis.reference import ScoreTable, experiments_of
 
 TABLES = (*chapter4.TABLES, *chapter5.TABLES, *chapter6.TABLES)
 SCORES = [table for table in TABLES if isinstance(table, ScoreTable)]
@@ -72,3 +74,11 @@ def test_the_variances_that_the_erratum_states_are_those_of_table_5_5():
 def test_errata_stand_at_the_tables_they_bear_on(number, words):
     found = [line for t in TABLES if t.number == number for line in t.care]
     assert any(words in line for line in found)
+
+
+def test_hybridid_reproduce_runs_what_the_tables_need_and_no_more():
+    config = Path(__file__).parents[3] / "conf"
+    asked = yaml.safe_load((config / "reproduce.yaml").read_text())["experiments"]
+    needed = {name for t in TABLES for name in experiments_of(t)}
+    assert sorted(asked) == sorted(needed)
+    assert [name for name in asked if not (config / f"experiment/{name}.yaml").is_file()] == []
