@@ -50,7 +50,7 @@ class Explained:
         most = max(self.alone, key=lambda name: self.alone[name])
         return (
             f"the model's own parameters could have explained {self.share:.0%} of the network's output "
-            f"({most} alone {self.alone[most]:.0%}): refit them, or read them with that in mind"
+            f"({most} alone {self.alone[most]:.0%}): the two share it, so read neither by itself"
         )
 
 
