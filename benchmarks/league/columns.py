@@ -31,7 +31,8 @@ starts get ``FEW`` and the others their guess."""
 FEW, MANY = 4, 40
 SHARP = 1e-6
 """Smoothing of sign(v) over the port's velocity scale."""
-DEGENERATE = 1e-6
+DEGENERATE = 0.03
+"""Share of a column that must be new beside the declared terms: below it the two are one."""
 
 
 @dataclass(frozen=True)
@@ -47,14 +48,16 @@ class Term:
         return f"{self.port}.{self.effect.id}"
 
 
-def terms(model: Model, eq: Equation, coarse: bool = False) -> Iterator[Term]:
+def terms(model: Model, eq: Equation, coarse: bool = False, memory: bool = True) -> Iterator[Term]:
     """Every effect of the library at every port where the regression can hold it, over the grid of its shape.
 
-    ``coarse``: the library's guess and starts alone.
+    ``coarse``: the library's guess and starts alone; ``memory``: also efforts with inner states.
     """
     present = {term.name for term in model.terms}
     for effect, port in itertools.product(EFFECTS, model.plant.ports):
         if not effect.admissible_at(port) or f"{port.name}.{effect.id}" in present:
+            continue
+        if effect.kind == "effort" and effect.states and not memory:
             continue
         if effect.kind == "effort" and port.name in eq.motion and _not_the_plants(effect, eq):
             yield from (Term(effect, port.name, shape) for shape in _shapes(effect, port, eq, coarse))
@@ -62,7 +65,7 @@ def terms(model: Model, eq: Equation, coarse: bool = False) -> Iterator[Term]:
             grid = _input_grid(effect.id, eq.inputs[port.name])
             grid = grid[len(grid) // 2 :][:1] if coarse else grid
             yield from (Term(effect, port.name, (("value", float(x)),)) for x in grid)
-        elif effect.id in ("sensor_lag", "sensor_scale") and port.name == eq.output and _shows(effect, eq):
+        elif effect.id == "sensor_lag" and port.name == eq.output:
             yield Term(effect, port.name, ())
 
 
@@ -72,7 +75,7 @@ def _not_the_plants(effect: Effect, eq: Equation) -> bool:
 
 
 def _shows(effect: Effect, eq: Equation) -> bool:
-    return effect.id not in ("input_gain", "sensor_scale") or eq.scaled
+    return effect.id != "input_gain" or eq.scaled
 
 
 def columns(term: Term, eq: Equation, theta: Array, port: Port) -> Array:
@@ -86,7 +89,7 @@ def columns(term: Term, eq: Equation, theta: Array, port: Port) -> Array:
         return np.column_stack([eq.push(term.port, one) for one in made])
     predicted = eq.base @ theta
     if term.effect.kind == "output":
-        return (eq.rate(predicted) if term.effect.id == "sensor_lag" else eq.y)[:, None]
+        return eq.rate(predicted)[:, None]
     return _of_input(term, eq, predicted)[:, None]
 
 
@@ -144,9 +147,9 @@ def _grid(p: EffectParameter, port: Port, eq: Equation, together: int) -> Array:
     if p.periodogram == "position":
         return np.geomspace(stroke / 50, 2 * stroke, MANY)
     if p.periodogram == "time":
-        return np.geomspace(0.3, 60.0, MANY if together == 1 else 14)
+        return np.geomspace(0.3, 0.5 * eq.cutoff, MANY if together == 1 else 14)
     if p.guess == 0:
-        return q.min() + stroke * np.linspace(0, 1, POINTS[2])
+        return np.append(q.min() + stroke * np.linspace(0, 1, POINTS[2]), 0.0)
     if p.name == "d":  # where a stop or the ground begins
         return np.linspace(0.3, 0.97, POINTS[1]) * np.abs(q).max()
     if together > 2 and not p.starts:

@@ -59,7 +59,7 @@ def load(a, dt, frequency, zeta, gap):
     """``r' = w,  w' = -a - omega² dz(r) - 2 zeta omega w [touching]``: a load behind spring and play."""
     x = np.zeros((len(a), 2))
     omega = 2.0 * np.pi * frequency
-    steps = int(omega * dt / 0.1) + 1
+    steps = int(omega * dt / 0.02) + 1
     h = dt / steps
     r, w = 0.0, 0.0
     for k in range(1, len(a)):

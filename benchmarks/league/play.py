@@ -21,7 +21,7 @@ from benchmarks.league.scenario import CATEGORIES, Scenario
 
 HERE, PACKAGE = Path(__file__).parent, Path(hybridid.__file__).parent
 ORACLE = "oracle"
-PLAYERS = (ORACLE, ours.NAME, "regression", "regression_own_cutoff", "pysindy")
+PLAYERS = (ORACLE, ours.NAME, "regression", "regression_own_cutoff", "regression_memory", "pysindy")
 _RECORDS = ("bench.py", "laws.py", "machines.py", "planting.py", "rigs")
 _DECIDES = {
     ORACLE: ("ours.py", "effects", "estimators", "model", "plants", "simulation", "trace"),
@@ -85,6 +85,7 @@ def _answered(scenario: Scenario, records, player: str, most_effects: int) -> di
     plays: Mapping[str, Callable[..., Any]] = {
         "regression": rivals.regression,
         "regression_own_cutoff": rivals.own_cutoff,
+        "regression_memory": rivals.with_memory,
         "pysindy": rivals.pysindy,
     }
     if player == ours.NAME:

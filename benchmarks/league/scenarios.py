@@ -38,7 +38,7 @@ STATIC = (
     _carriage("friction_drift", {"rate": 0.4}, rate=1.2),
     _carriage("end_stop", {"k": 500.0, "d": 0.18}, k=2000.0),
     _both("input_dead_zone", "force", {"dead_zone": 3.0}, dead_zone=8.0),
-    _both("input_saturation", "force", {"limit": 110.0}, limit=90.0),
+    _both("input_saturation", "force", {"limit": 80.0}, limit=65.0),
 )
 LEVEL = (
     _carriage("offset", {"offset": 2.0}, offset=6.0),
@@ -83,7 +83,7 @@ LINK = (
 ESEA = (
     _both("coulomb", "motor", {"f_c": 0.01}, f_c=0.04),
     _both("cubic_stiffness", "elastomer", {"k_3": 300.0, "q_0": 0.0}, k_3=1200.0),
-    _both("viscous", "elastomer", {"f_v": 0.003}, f_v=0.012),
+    _both("viscous", "elastomer", {"f_v": 0.02}, f_v=0.06),
     _both("maxwell", "elastomer", {"k": 2.0, "tau": 0.03}, k=6.0),
     _both("coulomb", "link", {"f_c": 0.006}, f_c=0.03),
     _both("cogging", "motor", {"amplitude": 0.02, "pitch": 6.2832, "phase": 0.3}, amplitude=0.06),

@@ -46,7 +46,7 @@ class Equation:
     ``motion``: port -> position, velocity, acceleration (n,) each; ``push(port, F)`` what an effort F (n,)
     at a port does to the right-hand side (N,); ``inputs`` port -> signal (n,); ``output`` the port where a
     sensor's effects can be tried; ``smooth`` the filter; ``keep`` the samples that count, equation by
-    equation; ``scaled`` says that inertias are known, so that a gain or a scale can show.
+    equation; ``scaled`` says that inertias are known, so that a gain can show.
     """
 
     time: Array
@@ -58,6 +58,7 @@ class Equation:
     output: str | None
     smooth: Callable[[Array], Array]
     keep: Array
+    cutoff: float
     scaled: bool = False
 
     @property
@@ -129,6 +130,7 @@ def _one_mass(machine: str, record: Record, smooth: Callable[[Array], Array], cu
         inputs={record.input_channels[0].name: u},
         output=output,
         smooth=smooth,
+        cutoff=cutoff,
         keep=_keep(record.time, cutoff, *(() if machine == "oscillator" else (v,))),
     )
 
@@ -152,6 +154,7 @@ def _flexible_link(machine: str, record: Record, smooth: Callable[[Array], Array
         inputs={"voltage": volts},
         output=None,
         smooth=smooth,
+        cutoff=cutoff,
         keep=np.tile(_keep(record.time, cutoff, theta_1), 2),
     )
 
@@ -164,6 +167,8 @@ def _esea(machine: str, record: Record, smooth: Callable[[Array], Array], cutoff
     delta = theta + inertia * rates[1] / spring
     delta_1, delta_2 = rates[0] + inertia * rates[2] / spring, rates[1] + inertia * rates[3] / spring
 
+    known = motor * delta_2 + inertia * rates[1]
+
     def push(port: str, effort: Array) -> Array:
         """An effort at the link or the joint also shifts the motor that is derived from the link."""
         made = smooth(effort)
@@ -172,7 +177,7 @@ def _esea(machine: str, record: Record, smooth: Callable[[Array], Array], cutoff
 
     return Equation(
         time=record.time,
-        y=smooth(torque) - motor * delta_2 - inertia * rates[1],
+        y=smooth(torque) - known,
         base=delta_1[:, None],
         motion={
             "motor": (delta, delta_1, delta_2),
@@ -183,6 +188,7 @@ def _esea(machine: str, record: Record, smooth: Callable[[Array], Array], cutoff
         inputs={"torque": torque},
         output="link_velocity",
         smooth=smooth,
+        cutoff=cutoff,
         keep=_keep(record.time, cutoff, delta_1),
         scaled=True,
     )
@@ -243,5 +249,6 @@ def _half_car(machine: str, record: Record, smooth: Callable[[Array], Array], cu
         inputs=dict(zip(("u_f", "u_r"), record.inputs.T, strict=True)),
         output=None,
         smooth=smooth,
+        cutoff=cutoff,
         keep=np.tile(_keep(record.time, cutoff), 2),
     )
