@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format reproduce-thesis study-coverage league clean distclean FORCE
+.PHONY: help install test lint format reproduce-thesis study-coverage study-recovery league clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -39,6 +39,9 @@ reproduce-thesis: $(READY) ## the thesis' tables and figures beside ours: output
 
 study-coverage: $(READY) ## do the stated 95 % intervals hold the truth? (simulated, minutes)
 	$(BIN)/python benchmarks/interval_coverage.py
+
+study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters again? (simulated, minutes)
+	$(BIN)/python benchmarks/recovery.py
 
 league: $(READY) ## which of ours and two rivals names what simulated machines hide? (hours; goes on where it stopped)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.league $(ARGS)

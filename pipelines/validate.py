@@ -82,12 +82,12 @@ def check(settings: Settings) -> None:
 
 def _candidates(job: Job, model: Model, estimate: Estimate) -> list[_Candidate]:
     """The gray box, then the hybrid around it."""
-    integrator, values = estimate.settings.integrator, estimate.values
+    values, integrator, substeps = estimate.values, estimate.settings.integrator, estimate.substeps
     found = [
         _Candidate(
             str(estimate_of(job.tree)["model"]),
-            lambda record, start: free_run(model, values, record, start, integrator),
-            lambda record, samples: horizon_run(model, values, record, samples, integrator),
+            lambda record, start: free_run(model, values, record, start, integrator, substeps),
+            lambda record, samples: horizon_run(model, values, record, samples, integrator, substeps),
             job.folder,
         )
     ]
