@@ -44,12 +44,16 @@ RUNS = ("identification", "validation")
 
 @dataclass(frozen=True)
 class Case:
-    """A plant, what is declared of it, its records by scenario and run; horizons of ``horizon`` samples."""
+    """A plant, what is declared of it, its records by scenario and run; horizons of ``horizon`` samples.
+
+    ``truth`` holds the true values of the declared model's parameters, for the oracle.
+    """
 
     plant: Plant
     declared: tuple[str, ...]
     horizon: int
     record: Callable[[Scenario, str], Record]
+    truth: Mapping[str, float]
     adjustments: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def model(self, declared: tuple[str | Effect, ...] | None = None) -> Model:
@@ -145,7 +149,8 @@ def _carriage(loop: Loop | None, offset: float = CARRIAGE["offset"]) -> Bench:
 
 CLOSED = Loop(CascadedPD(kp=40.0, kv=120.0), gain=35.15, limit=351.5)
 
-M_V = 0.96 / (2 * math.pi * 68.0) ** 2  # s², resonance at 68 Hz
+K_V, D_V = 0.96, 2.4e-4  # 1, s
+M_V = K_V / (2 * math.pi * 68.0) ** 2  # s², resonance at 68 Hz
 RATE = 610.35
 
 
@@ -162,7 +167,7 @@ OSCILLATOR = Bench(
     mass=((M_V,),),
     input_matrix=((1.0,),),
     contacts={"oscillator": (1.0,)},
-    own={"oscillator": (STIFFNESS(k=0.96, q_0=0.0), VISCOUS(f_v=2.4e-4))},
+    own={"oscillator": (STIFFNESS(k=K_V, q_0=0.0), VISCOUS(f_v=D_V))},
     input=Channel("V1", "V", "zoh"),
     outputs={"V2": ((1.0,), False, "V")},
     runs={"identification": lambda t: _multisine(t, 1), "validation": lambda t: _multisine(t, 2)},
@@ -170,7 +175,7 @@ OSCILLATOR = Bench(
     duration=5.0,
 )
 
-J_EQ, J_L, K_S = 0.0021, 0.0038, 1.3
+J_EQ, J_L, K_S, SERVO_F_V, LINK_F_V = 0.0021, 0.0038, 1.3, 0.004, 0.002
 VOLTS_TO_TORQUE = 0.9 * 0.69 * 70.0 * 7.68e-3 / 2.6
 LINK = Bench(
     name="flexible_link",
@@ -178,8 +183,8 @@ LINK = Bench(
     input_matrix=((VOLTS_TO_TORQUE,), (0.0,)),
     contacts={"servo": (1.0, 0.0), "link": (-1.0, 1.0)},
     own={
-        "servo": (VISCOUS(f_v=VOLTS_TO_TORQUE * 70.0 * 7.68e-3 + 0.004),),
-        "link": (STIFFNESS(k=K_S, q_0=0.0), VISCOUS(f_v=0.002)),
+        "servo": (VISCOUS(f_v=VOLTS_TO_TORQUE * 70.0 * 7.68e-3 + SERVO_F_V),),
+        "link": (STIFFNESS(k=K_S, q_0=0.0), VISCOUS(f_v=LINK_F_V)),
     },
     input=Channel("voltage", "V", "zoh"),
     outputs={"servo_angle": ((1.0, 0.0), False, "rad"), "tip_angle": ((-1.0, 1.0), False, "rad")},
@@ -241,20 +246,38 @@ def _half_car(scenario: Scenario, run: str) -> Record:
     )
 
 
+SYMMETRIC = ("viscous", "coulomb", "offset")
+MOVING = {
+    "M": CARRIAGE["M"],
+    "carriage.viscous.f_v": CARRIAGE["f_v"],
+    "carriage.coulomb.f_c": CARRIAGE["f_c"],
+    "carriage.offset.offset": CARRIAGE["offset"],
+}
+LEVEL = {name: value for name, value in MOVING.items() if not name.startswith("carriage.offset")}
+SPRUNG = {"m": M_V, "d": D_V, "k": K_V, "V2_0": 0.0}
+FLEXING = {
+    "J_eq": J_EQ,
+    "J_l": J_L,
+    "K_s": K_S,
+    "servo.viscous.f_v": SERVO_F_V,
+    "link.viscous.f_v": LINK_F_V,
+}
+ROLLING = {name: getattr(HalfCarTruth(), name) for name in ("I_yy", "k_f", "k_r", "c_f", "c_r", "k_t")}
 CASES: Mapping[str, Case] = {
-    "carriage": Case(EMPS(), ("viscous", "coulomb", "offset"), 160, _on_bench(_carriage(CLOSED))),
-    "carriage_open": Case(EMPS(), ("viscous", "coulomb", "offset"), 160, _on_bench(_carriage(None))),
+    "carriage": Case(EMPS(), SYMMETRIC, 160, _on_bench(_carriage(CLOSED)), MOVING),
+    "carriage_open": Case(EMPS(), SYMMETRIC, 160, _on_bench(_carriage(None)), MOVING),
     # nobody declared an offset, and there is none
-    "carriage_level": Case(EMPS(), ("viscous", "coulomb"), 160, _on_bench(_carriage(CLOSED, offset=0.0))),
-    "oscillator": Case(Duffing(), (), 150, _on_bench(OSCILLATOR)),
+    "carriage_level": Case(EMPS(), SYMMETRIC[:2], 160, _on_bench(_carriage(CLOSED, offset=0.0)), LEVEL),
+    "oscillator": Case(Duffing(), (), 150, _on_bench(OSCILLATOR), SPRUNG),
     "flexible_link": Case(
-        FlexibleLink(), ("viscous@servo", "viscous@link"), 100, _on_bench(LINK, {"tip_angle": 1.0})
+        FlexibleLink(), ("viscous@servo", "viscous@link"), 100, _on_bench(LINK, {"tip_angle": 1.0}), FLEXING
     ),
     "esea": Case(
         ESEA(),
         ("viscous@motor",),
         150,
         _esea,
+        {"motor.viscous.f_v": 0.01},
         {"motor.epsilon": {"fixed": 0.1}, "motor.viscous.f_v": {"guess": 0.01, "lower": 0.0, "upper": 0.1}},
     ),
     "half_car": Case(
@@ -262,6 +285,7 @@ CASES: Mapping[str, Case] = {
         (),
         50,
         _half_car,
+        ROLLING,
         {
             "I_yy": {"guess": 2000.0, "lower": 500.0, "upper": 1e4},
             **{name: {"guess": 3e4, "lower": 5e3, "upper": 2e5} for name in ("k_f", "k_r")},

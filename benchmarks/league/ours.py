@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -106,10 +107,11 @@ def consult(scenario: Scenario, records: tuple[Record, Record]) -> Oracle | None
         return None
     began = time.process_time()
     split = _split(scenario, records)
-    poorer = _declared(CASES[scenario.machine].model(), split)
+    case = CASES[scenario.machine]
+    poorer = _declared(case.model(), split)
     richer = poorer
     for one in scenario.hidden:
-        richer = _with_truth(richer, one, split)
+        richer = _with_truth(richer, one, split, case.truth)
     evidence = compare(poorer.score, richer.score)
     return Oracle(
         gain=evidence.gain,
@@ -117,9 +119,7 @@ def consult(scenario: Scenario, records: tuple[Record, Record]) -> Oracle | None
         p_errors=_p_errors(poorer.score, richer.score),
         before=poorer.score.loss,
         after=richer.score.loss,
-        error={
-            name: error for one in scenario.hidden for name, error in errors_of(one, richer.values).items()
-        },
+        error=_errors(scenario, richer.values),
         seconds=time.process_time() - began,
     )
 
@@ -136,18 +136,18 @@ def _declared(model: Model, split: Split) -> Refit:
     return refit(model, split, [_regressed(model, split)], factors=CONTINUATION)
 
 
-def _with_truth(poorer: Refit, one: Hidden, split: Split) -> Refit:
+def _with_truth(poorer: Refit, one: Hidden, split: Split, machine: Mapping[str, float]) -> Refit:
     candidate = Candidate(one.effect, one.port)
     model = candidate.added_to(poorer.model)
     truth = {f"{one.name}.{name}": value for name, value in one.truth.items()}
     starts = candidate.starts(model, poorer.values)
-    return refit(model, split, [{**starts[0], **truth}, starts[0]], poorer, poorer.numerics)
+    told = {**starts[0], **machine, **truth}
+    return refit(model, split, [told, {**starts[0], **truth}, starts[0]], poorer, poorer.numerics)
 
 
-def errors_of(one: Hidden, values) -> dict[str, float]:
-    """Relative error of each value that the truth states and a fit has found under its qualified name."""
-    return {
-        f"{one.name}.{name}": abs(values[f"{one.name}.{name}"] - true) / abs(true)
-        for name, true in one.truth.items()
-        if true and f"{one.name}.{name}" in values
-    }
+def _errors(scenario: Scenario, values: Mapping[str, float]) -> dict[str, float]:
+    """Relative error of every true value that is not zero and was fitted: the machine's and the effect's."""
+    true = dict(CASES[scenario.machine].truth)
+    for one in scenario.hidden:
+        true |= {f"{one.name}.{name}": value for name, value in one.truth.items()}
+    return {n: abs(values[n] - value) / abs(value) for n, value in true.items() if value and n in values}

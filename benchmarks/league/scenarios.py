@@ -38,7 +38,7 @@ STATIC = (
     _carriage("friction_drift", {"rate": 0.4}, rate=1.2),
     _carriage("end_stop", {"k": 500.0, "d": 0.18}, k=2000.0),
     _both("input_dead_zone", "force", {"dead_zone": 3.0}, dead_zone=8.0),
-    _both("input_saturation", "force", {"limit": 80.0}, limit=65.0),
+    _both("input_saturation", "force", {"limit": 100.0}, limit=80.0),
 )
 LEVEL = (
     _carriage("offset", {"offset": 2.0}, offset=6.0),
@@ -86,7 +86,7 @@ ESEA = (
     _both("viscous", "elastomer", {"f_v": 0.02}, f_v=0.06),
     _both("maxwell", "elastomer", {"k": 2.0, "tau": 0.03}, k=6.0),
     _both("coulomb", "link", {"f_c": 0.006}, f_c=0.03),
-    _both("cogging", "motor", {"amplitude": 0.02, "pitch": 6.2832, "phase": 0.3}, amplitude=0.06),
+    _both("cogging", "motor", {"amplitude": 0.02, "pitch": 3.1416, "phase": 0.3}, amplitude=0.06),
     _both("input_gain", "torque", {"gain": 0.98}, gain=0.92),
 )
 HALF_CAR = (

@@ -299,3 +299,8 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
     assert Hidden("dahl", "carriage", {"amplitude": 5.0, "stiffness": 2500.0}).truth["s"] == pytest.approx(
         2e-3
     )
+
+
+@pytest.mark.parametrize("machine", CASES)
+def test_every_machine_says_the_truth_of_all_that_is_fitted(machine):
+    assert set(CASES[machine].truth) == {p.name for p in CASES[machine].model().free}
