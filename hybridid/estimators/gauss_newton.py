@@ -23,6 +23,7 @@ LOOSE = 1e-4
 SLOW_STEPS, SLOW_SHARE, SLOW_GAIN = 10, 1e3, 1e-3
 """Stick and slip make the cost of long horizons rough: descent then creeps from kink to kink. It
 ends when ten steps gain less than a thousand times the tolerance, and less than a thousandth."""
+ROUGH = "converged (slowly: rough cost)"
 EXACT = 1e-10
 """Residual over the output's standard deviation that is the arithmetic's own."""
 
@@ -40,7 +41,8 @@ def solve(
 
     ``factors`` multiply the smoothing velocities, one descent each. Converged means that a
     full Gauss-Newton step promises a relative decrease of the cost below ``tolerance``, that
-    nothing but rounding is left, or that the last ``SLOW_STEPS`` steps together gained hardly more.
+    nothing but rounding is left, or that the cost is rough: the last ``SLOW_STEPS`` steps together gained
+    hardly more, or no step lowers it and none promised more.
     """
     scaling = _Scaling.of(problem)
     begun = 0
@@ -101,16 +103,16 @@ def _descend(
                 break
             damping, growth = damping * growth, growth * 2
             if damping > MOST_DAMPING:
-                return Solution(
-                    p, x0, cost, "stalled: no step lowers the cost", False, iteration, tuple(history)
-                )
+                there = _promises_little(normal, held, cost, slow)
+                status = ROUGH if there else "stalled: no step lowers the cost"
+                return Solution(p, x0, cost, status, there, iteration, tuple(history))
         damping *= max(1 / 10, 1 - (2 * ratio - 1) ** 3)
         damping, growth = max(damping, 1e-12), 2.0
         p, x0, cost = trial_p, trial_x, trial
         history.append(cost)
         watch(iteration, cost)
         if len(history) > SLOW_STEPS and history[-SLOW_STEPS - 1] - cost < slow * cost:
-            return Solution(p, x0, cost, "converged (slowly: rough cost)", True, iteration, tuple(history))
+            return Solution(p, x0, cost, ROUGH, True, iteration, tuple(history))
     return Solution(
         p, x0, cost, f"stopped after {max_iterations} iterations", False, max_iterations, tuple(history)
     )
