@@ -1,12 +1,15 @@
 """The ceiling: how much any memoryless effect at a port could explain.
 
-    F = sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2)),   s the port's velocity or position
+    F = g sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2))
+
+with s the port's velocity, its position or the time, and g = 1; or, for a damping that changes from place
+to place or over the run, g = v and s the position or the time.
 
 A sum of Gaussian bumps on a fixed grid over the range that the fitted horizons cover is fitted
 in simulation, like any effect, with every other parameter. V holds the combinations of bumps
 that these horizons show (principal components): a bump where the record hardly ever is would
-take any height. No effect of velocity alone (or position alone) can gain more than that on
-held-out horizons, up to the grid's resolution. Source: thesis Eqs. 6-4 to 6-6, with fixed
+take any height. No effect of that variable alone can gain more than that on held-out horizons, up
+to the grid's resolution. Source: thesis Eqs. 6-4 to 6-6, with fixed
 centres and widths; Jolliffe (2002), Principal Component Analysis, ch. 8.
 """
 
@@ -14,13 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.effects.dimension import EFFORT
+from hybridid.effects.dimension import DAMPING, EFFORT
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.model import Model
 from hybridid.trace.evidence import compare
@@ -28,7 +31,8 @@ from hybridid.trace.refit import Refit, problem_of, refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
-Over = Literal["velocity", "position"]
+Over = Literal["velocity", "position", "time", "position, times velocity", "time, times velocity"]
+OVERS: tuple[Over, ...] = get_args(Over)
 BUMPS = 12
 FAINT = 1e-4
 """Mean square of a combination of bumps over the fitted horizons, against the strongest, below which
@@ -41,7 +45,7 @@ BINS, LEAST_IN_BIN = 60, 20
 class Ceiling:
     """Held-out ``gain`` of a learned effort at ``port`` over ``over``, with its p-value.
 
-    ``curve`` (velocity or position, effort, samples) is what it adds there to the model's own terms,
+    ``curve`` (s, effort, samples) is what it adds there to the model's own terms,
     less what these lose in the refit: alone, bumps and viscous friction could trade any amount.
     ``refit`` is the model with it.
     """
@@ -69,15 +73,26 @@ class Bumps:
     basis: tuple[tuple[float, ...], ...]
 
     def __call__(self, at: Local) -> ca.SX:
-        s = at.velocity if self.over == "velocity" else at.position
+        s = {"velocity": at.velocity, "position": at.position, "time": at.time}[variable(self.over)]
         s = ca.fmin(ca.fmax(s, self.centres[0]), self.centres[-1])
         weights = ca.DM(self.basis) @ ca.vertcat(*[getattr(at.p, f"a{j}") for j in range(len(self.basis[0]))])
         bumps = [ca.exp(-(((s - c) / self.width) ** 2) / 2) for c in self.centres]
-        return ca.dot(weights, ca.vertcat(*bumps))
+        effort = ca.dot(weights, ca.vertcat(*bumps))
+        return effort * at.velocity if is_damping(self.over) else effort
+
+
+def variable(over: Over) -> str:
+    """The s of a learned effort."""
+    return over.partition(",")[0]
+
+
+def is_damping(over: Over) -> bool:
+    """Whether the learned effort is in proportion to velocity."""
+    return over.endswith("times velocity")
 
 
 def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
-    """A learned effort over the port's velocity or position, as far as ``seen`` (n,) covers it."""
+    """A learned effort over ``over``, as far as ``seen`` (n,) covers it."""
     centres = np.linspace(seen.min(), seen.max(), bumps)
     width = (seen.max() - seen.min()) / (bumps - 1)
     shapes = np.exp(-(((seen[:, None] - centres) / width) ** 2) / 2)
@@ -85,14 +100,20 @@ def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
     shown = spread > FAINT * spread[-1]
     basis = components[:, shown] / np.sqrt(spread[shown])
     weights = tuple(
-        EffectParameter(f"a{j}", EFFORT, f"RMS effort of combination {j}", guess=0.0, nests=True)
+        EffectParameter(
+            f"a{j}",
+            DAMPING if is_damping(over) else EFFORT,
+            f"RMS effort of combination {j}",
+            guess=0.0,
+            nests=True,
+        )
         for j in range(basis.shape[1])
     )
     return Effect(
-        id=f"learned_{over}",
+        id="learned_" + over.replace(", ", "_").replace(" ", "_"),
         kind="effort",
         title=f"learned effort over {over}",
-        equation="F = sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
+        equation=("v " if is_damping(over) else "") + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
         law=Bumps(over, tuple(centres.tolist()), float(width), tuple(map(tuple, basis.tolist()))),
         parameters=weights,
         source="thesis Eqs. 6-4 to 6-6 with fixed centres",
@@ -109,7 +130,9 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     found = refit(model, split, [base.values], base, base.numerics)
     evidence = compare(base.score, found.score)
     net = path.effort(model, found.values, port) - path.effort(base.model, base.values, port)
-    unit = where.position_unit + ("/s" if over == "velocity" else "")
+    unit = {"velocity": f"{where.position_unit}/s", "position": where.position_unit, "time": "s"}[
+        variable(over)
+    ]
     curve = _binned(path.motion(port, over), net)
     return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, unit, found)
 
@@ -133,10 +156,14 @@ class _Path:
         return cls(base.model, p, problem.windows.time[used], states[used], problem.windows.inputs[used])
 
     def motion(self, port: str, over: Over) -> Array:
-        """The port's velocity or position, (n,)."""
+        """The s of a learned effort over ``over``, (n,)."""
+        if variable(over) == "time":
+            return self.time
         index = [q.name for q in self.model.effort_ports].index(port)
         moved = self._along(self.model.motions, self.p)
-        return moved.reshape(len(self.model.effort_ports), -1, 2)[index, :, 1 if over == "velocity" else 0]
+        return moved.reshape(len(self.model.effort_ports), -1, 2)[
+            index, :, 1 if variable(over) == "velocity" else 0
+        ]
 
     def effort(self, model: Model, values: Mapping[str, float], port: str) -> Array:
         """Sum of the efforts of ``model``'s terms at ``port`` along this way, (n,)."""

@@ -4,7 +4,11 @@ The test is a split-sample likelihood ratio: both models are fitted on some hori
 their whitened Gaussian log-likelihoods compared on others, horizon by horizon. Under the
 null the richer model can only overfit, so the difference is not positive on average,
 whatever its parameters' bounds and whether or not its shape parameters exist under the
-null. Horizons are the independent units, which is what sets the effective sample size.
+null. Horizons are the units; their autocorrelation sets how many count as independent.
+
+Whitening looks away from slow errors, which an autoregression predicts from their own past.
+So the errors themselves are compared as well, by the logarithm of each horizon's mean square,
+and the smaller of the two p-values counts twice (Bonferroni).
 Source: Cox (1975), Biometrika 62(2), 441-444 (data splitting); Vuong (1989),
 Econometrica 57(2); Diebold, Mariano (1995), J. Bus. Econ. Stat. 13(3).
 """
@@ -15,9 +19,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import stats
 
 from hybridid.trace.score import Score
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -32,7 +39,9 @@ class Rules:
     ``steady`` the share of its value that a parameter may move when the numerics change, and
     ``kept`` the least share of what an effect explains that must outlive the change; ``refuted``
     how many times the error a change may leave before it counts as refuted by the records;
-    ``near_floor`` how close to the noise floor nothing more can be found.
+    ``near_floor`` how close to the noise floor nothing more can be found; ``stands_in`` the share of
+    what an effect takes from the squared error, and a learned effort beyond it, that may be the learned
+    effort's: above, the effect only stands in for something else.
     """
 
     alpha: float = 0.01
@@ -44,13 +53,14 @@ class Rules:
     kept: float = 0.5
     refuted: float = 1.5
     near_floor: float = 1.05
+    stands_in: float = 0.1
     most_effects: int = 6
 
 
 @dataclass(frozen=True)
 class Comparison:
     """``gain`` = 1 - loss(richer) / loss(poorer) held out; ``p_value`` one-sided, richer not
-    better; ``likelihood_gain`` the summed log-likelihood ratio."""
+    better; ``likelihood_gain`` the summed log-likelihood ratio of the whitened errors."""
 
     gain: float
     p_value: float
@@ -63,18 +73,37 @@ def compare(poorer: Score, richer: Score) -> Comparison:
     lower = np.isfinite(richer.loss) and poorer.loss > 0
     return Comparison(
         gain=1.0 - richer.loss / poorer.loss if lower else 0.0,
-        p_value=_one_sided(ratio),
+        p_value=min(1.0, 2.0 * min(_one_sided(ratio), _one_sided(_of_squares(poorer, richer)))),
         likelihood_gain=float(ratio.sum()),
     )
 
 
-def _one_sided(differences: np.ndarray) -> float:
-    """p-value of "the mean is not positive" (Student's t over horizons)."""
-    if not np.isfinite(differences).all():
+def _of_squares(poorer: Score, richer: Score) -> Array:
+    """Log ratio of each horizon's mean square error over all outputs, (h,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        before, after = ((s.squares / s.samples / s.scale**2).sum(axis=1) for s in (poorer, richer))
+        return np.log(before / after)
+
+
+def _one_sided(differences: Array) -> float:
+    """p-value of "the mean is not positive": Student's t over horizons (h,), of which
+
+        h (1 - r) / (1 + r)
+
+    count as independent, r their autocorrelation at one horizon's distance if it is positive. Source:
+    Bayley, Hammersley (1946), J. R. Stat. Soc. Suppl. 8(2), 184-197.
+    """
+    if not np.isfinite(differences).all() or len(differences) < 2:
         return 1.0
-    if np.ptp(differences) == 0:
+    rest = differences - differences.mean()
+    spread = float(rest @ rest)
+    if spread <= np.finfo(float).eps * float(differences @ differences):
         return 0.0 if differences[0] > 0 else 1.0
-    return float(stats.ttest_1samp(differences, 0.0, alternative="greater").pvalue)
+    count = len(differences)
+    r = max(0.0, float(rest[1:] @ rest[:-1]) / spread)
+    independent = max(count * (1 - r) / (1 + r), 2.0)
+    t = differences.mean() / np.sqrt(spread / (count - 1) / independent)
+    return float(stats.t.sf(t, independent - 1))
 
 
 def holm(p_values: Sequence[float]) -> list[float]:

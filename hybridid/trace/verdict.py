@@ -11,12 +11,13 @@ import numpy as np
 from hybridid.effects.effect import Effect
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
-from hybridid.trace.ceiling import Ceiling, ceiling
+from hybridid.trace.ceiling import OVERS, Ceiling, ceiling
 from hybridid.trace.evidence import Rules
 from hybridid.trace.noise import noise_level
 from hybridid.trace.refit import Numerics
 from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
 from hybridid.trace.split import Split
+from hybridid.trace.stand_in import without_stand_ins
 
 Verdict = Literal["effect_found", "ambiguous", "nothing_missing", "unexplained"]
 
@@ -74,9 +75,10 @@ def trace(
     found = search(model, split, effects, began, floor, rules, mapper, report, ports, numerics)
     found = recheck(found, split, rules)
     ceilings = _ceilings(found, split, mapper, report, ports)
-    remains = tuple(
-        f"at {c.port} over {c.over}" for c in ceilings if c.gain >= rules.worth and c.p_value <= rules.alpha
-    )
+    trusted = without_stand_ins(found, ceilings, rules)
+    if trusted is not found:
+        found, ceilings = trusted, _ceilings(trusted, split, mapper, report, ports)
+    remains = tuple(f"at {c.port} over {c.over}" for c in _telling(ceilings, rules))
     return Trace(
         verdict=_verdict(found, remains),
         search=found,
@@ -105,13 +107,21 @@ def _ceilings(
         (found.final, split, port.name, over)
         for port in found.final.model.effort_ports
         if ports is None or port.name in ports
-        for over in ("velocity", "position")
+        for over in OVERS
     ]
     made = []
     for one in mapper(ceiling, places):
         made.append(one)
         report("ceiling", len(made), len(places), f"{one.port} over {one.over}")
     return tuple(made)
+
+
+def _telling(ceilings: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:
+    """The learned efforts that still find something, the best first; not those that find less than half of
+    what the best does: over the wrong variable a little of everything can be found."""
+    found = [c for c in ceilings if c.gain >= rules.worth and c.p_value <= rules.alpha]
+    most = max((c.gain for c in found), default=0.0)
+    return sorted((c for c in found if c.gain >= most / 2), key=lambda c: -c.gain)
 
 
 def _verdict(found: Search, remains: Sequence[str]) -> Verdict:

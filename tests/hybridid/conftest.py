@@ -24,13 +24,14 @@ EPSILON = 3e-3
 
 @dataclass(frozen=True)
 class Carriage:
-    """``M q'' = force - (f_v -+ df_v/2) q' - f_c tanh(q'/epsilon) - offset``, from rest at 0."""
+    """``M q'' = force - (f_v -+ df_v/2 + damping_slope q) q' - f_c tanh(q'/epsilon) - offset``, from rest at 0."""
 
     M: float = 95.0
     f_v: float = 203.0
     f_c: float = 20.4
     offset: float = -3.2
     df_v: float = 0.0
+    damping_slope: float = 0.0  # N s/m^2: the viscous friction rises by it from place to place
     epsilon: float = EPSILON
 
     @property
@@ -75,7 +76,7 @@ def _states(carriage: Carriage, n: int, dt: float) -> Array:
     states = np.zeros((n, 2))
 
     def rate(_: float, x: Array, u: float) -> list[float]:
-        resist = carriage.f_v * x[1] - 0.5 * carriage.df_v * abs(x[1])
+        resist = (carriage.f_v + carriage.damping_slope * x[0]) * x[1] - 0.5 * carriage.df_v * abs(x[1])
         resist += carriage.f_c * np.tanh(x[1] / carriage.epsilon) + carriage.offset
         return [x[1], (u - resist) / carriage.M]
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from hybridid.effects.library import effect_named
-from hybridid.trace.ceiling import ceiling
+from hybridid.trace.ceiling import OVERS, ceiling
 from hybridid.trace.evidence import Rules
-from hybridid.trace.refit import Numerics
+from hybridid.trace.refit import Numerics, refit
 from hybridid.trace.robustness import survival, variations
 from hybridid.trace.search import search
+from hybridid.trace.stand_in import without_stand_ins
 from hybridid.trace.verdict import trace
 
 DF_V = 80.0
@@ -110,3 +113,41 @@ def test_an_effect_that_the_numerics_made_does_not_survive(make_model, two_recor
     assert trial.refit is not None
     again = survival(base, trial.refit, trial.candidate.name, split, Numerics("held", hold="zoh"), Rules())
     assert not again.survives
+
+
+@pytest.mark.parametrize(("share", "trusted"), [(0.05, True), (0.3, False)])
+def test_a_name_is_trusted_while_a_learned_effort_finds_little_more(worn, share, trusted):
+    """As if the carriage's error could fall further by ``share`` of what effect and learned effort take."""
+    (one,) = worn.accepted
+    declared, named = (r.score.loss**2 for r in (worn.search.steps[0].base, one.trial.refit))
+    left = share / (1 - share) * (declared - named)  # beyond what the effect took
+    raised = replace(worn.search.final, score=scaled(worn.search.final.score, (named + left) / named))
+    learned = replace(worn.ceilings[0], gain=0.9, p_value=1e-9, refit=worn.search.final)
+    step = replace(
+        worn.search.steps[0],
+        base=replace(
+            worn.search.steps[0].base,
+            score=scaled(worn.search.steps[0].base.score, (declared + left) / declared),
+        ),
+        accepted=replace(one, trial=replace(one.trial, refit=raised)),
+    )
+    found = without_stand_ins(replace(worn.search, steps=(step,), final=raised), [learned], Rules())
+    assert [a.name for a in found.accepted] == (["carriage.asymmetric_viscous"] if trusted else [])
+    if not trusted:
+        (refused,) = [t for t in found.steps[0].trials if t.candidate.name == one.name]
+        assert refused.status == "rejected"
+        assert refused.reason.startswith("stands in for something else")
+        assert found.final is step.base
+
+
+def scaled(score, factor):
+    """Every horizon's squares times ``factor``."""
+    return replace(score, squares=score.squares * factor)
+
+
+def test_a_damping_that_changes_over_the_way_is_told_by_its_ceiling(make_model, split_of):
+    """Friction that rises along the screen: the learned damping over position finds more than any other."""
+    base = refit(make_model(), split_of(damping_slope=600.0))
+    ceilings = {over: ceiling(base, split_of(damping_slope=600.0), "carriage", over) for over in OVERS}
+    assert max(ceilings, key=lambda over: ceilings[over].gain) == "position, times velocity"
+    assert ceilings["position, times velocity"].gain > 0.5

@@ -1,0 +1,63 @@
+"""Effects that only stand in for something that the library does not hold.
+
+What acts like no effect of the library is still like some effect more than like others, and that one
+would be accepted: an eddy-current brake passes for negative drag. Its name is trusted only if a learned
+effort finds little more than it did. With L the held-out loss before an effect, after it (and all later
+ones), and after a learned effort beside these,
+
+    share = (L_after^2 - L_learned^2) / ((L_before^2 - L_own^2) + (L_after^2 - L_learned^2)),
+
+L_own being the loss right after it was accepted. A share above ``Rules.stands_in`` withdraws it, and
+what was accepted after it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from hybridid.trace.ceiling import Ceiling
+from hybridid.trace.evidence import Rules
+from hybridid.trace.search import Search, Step
+from hybridid.trace.trial import REJECTED
+
+
+def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], rules: Rules) -> Search:
+    """``found`` less the first effect that stands in for another, and those after it."""
+    significant = [c for c in ceilings if c.p_value <= rules.alpha and c.gain > 0]
+    if not significant:
+        return found
+    best = max(significant, key=lambda c: c.gain)
+    last = found.final.score.loss
+    learned = last**2 - best.refit.score.loss**2
+    for number, step in enumerate(found.steps):
+        if step.accepted is None or step.accepted.trial.refit is None:
+            continue
+        own = step.base.score.loss**2 - step.accepted.trial.refit.score.loss**2
+        share = learned / (own + learned)
+        if share > rules.stands_in:
+            return _ended_at(found, number, best, share)
+    return found
+
+
+def _ended_at(found: Search, number: int, best: Ceiling, share: float) -> Search:
+    """The search as if the step ``number`` had found nothing."""
+    step = found.steps[number]
+    assert step.accepted is not None
+    name = step.accepted.name
+    reason = (
+        f"stands in for something else: beside it a learned effort at {best.port} over {best.over} "
+        f"still takes {share:.0%} of what both take from the squared error"
+    )
+    trials = tuple(
+        replace(t, status=REJECTED, reason=reason) if t.candidate.name == name else t for t in step.trials
+    )
+    ended: Step = replace(step, trials=trials, accepted=None)
+    kept = tuple(one for one in found.accepted if one.name in {t.name for t in step.base.model.terms})
+    return replace(
+        found,
+        steps=(*found.steps[:number], ended),
+        final=step.base,
+        accepted=kept,
+        stopped=f"{name} {reason}",
+    )
