@@ -6,9 +6,9 @@ null the richer model can only overfit, so the difference is not positive on ave
 whatever its parameters' bounds and whether or not its shape parameters exist under the
 null. Horizons are the units; their autocorrelation sets how many count as independent.
 
-Whitening looks away from slow errors, which an autoregression predicts from their own past.
-So the errors themselves are compared as well, by the logarithm of each horizon's mean square,
-and the smaller of the two p-values counts twice (Bonferroni).
+Whitening looks away from slow errors, which an autoregression predicts from their own past. So
+the squared errors themselves are compared as well (Diebold, Mariano), and the smaller of the two
+p-values counts twice (Bonferroni).
 Source: Cox (1975), Biometrika 62(2), 441-444 (data splitting); Vuong (1989),
 Econometrica 57(2); Diebold, Mariano (1995), J. Bus. Econ. Stat. 13(3).
 """
@@ -79,10 +79,8 @@ def compare(poorer: Score, richer: Score) -> Comparison:
 
 
 def _of_squares(poorer: Score, richer: Score) -> Array:
-    """Log ratio of each horizon's mean square error over all outputs, (h,)."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        before, after = ((s.squares / s.samples / s.scale**2).sum(axis=1) for s in (poorer, richer))
-        return np.log(before / after)
+    """By how much each horizon's squared errors fall, over the outputs' variances, (h,)."""
+    return np.asarray(((poorer.squares - richer.squares) / poorer.scale**2).sum(axis=1))
 
 
 def _one_sided(differences: Array) -> float:

@@ -20,9 +20,7 @@ class Score:
 
     ``squares`` sums of squared errors in units², ``samples`` how many; ``likelihood`` the
     Gaussian log-likelihood of the errors whitened by an autoregression that was fitted to
-    the model's own residual on the fitted horizons, each horizon with the innovation
-    variance that suits it best: -n/2 (log(2 pi v) + 1), v the mean square innovation. So a
-    horizon of stronger motion, whose errors are larger, does not outvote all others.
+    the model's own residual on the fitted horizons.
     ``scale`` (n_y,) is each output's standard deviation over the records.
     """
 
@@ -55,9 +53,10 @@ def score_of(fitted: Sequence[Array], held_out: Sequence[Array], scale: Array) -
 
 
 def _whitened(fitted: Sequence[Array], held_out: Sequence[Array]) -> Array:
-    """Log-likelihood of each held-out row, whitened by the fitted residual's autoregression."""
-    coefficients, _ = autoregression(fitted)
+    """Gaussian log-likelihood of each held-out row under the fitted residual's autoregression."""
+    coefficients, variance = autoregression(fitted)
+    if variance <= 0:
+        return np.full(len(held_out), np.inf)
     taps, order = np.concatenate([[1.0], -coefficients]), len(coefficients)
     innovations = [lfilter(taps, [1.0], row)[order:] for row in held_out]
-    with np.errstate(divide="ignore"):
-        return np.array([-0.5 * len(e) * (np.log(2 * np.pi * np.mean(e**2)) + 1) for e in innovations])
+    return np.array([-0.5 * np.sum(e**2 / variance + np.log(2 * np.pi * variance)) for e in innovations])

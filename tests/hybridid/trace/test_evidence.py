@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from statsmodels.stats.multitest import multipletests
@@ -76,11 +78,22 @@ def test_coloured_errors_are_whitened(noise):
     assert evidence.likelihood_gain == pytest.approx(expected, rel=0.02)
 
 
-def test_horizons_of_strong_motion_do_not_outvote_the_others():
-    """Errors that grow with the motion, beyond anything fitted: a tenth less in each horizon is found."""
-    growth = np.geomspace(0.1, 30.0, HORIZONS)
-    held = [g * row for g, row in zip(growth, errors(1.0, 1), strict=True)]
-    less = [0.9 * row for row in held]
-    strange = [held[-1] + 0.2 * errors(30.0, 3)[0], *less[:-1]]  # and one strong horizon worse
-    poor = score_of(errors(1.0, 0), [held[-1], *held[:-1]], np.ones(1))
-    assert compare(poor, score_of(errors(0.9, 0), strange, np.ones(1))).p_value < 1e-6
+def test_slow_errors_count_though_whitening_looks_away(noise):
+    """An autoregression predicts a slow error from its past; that the error falls by half is still evidence."""
+    slow = [noise(LENGTH, 1.0, 0.999, seed)[:, None] for seed in range(2 * HORIZONS)]
+    white = [1e-2 * row for row in errors(1.0, 1) + errors(1.0, 2)]
+    poor, rich = ([s * part + w for s, w in zip(slow, white, strict=True)] for part in (1.0, 0.5))
+    judged = [score_of(rows[:HORIZONS], rows[HORIZONS:], np.ones(1)) for rows in (poor, rich)]
+    assert compare(*judged).p_value < 1e-3
+
+
+def test_horizons_that_follow_each_other_count_less():
+    """The same gains in long runs of like horizons are worth fewer of them."""
+    base = score_of(errors(1.0, 0), errors(1.0, 1), np.ones(1))
+    gains = np.random.default_rng(2).normal(0.4, 1.0, HORIZONS)
+    likelihood = {"mixed": gains, "runs": np.sort(gains)}
+    p = {
+        name: compare(base, replace(base, likelihood=base.likelihood + g[:, None])).p_value
+        for name, g in likelihood.items()
+    }
+    assert p["runs"] > 2 * p["mixed"]
