@@ -79,7 +79,7 @@ def test_coloured_errors_are_whitened(noise):
 
 
 def test_slow_errors_count_though_whitening_looks_away(noise):
-    """An autoregression predicts a slow error from its past; that the error falls by half is still evidence."""
+    """An autoregression predicts a slow error from its past; that the error halves is evidence."""
     slow = [noise(LENGTH, 1.0, 0.999, seed)[:, None] for seed in range(2 * HORIZONS)]
     white = [1e-2 * row for row in errors(1.0, 1) + errors(1.0, 2)]
     poor, rich = ([s * part + w for s, w in zip(slow, white, strict=True)] for part in (1.0, 0.5))
