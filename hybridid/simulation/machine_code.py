@@ -33,7 +33,7 @@ from hybridid.simulation.integrators import INTEGRATORS
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
-FLAGS = ("-O2", "-fPIC", "-shared", "-ffp-contract=off")
+FLAGS = ("-O1", "-fPIC", "-shared", "-ffp-contract=off")
 WORTH = 1e7
 """Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.3 s, pays: a
 fit simulates ten times and more."""
