@@ -28,6 +28,14 @@ Array = NDArray[np.float64]
 POINTS = {1: 12, 2: 5}
 """Grid points of each shape parameter where an effect has one or two; where more, those with declared
 starts get ``FEW`` and the others their guess."""
+PLANTS_OWN = {
+    "oscillator.linear_stiffness",
+    "oscillator.viscous",
+    "link.linear_stiffness",
+    *(f"{end}_suspension.{what}" for end in ("front", "rear") for what in ("linear_stiffness", "viscous")),
+    *(f"{end}_tyre.linear_stiffness" for end in ("front", "rear")),
+}
+"""Terms that the declared model has as a part of its plant, with a free parameter. (The eSEA's link has none.)"""
 FEW, MANY = 4, 40
 SHARP = 1e-6
 """Smoothing of sign(v) over the port's velocity scale."""
@@ -59,7 +67,7 @@ def terms(model: Model, eq: Equation, coarse: bool = False, memory: bool = True)
             continue
         if effect.kind == "effort" and effect.states and not memory:
             continue
-        if effect.kind == "effort" and port.name in eq.motion and _not_the_plants(effect, eq):
+        if effect.kind == "effort" and port.name in eq.motion and _not_the_plants(effect, port.name, eq):
             yield from (Term(effect, port.name, shape) for shape in _shapes(effect, port, eq, coarse))
         elif effect.kind == "input" and _shows(effect, eq):
             grid = _input_grid(effect.id, eq.inputs[port.name])
@@ -69,9 +77,10 @@ def terms(model: Model, eq: Equation, coarse: bool = False, memory: bool = True)
             yield Term(effect, port.name, ())
 
 
-def _not_the_plants(effect: Effect, eq: Equation) -> bool:
-    """An inertia shows only where the machine's own is known."""
-    return effect.id != "added_inertia" or eq.scaled
+def _not_the_plants(effect: Effect, port: str, eq: Equation) -> bool:
+    """Not a spring or damper beside the plant's own free one; an inertia only where the plant's is known."""
+    own = f"{port}.{effect.id}" in PLANTS_OWN and not eq.scaled
+    return not own and (effect.id != "added_inertia" or eq.scaled)
 
 
 def _shows(effect: Effect, eq: Equation) -> bool:

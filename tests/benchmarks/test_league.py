@@ -151,7 +151,10 @@ def test_a_bristle_saturates_and_a_branch_relaxes():
     assert relaxing(v, 1e-3, 0.1)[-1, 0] == pytest.approx(0.005, rel=1e-6)
 
 
-REGRESSED = [s.key for s in ALL.values() if s.category == "clean" and s.machine == "carriage"][::4]
+EFFORTS = [
+    s for s in ALL.values() if s.category == "clean" and s.machine == "carriage" and not s.hidden[0].on_path
+]
+REGRESSED = [s.key for s in EFFORTS][::7]
 
 
 @pytest.mark.parametrize("key", REGRESSED)
@@ -189,7 +192,7 @@ def test_the_oracle_finds_what_it_is_told(drag):
     assert ours.consult(NOTHING, records_of(NOTHING)) is None
 
 
-TRIED = ("quadratic_drag", "asymmetric_viscous", "linear_stiffness", "input_gain")
+TRIED = ("quadratic_drag", "linear_stiffness")
 
 
 @pytest.fixture(scope="module")
