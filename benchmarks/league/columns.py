@@ -35,7 +35,7 @@ PLANTS_OWN = {
     *(f"{end}_suspension.{what}" for end in ("front", "rear") for what in ("linear_stiffness", "viscous")),
     *(f"{end}_tyre.linear_stiffness" for end in ("front", "rear")),
 }
-"""Terms that the declared model has as a part of its plant, with a free parameter. (The eSEA's link has none.)"""
+"""Terms that a declared model has in its plant, with a free parameter (the eSEA's link has none)."""
 FEW, MANY = 4, 40
 SHARP = 1e-6
 """Smoothing of sign(v) over the port's velocity scale."""
