@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from hybridid.estimators.noise import autoregression
+from hybridid.estimators.noise import MOST_LAGS, autoregression
 
 Array = NDArray[np.float64]
 
@@ -53,10 +53,14 @@ def score_of(fitted: Sequence[Array], held_out: Sequence[Array], scale: Array) -
 
 
 def _whitened(fitted: Sequence[Array], held_out: Sequence[Array]) -> Array:
-    """Gaussian log-likelihood of each held-out row under the fitted residual's autoregression."""
+    """Gaussian log-likelihood of each held-out row under the fitted residual's autoregression.
+
+    Of every row the first samples are conditioned on, as many whatever the order: a likelihood of
+    more samples is no better or worse a likelihood.
+    """
     coefficients, variance = autoregression(fitted)
     if variance <= 0:
         return np.full(len(held_out), np.inf)
-    taps, order = np.concatenate([[1.0], -coefficients]), len(coefficients)
-    innovations = [lfilter(taps, [1.0], row)[order:] for row in held_out]
+    taps = np.concatenate([[1.0], -coefficients])
+    innovations = [lfilter(taps, [1.0], row)[min(MOST_LAGS, len(row) // 2) :] for row in held_out]
     return np.array([-0.5 * np.sum(e**2 / variance + np.log(2 * np.pi * variance)) for e in innovations])

@@ -24,7 +24,8 @@ EPSILON = 3e-3
 
 @dataclass(frozen=True)
 class Carriage:
-    """``M q'' = force - (f_v -+ df_v/2 + damping_slope q) q' - f_c tanh(q'/epsilon) - offset``, from rest at 0."""
+    """``M q'' = force - F`` from rest at 0, ``F = (f_v -+ df_v/2 + damping_slope q) q' + f_c tanh(q'/epsilon)
+    + offset``."""
 
     M: float = 95.0
     f_v: float = 203.0

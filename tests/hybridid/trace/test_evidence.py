@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from statsmodels.stats.multitest import multipletests
 
+from hybridid.estimators.noise import MOST_LAGS
 from hybridid.trace.evidence import compare, holm
 from hybridid.trace.score import Score, score_of
 
@@ -74,7 +75,7 @@ def test_coloured_errors_are_whitened(noise):
         score_of(half[:HORIZONS], half[HORIZONS:], np.ones(1)),
     )
     assert evidence.gain == pytest.approx(0.5)
-    expected = HORIZONS * LENGTH * np.log(2)
+    expected = HORIZONS * (LENGTH - MOST_LAGS) * np.log(2)
     assert evidence.likelihood_gain == pytest.approx(expected, rel=0.02)
 
 
@@ -97,3 +98,20 @@ def test_horizons_that_follow_each_other_count_less():
         for name, g in likelihood.items()
     }
     assert p["runs"] > 2 * p["mixed"]
+
+
+def test_the_order_of_the_whitening_changes_no_count(noise):
+    """Errors alike but for their colour, whose autoregressions differ in order, in a unit that makes a
+    sample's log-density large: neither model is favoured by having fewer samples counted."""
+    white = [1e-6 * row for row in errors(1.0, 4) + errors(1.0, 5)]
+    coloured = [1e-6 * noise(LENGTH, 1.0, 0.9, 40 + k)[:, None] for k in range(2 * HORIZONS)]
+    gained = [
+        compare(
+            score_of(a[:HORIZONS], a[HORIZONS:], np.ones(1)), score_of(b[:HORIZONS], b[HORIZONS:], np.ones(1))
+        )
+        for a, b in ((white, coloured), (coloured, white))
+    ]
+    innovations = np.sqrt(1 - 0.9**2)
+    expected = HORIZONS * (LENGTH - MOST_LAGS) * np.log(1 / innovations)
+    assert gained[0].likelihood_gain == pytest.approx(expected, rel=0.05)
+    assert gained[1].likelihood_gain == pytest.approx(-expected, rel=0.05)
