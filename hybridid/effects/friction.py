@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import casadi as ca
 
 from hybridid.effects.dimension import DAMPING, EFFORT, VELOCITY, Dimension
@@ -135,7 +133,9 @@ QUADRATIC_DRAG = Effect(
     title="quadratic drag",
     equation="F = c_d v |v|",
     law=lambda at: at.p.c_d * at.velocity * at.speed,
-    parameters=(EffectParameter("c_d", DRAG, "drag coefficient", guess=0.1, lower=-math.inf, nests=True),),
+    parameters=(  # a negative drag would drive the machine
+        EffectParameter("c_d", DRAG, "drag coefficient", guess=0.1, lower=0.0, nests=True),
+    ),
     source="Batchelor (1967), An Introduction to Fluid Dynamics, sec. 5.11",
     pattern="odd in velocity and growing with its square",
     look_alikes=("viscous", "coulomb"),

@@ -27,8 +27,9 @@ class Candidate:
         """Values by name to start the augmented ``model`` from.
 
         The effect starts at nothing, so that the fit begins where the poorer model ended,
-        with its shape as guessed and with each declared value of one shape parameter; and
-        once at its declared guess.
+        with its shape as guessed and with each declared value of one shape parameter; once at
+        its declared guess; and at each declared value of an amplitude, for an effect whose first
+        traces are faint (a clipped input) leads nowhere from nothing.
         """
         port = model.plant.port(self.port)
         own = {p: p.at(port) for p in self.effect.parameters}
@@ -41,7 +42,13 @@ class Candidate:
             if not p.nests
             for value in p.starts_at(port)
         ]
-        return [*({**values, **nothing, **one} for one in (shape, *others)), {**values, **guessed}]
+        present = [
+            {**guessed, f"{self.name}.{p.name}": value} for p in own if p.nests for value in p.starts_at(port)
+        ]
+        return [
+            *({**values, **nothing, **one} for one in (shape, *others)),
+            *({**values, **one} for one in (*present, guessed)),
+        ]
 
 
 def admissible(
