@@ -145,6 +145,8 @@ Its own keys
   trace.worth=X            smallest decrease of the held-out RMSE worth having; default: 0.05
   trace.alpha=X            probability of one false effect among all tried in a step; default: 0.01
   trace.tie=X              relative difference below which two effects are alike; default: 0.02
+  trace.stands_in=X        share of what an effect and a learned effort beside it take from the squared error
+                           that may be the latter's; above, the effect only stands in; default: 0.1
   trace.effects=[...]      ids to try; default: the whole library (hybridid effects)
   trace.extra_effects=[module:NAME,...]   effects of your own, tried beside them
   trace.ports=[...]        ports to try; default: all

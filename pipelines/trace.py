@@ -38,6 +38,10 @@ from pipelines.trace_story import Story
 from pipelines.trace_workers import workers
 
 
+FORMATS = ("svg",)
+"""Of the figures: the report holds them; what is wanted elsewhere any browser prints."""
+
+
 def run(job: Job) -> None:
     """Search, prove, and write everything."""
     began = time.perf_counter()
@@ -145,7 +149,9 @@ def _write(job: Job, story: Story, missing: Missing, began: float) -> None:
         story.found, story.proofs, story.split.records, missing, ceilings,
         story.request.rules.worth, story.judged, story.provenance,
     )  # fmt: skip
-    pictures = [Picture(save(plot, job.folder, name)[0], plot.caption) for name, plot in gallery.figures()]
+    pictures = [
+        Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption) for name, plot in gallery.figures()
+    ]
     page = trace_page(data, pictures)
     (job.folder / "report.html").write_text(page.html(), encoding="utf-8")
     (job.folder / "report.md").write_text(page.markdown(job.folder), encoding="utf-8")

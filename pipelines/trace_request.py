@@ -22,9 +22,9 @@ from pipelines.modelling import plant_of
 from pipelines.sources import Named, chosen
 
 AUTO = "auto"
-RULES = ("alpha", "worth", "tie", "most_effects")
+RULES = ("alpha", "worth", "tie", "stands_in", "most_effects")
 KEYS = ("records", "held_out", "horizon", "effects", "extra_effects", "ports", *RULES, "processes")
-_SHARES = ("alpha", "worth", "tie")
+_SHARES = ("alpha", "worth", "tie", "stands_in")
 
 
 @dataclass(frozen=True)
