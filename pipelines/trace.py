@@ -37,7 +37,6 @@ from pipelines.trace_request import Request, division, own_effects, request_of, 
 from pipelines.trace_story import Story
 from pipelines.trace_workers import workers
 
-
 FORMATS = ("svg",)
 """Of the figures: the report holds them; what is wanted elsewhere any browser prints."""
 

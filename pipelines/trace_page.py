@@ -249,8 +249,8 @@ def _rules(data: Data) -> Table:
         ("alike", f"effects whose errors differ by less than {percent(rules['tie'])}, or not significantly"),
         ("identifiable", f"standard errors at most {percent(rules['vague'])} of the value, correlations at "
                          f"most {rules['collinear']:g}"),
-        ("name trusted", f"a learned effort beside it takes at most {percent(rules['stands_in'])} of what both take "
-                         "from the squared error"),
+        ("name trusted", "a learned effort beside it takes at most "
+                         f"{percent(rules['stands_in'])} of what both take from the squared error"),
         ("search ended", data["stopped"]),
         ("took", f"{data['seconds']:.0f} s on {data['processes']} processes"),
     )  # fmt: skip
