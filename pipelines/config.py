@@ -38,6 +38,7 @@ SECTIONS: Mapping[str, tuple[str, ...] | None] = {
         "alpha",
         "worth",
         "tie",
+        "stands_in",
         "most_effects",
         "processes",
     ),
