@@ -131,7 +131,7 @@ def _linearise(problem: Problem, scaling: _Scaling, p: Array, x0: Array) -> Norm
     used = problem.windows.used[..., None, None]
     by_p = np.where(used, shot.by_parameter / problem.scale[:, None], 0.0) * scaling.p
     by_x = np.where(used, shot.by_state / problem.scale[:, None], 0.0) * scaling.x
-    by_x = by_x * problem.moving[:, None, None, :]
+    by_x = np.where(problem.moving[:, None, None, :], by_x, 0.0)
     w, rows = len(x0), r[0].size
     jp, jx = by_p.reshape(w, rows, -1) if by_p.size else np.zeros((w, rows, 0)), by_x.reshape(w, rows, -1)
     error = r.reshape(w, rows)

@@ -109,16 +109,20 @@ def _projected(problem: Problem, shot: Shot) -> tuple[Array, Array]:
     """
     used = problem.windows.used[..., None, None]
     jp, jx = (np.where(used, by / problem.scale[:, None], 0.0) for by in (shot.by_parameter, shot.by_state))
-    jx = jx * problem.moving[:, None, None, :]
+    jx = np.where(problem.moving[:, None, None, :], jx, 0.0)
     if not problem.moving.any():
         return jx[..., :0], jp
     w, length, n_y, n = jp.shape
     tall_x, tall_p = jx.reshape(w, length * n_y, -1), jp.reshape(w, length * n_y, n)
-    norms = np.linalg.norm(tall_x, axis=1, keepdims=True)
-    basis, _ = np.linalg.qr(tall_x / np.where(norms > 0, norms, 1.0))
-    # a state that no sample shows takes nothing from the residual
-    basis = np.where(norms > 0, basis, 0.0)
-    return basis.reshape(jx.shape), (tall_p - basis @ (basis.swapaxes(1, 2) @ tall_p)).reshape(jp.shape)
+    with np.errstate(
+        over="ignore", invalid="ignore"
+    ):  # sensitivities that grow without end: no error is stated
+        norms = np.linalg.norm(tall_x, axis=1, keepdims=True)
+        basis, _ = np.linalg.qr(tall_x / np.where(norms > 0, norms, 1.0))
+        # a state that no sample shows takes nothing from the residual
+        basis = np.where(norms > 0, basis, 0.0)
+        rest = tall_p - basis @ (basis.swapaxes(1, 2) @ tall_p)
+    return basis.reshape(jx.shape), rest.reshape(jp.shape)
 
 
 def _orthogonal(jacobian: Array) -> tuple[Array, Array, float]:
