@@ -24,6 +24,7 @@ END_STOP = Effect(
             lower=-5.0,
             upper=5.0,
             starts=(0.3, 2.0),
+            sought="place",
         ),
         EffectParameter(
             "side", ONE, "1: stops motion upwards; -1: downwards", guess=1.0, starts=(-1.0,), fixed=True

@@ -29,7 +29,7 @@ COGGING = Effect(
             lower=0.003,
             upper=10.0,
             starts=(0.03, 0.1, 1.0),
-            periodogram="position",
+            sought="period",
         ),
     ),
     source=(
@@ -68,7 +68,7 @@ PERIODIC_DISTURBANCE = Effect(
             upper=1000.0,
             starts=(1.0, 20.0, 50.0),
             absolute=True,
-            periodogram="time",
+            sought="frequency",
         ),
     ),
     source=(

@@ -25,9 +25,9 @@ class EffectParameter:
     model without the effect.
 
     ``starts`` are further starting values for a shape parameter whose cost has several
-    valleys (a Stribeck velocity, a pitch). ``periodogram`` says that better ones are the
-    peaks of the missing effort's periodogram over the port's ``"position"`` (a parameter of
-    position: the period) or over ``"time"`` (a frequency).
+    valleys (a Stribeck velocity, a pitch). ``sought`` says that better ones are to be found in
+    the record: a ``"period"`` over the positions that the port visits, a ``"place"`` among
+    them, or the ``"frequency"`` of what a model leaves over time.
 
     A ``fixed`` parameter belongs to how the law is written (a smoothing width, the window of
     a delay line) and is not estimated; its ``starts`` are alternatives to try, each fixed.
@@ -46,7 +46,7 @@ class EffectParameter:
     nests: bool = False
     absolute: bool = False
     fixed: bool = False
-    periodogram: Literal["", "position", "time"] = ""
+    sought: Literal["", "period", "place", "frequency"] = ""
 
     def __post_init__(self) -> None:
         for value in (self.guess, *self.starts):

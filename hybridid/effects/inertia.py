@@ -65,7 +65,7 @@ FLEXIBLE_MODE = Effect(
             lower=0.02,
             upper=200.0,
             starts=(0.3, 10.0, 30.0),
-            periodogram="time",
+            sought="frequency",
         ),
         EffectParameter("zeta", ONE, "damping ratio ζ", guess=0.05, lower=1e-3, upper=2.0),
     ),

@@ -118,6 +118,17 @@ def _descend(
     )
 
 
+def promise(problem: Problem, p: Array, x0: Array) -> float:
+    """Decrease of the cost that a full Gauss-Newton step from ``p``, ``x0`` promises: a score test's answer,
+    good for telling which of many starts is worth a descent. 0 where the sensitivities diverge."""
+    scaling = _Scaling.of(problem)
+    normal = _linearise(problem, scaling, p, x0)
+    if not normal.finite:
+        return 0.0
+    held = scaling.held(p, normal.gp)
+    return normal.predicted(*normal.step(1e-8, held))
+
+
 def _promises_little(normal: Normal, held: NDArray[np.bool_], cost: float, tolerance: float) -> bool:
     """Whether even the undamped step would hardly lower the cost."""
     promised = normal.predicted(*normal.step(1e-10, held))

@@ -124,8 +124,8 @@ def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
 def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     """Fit a learned effort at ``port`` beside everything else and score it held out."""
     where = base.model.plant.port(port)
-    path = _Path.of(base, split, (*split.fitted, *split.held_out))
-    effect = learned_effort(over, _Path.of(base, split, split.fitted).motion(port, over))
+    path = Path.of(base, split, (*split.fitted, *split.held_out))
+    effect = learned_effort(over, Path.of(base, split, split.fitted).motion(port, over))
     model: Model = base.model.plus(effect, port)
     found = refit(model, split, [base.values], base, base.numerics)
     evidence = compare(base.score, found.score)
@@ -138,7 +138,7 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
 
 
 @dataclass(frozen=True)
-class _Path:
+class Path:
     """The base model's own way through some horizons: times (n,), states (n, n_x), inputs (n, n_u)."""
 
     model: Model
@@ -148,7 +148,7 @@ class _Path:
     inputs: Array
 
     @classmethod
-    def of(cls, base: Refit, split: Split, horizons: Sequence[int]) -> _Path:
+    def of(cls, base: Refit, split: Split, horizons: Sequence[int]) -> Path:
         p = base.model.values(base.values)
         problem = problem_of(base.model, split, base.numerics, base.values).on(horizons)
         used = problem.windows.used

@@ -103,7 +103,7 @@ def refit(
     needed = min(_steps(problem, solution.p, numerics), STIFF)
     if needed * numerics.finer > problem.windows.substeps:
         problem = _laid_out(model, split, numerics, needed)
-        solution, x0 = _settled(_Begun(problem, solution.p, x0), split, smoothing[-1:], hopeless)
+        solution, x0 = _settled(Begun(problem, solution.p, x0), split, smoothing[-1:], hopeless)
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
     doubt = _of_noise(uncertainty(fitted, solution.p, solution.x0))
     ours = _errors(fitted, solution.p, solution.x0)
@@ -134,7 +134,7 @@ def problem_of(model: Model, split: Split, numerics: Numerics, values: Mapping[s
 
 
 @dataclass(frozen=True)
-class _Begun:
+class Begun:
     """A problem, and where to begin in it: parameters (n_p,), initial states of all horizons (w, n_x)."""
 
     problem: Problem
@@ -174,7 +174,7 @@ def _best_start(
     starts: Sequence[Mapping[str, float]],
     before: Refit | None,
     numerics: Numerics,
-) -> _Begun:
+) -> Begun:
     """The start whose first iterations get furthest, each in steps of its own.
 
     Raises:
@@ -188,11 +188,11 @@ def _best_start(
     problems = {n: _laid_out(model, split, numerics, n) for n in sorted(set(wanted)) if n <= limit}
     rows = list(split.fitted[:: max(1, len(split.fitted) // GLANCED)])
     parts = {n: problem.on(rows) for n, problem in problems.items()}
-    found: list[tuple[float, _Begun]] = []
+    found: list[tuple[float, Begun]] = []
     for start, steps in zip(starts, wanted, strict=True):
         if steps > limit:
             continue
-        begun = _begun(problems[steps], problems[steps].model.values(start), before, numerics)
+        begun = begin(problems[steps], problems[steps].model.values(start), before, numerics)
         if len(starts) == 1:
             return begun
         glance = gauss_newton.solve(
@@ -202,7 +202,7 @@ def _best_start(
     return min(found, key=lambda one: one[0])[1]
 
 
-def _begun(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> _Begun:
+def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> Begun:
     """A start with the initial states of the poorer model, or without one the best at hand."""
     p = problem.smoothed(values, numerics.smoothing)
     x0 = problem.measured_x0()
@@ -213,11 +213,11 @@ def _begun(problem: Problem, values: Array, before: Refit | None, numerics: Nume
         for column, state in enumerate(before.model.states):
             if state.name in names:
                 x0[:, names.index(state.name)] = before.x0[:, column]
-    return _Begun(problem, p, carry(problem, p, x0))
+    return Begun(problem, p, carry(problem, p, x0))
 
 
 def _settled(
-    begun: _Begun, split: Split, smoothing: Sequence[float], hopeless: float
+    begun: Begun, split: Split, smoothing: Sequence[float], hopeless: float
 ) -> tuple[Solution, Array]:
     """Converged parameters, and the initial states of all horizons at them.
 

@@ -12,6 +12,7 @@ from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, Rules, compare, holm
 from hybridid.trace.refit import Refit, refit
+from hybridid.trace.sought import sought
 from hybridid.trace.split import Split
 
 PASSED, REJECTED, UNIDENTIFIABLE = "passed", "rejected", "unidentifiable"
@@ -44,7 +45,8 @@ def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons."""
     model: Model = candidate.added_to(base.model)
     try:
-        found = refit(model, split, candidate.starts(model, base.values), base, base.numerics)
+        starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
+        found = refit(model, split, starts, base, base.numerics)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):

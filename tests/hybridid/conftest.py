@@ -25,7 +25,7 @@ EPSILON = 3e-3
 @dataclass(frozen=True)
 class Carriage:
     """``M q'' = force - F`` from rest at 0, ``F = (f_v -+ df_v/2 + damping_slope q) q' + f_c tanh(q'/epsilon)
-    + offset``."""
+    + offset + ripple sin(2 pi q / pitch)``."""
 
     M: float = 95.0
     f_v: float = 203.0
@@ -33,6 +33,8 @@ class Carriage:
     offset: float = -3.2
     df_v: float = 0.0
     damping_slope: float = 0.0  # N s/m^2: the viscous friction rises by it from place to place
+    ripple: float = 0.0  # N, a force that is periodic in position
+    pitch: float = 0.02  # m, its period
     epsilon: float = EPSILON
 
     @property
@@ -79,6 +81,7 @@ def _states(carriage: Carriage, n: int, dt: float) -> Array:
     def rate(_: float, x: Array, u: float) -> list[float]:
         resist = (carriage.f_v + carriage.damping_slope * x[0]) * x[1] - 0.5 * carriage.df_v * abs(x[1])
         resist += carriage.f_c * np.tanh(x[1] / carriage.epsilon) + carriage.offset
+        resist += carriage.ripple * np.sin(2 * np.pi * x[0] / carriage.pitch)
         return [x[1], (u - resist) / carriage.M]
 
     for k in range(n - 1):

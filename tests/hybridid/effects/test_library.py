@@ -180,7 +180,7 @@ def test_guesses_and_bounds_are_sensible_at_every_port(effect):
             assert not (p.fixed and p.nests)
             if p.nests:
                 assert declared.lower <= 0.0 <= declared.upper
-            if p.periodogram:
+            if p.sought:
                 assert not p.nests
 
 

@@ -1,0 +1,118 @@
+"""Where to begin along a pitch, a frequency or the place of a stop: looked for in the record.
+
+The cost has a valley for every one of many periods, and a descent from a wrong one stays there. So before
+the descents the effect is put at nothing for each value of a grid, and what one Gauss-Newton step promises
+there (a score test) says where it would help: the grid's best peaks become starts. That only sets where
+refits begin; refits decide. A disturbance's frequency is read off the spectrum of what the model leaves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.effects.effect import EffectParameter
+from hybridid.estimators.gauss_newton import promise
+from hybridid.model import Model
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.ceiling import Path
+from hybridid.trace.refit import Refit, begin, problem_of
+from hybridid.trace.split import Split
+
+Array = NDArray[np.float64]
+PEAKS = 2
+"""Of a grid or a spectrum that become starts."""
+PERIODS, PLACES = 40, 16
+"""Most periods within the visited range, and places along it, that are tried."""
+LOOKED_AT = 10
+"""Fitted horizons by which a grid is judged, evenly chosen."""
+
+
+def sought(candidate: Candidate, model: Model, base: Refit, split: Split) -> list[dict[str, float]]:
+    """Further starts of the augmented ``model``, beside ``Candidate.starts``; none for most effects."""
+    if candidate.effect.kind != "effort":
+        return []
+    return [
+        start
+        for parameter in candidate.effect.parameters
+        if parameter.sought
+        for start in _starts(candidate, parameter, model, base, split)
+    ]
+
+
+def _starts(
+    candidate: Candidate, parameter: EffectParameter, model: Model, base: Refit, split: Split
+) -> Iterator[dict[str, float]]:
+    name = f"{candidate.name}.{parameter.name}"
+    declared = parameter.at(model.plant.port(candidate.port))
+    at_nothing = candidate.starts(model, base.values)[0]
+    path = Path.of(base, split, split.fitted)
+    if parameter.sought == "frequency":
+        for value in _spectral_peaks(base, split, path):
+            if declared.lower <= value <= declared.upper:
+                yield {**at_nothing, name: value}
+        return
+    visited = path.motion(candidate.port, "position")
+    grid = _grid(parameter, float(visited.min()), float(visited.max()))
+    grid = grid[(grid >= declared.lower) & (grid <= declared.upper)]
+    for variant in _variants(candidate, model, at_nothing):
+        signed = grid if variant.get(f"{candidate.name}.side", 1.0) > 0 else -grid
+        promised = _promised(model, base, split, [{**variant, name: float(v)} for v in signed])
+        for k in _peaks(promised):
+            yield {**variant, name: float(signed[k])}
+
+
+def _variants(candidate: Candidate, model: Model, start: dict[str, float]) -> Iterator[dict[str, float]]:
+    """``start``, and with each alternative of a fixed parameter (the side of a stop)."""
+    yield start
+    for parameter in candidate.effect.parameters:
+        if parameter.fixed:
+            for value in parameter.starts_at(model.plant.port(candidate.port)):
+                yield {**start, f"{candidate.name}.{parameter.name}": value}
+
+
+def _grid(parameter: EffectParameter, low: float, high: float) -> Array:
+    span = high - low
+    if parameter.sought == "place":
+        return np.linspace(low, high, PLACES + 2)[1:-1]
+    # what tells two periods apart is half a period over the whole range
+    return span / np.arange(0.5, PERIODS, 0.5) if span > 0 else np.empty(0)
+
+
+def _promised(model: Model, base: Refit, split: Split, starts: list[dict[str, float]]) -> Array:
+    """The cost's promised decrease from each of ``starts``, which differ by one parameter alone."""
+    if not starts:
+        return np.empty(0)
+    problem = problem_of(model, split, base.numerics, starts[len(starts) // 2])
+    rows = list(split.fitted[:: max(1, len(split.fitted) // LOOKED_AT)])
+    first = begin(problem, problem.model.values(starts[0]), base, base.numerics)
+    part = problem.on(rows)
+    found = []
+    for start in starts:
+        p = problem.smoothed(problem.model.values(start), base.numerics.smoothing)
+        found.append(promise(part, p, first.x0[rows]))
+    return np.array(found)
+
+
+def _spectral_peaks(base: Refit, split: Split, path: Path) -> list[float]:
+    """Frequencies [Hz] of the strongest peaks in the spectra of the errors, record by record."""
+    problem = problem_of(base.model, split, base.numerics, base.values).on(split.fitted)
+    errors = problem.residuals(problem.shooter(base.x0[list(split.fitted)], path.p))
+    used = problem.windows.used
+    series = np.concatenate([row[kept] for row, kept in zip(errors, used, strict=True)])
+    series = (series - series.mean(axis=0)) * np.hanning(len(series))[:, None]
+    power = (np.abs(np.fft.rfft(series, axis=0)) ** 2).sum(axis=1)
+    frequencies = np.fft.rfftfreq(len(series), problem.windows.dt)
+    # slower than a horizon its own initial state takes it up
+    power[frequencies < 1.0 / (split.horizon * problem.windows.dt)] = 0.0
+    return [float(frequencies[k]) for k in _peaks(power)]
+
+
+def _peaks(values: Array) -> list[int]:
+    """The highest local maxima of (n,), the highest first; ends count."""
+    padded = np.concatenate([[-np.inf], np.nan_to_num(values, nan=-np.inf), [-np.inf]])
+    inner = padded[1:-1]
+    maxima = np.flatnonzero((inner > 0) & (inner >= padded[:-2]) & (inner >= padded[2:]))
+    return sorted(maxima.tolist(), key=lambda k: -inner[k])[:PEAKS]
