@@ -153,9 +153,9 @@ def _grid(p: EffectParameter, port: Port, eq: Equation, together: int) -> Array:
     stroke = np.ptp(q)
     if p.fixed:
         return known
-    if p.periodogram == "position":
+    if p.sought == "period":
         return np.geomspace(stroke / 50, 2 * stroke, MANY)
-    if p.periodogram == "time":
+    if p.sought == "frequency":
         return np.geomspace(0.3, 0.5 * eq.cutoff, MANY if together == 1 else 14)
     if p.guess == 0:
         return np.append(q.min() + stroke * np.linspace(0, 1, POINTS[2]), 0.0)
