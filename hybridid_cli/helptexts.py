@@ -138,7 +138,8 @@ augmented model.
   hybridid run case=emps model=TREE/trace/model.json               go on with the augmented model
 
 Its own keys
-  trace.horizon=S          length of each horizon in s; default: validate.horizon
+  trace.horizon=S          length of each horizon in s; default: auto, validate.horizon, or shorter where the
+                           records would not give ten of them to judge by
   trace.records=[...]      roles or names of the records to fit; default: fit.records
   trace.held_out=[...]     of those that judge; null: alternate horizons of the fitted ones do;
                            default: auto, the validation records, or null if there are none

@@ -33,7 +33,7 @@ from pipelines.trace_figures import Gallery
 from pipelines.trace_missing import Missing, missing_efforts, write_missing
 from pipelines.trace_page import trace_page
 from pipelines.trace_proof import AFTER, BEFORE, Ask, Proof, prove
-from pipelines.trace_request import Request, division, own_effects, request_of, split_of
+from pipelines.trace_request import Request, division, fitting_horizon, own_effects, request_of, split_of
 from pipelines.trace_story import Story
 from pipelines.trace_workers import workers
 
@@ -44,7 +44,13 @@ FORMATS = ("svg",)
 def run(job: Job) -> None:
     """Search, prove, and write everything."""
     began = time.perf_counter()
-    request, prepared = request_of(job.settings), prepared_records(job.tree)
+    prepared = prepared_records(job.tree)
+    asked = request_of(job.settings)
+    request = fitting_horizon(asked, prepared, job.settings)
+    if request.horizon < asked.horizon:
+        job.watcher.warn(
+            f"trace.horizon: {request.horizon:.3g} s; the records are too short for {asked.horizon:g} s"
+        )
     split = split_of(prepared, job.settings, request.horizon)
     with workers(request.processes) as mapper:
         found = trace(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,8 @@ from pipelines.modelling import plant_of
 from pipelines.sources import Named, chosen
 
 AUTO = "auto"
+ENOUGH = 10
+"""Horizons to fit, and to judge by, that the automatic horizon leaves."""
 RULES = ("alpha", "worth", "tie", "stands_in", "most_effects")
 KEYS = ("records", "held_out", "horizon", "effects", "extra_effects", "ports", *RULES, "processes")
 _SHARES = ("alpha", "worth", "tie", "stands_in")
@@ -78,6 +80,15 @@ def division(records: Sequence[Named], settings: Settings) -> tuple[list[Named],
             "trace.held_out=null judges on alternate horizons of it"
         )
     return fitted, held_out
+
+
+def fitting_horizon(request: Request, prepared: Sequence[Prepared], settings: Settings) -> Request:
+    """``request``, its horizon short enough for ``ENOUGH`` of them on either side if it is automatic."""
+    if settings["trace.horizon"] != AUTO:
+        return request
+    fitted, held_out = ([r.row["n"] * r.row["dt"] for r in part] for part in division(prepared, settings))
+    least = min(sum(fitted), sum(held_out)) if held_out else sum(fitted) / 2
+    return replace(request, horizon=min(request.horizon, least / ENOUGH))
 
 
 def split_of(prepared: Sequence[Prepared], settings: Settings, horizon: float) -> Split:
@@ -146,9 +157,10 @@ def _rules(settings: Settings) -> Rules:
 
 
 def _horizon(settings: Settings) -> float:
-    seconds = _number(settings, "trace.horizon")
+    key = "validate.horizon" if settings["trace.horizon"] == AUTO else "trace.horizon"
+    seconds = _number(settings, key)
     if not 0 < seconds < np.inf:
-        raise ConfigError(f"trace.horizon is {seconds:g}: must be a positive number of s")
+        raise ConfigError(f"{key} is {seconds:g}: must be a positive number of s")
     return seconds
 
 

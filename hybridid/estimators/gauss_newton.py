@@ -140,8 +140,9 @@ def _linearise(problem: Problem, scaling: _Scaling, p: Array, x0: Array) -> Norm
     r = problem.residuals(shot)
     # what lies beyond a record's end may have left the range of numbers
     used = problem.windows.used[..., None, None]
-    by_p = np.where(used, shot.by_parameter / problem.scale[:, None], 0.0) * scaling.p
-    by_x = np.where(used, shot.by_state / problem.scale[:, None], 0.0) * scaling.x
+    with np.errstate(over="ignore"):
+        by_p = np.where(used, shot.by_parameter / problem.scale[:, None], 0.0) * scaling.p
+        by_x = np.where(used, shot.by_state / problem.scale[:, None], 0.0) * scaling.x
     by_x = np.where(problem.moving[:, None, None, :], by_x, 0.0)
     w, rows = len(x0), r[0].size
     jp, jx = by_p.reshape(w, rows, -1) if by_p.size else np.zeros((w, rows, 0)), by_x.reshape(w, rows, -1)
