@@ -57,13 +57,14 @@ def survival(
 
     The effect's own parameters must stay what they were: an amplitude that follows the
     smoothing or the step belongs to them, not to the machine. What moves within two standard
-    errors of it says nothing.
+    errors of it says nothing. How the inputs are held is excepted: half a sample of delay has to
+    go somewhere, and a true delay, lag or branch takes it up.
     """
     poorer = refit(base.model, split, [base.values], base, numerics)
     richer = refit(augmented.model, split, [augmented.values], augmented, numerics)
     again = compare(poorer.score, richer.score)
     own = {name: value for name, value in richer.values.items() if name.startswith(f"{term}.")}
-    steady = all(
+    steady = numerics.hold is not None or all(
         abs(value - augmented.values[name]) <= _room(augmented, name, rules) for name, value in own.items()
     )
     taken, then = (a.score.loss**2 - b.score.loss**2 for a, b in ((base, augmented), (poorer, richer)))

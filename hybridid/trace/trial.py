@@ -133,11 +133,21 @@ def _collinear(trial: Trial, rules: Rules) -> str:
 def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
     """The passed trials that held-out horizons cannot tell from ``best``, itself first.
 
-    Two effects are one class if the better's advantage is not significant, or is less
-    than ``rules.tie`` of the error.
+    Two effects are one class if the better's advantage is not significant, or is less than
+    ``rules.tie`` of the error; declared look-alikes also if it is less than that of what the better
+    takes from the squared error. (Bouc-Wen hysteresis contains Dahl's friction, and a shape more mends
+    whatever is left.)
     """
     others = [t for t in trials if t.status == PASSED and t is not best]
-    return [best, *(t for t in others if _alike(best, t, rules))]
+    return [best, *(t for t in others if _alike(best, t, rules) or _nearly_alike(best, t, rules))]
+
+
+def _nearly_alike(best: Trial, other: Trial, rules: Rules) -> bool:
+    ours, theirs = best.candidate.effect, other.candidate.effect
+    if ours.id not in theirs.look_alikes and theirs.id not in ours.look_alikes:
+        return False
+    left, more = (1.0 - best.gain) ** 2, (1.0 - other.gain) ** 2
+    return more - left < rules.tie * (1.0 - left)
 
 
 def _alike(best: Trial, other: Trial, rules: Rules) -> bool:

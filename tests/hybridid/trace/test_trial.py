@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -128,6 +130,18 @@ def test_a_class_holds_what_held_out_horizons_cannot_tell_apart(trial):
     judged = judge([best, near, far], RULES)
     names = [t.candidate.effect.id for t in equivalents(judged[0], judged, RULES)]
     assert names == ["asymmetric_viscous", "asymmetric_coulomb"]
+
+
+def test_a_look_alike_with_a_parameter_more_is_of_the_class(trial):
+    """It leaves half the error, and yet both take nearly all: the simpler is named with it."""
+    best = trial("bouc_wen", rmse=0.03, likelihood=20.0)
+    simpler = trial("dahl", rmse=0.09, likelihood=12.0)
+    stranger = trial("asymmetric_viscous", rmse=0.09, likelihood=12.0)
+    judged = [replace(t, status=PASSED) for t in (best, simpler, stranger)]
+    names = [t.candidate.effect.id for t in equivalents(judged[0], judged, RULES)]
+    assert names == ["bouc_wen", "dahl"]
+    judged[1] = replace(trial("dahl", rmse=0.3, likelihood=12.0), status=PASSED)
+    assert [t.candidate.effect.id for t in equivalents(judged[0], judged, RULES)] == ["bouc_wen"]
 
 
 def test_candidates_keep_to_ports_and_to_what_is_missing(make_model):
