@@ -16,6 +16,7 @@ from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 
 PANEL = 46.0  # mm
+TITLE = 4.0  # mm a line
 LARGEST = 40.0  # area in pt² of the dot where the record dwells most
 
 
@@ -47,14 +48,14 @@ def ceiling_plot(
         raise PlotError(f"ceiling at {port}: no curve to draw; give at least one")
     variables = list(dict.fromkeys(curve.over for curve in curves))
     models = list(dict.fromkeys(curve.model for curve in curves))
-    figure = new_figure(width, 22 + PANEL, f"learned effort at {port}, {judged}", provenance)
+    figure = new_figure(width, 22 + TITLE * len(models) + PANEL, f"learned effort at {port}, {judged}", provenance)
     panels = figure.subplots(1, len(variables), sharey=True, squeeze=False)[0]
     effort = scale_for("learned effort", curves[0].unit, *(curve.effort for curve in curves))
     lines: dict[str, Line2D] = {}
     for axes, over in zip(panels, variables, strict=True):
         shown = [curve for curve in curves if curve.over == over]
         lines |= _panel(axes, shown, models, effort.factor)
-        axes.set_title(" · ".join(f"{curve.model}: {max(curve.gain, 0):.0%} less error" for curve in shown))
+        axes.set_title("\n".join(f"{curve.model}: {max(curve.gain, 0):.0%} less error" for curve in shown))
     name_y(panels[0], effort)
     panels[0].set_ylim(frame([curve.effort * effort.factor for curve in curves]))
     legend_on_top(figure, [lines[model] for model in models])
