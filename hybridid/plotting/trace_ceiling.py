@@ -48,7 +48,8 @@ def ceiling_plot(
         raise PlotError(f"ceiling at {port}: no curve to draw; give at least one")
     variables = list(dict.fromkeys(curve.over for curve in curves))
     models = list(dict.fromkeys(curve.model for curve in curves))
-    figure = new_figure(width, 22 + TITLE * len(models) + PANEL, f"learned effort at {port}, {judged}", provenance)
+    height = 22 + TITLE * len(models) + PANEL
+    figure = new_figure(width, height, f"learned effort at {port}, {judged}", provenance)
     panels = figure.subplots(1, len(variables), sharey=True, squeeze=False)[0]
     effort = scale_for("learned effort", curves[0].unit, *(curve.effort for curve in curves))
     lines: dict[str, Line2D] = {}
