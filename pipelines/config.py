@@ -46,7 +46,7 @@ SECTIONS: Mapping[str, tuple[str, ...] | None] = {
     "paths": ("data", "outputs"),
     "out": None,
     "force": None,
-    "mlflow": ("enabled", "tracking_uri", "experiment"),
+    "mlflow": ("enabled", "tracking_uri", "experiment", "patience"),
     "port": None,
 }
 

@@ -1,32 +1,36 @@
 """MLflow: each command is a run, written after its results are safe. Nothing here can lose a result.
 
-The store is a sqlite file beside the run trees; whoever comes first makes it, under a lock.
+A sweep is a parent run with a nested run for each of its points. What the store does not take, since it is
+down, slow or broken, is kept in a file (``tracking_waiting``), and ``hybridid log`` sends it later.
 """
 
 from __future__ import annotations
 
-import logging
-import os
-import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+from uuid import uuid4
 
-from filelock import FileLock
-
-from pipelines.config import Settings, flat
-from pipelines.findings import cost_history, facts, metrics_of, provenance_of
+from pipelines.config import Settings
+from pipelines.errors import ConfigError
 from pipelines.stage import Outcome
+from pipelines.tracking_facts import about, artifacts_of, finite, metrics_of_run, parameters, tags_of
+from pipelines.tracking_note import Artifact, Note, Status, short
+from pipelines.tracking_send import send
+from pipelines.tracking_store import client, tracking_uri
+from pipelines.tracking_waiting import keep, reason, waiting
 from pipelines.watch import Watcher
 
-if TYPE_CHECKING:
-    from mlflow.tracking import MlflowClient
+__all__ = ["Point", "Run", "client", "close_parent", "log_point", "open_parent", "tracked", "tracking_uri"]
 
-_LONGEST_PARAMETER = 6000
-_BATCH = 1000
-_PARAMETERS_A_CALL = 100
+_PATIENCE = 30.0  # s
+_PAUSE = 60.0  # s for which a store that failed is not tried again
+_failed: dict[str, float] = {}
+_warned: set[str] = set()
 
 
 class Run:
@@ -41,143 +45,186 @@ class Run:
         self.outcome = outcome
 
 
+@dataclass(frozen=True)
+class Point:
+    """A finished point of a sweep. The same ``key`` again is the same run again.
+
+    ``began`` is in s since 1970; ``error`` says why it failed; ``artifacts`` are files and folders.
+    """
+
+    key: str
+    name: str
+    params: Mapping[str, object]
+    metrics: Mapping[str, float]
+    began: float
+    seconds: float
+    tags: Mapping[str, str] = field(default_factory=dict)
+    error: str = ""
+    artifacts: Sequence[Path] = ()
+
+
 @contextmanager
-def tracked(settings: Settings, command: str, watcher: Watcher) -> Iterator[Run]:
+def tracked(
+    settings: Settings, command: str, watcher: Watcher, parent: str | None = None, key: str | None = None
+) -> Iterator[Run]:
     """Log what happens inside as one run; also when it fails, but not when it is interrupted.
 
-    A wrong request (``ConfigError``) never began and leaves no run.
+    A wrong request (``ConfigError``) never began and leaves no run. ``parent`` is the key of the sweep it
+    belongs to; ``key`` its own, if the same run again is not to be a second.
     """
-    from pipelines.errors import ConfigError
-
     run = Run(settings, command)
+    key = key or uuid4().hex
     try:
         yield run
     except ConfigError:
         raise
     except Exception as error:
-        _log_safely(run, watcher, error)
+        _log(settings, partial(_note_of_run, run, key, parent, error), watcher)
         raise
-    _log_safely(run, watcher, None)
+    _log(settings, partial(_note_of_run, run, key, parent, None), watcher)
 
 
-def tracking_uri(settings: Settings) -> str:
-    """``mlflow.tracking_uri``, else the sqlite file beside the run trees."""
-    return str(settings.get("mlflow.tracking_uri") or f"sqlite:///{_store_folder(settings) / 'mlflow.db'}")
+def open_parent(settings: Settings, name: str, key: str, tags: Mapping[str, str], watcher: Watcher) -> None:
+    """Begin the run of a sweep; it is the same again for the same ``key``."""
+
+    def note() -> Note:
+        known = {**about(settings, name), **tags}
+        return _note(settings, key, name, time.time(), tags=known, params=parameters(settings))
+
+    _log(settings, note, watcher)
 
 
-def client(settings: Settings) -> MlflowClient:
-    """A client of the store, which exists from then on."""
-    os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
-    os.environ.setdefault("DO_NOT_TRACK", "true")
-    from mlflow.tracking import MlflowClient
+def log_point(settings: Settings, point: Point, parent: str, watcher: Watcher) -> None:
+    """Log a point as a nested run of the sweep ``parent``; at once if it is there already."""
 
-    for name in ("mlflow", "alembic"):
-        logging.getLogger(name).setLevel(logging.WARNING)
-    folder = _store_folder(settings)
-    folder.mkdir(parents=True, exist_ok=True)
-    with FileLock(str(folder / ".mlflow.lock")):
-        return MlflowClient(tracking_uri=tracking_uri(settings))
+    def note() -> Note:
+        failure = {"error": short(point.error)} if point.error else {}
+        return _note(
+            settings,
+            point.key,
+            point.name,
+            point.began,
+            point.began + point.seconds,
+            "FAILED" if point.error else "FINISHED",
+            parent=parent,
+            tags={**about(settings, point.name), **point.tags, **failure},
+            params={name: short(value) for name, value in point.params.items()},
+            metrics=finite(point.metrics),
+            artifacts=tuple(Artifact(path) for path in point.artifacts),
+        )
+
+    _log(settings, note, watcher)
 
 
-def _store_folder(settings: Settings) -> Path:
-    return Path(str(settings["paths.outputs"])).resolve()
+def close_parent(
+    settings: Settings,
+    name: str,
+    key: str,
+    watcher: Watcher,
+    failed: bool = False,
+    metrics: Mapping[str, float] | None = None,
+    artifacts: Sequence[Path] = (),
+) -> None:
+    """End the run of a sweep, and say how many of its runs wait to be sent."""
+
+    def note() -> Note:
+        return _note(
+            settings,
+            key,
+            name,
+            now,
+            now,
+            "FAILED" if failed else "FINISHED",
+            metrics=finite(metrics or {}),
+            artifacts=tuple(Artifact(path) for path in artifacts),
+        )
+
+    now = time.time()
+    _log(settings, note, watcher)
+    kept = {one.key for _, one in waiting(settings) if key in (one.key, one.parent)}
+    if kept:
+        watcher.warn(f"{len(kept)} runs of this sweep wait to be logged to MLflow: {_later(settings)}")
 
 
-def _log_safely(run: Run, watcher: Watcher, error: Exception | None) -> None:
-    if not run.settings.get("mlflow.enabled", True):
+def _log(settings: Settings, note_of: Callable[[], Note], watcher: Watcher) -> None:
+    """Send a note or, failing that, keep it: whatever is wrong with the store, the results stand."""
+    if not settings.get("mlflow.enabled", True):
         return
     try:
-        _log(run, error)
-    except Exception as trouble:  # whatever is wrong with the store, the results stand
-        line = " ".join(str(trouble).split())[:200]
-        watcher.warn(
-            f"not logged to MLflow ({type(trouble).__name__}: {line}); the results are complete without it"
-        )
+        note = note_of()
+        trouble = _sent(note, settings)
+        if trouble:
+            keep(note, settings)
+            _warn_once(settings, watcher, trouble)
+    except Exception as error:
+        watcher.warn(f"not logged to MLflow ({reason(error)}); the results are complete without it")
 
 
-def _log(run: Run, error: Exception | None) -> None:
-    store = client(run.settings)
-    experiment = _experiment(store, run.settings)
-    created = store.create_run(
-        experiment, start_time=round(run.began * 1000), run_name=run.command, tags=_tags(run, error)
-    )
-    identity = created.info.run_id
-    _log_parameters(store, identity, run.settings)
-    if run.outcome is not None:
-        _log_outcome(store, identity, run.outcome)
-    store.set_terminated(identity, "FAILED" if error else "FINISHED")
-
-
-def _experiment(store: MlflowClient, settings: Settings) -> str:
-    name = str(settings.get("mlflow.experiment") or settings.case)
-    folder = _store_folder(settings)
-    with FileLock(str(folder / ".mlflow.lock")):
-        found = store.get_experiment_by_name(name)
-        if found is not None:
-            return str(found.experiment_id)
-        artifacts = (
-            None if settings.get("mlflow.tracking_uri") else (folder / "mlflow-artifacts" / name).as_uri()
-        )
-        return str(store.create_experiment(name, artifact_location=artifacts))
-
-
-def _tags(run: Run, error: Exception | None) -> dict[str, Any]:
-    tags = {"command": run.command, "case": run.settings.case, **_commit()}
-    if run.outcome is not None:
-        tags |= {
-            "tree": str(run.outcome.tree.resolve()),
-            "stages.ran": ", ".join(run.outcome.ran) or "none",
-            "stages.reused": ", ".join(run.outcome.reused) or "none",
-            "provenance": provenance_of(run.outcome.tree),
-            **facts(run.outcome.tree),
-        }
-    if error is not None:
-        tags["error"] = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST_PARAMETER]
-    return tags
-
-
-def _log_parameters(store: MlflowClient, identity: str, settings: Settings) -> None:
-    from mlflow.entities import Param
-
-    parameters = [
-        Param(k, str(v)[:_LONGEST_PARAMETER]) for k, v in flat(settings.config).items() if k != "case.source"
-    ]
-    for start in range(0, len(parameters), _PARAMETERS_A_CALL):
-        store.log_batch(identity, params=parameters[start : start + _PARAMETERS_A_CALL])
-
-
-def _log_outcome(store: MlflowClient, identity: str, outcome: Outcome) -> None:
-    from mlflow.entities import Metric
-
-    now = round(time.time() * 1000)
-    points = [Metric(name, value, now, 0) for name, value in metrics_of(outcome.tree, outcome.stages).items()]
-    if "fit" in outcome.stages:
-        points += [Metric("cost", cost, now, step) for step, cost in enumerate(cost_history(outcome.tree))]
-    for start in range(0, len(points), _BATCH):
-        store.log_batch(identity, metrics=points[start : start + _BATCH])
-    store.log_artifact(identity, str(outcome.tree / "config.yaml"))
-    for stage in outcome.stages:
-        if stage != "preprocess":  # records stay where they are: their digests are logged
-            store.log_artifacts(identity, str(outcome.tree / stage), artifact_path=stage)
-
-
-def _commit() -> dict[str, str]:
-    """The commit of the checkout that hybridid runs from, if it is one."""
-    home = Path(__file__).resolve().parents[1]
+def _sent(note: Note, settings: Settings) -> str:
+    """Send it; why it could not be, if so. A store that failed a moment ago is not waited for again."""
+    uri = tracking_uri(settings)
+    if time.monotonic() < _failed.get(uri, 0.0):
+        return "it failed less than a minute ago"
     try:
-        if Path(_git(home, "rev-parse", "--show-toplevel")).resolve() != home:
-            return {}  # installed somewhere inside another repository
-        changed = bool(_git(home, "status", "--porcelain", "--untracked-files=no"))
-        return {
-            "mlflow.source.git.commit": _git(home, "rev-parse", "HEAD"),
-            "git.changed": str(changed).lower(),
-        }
-    except (OSError, subprocess.SubprocessError):
-        return {}
+        send(note, settings, float(settings.get("mlflow.patience", _PATIENCE)))
+    except Exception as error:
+        _failed[uri] = time.monotonic() + _PAUSE
+        return reason(error)
+    return ""
 
 
-def _git(folder: Path, *words: str) -> str:
-    said = subprocess.run(
-        ["git", "-C", str(folder), *words], capture_output=True, text=True, check=True, timeout=5
+def _warn_once(settings: Settings, watcher: Watcher, trouble: str) -> None:
+    uri = tracking_uri(settings)
+    if uri not in _warned:
+        _warned.add(uri)
+        watcher.warn(
+            f"not logged to MLflow at {uri} ({trouble}); the results are complete, and the run is kept: "
+            + _later(settings)
+        )
+
+
+def _later(settings: Settings) -> str:
+    outputs = str(settings["paths.outputs"])
+    where = "" if outputs == "outputs" else f" paths.outputs={outputs}"
+    return f"hybridid log{where} sends what waits in {outputs}/mlflow-waiting"
+
+
+def _note_of_run(run: Run, key: str, parent: str | None, error: Exception | None) -> Note:
+    failure = {"error": short(f"{type(error).__name__}: {error}")} if error else {}
+    outcome = run.outcome
+    return _note(
+        run.settings,
+        key,
+        run.command,
+        run.began,
+        time.time(),
+        "FAILED" if error else "FINISHED",
+        parent=parent,
+        tags={**about(run.settings, run.command), **(tags_of(outcome) if outcome else {}), **failure},
+        params=parameters(run.settings),
+        metrics=metrics_of_run(outcome) if outcome else (),
+        artifacts=artifacts_of(outcome) if outcome else (),
     )
-    return said.stdout.strip()
+
+
+def _note(
+    settings: Settings,
+    key: str,
+    name: str,
+    began: float,
+    ended: float | None = None,
+    status: Status = "RUNNING",
+    **rest: Any,
+) -> Note:
+    """A note for the store and experiment of ``settings``; times in s."""
+    uri = settings.get("mlflow.tracking_uri")
+    return Note(
+        key=key,
+        name=name,
+        experiment=str(settings.get("mlflow.experiment") or settings.case),
+        uri=None if uri is None else str(uri),
+        began=round(began * 1000),
+        ended=None if ended is None else round(ended * 1000),
+        status=status,
+        **rest,
+    )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from pipelines import tracking
 from pipelines.errors import ConfigError
 from pipelines.runner import run_stages
 from pipelines.tracking import client, tracked, tracking_uri
@@ -144,5 +144,5 @@ def test_nothing_is_sent_to_mlflows_maker(settings, monkeypatch):
     for name in ("MLFLOW_DISABLE_TELEMETRY", "DO_NOT_TRACK"):
         monkeypatch.delenv(name, raising=False)
     client(settings())
-    assert tracking.os.environ["MLFLOW_DISABLE_TELEMETRY"] == "true"
-    assert tracking.os.environ["DO_NOT_TRACK"] == "true"
+    assert os.environ["MLFLOW_DISABLE_TELEMETRY"] == "true"
+    assert os.environ["DO_NOT_TRACK"] == "true"
