@@ -1,8 +1,10 @@
-"""Many networks of one depth and width as one: every layer's weights carry a leading network axis.
+"""Many networks as one: every layer's weights carry a leading network axis.
 
 A step of small networks costs its calls, not its arithmetic, so a stack of them costs hardly more
 than one. Networks with fewer regressors are padded: what they do not look at is masked, so it
-neither counts nor learns.
+neither counts nor learns. Narrower ones are padded with neurons whose weights are zero: such a neuron
+gives elu(0) = 0 into weights of zero, so no gradient ever moves it. Shallower ones skip the layers that
+they lack.
 """
 
 from __future__ import annotations
@@ -37,13 +39,26 @@ def one_thread() -> Iterator[None]:
 
 class Stack:
     """``b`` networks: layers ``(b, n_in, n_out)`` and ``(b, 1, n_out)``; the first looks at ``lags``
-    past errors and then at exogenous regressors, by ``mask`` (b, n_in, 1). The error is ``carry`` (0
-    or 1) times the last one plus ``gain`` (b, 1, 1) times what the last layer gives."""
+    past errors and then at exogenous regressors, by ``mask`` (b, n_in, 1). ``sizes`` are each network's
+    own depth and width. The error is ``carry`` (0 or 1) times the last one plus ``gain`` (b, 1, 1) times
+    what the last layer gives."""
 
     def __init__(
-        self, layers: Sequence[tuple[Tensor, Tensor]], mask: Tensor, lags: int, carry: float, gain: Tensor
+        self,
+        layers: Sequence[tuple[Tensor, Tensor]],
+        sizes: Sequence[tuple[int, int]],
+        mask: Tensor,
+        lags: int,
+        carry: float,
+        gain: Tensor,
     ) -> None:
         self.layers = [tuple(t.detach().clone().requires_grad_() for t in layer) for layer in layers]
+        self.sizes = tuple(sizes)
+        depths = torch.tensor([depth for depth, _ in sizes])[:, None, None]
+        # a layer that every network has needs no choice
+        self._owners = [
+            None if bool((depths > k).all()) else depths > k for k in range(1, len(self.layers) - 1)
+        ]
         self.mask = mask
         self.lags = lags
         self.carry = carry
@@ -64,8 +79,9 @@ class Stack:
         found = []
         for k in range(horizon):
             x = torch.nn.functional.elu(torch.baddbmm(driven[:, :, k], past, by_past))
-            for matrix, shift in inner:
-                x = torch.nn.functional.elu(torch.baddbmm(shift, x, matrix))
+            for (matrix, shift), owners in zip(inner, self._owners, strict=True):
+                y = torch.nn.functional.elu(torch.baddbmm(shift, x, matrix))
+                x = y if owners is None else torch.where(owners, y, x)
             value = self.gain * torch.baddbmm(offset, x, last)
             if self.carry:
                 value = value + self.carry * past[:, :, :1]
@@ -88,7 +104,8 @@ class Stack:
         """The networks with these numbers, as a stack of their own."""
         rows = list(chosen)
         layers = [(w[rows], b[rows]) for w, b in self.layers]
-        return Stack(layers, self.mask[rows], self.lags, self.carry, self.gain[rows])
+        sizes = [self.sizes[k] for k in rows]
+        return Stack(layers, sizes, self.mask[rows], self.lags, self.carry, self.gain[rows])
 
     def put(self, chosen: Sequence[int], other: Stack) -> None:
         """Take over the weights of ``other``'s networks as those with the numbers ``chosen``."""
@@ -98,12 +115,16 @@ class Stack:
                 mine[rows] = theirs
 
     def weights(self, index: int, padded: bool = False) -> Weights:
-        """One network's weights as float64, without the padding or with zeros there."""
+        """One network's weights as float64; regressors it does not look at are left out, or ``padded``."""
+        depth, width = self.sizes[index]
         seen = self.mask[index, :, 0].bool().numpy()
-        first, *inner, last = (w[index].detach().double().numpy().T for w, _ in self.layers)
-        *shifts, offset = (b[index, 0].detach().double().numpy().copy() for _, b in self.layers)
+        own = [*self.layers[:depth], self.layers[-1]]
+        first, *inner, last = (w[index].detach().double().numpy().T for w, _ in own)
+        *shifts, offset = (b[index, 0].detach().double().numpy().copy() for _, b in own)
         gain = float(self.gain[index])
-        first = first * seen if padded else first[:, seen]
+        first = (first * seen if padded else first[:, seen])[:width]
+        inner, last = [m[:width, :width] for m in inner], last[:, :width]
+        shifts = [shift[:width] for shift in shifts]
         matrices = (np.ascontiguousarray(m) for m in (first, *inner, gain * last))
         return Weights(tuple(matrices), (*shifts, gain * offset))
 
@@ -119,27 +140,29 @@ def new_stack(
     Source: He, Zhang, Ren, Sun (2015), ICCV, 1026-1034.
 
     Raises:
-        ValueError: if depth, width or increment differ, or the number of inputs.
+        ValueError: if increment or the number of inputs differ.
     """
     one = architectures[0]
     for other in architectures:
-        if (other.depth, other.width, other.increment) != (one.depth, one.width, one.increment):
-            raise ValueError("networks of one stack share depth, width and increment")
+        if other.increment != one.increment:
+            raise ValueError("networks of one stack share residual.increment")
         if len(other.orders.inputs) != len(one.orders.inputs):
             raise ValueError("networks of one stack share their inputs")
     lags = max(a.orders.error for a in architectures)
     mask = torch.stack([_mask(a, architectures) for a in architectures])[..., None]
-    single = [_initial(a, seed) for a, seed in zip(architectures, seeds, strict=True)]
-    layers = []
-    for k in range(one.depth + 1):
-        matrices = [
-            _spread(net[k], m[:, 0]) if k == 0 else net[k] for net, m in zip(single, mask, strict=True)
-        ]
-        layers.append((torch.stack(matrices), torch.zeros(len(single), 1, matrices[0].shape[1])))
+    depth, width = max(a.depth for a in architectures), max(a.width for a in architectures)
+    layers = _zeros(len(architectures), mask.shape[1], depth, width)
+    for k, (own, seed) in enumerate(zip(architectures, seeds, strict=True)):
+        first, *inner, last = _initial(own, seed)
+        layers[0][0][k, mask[k, :, 0].bool(), : own.width] = first
+        for (matrix, _), values in zip(layers[1:-1], inner, strict=False):
+            matrix[k, : own.width, : own.width] = values
+        layers[-1][0][k, : own.width] = last
     kind = DTYPES[precision]
     layers = [(matrix.to(kind), bias.to(kind)) for matrix, bias in layers]
     gain = torch.tensor(gains, dtype=kind)[:, None, None]
-    return Stack(layers, mask.to(kind), lags, float(one.increment), gain)
+    sizes = [(a.depth, a.width) for a in architectures]
+    return Stack(layers, sizes, mask.to(kind), lags, float(one.increment), gain)
 
 
 def padded_orders(architectures: Sequence[Architecture]) -> tuple[int, ...]:
@@ -164,8 +187,10 @@ def _initial(one: Architecture, seed: int) -> list[Tensor]:
     return matrices
 
 
-def _spread(matrix: Tensor, mask: Tensor) -> Tensor:
-    """Rows of ``matrix`` where ``mask`` is one, zeros elsewhere."""
-    padded = torch.zeros(len(mask), matrix.shape[1])
-    padded[mask.bool()] = matrix
-    return padded
+def _zeros(networks: int, regressors: int, depth: int, width: int) -> list[tuple[Tensor, Tensor]]:
+    """Layers of nothing but zeros."""
+    sizes = [regressors, *[width] * depth, 1]
+    return [
+        (torch.zeros(networks, n_in, n_out), torch.zeros(networks, 1, n_out))
+        for n_in, n_out in pairwise(sizes)
+    ]

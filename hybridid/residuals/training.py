@@ -68,7 +68,7 @@ def train(task: Task, settings: Training, report: Report | None = None) -> Train
 
 
 def train_stack(tasks: Sequence[Task], settings: Training, report: Report | None = None) -> list[Trained]:
-    """Train networks of one depth and width together, on one thread.
+    """Train networks together, of whatever orders, depths and widths, on one thread.
 
     Each network's weights, batches and stopping follow from its own task alone. The seconds are
     those of the stack.

@@ -120,9 +120,23 @@ class TestStacks:
             assert found.network.output == task.series[0].seen.output
             np.testing.assert_allclose(weights_of(found), weights_of(train(task, settings)), atol=1e-9)
 
-    def test_of_other_widths_are_refused(self, series, small, settings):
-        tasks = [Task((series(600, 0),), small), Task((series(600, 0),), replace(small, width=9))]
-        with pytest.raises(ValueError, match="share depth, width"):
+    @pytest.mark.parametrize("weight_decay", [0.0, 1e-2])
+    def test_hold_networks_of_other_depths_and_widths(self, series, small, settings, weight_decay):
+        settings = replace(settings, weight_decay=weight_decay)
+        one = series(600, 0)
+        sizes = [(1, 4), (3, 6), (2, 9)]
+        tasks = [Task((one,), replace(small, depth=d, width=w), seed=k) for k, (d, w) in enumerate(sizes)]
+        for task, found in zip(tasks, train_stack(tasks, settings), strict=True):
+            alone = train(task, settings)
+            assert [m.shape for m in found.network.weights.matrices] == [
+                m.shape for m in alone.network.weights.matrices
+            ]
+            np.testing.assert_allclose(weights_of(found), weights_of(alone), atol=1e-9)
+            assert found.held_out == pytest.approx(alone.held_out, rel=1e-9)
+
+    def test_of_which_one_gives_increments_are_refused(self, series, small, settings):
+        tasks = [Task((series(600, 0),), small), Task((series(600, 0),), replace(small, increment=True))]
+        with pytest.raises(ValueError, match=r"share residual\.increment"):
             train_stack(tasks, settings)
 
     def test_of_other_lengths_are_refused(self, series, small, settings):
