@@ -36,6 +36,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("cases", "list the cases and their records", helptexts.CASES, f"{_LISTS}:cases", False),
     Command("effects", "list the physics that can be added", helptexts.EFFECTS, f"{_LISTS}:effects", False),
     Command("fetch", "download a case's public records", helptexts.FETCH, _STAGES),
+    Command("log", "send the runs that MLflow did not take", helptexts.LOG, _STAGES),
     Command("ui", "open the page of all runs (MLflow)", helptexts.UI, _STAGES),
     Command(
         "completion", "print the completion script of a shell", helptexts.COMPLETION,

@@ -28,7 +28,7 @@ Keys that every stage knows (hybridid {name} --cfg job prints them all)
   data=measured|simulated  insist on measured records, or on the case's virtual rig; default: auto
   paths.data=DIR           where measured records lie; default: $HYBRIDID_DATA, else data/raw
   out=DIR                  put the whole run tree there; default: outputs/<case>/<hash of the config>
-  mlflow.enabled=false     do not log the run
+  mlflow.enabled=false     do not log the run; mlflow.tracking_uri=http://HOST:PORT logs it to a server
 
 Flags
   -m                       sweep: estimator.horizon=250,1000 runs both; launcher=joblib side by side
@@ -198,6 +198,19 @@ Its own keys
   archive.url=URL          a mirror of the archive
 """
 
+LOG = """\
+A run whose tracking server is down, slow or dies is complete, and kept in outputs/mlflow-waiting. This sends
+every run that waits there to where it was to go, and says what it sent; whatever cuts it off, nothing is lost
+or doubled. While something still waits, the exit code is 1.
+
+  hybridid log
+  hybridid log paths.outputs=/data/outputs
+  hybridid log mlflow.tracking_uri=http://server:5000   all of them to this server
+
+Its own keys
+  mlflow.tracking_uri=URI  default: where each run was to go
+"""
+
 UI = """\
 Opens MLflow's page on this machine alone (127.0.0.1): every run with its config, metrics, figures and files.
 
@@ -226,4 +239,4 @@ def overview(commands: Sequence[tuple[str, str]]) -> str:
 def of_command(name: str, summary: str, details: str, stages: bool) -> str:
     """The text of ``hybridid <command> --help``."""
     head = f"hybridid {name}: {summary}\n\n{details}"
-    return f"{head}\n{_SHARED.format(name=name)}" if stages and name not in ("ui", "fetch") else head
+    return f"{head}\n{_SHARED.format(name=name)}" if stages and name not in ("ui", "fetch", "log") else head

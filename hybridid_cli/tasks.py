@@ -14,7 +14,7 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 from hybridid_cli import interrupt
 from hybridid_cli.terminal import Terminal
 from pipelines.config import Settings
-from pipelines.errors import ConfigError
+from pipelines.errors import ConfigError, Incomplete
 from pipelines.imports import make_importable
 
 
@@ -47,7 +47,7 @@ class Unfinished(BaseException):
 
 def task_of(command: str) -> Callable[[DictConfig], None]:
     """What Hydra is to run for a command."""
-    return {"fetch": fetch, "ui": ui, "reproduce": reproduce}.get(command, stages)
+    return {"fetch": fetch, "log": log, "ui": ui, "reproduce": reproduce}.get(command, stages)
 
 
 def _said_by_us(task: Callable[[DictConfig], None]) -> Callable[[DictConfig], None]:
@@ -121,6 +121,25 @@ def fetch(cfg: DictConfig) -> None:
     with Terminal() as terminal:
         for path in fetch_case(settings, terminal):
             terminal.show(str(path))
+
+
+@_said_by_us
+def log(cfg: DictConfig) -> None:
+    """Send the runs that wait to MLflow."""
+    from pipelines.tracking_waiting import folder, send_waiting
+
+    settings = settings_of(cfg)
+    left = []
+    with Terminal() as terminal:
+        for attempt in send_waiting(settings, terminal):
+            said = f"{attempt.note.name} of {attempt.note.experiment}"
+            if attempt.trouble:
+                left.append(f"{said} to {attempt.uri}: {attempt.trouble}")
+            else:
+                terminal.show(f"sent {said} to {attempt.uri}")
+        if left:
+            raise Incomplete(f"{len(left)} runs still wait in {folder(settings)}; the first is {left[0]}")
+        terminal.show(f"no run waits in {folder(settings)}")
 
 
 @_said_by_us
