@@ -95,7 +95,8 @@ Keys of residual=rbf
   residual.horizons=[...]  samples over which it is fitted (null: the whole record) to choose from
   residual.physics=refitted|fixed   whether the parameters are estimated with the network or kept
   residual.port=NAME       effort port; residual.over=velocity|position; residual.span=[from,to]
-  residual.bounds.KEY=X    where the nodes may go; residual.folds=N, max_iterations, processes
+  residual.bounds.KEY=X    where the nodes may go; residual.folds=N, max_iterations, processes;
+                           residual.judged=true: on those blocks though nothing is to be chosen
 """
 
 VALIDATE = """\

@@ -13,14 +13,14 @@ from hybridid.model import Model
 from hybridid.residuals.choice import RULE, smallest_near_best
 from hybridid.residuals.orders import Orders, orders_of
 from hybridid.residuals.series import ErrorSeries, error_series
-from hybridid.residuals.settings import Architecture, Training
+from hybridid.residuals.settings import SMALL, Architecture, Training
 from pipelines.errors import ConfigError, unknown
 from pipelines.residual_request import GrayBox, Made, Request, section_of
 from pipelines.residual_scores import GrayRun, gray_runs, gray_scores, hybrid_scores
 from pipelines.watch import Watcher
 
 if TYPE_CHECKING:
-    from hybridid.residuals.training import Trained
+    from hybridid.residuals.training import Task, Trained
 
 _OF_TRAINING = tuple(f.name for f in fields(Training))
 
@@ -48,8 +48,7 @@ class _Shape:
 
 @dataclass(frozen=True)
 class NARXRequest(Request):
-    """Networks of every depth and width of ``shape`` and every seed, trained by ``training``; those of one
-    size train together."""
+    """Networks of every depth and width of ``shape`` and every seed, trained by ``training``."""
 
     shape: _Shape
     training: Training = field(default_factory=Training)
@@ -78,15 +77,33 @@ class NARXRequest(Request):
             if name not in outputs:
                 raise ConfigError(unknown("output in residual.outputs", name, outputs))
         try:
-            self._architectures(model)
+            self.architectures(model)
         except ValueError as error:
             raise ConfigError(str(error)) from error
 
     def make(self, gray: GrayBox, watcher: Watcher) -> Made:
-        outputs = self.shape.outputs or tuple(signal.name for signal in gray.model.outputs)
         began = time.perf_counter()
         runs = gray_runs(gray, self.shape.initial_state)
-        trained = self._trained(gray.model, runs, outputs, watcher)
+        trained = train_networks(self.tasks(gray.model, runs), self.training, watcher)
+        return self.made(gray, runs, trained, time.perf_counter() - began)
+
+    def tasks(self, model: Model, runs: Sequence[GrayRun]) -> list[Task]:
+        """Every network, size after size, on what the gray box leaves of the fitted records."""
+        from hybridid.residuals.training import Task  # torch takes seconds to import
+
+        series = {output: _series(runs, output) for output in self._outputs(model)}
+        return [
+            Task(series[name], one, seed)
+            for one in self.architectures(model)
+            for name in series
+            for seed in self.shape.seeds
+        ]
+
+    def made(
+        self, gray: GrayBox, runs: Sequence[GrayRun], trained: Sequence[Trained], seconds: float
+    ) -> Made:
+        """The hybrid of the networks to keep of ``trained``, which are those of ``tasks``."""
+        outputs = self._outputs(gray.model)
         best = [smallest_near_best([one for one in trained if one.network.output == o]) for o in outputs]
         hybrid = OutputErrorHybrid(gray.model, gray.estimate.values, tuple(b.network for b in best))
         rows = [
@@ -97,28 +114,21 @@ class NARXRequest(Request):
             "gray": gray_scores(runs, outputs),
             "rule": RULE,
             "history": {one.network.output: [asdict(epoch) for epoch in one.history] for one in best},
-            "seconds": time.perf_counter() - began,
+            "seconds": seconds,
         }
         useless = [one.warning for one in best if one.warning]
         lost = [one["remark"] for row in rows if row["chosen"] for one in row["hybrid"] if "remark" in one]
         return Made(hybrid, report, (*useless, *lost))
 
-    def _trained(
-        self, model: Model, runs: Sequence[GrayRun], outputs: Sequence[str], watcher: Watcher
-    ) -> list[Trained]:
-        """Every network, size after size, on what the gray box leaves of the fitted records."""
-        from hybridid.residuals.training import Task, train_stack  # torch takes seconds to import
+    def _outputs(self, model: Model) -> tuple[str, ...]:
+        return self.shape.outputs or tuple(signal.name for signal in model.outputs)
 
-        series = {output: _series(runs, output) for output in outputs}
-        architectures = self._architectures(model)
-        trained: list[Trained] = []
-        for number, one in enumerate(architectures):
-            tasks = [Task(series[name], one, seed) for name in outputs for seed in self.shape.seeds]
-            size = f"{one.depth} x {one.width}, {number + 1} of {len(architectures)} sizes"
-            trained += train_stack(tasks, self.training, _within(watcher, size, number, len(architectures)))
-        return trained
+    def architectures(self, model: Model) -> list[Architecture]:
+        """One for each depth and width.
 
-    def _architectures(self, model: Model) -> list[Architecture]:
+        Raises:
+            ValueError: if an order or a size is not allowed.
+        """
         given, shape, inputs = self.shape.orders, self.shape, [signal.name for signal in model.inputs]
         orders: Orders = orders_of(given.error, given.inputs, given.gray, inputs)
         return [
@@ -128,18 +138,35 @@ class NARXRequest(Request):
         ]
 
 
+def train_networks(tasks: Sequence[Task], training: Training, watcher: Watcher) -> list[Trained]:
+    """Every network of ``tasks``: small ones in one stack, each larger size in one of its own."""
+    from hybridid.residuals.training import train_stack  # torch takes seconds to import
+
+    stacks: dict[tuple[int, int] | None, list[int]] = {}
+    for number, task in enumerate(tasks):
+        one = task.architecture
+        stacks.setdefault(None if one.width <= SMALL else (one.depth, one.width), []).append(number)
+    trained: dict[int, Trained] = {}
+    for count, (size, numbers) in enumerate(stacks.items()):
+        name = f"{len(numbers)} networks " + (f"of {size[0]} x {size[1]}" if size else "side by side")
+        report = _within(watcher, name, count, len(stacks))
+        found = train_stack([tasks[k] for k in numbers], training, report)
+        trained.update(zip(numbers, found, strict=True))
+    return [trained[k] for k in range(len(tasks))]
+
+
 def _series(runs: Sequence[GrayRun], output: str) -> tuple[ErrorSeries, ...]:
     return tuple(
         error_series(run.prediction, run.record, output) for run in runs if run.fitted and run.prediction
     )
 
 
-def _within(watcher: Watcher, size: str, number: int, sizes: int) -> Callable[[Progress], None]:
-    """Tells the watcher of one size's training as a part of all."""
+def _within(watcher: Watcher, name: str, number: int, stacks: int) -> Callable[[Progress], None]:
+    """Tells the watcher of one stack's training as a part of all."""
     return lambda report: watcher.progress(
-        f"networks of {size}",
+        name,
         f"{report.stage}, epoch {report.iteration}, held-out share {report.cost:.3g}",
-        (number + (report.fraction or 0.0)) / sizes,
+        (number + (report.fraction or 0.0)) / stacks,
     )
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
+
+from joblib import cpu_count
 
 from hybridid.estimators.settings import FitSettings
 from hybridid.hybrid import PortHybrid
@@ -24,7 +25,8 @@ from pipelines.watch import Watcher
 @dataclass(frozen=True)
 class RBFRequest(Request):
     """The keys of the section. Several ``nodes`` or ``horizons`` are chosen from on ``folds`` blocks of
-    the fitted records, each held out in turn; ``horizons`` None is the gray box' own."""
+    the fitted records, each held out in turn; ``horizons`` None is the gray box' own. ``judged``: on those
+    blocks, though there may be nothing to choose from."""
 
     nodes: tuple[int, ...] = (8,)
     horizons: tuple[int | None, ...] | None = None
@@ -36,6 +38,7 @@ class RBFRequest(Request):
     max_iterations: int = 30
     folds: int = 4
     processes: int | None = None
+    judged: bool = False
 
     def __post_init__(self) -> None:
         if not self.nodes or self.horizons == ():
@@ -63,8 +66,8 @@ class RBFRequest(Request):
         began = time.perf_counter()
         candidates = self._candidates(gray.estimate.settings)
         scored: list[Scored] = []
-        if len(candidates) > 1:
-            with workers(self.processes or os.cpu_count() or 1) as mapper:
+        if len(candidates) > 1 or self.judged:
+            with workers(self.processes or cpu_count()) as mapper:
                 counted = _counted(mapper, watcher, (len(candidates) + 1) * self.folds)
                 scored = compare(
                     gray.model, gray.records, candidates, gray.estimate.settings, self.folds, counted

@@ -7,6 +7,10 @@ from typing import Literal
 
 from hybridid.residuals.orders import Orders
 
+SMALL = 64
+"""Width up to which networks train faster together than one after the other: a step of theirs costs its
+calls, one of wider ones its arithmetic."""
+
 
 @dataclass(frozen=True)
 class Architecture:
