@@ -157,7 +157,8 @@ def _log(settings: Settings, note_of: Callable[[], Note], watcher: Watcher) -> N
             keep(note, settings)
             _warn_once(settings, watcher, trouble)
     except Exception as error:
-        watcher.warn(f"not logged to MLflow ({reason(error)}); the results are complete without it")
+        line = short(f"{type(error).__name__}: {error}")[:200]
+        watcher.warn(f"not logged to MLflow ({line}); the results are complete without it")
 
 
 def _sent(note: Note, settings: Settings) -> str:
@@ -169,7 +170,7 @@ def _sent(note: Note, settings: Settings) -> str:
         send(note, settings, float(settings.get("mlflow.patience", _PATIENCE)))
     except Exception as error:
         _failed[uri] = time.monotonic() + _PAUSE
-        return reason(error)
+        return reason(error, uri)
     return ""
 
 

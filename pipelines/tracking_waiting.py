@@ -19,6 +19,7 @@ from pipelines.tracking_store import answers, store_folder, tracking_uri
 from pipelines.tree import remove
 from pipelines.watch import Watcher
 
+SILENT = "the server does not answer"
 _UNFINISHED = ".unfinished-"
 _NOTE = "note.json"
 
@@ -90,7 +91,7 @@ def send_waiting(settings: Settings, watcher: Watcher) -> Iterator[Attempt]:
             trouble = failed.get(uri, "") or _trouble(replace(note, uri=uri), settings)
             if not trouble:
                 remove(place)
-            elif not answers(uri):
+            elif trouble == SILENT:
                 failed[uri] = trouble
             yield Attempt(note, uri, trouble)
 
@@ -100,10 +101,10 @@ def _trouble(note: Note, settings: Settings) -> str:
     try:
         send(note, settings)
     except Exception as error:
-        return reason(error)
+        return reason(error, note.uri or tracking_uri(settings))
     return ""
 
 
-def reason(error: Exception) -> str:
-    """The error in one short line."""
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"[:200]
+def reason(error: Exception, uri: str) -> str:
+    """Why a store did not take a run, in one short line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"[:200] if answers(uri) else SILENT

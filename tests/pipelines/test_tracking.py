@@ -12,6 +12,8 @@ import pytest
 from pipelines.errors import ConfigError
 from pipelines.runner import run_stages
 from pipelines.tracking import client, tracked, tracking_uri
+from pipelines.tracking_note import KEY
+from pipelines.tracking_waiting import waiting
 
 ROOT = Path(__file__).parents[2]
 
@@ -89,7 +91,11 @@ def test_broken_store_costs_one_line_and_no_result(settings, heard, data):
     assert (outcome.tree / "fit" / "estimate.json").exists()
     (warning,) = heard.warned
     assert warning.startswith("not logged to MLflow")
+    assert "hybridid log" in warning
     assert "\n" not in warning
+    ((place, note),) = waiting(settings())
+    assert note.name == "fit"
+    assert (place / "files" / "1" / "fit" / "estimate.json").exists()
 
 
 def test_where_the_store_is(settings):
@@ -112,32 +118,36 @@ class Heard:
 def job(number):
     settings = Settings("short", {"paths": {"outputs": "outputs"}, "mlflow": {"enabled": True}})
     try:
-        with tracked(settings, "fit", Heard()):
+        with tracked(settings, "fit", Heard(), parent="sweep", key=f"point {number}"):
             raise RuntimeError(f"job {number}")
     except RuntimeError:
         pass
 
 wait, begin = os.pipe()
-for number in range(8):
+for number in range(16):
     if os.fork() == 0:
         os.close(begin)
         os.read(wait, 1)  # all begin when the parent closes its end
         job(number)
         sys.exit()
 os.close(begin)
-sys.exit(max(os.wait()[1] for _ in range(8)))
+sys.exit(max(os.wait()[1] for _ in range(16)))
 """
 
 
-def test_eight_processes_begin_at_once_on_a_store_that_is_not_there(settings, monkeypatch):
-    """Each makes the database and the experiment if it is first; none dies of the others."""
+def test_sixteen_processes_begin_at_once_on_a_store_that_is_not_there(settings, monkeypatch):
+    """Whoever is first makes database, experiment and the sweep's run; none dies of the others."""
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     done = subprocess.run([sys.executable, "-c", BEGIN], capture_output=True, text=True, timeout=240)
     assert done.returncode == 0, done.stderr
     assert "WARNED" not in done.stdout, done.stdout
     store = client(settings())
     runs = store.search_runs([store.get_experiment_by_name("short").experiment_id])
-    assert {run.data.tags["error"] for run in runs} == {f"RuntimeError: job {k}" for k in range(8)}
+    (sweep,) = [run for run in runs if run.data.tags[KEY] == "sweep"]
+    runs.remove(sweep)
+    assert {run.data.tags["mlflow.parentRunId"] for run in runs} == {sweep.info.run_id}
+    said = sorted(run.data.tags["error"] for run in runs)
+    assert said == sorted(f"RuntimeError: job {k}" for k in range(16))
 
 
 def test_nothing_is_sent_to_mlflows_maker(settings, monkeypatch):
