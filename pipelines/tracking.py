@@ -110,7 +110,7 @@ def log_point(settings: Settings, point: Point, parent: str, watcher: Watcher) -
             tags={**about(settings, point.name), **point.tags, **failure},
             params={name: short(value) for name, value in point.params.items()},
             metrics=finite(point.metrics),
-            artifacts=tuple(Artifact(path) for path in point.artifacts),
+            artifacts=_files(point.artifacts),
         )
 
     _log(settings, note, watcher)
@@ -136,7 +136,7 @@ def close_parent(
             now,
             "FAILED" if failed else "FINISHED",
             metrics=finite(metrics or {}),
-            artifacts=tuple(Artifact(path) for path in artifacts),
+            artifacts=_files(artifacts),
         )
 
     now = time.time()
@@ -206,6 +206,11 @@ def _note_of_run(run: Run, key: str, parent: str | None, error: Exception | None
         metrics=metrics_of_run(outcome) if outcome else (),
         artifacts=artifacts_of(outcome) if outcome else (),
     )
+
+
+def _files(paths: Sequence[Path]) -> tuple[Artifact, ...]:
+    """A folder keeps its name."""
+    return tuple(Artifact(path, path.name if path.is_dir() else "") for path in paths)
 
 
 def _note(
