@@ -13,11 +13,12 @@ import casadi as ca
 from hybridid.model import Model
 from hybridid.simulation.rosenbrock import Inputs, Rodas3
 
-StepBuilder = Callable[[Model, float, bool], ca.Function]
-"""``(model, h, held) -> step``."""
+Seconds = float | ca.SX
+StepBuilder = Callable[[Model, Seconds, bool], ca.Function]
+"""``(model, h, held) -> step``; where h is a symbol, a further input of the step."""
 
 
-def rk4_step(model: Model, h: float, held: bool) -> ca.Function:
+def rk4_step(model: Model, h: Seconds, held: bool) -> ca.Function:
     """The classical fourth-order Runge-Kutta method.
 
     Stable while |eigenvalue| times step stays below 2.78. Source: thesis sec. 3.1.
@@ -30,16 +31,16 @@ def rk4_step(model: Model, h: float, held: bool) -> ca.Function:
         k4 = model.f(t + h, x + h * k3, u.last, p)
         return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
-    return _function(model, held, step)
+    return _function(model, h, held, step)
 
 
-def rodas3_step(model: Model, h: float, held: bool) -> ca.Function:
+def rodas3_step(model: Model, h: Seconds, held: bool) -> ca.Function:
     """The linearly implicit method ``rosenbrock.Rodas3``.
 
     L-stable: stiffness costs it no steps, only accuracy does.
     """
     method = Rodas3(model)
-    return _function(model, held, lambda t, x, u, p: method.step(t, h, x, u, p))
+    return _function(model, h, held, lambda t, x, u, p: method.step(t, h, x, u, p))
 
 
 INTEGRATORS: Mapping[str, StepBuilder] = {"rk4": rk4_step, "rodas3": rodas3_step}
@@ -59,14 +60,19 @@ def sample_step(integrator: str, model: Model, dt: float, substeps: int, held: b
     return ca.Function("sample", [t, x, u, p], [state], ["t", "x", "U", "p"], ["x_next"], {"cse": True})
 
 
-def _function(model: Model, held: bool, step: Callable[[ca.SX, ca.SX, Inputs, ca.SX], ca.SX]) -> ca.Function:
+def _function(
+    model: Model, h: Seconds, held: bool, step: Callable[[ca.SX, ca.SX, Inputs, ca.SX], ca.SX]
+) -> ca.Function:
     """A one-step method as a function of the step's inputs."""
     n_u = len(model.inputs)
     t, x, p = _symbols(model)
     u = ca.SX.sym("U", n_u if held else 3 * n_u)
     first, middle, last = (u, u, u) if held else (u[:n_u], u[n_u : 2 * n_u], u[2 * n_u :])
     x_next = step(t, x, Inputs(first, middle, last), p)
-    return ca.Function("step", [t, x, u, p], [x_next], ["t", "x", "U", "p"], ["x_next"], {"cse": True})
+    given, names = [t, x, u, p], ["t", "x", "U", "p"]
+    if isinstance(h, ca.SX):
+        given, names = [*given, h], [*names, "h"]
+    return ca.Function("step", given, [x_next], names, ["x_next"], {"cse": True})
 
 
 def _symbols(model: Model) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -14,9 +14,9 @@ import ctypes
 import functools
 import hashlib
 import os
+import platform
 import shutil
 import subprocess
-import tempfile
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,24 +30,24 @@ from numpy.typing import NDArray
 
 from hybridid.model import Model
 from hybridid.simulation.integrators import INTEGRATORS
+from hybridid.simulation.libraries import library
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
 FLAGS = ("-O1", "-fPIC", "-shared", "-ffp-contract=off")
-WORTH = 1e7
+WORTH = 3e6
 """Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.3 s, pays: a
-fit simulates ten times and more."""
+fit simulates some thirty times, and the code is kept."""
 
 
 @dataclass(frozen=True, eq=False)
 class Code:
-    """One step of ``integrator`` over ``h`` seconds, differentiated by initial states and ``free``, for
-    simulations of ``steps`` such steps."""
+    """Steps of ``integrator``, differentiated by initial states and ``free``, for simulations of ``steps``
+    such steps. The length of a step is left open: models of one structure share their code."""
 
     model: Model
     free: tuple[str, ...]
     integrator: str
-    h: float
     held: bool
     steps: int
 
@@ -73,14 +73,16 @@ class Code:
         shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y)]
         results = [np.empty(shape) for shape in shapes]
         pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*arrays, *results)]
-        if library.shoot(ctypes.c_void_p(size.ctypes.data), ctypes.c_double(self.h), *pointers):
+        if library.shoot(
+            ctypes.c_void_p(size.ctypes.data), ctypes.c_double(windows.dt / windows.substeps), *pointers
+        ):
             raise MemoryError("no memory left to simulate in")
         final, states, outputs, slopes = results
         return states, outputs, final, slopes
 
     @cached_property
     def _functions(self) -> tuple[ca.Function, ...]:
-        step = INTEGRATORS[self.integrator](self.model, self.h, self.held)
+        step = INTEGRATORS[self.integrator](self.model, ca.SX.sym("h"), self.held)
         return (*_pair(self.model, step, self.free, ""), *_pair(self.model, step, None, "_only"))
 
     @cached_property
@@ -95,22 +97,23 @@ class Code:
 def _pair(
     model: Model, step: ca.Function, free: Sequence[str] | None, suffix: str
 ) -> tuple[ca.Function, ca.Function]:
-    """``model_advance`` and ``model_observe`` of (x, S, t, u, p); with ``free`` None without sensitivities.
+    """``model_advance`` and ``model_observe`` of (x, S, t, h, u, p); with ``free`` None without sensitivities.
 
     Not plain ``advance``: glibc exports one, and a library's call of its own would end up there.
     """
     t, x, p = ca.SX.sym("t"), ca.SX.sym("x", len(model.states)), ca.SX.sym("p", len(model.parameters))
+    h = ca.SX.sym("h")
     stages, u = ca.SX.sym("U", step.size1_in("U")), ca.SX.sym("u", len(model.inputs))
     n_s = 0 if free is None else len(model.states) + len(free)
     s = ca.SX.sym("S", len(model.states), n_s)
     made = []
     for name, inputs, value in (
-        ("model_advance", stages, step(t, x, stages, p)),
+        ("model_advance", stages, step(t, x, stages, p, h)),
         ("model_observe", u, model.h(t, x, u, p)),
     ):
         out = [value] if free is None else [value, total_derivative(model, value, x, p, s, free)]
         made.append(
-            ca.Function(name + suffix, [x, s, t, inputs, p], [ca.densify(v) for v in out], {"cse": True})
+            ca.Function(name + suffix, [x, s, t, h, inputs, p], [ca.densify(v) for v in out], {"cse": True})
         )
     return made[0], made[1]
 
@@ -131,31 +134,27 @@ def _compiler() -> str | None:
     return next(filter(None, map(shutil.which, (os.environ.get("CC", ""), "cc", "gcc", "clang"))), None)
 
 
-@functools.cache
-def _folder() -> tempfile.TemporaryDirectory[str]:
-    """Where this process keeps its code; gone when it ends."""
-    return tempfile.TemporaryDirectory(prefix="hybridid-")
-
-
 _LIBRARIES: dict[str, ctypes.CDLL | None] = {}
 
 
 def _compiled(source: str) -> ctypes.CDLL | None:
-    """The library of a C source, made once a process; None, with a warning, if the compiler fails."""
-    key = hashlib.sha256(source.encode()).hexdigest()
+    """The library of a C source, from ``libraries`` where an earlier process has left it; None, with a
+    warning, if the compiler fails."""
+    compiler = str(_compiler())
+    key = hashlib.sha256("\0".join((compiler, platform.machine(), *FLAGS, source)).encode()).hexdigest()
     if key not in _LIBRARIES:
-        _LIBRARIES[key] = _built(source, Path(_folder().name) / key[:16])
+        _LIBRARIES[key] = library(key, lambda made: _build(compiler, source, made))
     return _LIBRARIES[key]
 
 
-def _built(source: str, stem: Path) -> ctypes.CDLL | None:
-    text, library = stem.with_suffix(".c"), stem.with_suffix(".so")
+def _build(compiler: str, source: str, made: Path) -> bool:
+    """Compile ``source`` into the file ``made``; False, with a warning, if that fails."""
+    text = made.with_suffix(".c")
     text.write_text(source, encoding="utf-8")
-    command = [str(_compiler()), *FLAGS, str(text), "-o", str(library), "-lm"]
+    command = [compiler, *FLAGS, str(text), "-o", str(made), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     text.unlink()
     if done.returncode:
         why = (done.stderr.strip().splitlines() or ["no message"])[-1]
-        warnings.warn(f"{command[0]} fails ({why}): models are interpreted, which is slower", stacklevel=2)
-        return None
-    return ctypes.CDLL(str(library))
+        warnings.warn(f"{compiler} fails ({why}): models are interpreted, which is slower", stacklevel=2)
+    return done.returncode == 0

@@ -45,7 +45,7 @@ class Inputs:
     middle: ca.SX
     last: ca.SX
 
-    def slope(self, h: float) -> ca.SX:
+    def slope(self, h: float | ca.SX) -> ca.SX:
         """du/dt at the start of the step, exact for a parabola."""
         return (-3 * self.first + 4 * self.middle - self.last) / h
 
@@ -56,7 +56,7 @@ class Rodas3:
 
     model: Model
 
-    def step(self, t: ca.SX, h: float, x: ca.SX, u: Inputs, p: ca.SX) -> ca.SX:
+    def step(self, t: ca.SX, h: float | ca.SX, x: ca.SX, u: Inputs, p: ca.SX) -> ca.SX:
         """The state at ``t + h`` from ``x`` at ``t``."""
         rate, jacobian, drift = self._linearised(t, x, u.first, p, u.slope(h))
         system = Elimination.of(ca.SX.eye(x.shape[0]) / (GAMMA * h) - jacobian)

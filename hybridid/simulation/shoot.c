@@ -1,5 +1,5 @@
 /* Simulates horizons, one after another. It is compiled behind what CasADi writes of a model: `model_advance`,
-   one step of the state and its sensitivities, and `model_observe`, the outputs and theirs; the same without
+   one step of the state and its sensitivities, and `model_observe`, the outputs and theirs (it ignores h); the same without
    sensitivities as `model_advance_only` and `model_observe_only`. Matrices lie column by column, as CasADi has them. */
 #include <math.h>
 #include <stdlib.h>
@@ -27,9 +27,9 @@ static int prepare(Part *part, Function call, Work work) {
   return part->arg && part->res && part->iw && part->w;
 }
 
-static void run(Part *part, const double *x, const double *s, const double *t, const double *u,
+static void run(Part *part, const double *x, const double *s, const double *t, const double *h, const double *u,
                 const double *p, double *value, double *slope) {
-  part->arg[0] = x, part->arg[1] = s, part->arg[2] = t, part->arg[3] = u, part->arg[4] = p;
+  part->arg[0] = x, part->arg[1] = s, part->arg[2] = t, part->arg[3] = h, part->arg[4] = u, part->arg[5] = p;
   part->res[0] = value, part->res[1] = slope;
   part->call(part->arg, part->res, part->iw, part->w, 0);
 }
@@ -71,12 +71,12 @@ int shoot(const casadi_int *size, double h, const double *time, const double *st
         break;
       }
       memcpy(states + at * n_x, now, n_x * sizeof *now);
-      run(&outputs_part, now, now + n_x, time + at, inputs + at * n_u, p, outputs + at * n_y,
+      run(&outputs_part, now, now + n_x, time + at, &h, inputs + at * n_u, p, outputs + at * n_y,
           slopes + at * n_s * n_y);
       for (casadi_int i = 0; i < steps; ++i) {
         const double t = time[at] + i * h;
         double *swap = now;
-        run(&step_part, now, now + n_x, &t, stages + at * n_stage + i * hop, p, next, next + n_x);
+        run(&step_part, now, now + n_x, &t, &h, stages + at * n_stage + i * hop, p, next, next + n_x);
         now = next, next = swap;
       }
     }

@@ -80,7 +80,7 @@ class Shooter:
         """One step, as machine code."""
         w = self.windows
         steps = w.count * w.length * w.substeps
-        return Code(self.model, self.free, self.integrator, w.dt / w.substeps, w.held, steps)
+        return Code(self.model, self.free, self.integrator, w.held, steps)
 
     def _interpreted(self, x0: Array, p: Array, sensitivities: bool) -> Shot:
         w, length, count = self.windows.count, self.windows.length, self.windows.chunk

@@ -63,24 +63,36 @@ def first_substeps(model: Model, p: Array, records: Sequence[Record], integrator
         ValueError: as ``substeps_for``.
     """
     if integrator == IMPLICIT:
-        return min(by_kinks(model, p, records), MOST)
+        paths = [filled_states(model, p, record) for record in records]
+        return min(by_kinks(model, p, records, paths), MOST)
     return substeps_for(model, p, records, 1.1, integrator)
 
 
 def substeps_wanted(
-    model: Model, p: Array, records: Sequence[Record], margin: float = 1.0, integrator: str = "rk4"
+    model: Model,
+    p: Array,
+    records: Sequence[Record],
+    margin: float = 1.0,
+    integrator: str = "rk4",
+    paths: Sequence[Array] | None = None,
 ) -> int:
     """As ``substeps_for``, but ``MOST + 1`` for whatever is more than ``MOST``.
+
+    ``paths`` are the states (n, n_x) of each record's samples, about; None: ``filled_states``.
 
     Raises:
         ValueError: if there is no such integrator.
     """
     if integrator not in RULES:
         raise ValueError(f"unknown integrator {integrator!r}: known: {', '.join(RULES)}")
-    return min(RULES[integrator](model, p, records, margin), MOST + 1)
+    if paths is None:
+        paths = [filled_states(model, p, record) for record in records]
+    return min(RULES[integrator](model, p, records, paths, margin), MOST + 1)
 
 
-def by_eigenvalues(model: Model, p: Array, records: Sequence[Record], margin: float) -> int:
+def by_eigenvalues(
+    model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array], margin: float
+) -> int:
     """Steps that keep ``|λ| h`` below ``COMFORTABLE ζ^(1/4) / margin`` for the modes λ of most samples.
 
     RK4 misses ``|λ h|⁵/120`` of a mode in a step, and a mode remembers ``1 / (ζ |λ| h)`` steps, with
@@ -88,8 +100,8 @@ def by_eigenvalues(model: Model, p: Array, records: Sequence[Record], margin: fl
     rest, ``|λ| h`` stays below ``STABLE / margin``.
     """
     needed = 1.0
-    for record in records:
-        moving, resting = _modes(model, p, record)
+    for record, path in zip(records, paths, strict=True):
+        moving, resting = _modes(model, p, record, path)
         size = np.abs(moving)
         damping = np.divide(-moving.real, size, out=np.ones_like(size), where=size > 0)
         accurate = np.quantile((size / np.clip(damping, LEAST_DAMPING, 1) ** 0.25).max(axis=1), MOSTLY)
@@ -98,7 +110,7 @@ def by_eigenvalues(model: Model, p: Array, records: Sequence[Record], margin: fl
     return int(np.ceil(needed))
 
 
-def by_kinks(model: Model, p: Array, records: Sequence[Record]) -> int:
+def by_kinks(model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array]) -> int:
     """Steps within which an eigenvalue changes by less than ``RESOLVED / h``.
 
     An implicit method is stable at any step, but where a friction's slope jumps within one (sign(v)
@@ -106,32 +118,34 @@ def by_kinks(model: Model, p: Array, records: Sequence[Record]) -> int:
     stiffer at rest than in motion; a mode that grows needs resolving too.
     """
     needed = 1.0
-    for record in records:
-        moving, resting = _modes(model, p, record)
+    for record, path in zip(records, paths, strict=True):
+        moving, resting = _modes(model, p, record, path)
         kink = np.abs(resting).max() - np.median(np.abs(moving).max(axis=1))
         growth = max(moving.real.max(), resting.real.max())
         needed = max(needed, record.dt * kink / RESOLVED, record.dt * growth / (0.25 * RESOLVED))
     return int(np.ceil(needed))
 
 
-def by_halving(model: Model, p: Array, records: Sequence[Record], margin: float) -> int:
+def by_halving(
+    model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array], margin: float
+) -> int:
     """Steps, doubled until doubling them moves the outputs by less than ``ACCURACY / margin``.
 
     An implicit method is stable at any step, so only what the outputs show decides. They
-    are compared over up to ``HORIZONS`` short horizons, each from a state of a free run.
+    are compared over up to ``HORIZONS`` short horizons, each from a state of ``paths``.
     """
-    states = [filled_states(model, p, record) for record in records]
-    steps = by_kinks(model, p, records)
-    before = _outputs(model, p, records, states, steps)
+    steps = by_kinks(model, p, records, paths)
+    before = _outputs(model, p, records, paths, steps)
     while steps <= MOST:
-        after = _outputs(model, p, records, states, 2 * steps)
+        after = _outputs(model, p, records, paths, 2 * steps)
         if _change(before, after) <= ACCURACY / margin:
             return steps
         steps, before = 2 * steps, after
     return steps
 
 
-RULES: Mapping[str, Callable[[Model, Array, Sequence[Record], float], int]] = {
+Rule = Callable[[Model, Array, Sequence[Record], Sequence[Array], float], int]
+RULES: Mapping[str, Rule] = {
     "rk4": by_eigenvalues,
     "rodas3": by_halving,
 }
@@ -144,14 +158,14 @@ REMEDY: Mapping[str, str] = {
 }
 
 
-def _modes(model: Model, p: Array, record: Record) -> tuple[Modes, Modes]:
+def _modes(model: Model, p: Array, record: Record, path: Array) -> tuple[Modes, Modes]:
     """Eigenvalues of df/dx in 1/s at some samples of a record, (m, n_x), and at rest, (m, n_x)."""
     x = ca.SX.sym("x", len(model.states))
     t, u = ca.SX.sym("t"), ca.SX.sym("u", len(model.inputs))
     q = ca.SX.sym("p", len(model.parameters))
     jacobian = ca.Function("A", [t, x, u, q], [ca.densify(ca.jacobian(model.f(t, x, u, q), x))])
     k = np.unique(np.linspace(0, record.n - 1, PROBES).astype(int))
-    states = filled_states(model, p, record)[k]
+    states = path[k]
 
     def eigenvalues(at: Array) -> Modes:
         stacked = jacobian.map(len(k))(record.time[k], at.T, record.inputs[k].T, np.tile(p, (len(k), 1)).T)
@@ -161,11 +175,11 @@ def _modes(model: Model, p: Array, record: Record) -> tuple[Modes, Modes]:
     return eigenvalues(states), eigenvalues(np.zeros_like(states))
 
 
-def _outputs(model: Model, p: Array, records: Sequence[Record], states: Sequence[Array], steps: int) -> Array:
+def _outputs(model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array], steps: int) -> Array:
     """Outputs over the horizons that are compared, each from its sample's state, (w, H, n_y)."""
     windows = cut(records, HORIZON, steps)
     windows = windows.select(np.unique(np.linspace(0, windows.count - 1, HORIZONS).astype(int)).tolist())
-    x0 = np.stack([states[index][start] for index, start, _ in windows.origin])
+    x0 = np.stack([paths[index][start] for index, start, _ in windows.origin])
     return Shooter(model, windows, integrator=IMPLICIT)(x0, p).outputs
 
 

@@ -27,7 +27,7 @@ from hybridid.effects.dimension import DAMPING, EFFORT
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.model import Model
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import Refit, problem_of, refit
+from hybridid.trace.refit import Refit, refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
@@ -150,7 +150,7 @@ class Path:
     @classmethod
     def of(cls, base: Refit, split: Split, horizons: Sequence[int]) -> Path:
         p = base.model.values(base.values)
-        problem = problem_of(base.model, split, base.numerics, base.values).on(horizons)
+        problem = base.problem(split).on(horizons)
         used = problem.windows.used
         states = problem.shooter(base.x0[list(horizons)], p).states
         return cls(base.model, p, problem.windows.time[used], states[used], problem.windows.inputs[used])

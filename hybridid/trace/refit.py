@@ -65,7 +65,7 @@ class Refit:
     """A model fitted on the split's fitted horizons, and its score on the held-out ones.
 
     ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out; ``numerics``
-    say how its equations were solved. ``std`` and ``correlation`` are those of the noise alone.
+    say how its equations were solved, in ``substeps`` a sample. ``std`` and ``correlation`` are those of the noise alone.
     """
 
     model: Model
@@ -79,7 +79,12 @@ class Refit:
     status: str
     converged: bool
     seconds: float
+    substeps: int
     numerics: Numerics = DECLARED
+
+    def problem(self, split: Split) -> Problem:
+        """Every horizon of ``split`` as the problem that was solved."""
+        return _laid_out(self.model, split, self.numerics, self.substeps // self.numerics.finer)
 
 
 def refit(
@@ -100,7 +105,8 @@ def refit(
     hopeless = np.inf if before is None else (1 - HOPE) * before.cost
     solution, x0 = _settled(begun, split, smoothing, hopeless)
     problem = begun.problem
-    needed = min(_steps(problem, solution.p, numerics), STIFF)
+    path = _paths(problem, solution.p, x0)
+    needed = min(_steps(model, solution.p, split, numerics, path), STIFF)
     if needed * numerics.finer > problem.windows.substeps:
         problem = _laid_out(model, split, numerics, needed)
         solution, x0 = _settled(Begun(problem, solution.p, x0), split, smoothing[-1:], hopeless)
@@ -120,17 +126,18 @@ def refit(
         status=solution.status,
         converged=solution.converged,
         seconds=time.perf_counter() - began,
+        substeps=problem.windows.substeps,
         numerics=numerics,
     )
 
 
-def problem_of(model: Model, split: Split, numerics: Numerics, values: Mapping[str, float]) -> Problem:
-    """Every horizon of ``split`` as a problem, solved as ``numerics`` say, in steps fit for ``values``."""
-    records = _recorded(split, numerics)
-    steps = substeps_wanted(model, model.values(values), records, MARGIN, numerics.integrator)
+def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, float]) -> Problem:
+    """Every horizon of ``split`` as a problem of ``model``, solved as ``before`` was, in steps fit for
+    ``values``."""
+    steps = _steps(model, model.values(values), split, before.numerics, _lent(before, model, split))
     if steps > MOST:
         raise ValueError(f"needs more than {MOST} steps a sample")
-    return _laid_out(model, split, numerics, steps)
+    return _laid_out(model, split, before.numerics, steps)
 
 
 @dataclass(frozen=True)
@@ -164,8 +171,30 @@ def _recorded(split: Split, numerics: Numerics) -> tuple[Record, ...]:
     )
 
 
-def _steps(problem: Problem, p: Array, numerics: Numerics) -> int:
-    return substeps_wanted(problem.model, p, problem.records, MARGIN, numerics.integrator)
+def _steps(
+    model: Model, p: Array, split: Split, numerics: Numerics, paths: Sequence[Array] | None = None
+) -> int:
+    return substeps_wanted(model, p, _recorded(split, numerics), MARGIN, numerics.integrator, paths)
+
+
+def _paths(problem: Problem, p: Array, x0: Array) -> list[Array]:
+    """States (n, n_x) of each record's samples, as the horizons run through them."""
+    states = problem.shooter(x0, p).states
+    paths = [np.zeros((record.n, states.shape[2])) for record in problem.records]
+    for run, (record, start, stop) in zip(states, problem.windows.origin, strict=True):
+        paths[record][start:stop] = np.where(np.isfinite(run), run, 0.0)[: stop - start]
+    return paths
+
+
+def _lent(before: Refit, model: Model, split: Split) -> list[Array]:
+    """The paths of ``before`` as states of ``model``; what it does not have rests."""
+    names = [state.name for state in before.model.states]
+    paths = _paths(before.problem(split), before.model.values(before.values), before.x0)
+    known = {k: names.index(s.name) for k, s in enumerate(model.states) if s.name in names}
+    lent = [np.zeros((len(path), len(model.states))) for path in paths]
+    for own, path in zip(lent, paths, strict=True):
+        own[:, list(known)] = path[:, list(known.values())]
+    return lent
 
 
 def _best_start(
@@ -180,8 +209,8 @@ def _best_start(
     Raises:
         ValueError: if every start is too stiff.
     """
-    records = _recorded(split, numerics)
-    wanted = [substeps_wanted(model, model.values(s), records, MARGIN, numerics.integrator) for s in starts]
+    paths = None if before is None else _lent(before, model, split)
+    wanted = [_steps(model, model.values(s), split, numerics, paths) for s in starts]
     if min(wanted) > MOST:
         raise ValueError(f"needs more than {MOST} steps a sample at every start")
     limit = max(STIFF, min(wanted))

@@ -85,7 +85,7 @@ def _promised(model: Model, base: Refit, split: Split, starts: list[dict[str, fl
     """The cost's promised decrease from each of ``starts``, which differ by one parameter alone."""
     if not starts:
         return np.empty(0)
-    problem = problem_of(model, split, base.numerics, starts[len(starts) // 2])
+    problem = problem_of(model, split, base, starts[len(starts) // 2])
     rows = list(split.fitted[:: max(1, len(split.fitted) // LOOKED_AT)])
     first = begin(problem, problem.model.values(starts[0]), base, base.numerics)
     part = problem.on(rows)
@@ -98,7 +98,7 @@ def _promised(model: Model, base: Refit, split: Split, starts: list[dict[str, fl
 
 def _spectral_peaks(base: Refit, split: Split, path: Path) -> list[float]:
     """Frequencies [Hz] of the strongest peaks in the spectra of the errors, record by record."""
-    problem = problem_of(base.model, split, base.numerics, base.values).on(split.fitted)
+    problem = base.problem(split).on(split.fitted)
     errors = problem.residuals(problem.shooter(base.x0[list(split.fitted)], path.p))
     used = problem.windows.used
     series = np.concatenate([row[kept] for row, kept in zip(errors, used, strict=True)])

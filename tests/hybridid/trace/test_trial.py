@@ -59,7 +59,7 @@ def trial(make_model):
         made = Refit(
             model=richer, values=found, std=spread, correlation=correlation, x0=np.zeros((1, 2)),
             fitted_rmse=np.ones(1), score=score(rmse, likelihood, 1, lone), cost=1.0,
-            status="", converged=True, seconds=0.0,
+            status="", converged=True, seconds=0.0, substeps=1,
         )  # fmt: skip
         return Trial(candidate, made, compare(BASE, made.score))
 
