@@ -19,7 +19,7 @@ from packaging.utils import canonicalize_name
 from packaging.version import Version
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("hybridid", "pipelines", "hybridid_cli")
+PACKAGES = ("hybridid", "pipelines", "hybridid_cli", "hydra_plugins")
 MODULES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
 LONGEST = 350
 # records come in these; the project makes its own in tests, and ships none

@@ -46,7 +46,7 @@ STAGES = ("preprocess", "fit", "residual", "validate", "plot", "trace", "report"
 
 # distributions whose import name differs, and those that work without being imported
 IMPORT_NAME = {"hydra-core": "hydra", "pyyaml": "yaml"}
-PLUGINS = {"hydra-joblib-launcher"}
+PLUGINS = {"hydra-joblib-launcher", "hydra-submitit-launcher"}
 
 Graph = Mapping[str, frozenset[str]]
 
