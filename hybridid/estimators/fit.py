@@ -168,8 +168,9 @@ def _solve(
 def _carried(
     problem: Problem, solution: Solution, settings: FitSettings, watch: Callable[[int, float], None]
 ) -> Solution:
-    """The solution with the effects' inner states handed on from horizon to horizon."""
-    if carries_nothing(problem):
+    """The solution with the effects' inner states handed on from horizon to horizon, as Gauss-Newton has
+    them anyway."""
+    if carries_nothing(problem) or settings.method == "gauss_newton":
         return solution
     for _ in range(HANDOVERS):
         x0 = carry(problem, solution.p, solution.x0)

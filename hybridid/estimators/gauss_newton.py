@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.estimators.carried import carry
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
@@ -59,7 +60,7 @@ def solve(
             counted,
         )
         p, x0, begun = found.p, found.x0, begun + found.iterations
-    return replace(found, iterations=begun)
+    return replace(found, x0=carry(problem, p, x0), iterations=begun)
 
 
 def _from(watch: Callable[[int, float], None] | None, begun: int) -> Callable[[int, float], None]:

@@ -56,9 +56,7 @@ class Problem:
     @cached_property
     def carried(self) -> NDArray[np.bool_]:
         """Which states (n_x,) horizons hand on: an effect's own that no output shows."""
-        inner = np.arange(len(self.model.states)) >= len(self.model.plant.states)
-        shown = np.array([state.observed_by is not None for state in self.model.states])
-        return inner & ~shown
+        return np.isin(np.arange(len(self.model.states)), self.shooter.carried)
 
     def measured_x0(self) -> Array:
         """Initial state of each horizon as the record shows it, (w, n_x)."""
@@ -125,6 +123,11 @@ def build_problem(
     pooled = np.concatenate([record.outputs for record in records])
     scale = pooled.std(axis=0)
     scale[scale == 0] = 1.0
-    return Problem(
-        model, tuple(records), windows, Shooter(model, windows, names, integrator), scale, estimate_x0
-    )
+    shooter = Shooter(model, windows, names, integrator, _inner(model))
+    return Problem(model, tuple(records), windows, shooter, scale, estimate_x0)
+
+
+def _inner(model: Model) -> tuple[int, ...]:
+    """Places of the states of effects that no output shows."""
+    first = len(model.plant.states)
+    return tuple(k for k, s in enumerate(model.states) if k >= first and s.observed_by is None)

@@ -28,5 +28,11 @@ def smallest_near_best(trained: Sequence[Trained]) -> Trained:
     lowest = min(one.held_out for one in trained)
     if not np.isfinite(lowest):
         raise ValueError(f"every network for {trained[0].network.output} ran away on the held-out blocks")
-    near = [one for one in trained if one.held_out <= NEAR * lowest]
-    return min(near, key=lambda one: (one.network.weights.count, one.held_out))
+    sizes = [one.network.weights.count for one in trained]
+    return trained[smallest_within([one.held_out for one in trained], sizes, NEAR * lowest)]
+
+
+def smallest_within(errors: Sequence[float], sizes: Sequence[int], limit: float) -> int:
+    """Number of the smallest whose error is at most ``limit``; among equals of the lowest error."""
+    near = [k for k, error in enumerate(errors) if error <= limit]
+    return min(near, key=lambda k: (sizes[k], errors[k]))

@@ -20,6 +20,7 @@ from hybridid.estimators.fit import fit
 from hybridid.estimators.settings import FitSettings
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.residuals.choice import smallest_within
 from hybridid.residuals.rbf_fit import RBFPlan, fit_rbf
 from hybridid.simulation.simulate import Diverged
 from hybridid.validation.predict import free_run
@@ -193,5 +194,5 @@ def choose(scored: Sequence[Scored]) -> Scored:
     if not np.isfinite(best.score):
         reasons = {f.failure for s in scored for f in s.folds if f.failure}
         raise ValueError(f"no network can be chosen: every one failed ({'; '.join(sorted(reasons))})")
-    near = [s for s in scored if s.score <= best.score + best.standard_error]
-    return min(near, key=lambda s: (s.candidate.plan.nodes, s.score))
+    nodes = [s.candidate.plan.nodes for s in scored]
+    return scored[smallest_within([s.score for s in scored], nodes, best.score + best.standard_error)]

@@ -58,24 +58,28 @@ class Code:
             return False
         return self._library is not None
 
-    def __call__(self, windows: Windows, x0: Array, p: Array, sensitivities: bool) -> tuple[Array, ...]:
+    def __call__(
+        self, windows: Windows, carried: Sequence[int], x0: Array, p: Array, sensitivities: bool
+    ) -> tuple[Array, ...]:
         """States (w, H, n_x), outputs (w, H, n_y), final states (w, n_x) and, if asked for (else empty),
-        the outputs' sensitivities (w, H, n_x + n_free, n_y)."""
+        the outputs' sensitivities (w, H, n_x + n_free, n_y). The states ``carried`` run on from horizon to
+        horizon."""
         library = self._library
         assert library is not None
         w, length, n_x = windows.count, windows.length, len(self.model.states)
         n_y, n_u, n_stage = len(self.model.outputs), len(self.model.inputs), windows.stages.shape[2]
         n_s = n_x + len(self.free) if sensitivities else 0
         hop = 0 if self.held else 2 * n_u
-        size = np.array([w, length, windows.substeps, n_x, n_s, n_u, n_stage, hop, n_y], dtype=np.int64)
+        size = [w, length, windows.substeps, n_x, n_s, n_u, n_stage, hop, n_y]
+        follows = windows.follows if carried else [-1] * w
+        marks = np.isin(np.arange(n_x), carried)
+        integers = [np.array(a, dtype=np.int64) for a in (size, follows, windows.lengths, marks)]
         given = [windows.time, windows.stages, windows.inputs, p, x0]
         arrays = [np.ascontiguousarray(a, dtype=float) for a in given]
         shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y)]
         results = [np.empty(shape) for shape in shapes]
-        pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*arrays, *results)]
-        if library.shoot(
-            ctypes.c_void_p(size.ctypes.data), ctypes.c_double(windows.dt / windows.substeps), *pointers
-        ):
+        whole, real = ([ctypes.c_void_p(a.ctypes.data) for a in of] for of in (integers, (*arrays, *results)))
+        if library.shoot(*whole, ctypes.c_double(windows.dt / windows.substeps), *real):
             raise MemoryError("no memory left to simulate in")
         final, states, outputs, slopes = results
         return states, outputs, final, slopes
@@ -97,7 +101,7 @@ class Code:
 def _pair(
     model: Model, step: ca.Function, free: Sequence[str] | None, suffix: str
 ) -> tuple[ca.Function, ca.Function]:
-    """``model_advance`` and ``model_observe`` of (x, S, t, h, u, p); with ``free`` None without sensitivities.
+    """``model_advance`` and ``model_observe`` of (x, S, t, h, u, p); without S where ``free`` is None.
 
     Not plain ``advance``: glibc exports one, and a library's call of its own would end up there.
     """

@@ -22,6 +22,7 @@ from hybridid.simulation.machine_code import Code, total_derivative
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
+_COMPILED = ("_step", "_symbols", "_chunk", "_sensitivity_chunk")
 
 
 @dataclass(frozen=True)
@@ -42,8 +43,7 @@ class Shot:
     def ends(self, windows: Windows) -> Array:
         """State of each horizon one sample after its last in use, (w, n_x)."""
         after = np.concatenate([self.states, self.final[:, None]], axis=1)
-        lengths = [stop - start for _, start, stop in windows.origin]
-        return after[np.arange(len(lengths)), lengths]
+        return after[np.arange(windows.count), list(windows.lengths)]
 
     @property
     def finite(self) -> bool:
@@ -54,6 +54,10 @@ class Shot:
 class Shooter:
     """Simulates ``windows`` with ``model``; ``free`` lists the parameters to differentiate by.
 
+    The states ``carried``, by number, begin a horizon where the one before it has left them, if that is
+    among ``windows``, and depend on the parameters as they did there: then ``x0`` says nothing of them. (How
+    they depend on the other initial states of the horizons before is left out.)
+
     By machine code where that is worth compiling, else by CasADi's interpreter.
     """
 
@@ -61,11 +65,13 @@ class Shooter:
     windows: Windows
     free: tuple[str, ...] = ()
     integrator: str = "rk4"
+    carried: tuple[int, ...] = ()
 
     def __call__(self, x0: Array, p: Array, sensitivities: bool = False) -> Shot:
         """Simulate every horizon from ``x0`` (w, n_x) at the parameters ``p`` (n_p,)."""
         if self.code.worth_it:
-            states, outputs, final, slopes = self.code(self.windows, x0, p, sensitivities)
+            given = (self.windows, self.carried, x0, p, sensitivities)
+            states, outputs, final, slopes = self.code(*given)
             return _shot(states, outputs, final, slopes if sensitivities else None)
         return self._interpreted(x0, p, sensitivities)
 
@@ -83,29 +89,60 @@ class Shooter:
         return Code(self.model, self.free, self.integrator, w.held, steps)
 
     def _interpreted(self, x0: Array, p: Array, sensitivities: bool) -> Shot:
+        n_x = len(self.model.states)
+        eye = np.tile(np.eye(n_x + len(self.free), n_x), (self.windows.count, 1, 1))
+        start = (np.array(x0), eye) if sensitivities else (np.array(x0),)
+        if self.carried and max(self.windows.follows) >= 0:
+            results = self._in_turn(start, p)
+        else:
+            results, _ = self._run(start, p)
+        return _shot(results[0], results[1], results[-1], results[2] if sensitivities else None)
+
+    def _in_turn(self, start: tuple[Array, ...], p: Array) -> list[Array]:
+        """As ``_run``, horizon after horizon: each hands its inner states on."""
+        shared: dict[str, ca.Function] = {}
+        found, kept = [], []
+        for k, before in enumerate(self.windows.follows):
+            lone = replace(self, windows=self.windows.select([k]))
+            lone.__dict__.update(shared)
+            begin = tuple(a[k : k + 1].copy() for a in start)
+            if before >= 0 and all(np.isfinite(a).all() for a in kept[before]):
+                for own, last in zip(begin, kept[before], strict=True):
+                    own[..., list(self.carried)] = last[..., list(self.carried)]
+                for own in begin[1:]:
+                    own[:, : len(self.model.states), list(self.carried)] = 0.0
+            results, ends = lone._run(begin, p)
+            shared = {name: lone.__dict__[name] for name in _COMPILED if name in lone.__dict__}
+            found.append(results)
+            kept.append(ends)
+        return [np.concatenate(parts) for parts in zip(*found, strict=True)]
+
+    def _run(self, start: tuple[Array, ...], p: Array) -> tuple[list[Array], tuple[Array, ...]]:
+        """From ``start``, states (w, n_x) and maybe their sensitivities (w, n_s, n_x): the states, outputs
+        and outputs' sensitivities of every sample with the state one sample after the last, and, of the first
+        horizon, what ``start`` has become at its end."""
         w, length, count = self.windows.count, self.windows.length, self.windows.chunk
-        n_x, n_y, n_s = (
-            len(self.model.states),
-            len(self.model.outputs),
-            len(self.model.states) + len(self.free),
-        )
-        compiled = self._sensitivity_chunk if sensitivities else self._chunk
+        n_x, n_y = len(self.model.states), len(self.model.outputs)
+        n_s = n_x + len(self.free)
+        compiled = self._sensitivity_chunk if len(start) > 1 else self._chunk
         held_p = np.tile(p, (w * count, 1))
-        start = (np.array(x0), np.tile(np.eye(n_s, n_x), (w, 1, 1)))[: 2 if sensitivities else 1]
         # CasADi stacks columns: its (rows, w count columns) is a C-ordered (w, count, columns, rows).
         next_shapes = [(w, count, n_x), (w, count, n_s, n_x)][: len(start)]
         shapes = [*next_shapes, (w, count, n_x), (w, count, n_y), (w, count, n_s, n_y)][
             : 3 + 2 * (len(start) - 1)
         ]
         results = [np.empty((*shape[:1], length, *shape[2:])) for shape in shapes[len(start) :]]
+        ends, last = start, self.windows.lengths[0] - 1
         for begin in range(0, length, count):
             part = slice(begin, begin + count)
             given = [*start, *(a[:, part] for a in self._data), held_p]
             values = _call(compiled, given, shapes)
             start = tuple(value[:, -1] for value in values[: len(start)])
+            if begin <= last < begin + count:
+                ends = tuple(value[:1, last - begin] for value in values[: len(start)])
             for result, value in zip(results, values[len(start) :], strict=True):
                 result[:, part] = value
-        return _shot(results[0], results[1], start[0], results[2] if sensitivities else None)
+        return [*results, start[0]], ends
 
     @property
     def _data(self) -> tuple[Array, Array, Array]:

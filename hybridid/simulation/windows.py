@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,8 +57,26 @@ class Windows:
 
     def without_ends(self, gap: int) -> Windows:
         """The same horizons with their last ``gap`` samples not in use."""
-        ends = np.array([stop - start for _, start, stop in self.origin])
-        return replace(self, used=self.used & (np.arange(self.length) < ends[:, None] - gap))
+        ends = np.array(self.lengths)[:, None] - gap
+        return replace(self, used=self.used & (np.arange(self.length) < ends))
+
+    @cached_property
+    def lengths(self) -> tuple[int, ...]:
+        """Samples of each horizon."""
+        return tuple(stop - start for _, start, stop in self.origin)
+
+    @cached_property
+    def follows(self) -> tuple[int, ...]:
+        """For each horizon the number of the earlier one that ends where it begins; -1 without one."""
+        ends = {(record, stop): k for k, (record, _, stop) in enumerate(self.origin)}
+        before = (ends.get((record, start), -1) for record, start, _ in self.origin)
+        return tuple(b if b < k else -1 for k, b in enumerate(before))
+
+    @property
+    def complete(self) -> bool:
+        """Whether each horizon begins with its record or follows another one here."""
+        starts = (start for _, start, _ in self.origin)
+        return all(start == 0 or before >= 0 for start, before in zip(starts, self.follows, strict=True))
 
     @property
     def samples(self) -> int:

@@ -65,7 +65,8 @@ class Refit:
     """A model fitted on the split's fitted horizons, and its score on the held-out ones.
 
     ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out; ``numerics``
-    say how its equations were solved, in ``substeps`` a sample. ``std`` and ``correlation`` are those of the noise alone.
+    say how its equations were solved, in ``substeps`` a sample. ``std`` and ``correlation`` are those of
+    the noise alone.
     """
 
     model: Model
@@ -250,8 +251,8 @@ def _settled(
 ) -> tuple[Solution, Array]:
     """Converged parameters, and the initial states of all horizons at them.
 
-    Where effects have inner states, these are handed on and the fit goes on, until both agree; a fit
-    that ends at a cost above ``hopeless`` is not carried further.
+    Where fitted horizons take inner states of effects from held-out ones, these are handed on and the fit
+    goes on, until both agree; a fit that ends at a cost above ``hopeless`` is not carried further.
     """
     problem, x0 = begun.problem, begun.x0
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
@@ -263,7 +264,8 @@ def _settled(
         return _with(x0, theirs, gauss_newton.solve(judged, p, x0[theirs], smoothing[-1:]).x0)
 
     solution = gauss_newton.solve(fitted, begun.p, x0[ours], smoothing, MOST_ITERATIONS)
-    for _ in range(0 if carries_nothing(problem) or solution.cost > hopeless else HANDOVERS):
+    alone = carries_nothing(problem) or fitted.windows.complete or solution.cost > hopeless
+    for _ in range(0 if alone else HANDOVERS):
         x0, before = handed_on(solution.p, _with(x0, ours, solution.x0)), solution.cost
         solution = gauss_newton.solve(fitted, solution.p, x0[ours], smoothing[-1:], HANDOVER_ITERATIONS)
         if abs(before - solution.cost) <= SETTLED * solution.cost:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators import gauss_newton
-from hybridid.estimators.carried import carries_nothing, carry
+from hybridid.estimators.carried import carries_nothing
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.model import Model
@@ -136,7 +136,5 @@ def initial_states(problem: Problem, p: Array) -> Array:
     """The initial state of each horizon that fits it best at fixed parameters, (w, n_x)."""
     candidates = x0_candidates(problem, p)
     start = best_initial_states(problem, p, candidates)
-    found = gauss_newton.solve(problem, p, carry(problem, p, start)).x0
-    if carries_nothing(problem):
-        return best_initial_states(problem, p, [found, *candidates])
-    return gauss_newton.solve(problem, p, carry(problem, p, found)).x0
+    found = gauss_newton.solve(problem, p, start).x0
+    return best_initial_states(problem, p, [found, *candidates]) if carries_nothing(problem) else found
