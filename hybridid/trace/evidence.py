@@ -7,8 +7,9 @@ whatever its parameters' bounds and whether or not its shape parameters exist un
 null. Horizons are the units; their autocorrelation sets how many count as independent.
 
 Whitening looks away from slow errors, which an autoregression predicts from their own past. So
-the squared errors themselves are compared as well (Diebold, Mariano), and the smaller of the two
-p-values counts twice (Bonferroni).
+the squared errors themselves are compared as well (Diebold, Mariano), and their logarithms, in which
+one horizon that is far worse than the others cannot outweigh them. Of the three p-values the smallest
+counts, three times (Bonferroni).
 Source: Cox (1975), Biometrika 62(2), 441-444 (data splitting); Vuong (1989),
 Econometrica 57(2); Diebold, Mariano (1995), J. Bus. Econ. Stat. 13(3).
 """
@@ -70,10 +71,11 @@ class Comparison:
 def compare(poorer: Score, richer: Score) -> Comparison:
     """Held-out evidence for ``richer`` over ``poorer``, scored on the same horizons."""
     ratio = (richer.likelihood - poorer.likelihood).sum(axis=1)
+    tested = (ratio, _of_squares(poorer, richer), _of_logarithms(poorer, richer))
     lower = np.isfinite(richer.loss) and poorer.loss > 0
     return Comparison(
         gain=1.0 - richer.loss / poorer.loss if lower else 0.0,
-        p_value=min(1.0, 2.0 * min(_one_sided(ratio), _one_sided(_of_squares(poorer, richer)))),
+        p_value=min(1.0, len(tested) * min(map(_one_sided, tested))),
         likelihood_gain=float(ratio.sum()),
     )
 
@@ -81,6 +83,13 @@ def compare(poorer: Score, richer: Score) -> Comparison:
 def _of_squares(poorer: Score, richer: Score) -> Array:
     """By how much each horizon's squared errors fall, over the outputs' variances, (h,)."""
     return np.asarray(((poorer.squares - richer.squares) / poorer.scale**2).sum(axis=1))
+
+
+def _of_logarithms(poorer: Score, richer: Score) -> Array:
+    """By how much the logarithm of each horizon's mean square error falls, (h,)."""
+    before, after = ((s.squares / s.samples / s.scale**2).mean(axis=1) for s in (poorer, richer))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.log(before) - np.log(after))
 
 
 def _one_sided(differences: Array) -> float:

@@ -12,7 +12,7 @@ from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.refit import DECLARED, Numerics, Refit, refit
 from hybridid.trace.robustness import Survival, survival, variations
 from hybridid.trace.split import Split
-from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt, equivalents, judge
+from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt, equivalents, judge, look_alikes
 
 Report = Callable[[str, int, int, str], None]
 """``report(stage, done, of, what)``"""
@@ -82,7 +82,10 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
         final.numerics,
     )
     advantage = compare(other.score, final.score)
-    return advantage.gain < rules.tie or advantage.p_value > rules.alpha
+    if advantage.gain < rules.tie or advantage.p_value > rules.alpha:
+        return True
+    more = other.score.loss**2 - final.score.loss**2
+    return look_alikes(one.trial, rival) and more < rules.tie * one.trial.taken
 
 
 def serial(function: Callable[..., object], arguments: Iterable[tuple]) -> Iterable:

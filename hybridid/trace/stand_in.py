@@ -31,10 +31,9 @@ def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], rules: Rules) 
     last = found.final.score.loss
     learned = last**2 - best.refit.score.loss**2
     for number, step in enumerate(found.steps):
-        if step.accepted is None or step.accepted.trial.refit is None:
+        if step.accepted is None:
             continue
-        own = step.base.score.loss**2 - step.accepted.trial.refit.score.loss**2
-        share = learned / (own + learned)
+        share = learned / (step.accepted.trial.taken + learned)
         if share > rules.stands_in:
             return _ended_at(found, number, best, share)
     return found

@@ -34,6 +34,14 @@ class Trial:
     def gain(self) -> float:
         return self.comparison.gain if self.comparison else -math.inf
 
+    @property
+    def taken(self) -> float:
+        """What the effect takes from the held-out squared error, over the outputs' variances."""
+        if self.refit is None or not math.isfinite(self.gain):
+            return 0.0
+        after = self.refit.score.loss**2
+        return after / (1.0 - self.gain) ** 2 - after
+
     def own(self, quantity: str) -> dict[str, float]:
         """The effect's own ``values`` or ``std`` by short name; a known constant has no std."""
         assert self.refit is not None
@@ -143,11 +151,14 @@ def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Tria
 
 
 def _nearly_alike(best: Trial, other: Trial, rules: Rules) -> bool:
-    ours, theirs = best.candidate.effect, other.candidate.effect
-    if ours.id not in theirs.look_alikes and theirs.id not in ours.look_alikes:
-        return False
     left, more = (1.0 - best.gain) ** 2, (1.0 - other.gain) ** 2
-    return more - left < rules.tie * (1.0 - left)
+    return look_alikes(best, other) and more - left < rules.tie * (1.0 - left)
+
+
+def look_alikes(one: Trial, other: Trial) -> bool:
+    """Whether one effect is declared to look like the other."""
+    ours, theirs = one.candidate.effect, other.candidate.effect
+    return ours.id in theirs.look_alikes or theirs.id in ours.look_alikes
 
 
 def _alike(best: Trial, other: Trial, rules: Rules) -> bool:

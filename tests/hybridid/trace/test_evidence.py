@@ -57,6 +57,17 @@ def test_one_lucky_horizon_is_not_significant():
     assert evidence.p_value > 0.1
 
 
+def test_one_horizon_that_both_miss_does_not_hide_the_others():
+    """A horizon far worse than all others makes the mean square, and its scatter, alone."""
+    rows, better = errors(1.0, 1), errors(0.6, 2)
+    for held in (rows, better):
+        held[7] = 50.0 * np.sin(np.arange(LENGTH) / 9.0)[:, None] + held[7]
+    better[7] = 0.9 * better[7]
+    evidence = compare(score_of(rows, rows, np.ones(1)), score_of(rows, better, np.ones(1)))
+    assert evidence.gain > 0.05
+    assert evidence.p_value < 1e-4
+
+
 def test_what_is_not_finite_gains_nothing():
     fine = score_of(errors(1.0, 0), errors(1.0, 1), np.ones(1))
     broken = Score(

@@ -122,6 +122,8 @@ def test_a_name_is_trusted_while_a_learned_effort_finds_little_more(worn, share,
     declared, named = (r.score.loss**2 for r in (worn.search.steps[0].base, one.trial.refit))
     left = share / (1 - share) * (declared - named)  # beyond what the effect took
     raised = replace(worn.search.final, score=scaled(worn.search.final.score, (named + left) / named))
+    gain = 1.0 - ((named + left) / (declared + left)) ** 0.5
+    trial = replace(one.trial, refit=raised, comparison=replace(one.trial.comparison, gain=gain))
     learned = replace(worn.ceilings[0], gain=0.9, p_value=1e-9, refit=worn.search.final)
     step = replace(
         worn.search.steps[0],
@@ -129,7 +131,7 @@ def test_a_name_is_trusted_while_a_learned_effort_finds_little_more(worn, share,
             worn.search.steps[0].base,
             score=scaled(worn.search.steps[0].base.score, (declared + left) / declared),
         ),
-        accepted=replace(one, trial=replace(one.trial, refit=raised)),
+        accepted=replace(one, trial=trial),
     )
     found = without_stand_ins(replace(worn.search, steps=(step,), final=raised), [learned], Rules())
     assert [a.name for a in found.accepted] == (["carriage.asymmetric_viscous"] if trusted else [])
