@@ -15,7 +15,7 @@ from hybridid.plotting.trace_missing_effort import missing_effort_plot
 from hybridid.plotting.trace_trials import Tried, trials_plot
 from hybridid.plotting.trace_waterfall import Level, waterfall_plot
 from hybridid.records.record import Record
-from hybridid.trace.ceiling import Ceiling, is_damping
+from hybridid.trace.ceiling import Ceiling, factor
 from hybridid.trace.missing_effort import MissingEffort
 from hybridid.trace.search import Step
 from hybridid.trace.verdict import Trace
@@ -52,7 +52,7 @@ class Gallery:
         for record in self.records:
             yield from self._errors(record)
         yield from self._missing()
-        shown = [(m, [c for c in found if not is_damping(c.over)]) for m, found in self.ceilings.items()]
+        shown = [(m, [c for c in found if not factor(c.over)]) for m, found in self.ceilings.items()]
         for port in dict.fromkeys(c.port for _, found in shown for c in found):
             curves = [_curve(m, c) for m, found in shown for c in found if c.port == port]
             yield f"{port}.ceiling", ceiling_plot(port, curves, self.judged, self.provenance)

@@ -2,8 +2,8 @@
 
     F = g sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2))
 
-with s the port's velocity, its position or the time, and g = 1; or, for a damping that changes from place
-to place or over the run, g = v and s the position or the time.
+with s the port's velocity, its position or the time, and g = 1; or, for a damping or a dry friction that
+changes from place to place or over the run, g = v or sign(v) and s the position or the time.
 
 A sum of Gaussian bumps on a fixed grid over the range that the fitted horizons cover is fitted
 in simulation, like any effect, with every other parameter. V holds the combinations of bumps
@@ -31,7 +31,15 @@ from hybridid.trace.refit import Refit, refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
-Over = Literal["velocity", "position", "time", "position, times velocity", "time, times velocity"]
+Over = Literal[
+    "velocity",
+    "position",
+    "time",
+    "position, times velocity",
+    "time, times velocity",
+    "position, times sign of velocity",
+    "time, times sign of velocity",
+]
 OVERS: tuple[Over, ...] = get_args(Over)
 BUMPS = 12
 FAINT = 1e-4
@@ -78,7 +86,8 @@ class Bumps:
         weights = ca.DM(self.basis) @ ca.vertcat(*[getattr(at.p, f"a{j}") for j in range(len(self.basis[0]))])
         bumps = [ca.exp(-(((s - c) / self.width) ** 2) / 2) for c in self.centres]
         effort = ca.dot(weights, ca.vertcat(*bumps))
-        return effort * at.velocity if is_damping(self.over) else effort
+        factors = {"": 1, "times velocity": at.velocity, "times sign of velocity": at.sign}
+        return effort * factors[factor(self.over)]
 
 
 def variable(over: Over) -> str:
@@ -86,9 +95,9 @@ def variable(over: Over) -> str:
     return over.partition(",")[0]
 
 
-def is_damping(over: Over) -> bool:
-    """Whether the learned effort is in proportion to velocity."""
-    return over.endswith("times velocity")
+def factor(over: Over) -> str:
+    """What the function of s is multiplied by; "" for nothing."""
+    return over.partition(", ")[2]
 
 
 def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
@@ -102,7 +111,7 @@ def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
     weights = tuple(
         EffectParameter(
             f"a{j}",
-            DAMPING if is_damping(over) else EFFORT,
+            DAMPING if factor(over) == "times velocity" else EFFORT,
             f"RMS effort of combination {j}",
             guess=0.0,
             nests=True,
@@ -113,7 +122,8 @@ def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
         id="learned_" + over.replace(", ", "_").replace(" ", "_"),
         kind="effort",
         title=f"learned effort over {over}",
-        equation=("v " if is_damping(over) else "") + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
+        equation={"": "", "times velocity": "v ", "times sign of velocity": "sign(v) "}[factor(over)]
+        + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
         law=Bumps(over, tuple(centres.tolist()), float(width), tuple(map(tuple, basis.tolist()))),
         parameters=weights,
         source="thesis Eqs. 6-4 to 6-6 with fixed centres",
