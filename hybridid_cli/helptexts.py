@@ -99,6 +99,26 @@ Keys of residual=rbf
                            residual.judged=true: on those blocks though nothing is to be chosen
 """
 
+SWEEP = """\
+Runs every point of a grid and puts the held-out errors of all in one table and a heat map, with the network
+to keep of each output. Any key takes several values: key=a,b,c, key=range(1,10) or key=choice(a,b); lists of
+residual.depth, width, seeds, nodes and horizons are a grid by themselves. Small networks train together in
+stacks, large ones in workers of one thread; the plan is said first. A point that fails or is killed is named
+and leaves the others; the same command again does what is missing, and so does a larger grid.
+
+  hybridid sweep experiment=vehicle_narx                         the grid of Tables 4.4 and 4.5
+  hybridid sweep experiment=vehicle_narx residual.depth=2,4,6 residual.width=8,1024 residual.orders.error=1,7
+  hybridid sweep case=esea friction=linear,dahl residual=narx_esea
+  hybridid sweep experiment=emps_rbf launcher=joblib             other processes; launcher=slurm: a cluster
+
+Its own keys
+  sweep.stack=N            points that train together at most; 1: every point is a job of its own
+  sweep.processes=N        side by side on this machine; default: one a core
+  launcher=local|joblib|slurm   who does the jobs
+  out=DIR                  the report and every point's run tree; default: outputs/sweeps/<name>-<digest>, and
+                           each point where hybridid run would put it
+"""
+
 VALIDATE = """\
 Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, R2 and fit percentage
 by record, output and view, and tests of the residual.
@@ -197,6 +217,28 @@ Downloads the public records of a case to paths.data, checks their SHA-256 and r
 
 Its own keys
   archive.url=URL          a mirror of the archive
+"""
+
+TUNE = """\
+Searches for the NARX network that leaves the least on the held-out blocks: Optuna proposes size, orders and
+training from what earlier trials found, and ends early the trials that fall behind. The search lives in one
+journal file: processes and nodes that start the same command take part in it, and a command that was stopped
+or killed goes on where it was. Writes index.html, tune.json and the chosen config.
+
+  hybridid tune experiment=vehicle_narx
+  hybridid tune experiment=vehicle_narx tune.trials=200 tune.seconds=3600
+  hybridid tune case=esea friction=linear residual=narx_esea tune.space.residual.width.high=32
+  hybridid run --config-dir FOLDER experiment=tuned             take up what was chosen
+
+Its own keys
+  tune.space.KEY={low: 1, high: 8, log: true}   vary a key, such as residual.width; or [a,b] to choose from
+  tune.space.KEY=null      do not vary it
+  tune.trials=N            in all, of every process, node and earlier command; default: 60
+  tune.seconds=S           begin no trial after that time; default: no limit
+  tune.processes=N         side by side on this machine; default: one a core
+  tune.startup=N           random trials before the search adapts; default: 10
+  tune.pruner=median|hyperband|none   which trials are ended early
+  tune.seed=N              of the search
 """
 
 LOG = """\

@@ -1,0 +1,64 @@
+"""What a search came to, as a person reads it: the best trials, what was chosen and why."""
+
+from __future__ import annotations
+
+from rich.console import RenderableType
+from rich.text import Text
+
+from hybridid_cli.tables import rendered, table
+from pipelines.tune.conduct import Tuned
+from pipelines.tune.findings import RULE, said
+from pipelines.tune.report import cells, columns, command
+
+_MOST = 10
+
+
+def tune_results(tuned: Tuned) -> str:
+    """The table, the choice with its rule, and how to take it up."""
+    findings = tuned.findings
+    counts = ", ".join(
+        f"{len(rows)} {name}"
+        for name, rows in (
+            ("to their end", findings.of("done")),
+            ("pruned", findings.of("pruned")),
+            ("failed", findings.of("failed")),
+            ("stopped from outside", findings.of("stopped")),
+            ("still running elsewhere", findings.of("running")),
+        )
+        if rows
+    )
+    parts: list[RenderableType] = [_table(tuned), Text(f"trials: {counts or 'none'}; {tuned.seconds:.0f} s")]
+    chosen = findings.chosen
+    if chosen is not None:
+        parts += [
+            Text(f"chosen: trial {chosen.number}, {said(chosen.values)}", style="bold"),
+            Text(f"  {chosen.outcome} ({tuned.provenance} data)"),
+            Text(f"  by {RULE}"),
+            Text(f"  {command(tuned.folder)}"),
+        ]
+    return rendered([*parts, Text(f"page: {tuned.folder / 'index.html'}")])
+
+
+def shortfall(tuned: Tuned) -> str:
+    """What is missing, in one line; empty if nothing is."""
+    failed, findings = tuned.findings.of("failed"), tuned.findings
+    if failed:
+        first = failed[0]
+        return (
+            f"{len(failed)} of {len(findings.rows)} trials failed; the first is trial {first.number} "
+            f"({said(first.values)}): {first.remark}"
+        )
+    if tuned.lost:
+        return f"{'; '.join(tuned.lost)}; the same command goes on"
+    return "" if findings.chosen else "no trial came to its end; the same command goes on"
+
+
+def _table(tuned: Tuned) -> RenderableType:
+    keys, outputs = columns(tuned.findings)
+    errors = [(f"RMSE of {name}", "right") for name in outputs]
+    values = [(key.replace("orders.", ""), "right") for key in keys]
+    header = [("trial", "right"), ("share", "right"), ("weights", "right"), *values, *errors, ("s", "right")]
+    made = table(f"Best trials on the held-out blocks ({tuned.provenance})", header)
+    for row in tuned.findings.best[:_MOST]:
+        made.add_row(*cells(row, keys, outputs))
+    return made

@@ -1,0 +1,1 @@
+"""``tune``: an adaptive search for the network, shared by processes and nodes through one journal file."""

@@ -1,0 +1,146 @@
+"""The search from the gray box to the report."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipelines.config import Settings
+from pipelines.errors import ConfigError
+from pipelines.findings import prepared_records, provenance_of
+from pipelines.modelling import model_of
+from pipelines.residual import request_of
+from pipelines.residual_narx import NARXRequest
+from pipelines.runner import run_stages
+from pipelines.side_by_side import Died, side_by_side
+from pipelines.tracking import close_parent, open_parent
+from pipelines.tune.findings import Findings, findings_of
+from pipelines.tune.log import log_trial
+from pipelines.tune.report import written
+from pipelines.tune.request import TuneRequest, gray_settings, study_digest, with_values
+from pipelines.tune.study import counts, opened
+from pipelines.tune.worker import Work, work
+from pipelines.watch import Watcher
+
+_NAME = "tune"
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """What a search came to; ``folder`` holds its journal and report, ``lost`` why workers ended too soon."""
+
+    findings: Findings
+    request: TuneRequest
+    folder: Path
+    provenance: str
+    seconds: float
+    lost: tuple[str, ...] = ()
+
+
+def tune(settings: Settings, watcher: Watcher) -> Tuned:
+    """Search until there are enough trials, or the time is up; what an earlier command found is kept.
+
+    Raises:
+        ConfigError: before anything is done, if the request cannot be carried out.
+    """
+    request = TuneRequest.of(settings)
+    _check(settings, request)
+    began = time.time()
+    outcome = run_stages(gray_settings(settings), "fit", watcher)
+    data = {record.name: str(record.row["digest"]) for record in prepared_records(outcome.tree)}
+    digest = study_digest(settings, request, data)
+    folder = _folder(settings, digest, provenance_of(outcome.tree))
+    folder.mkdir(parents=True, exist_ok=True)
+    key = f"{_NAME}.{digest}"
+    study = opened(folder, request)
+    there = sum(counts(trial) for trial in study.trials)
+    if there:
+        watcher.say(f"goes on: {there} of {request.trials} trials are done in {folder}")
+    open_parent(settings, _NAME, key, {"tree": str(folder)}, watcher)
+    until = None if request.seconds is None else began + request.seconds
+    given = Work(settings, outcome.tree, folder, key, until)
+    lost = _searched(given, min(_processes(request), max(1, request.trials - there)), watcher)
+    findings = findings_of(opened(folder, request))
+    tuned = Tuned(findings, request, folder, provenance_of(outcome.tree), time.time() - began, lost)
+    for row in findings.rows:
+        log_trial(settings, row, key, watcher)
+    files = written(findings, settings, folder, tuned.provenance)
+    close_parent(
+        settings, _NAME, key, watcher, bool(findings.of("failed") or lost), _metrics(findings), files
+    )
+    return tuned
+
+
+def _processes(request: TuneRequest) -> int:
+    return request.processes or len(os.sched_getaffinity(0))
+
+
+def _check(settings: Settings, request: TuneRequest) -> None:
+    """Whether networks can be made at the ends of every range."""
+    for values in request.corners():
+        changed = with_values(settings, values)
+        asked = request_of(changed)
+        if not isinstance(asked, NARXRequest):
+            raise ConfigError("tune searches for NARX networks: choose residual=narx; sweep compares others")
+        asked.check(model_of(changed))
+        for name in ("depth", "width"):
+            given = getattr(asked.shape, name)
+            if len(given) > 1:
+                raise ConfigError(
+                    f"residual.{name} is {list(given)}: one number, or vary it (tune.space.residual.{name})"
+                )
+
+
+def _folder(settings: Settings, digest: str, provenance: str) -> Path:
+    """``out``, else ``paths.outputs``/<case>/tune-<digest>; a virtual rig's says so."""
+    if settings.get("out") is not None:
+        return Path(str(settings["out"]))
+    name = f"{_NAME}-{digest}" + ("" if provenance == "measured" else "-simulated")
+    return Path(str(settings["paths.outputs"])) / settings.case / name
+
+
+def _searched(given: Work, processes: int, watcher: Watcher) -> tuple[str, ...]:
+    """Workers side by side until each has ended; those that were killed, and how."""
+    names = {f"worker {k}": given for k in range(1, processes + 1)}
+    states: dict[str, str] = {}
+    lost = []
+    for name, outcome in side_by_side(work, names, processes, lambda n: _Told(n, states, watcher)):
+        states.pop(name, None)
+        if isinstance(outcome, Died):
+            lost.append(f"{name}: {outcome.reason}")
+            watcher.warn(lost[-1])
+    return tuple(lost)
+
+
+def _metrics(findings: Findings) -> Mapping[str, float]:
+    found = {f"trials.{state}": float(len(findings.of(state))) for state in ("done", "pruned", "failed")}
+    if findings.chosen is not None:
+        found["tune.share"] = float(findings.chosen.share or 0.0)
+        found["tune.trial"] = float(findings.chosen.number)
+    return found
+
+
+@dataclass(frozen=True)
+class _Told:
+    """The watcher of one worker: its lines as they are, its progress beside that of the others."""
+
+    name: str
+    states: dict[str, str]
+    watcher: Watcher
+
+    def say(self, line: str) -> None:
+        if line != "begins":
+            self.watcher.say(line)
+
+    def warn(self, line: str) -> None:
+        self.watcher.warn(line)
+
+    def carry_on(self) -> None:
+        self.watcher.carry_on()
+
+    def progress(self, work: str, state: str, fraction: float | None) -> None:
+        self.states[self.name] = f"{work}: {state}"
+        self.watcher.progress(_NAME, " | ".join(self.states.values()), None)

@@ -1,0 +1,112 @@
+"""One trial: networks of one size, trained by one setting, on the gray box that all trials share."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hybridid.estimators.estimate import Progress
+from pipelines.residual import request_of
+from pipelines.residual_narx import NARXRequest
+from pipelines.residual_request import GrayBox
+from pipelines.residual_scores import GrayRun
+from pipelines.tune.request import Value, with_values
+from pipelines.watch import Watcher
+
+if TYPE_CHECKING:
+    from optuna import Trial
+
+    from hybridid.residuals.training import Trained
+    from pipelines.config import Settings
+
+OBJECTIVE = (
+    "the network's free-run RMSE on the held-out blocks over that of no network, root mean square over outputs "
+    "and seeds"
+)
+_BETWEEN = 2  # per cent of the training, between two reports: each is a line in the journal
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What every trial shares: the config, the gray box and its runs."""
+
+    settings: Settings
+    gray: GrayBox
+    runs: Sequence[GrayRun]
+
+
+@dataclass(frozen=True)
+class Found:
+    """``share`` is the objective; ``weights`` of one network of each output; ``outputs`` their held-out RMSE,
+    mean over seeds, ``without`` that of no network."""
+
+    share: float
+    weights: int
+    outputs: Mapping[str, Mapping[str, Any]]
+    seconds: float
+
+
+def narx_of(settings: Settings, values: Mapping[str, Value]) -> NARXRequest:
+    """The networks that a trial with these values asks for."""
+    request = request_of(with_values(settings, values))
+    assert isinstance(request, NARXRequest)
+    return request
+
+
+def carried_out(
+    bench: Bench, values: Mapping[str, Value], trial: Trial | None, name: str, watcher: Watcher
+) -> Found:
+    """Train the networks of ``values``.
+
+    Raises:
+        TrialPruned: if the trial is not worth its end.
+        ValueError: if it cannot be done.
+    """
+    from hybridid.residuals.training import train_stack  # torch takes seconds to import
+
+    request = narx_of(bench.settings, values)
+    began = time.perf_counter()
+    tasks = request.tasks(bench.gray.model, bench.runs)
+    trained = train_stack(tasks, request.training, _reporter(trial, name, watcher))
+    return _found(trained, time.perf_counter() - began)
+
+
+def _reporter(trial: Trial | None, name: str, watcher: Watcher) -> Callable[[Progress], None]:
+    """Tells the study, and hears whether the trial may go on."""
+    from optuna import TrialPruned
+
+    last = -_BETWEEN
+
+    def report(progress: Progress) -> None:
+        nonlocal last
+        percent = round(100 * (progress.fraction or 0.0))
+        share = float(np.sqrt(progress.cost))
+        watcher.progress(name, f"{percent} %, held-out share {share:.3g}", progress.fraction)
+        if trial is None or percent < last + _BETWEEN or percent >= 100:
+            return
+        last = percent
+        trial.report(share, percent)
+        if trial.should_prune():
+            raise TrialPruned(f"at {percent} % of its training")
+
+    return report
+
+
+def _found(trained: Sequence[Trained], seconds: float) -> Found:
+    outputs: dict[str, dict[str, Any]] = {}
+    for name in dict.fromkeys(one.network.output for one in trained):
+        own = [one for one in trained if one.network.output == name]
+        outputs[name] = {
+            "held_out": fmean(one.held_out for one in own),
+            "without": own[0].zero,
+            "unit": own[0].unit,
+        }
+    shares = [one.held_out / one.zero for one in trained]
+    seeds = len(trained) // len(outputs)
+    weights = sum(one.network.weights.count for one in trained) // seeds
+    return Found(float(np.sqrt(np.mean(np.square(shares)))), weights, outputs, seconds)

@@ -1,0 +1,92 @@
+"""A worker of the search: takes trial after trial from the study until there are enough."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipelines.config import Settings
+from pipelines.imports import make_importable
+from pipelines.residual import gray_box
+from pipelines.residual_scores import gray_runs
+from pipelines.tune.findings import row_of, said
+from pipelines.tune.log import log_trial
+from pipelines.tune.request import TuneRequest
+from pipelines.tune.study import ERROR, next_trial, opened, seated
+from pipelines.tune.trial import Bench, Found, carried_out, narx_of
+from pipelines.watch import Watcher
+
+if TYPE_CHECKING:
+    from optuna import Study, Trial
+
+_LONGEST = 300
+
+
+@dataclass(frozen=True)
+class Work:
+    """``until`` is in s since 1970: no trial begins later."""
+
+    settings: Settings
+    gray_tree: Path
+    folder: Path
+    key: str
+    until: float | None
+
+
+def work(given: Work, watcher: Watcher) -> int:
+    """Do trials; returns how many."""
+    make_importable(given.settings.folders)
+    request = TuneRequest.of(given.settings)
+    gray = gray_box(given.settings, given.gray_tree)
+    shape = narx_of(given.settings, next(request.corners())).shape
+    bench = Bench(given.settings, gray, gray_runs(gray, shape.initial_state))
+    done = 0
+    with seated(given.folder) as seat:
+        study = opened(given.folder, request, seat)
+        while given.until is None or time.time() < given.until:
+            trial = next_trial(study, request, seat, given.folder)
+            if trial is None:
+                break
+            _done(study, trial, bench, watcher)
+            done += 1
+            row = row_of(study.trials[trial.number])
+            watcher.say(f"trial {row.number}: {said(row.values)}: {row.outcome}")
+            log_trial(given.settings, row, given.key, watcher)
+    return done
+
+
+def _done(study: Study, trial: Trial, bench: Bench, watcher: Watcher) -> None:
+    """Carry out the trial and tell the study what became of it, whatever that is."""
+    from optuna import TrialPruned
+    from optuna.trial import TrialState
+
+    try:
+        found = carried_out(bench, trial.params, trial, f"trial {trial.number}", watcher)
+    except TrialPruned as pruned:
+        trial.set_user_attr("pruned", str(pruned))
+        study.tell(trial, state=TrialState.PRUNED)
+    except Exception as error:
+        trial.set_user_attr(ERROR, " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST])
+        study.tell(trial, state=TrialState.FAIL)
+    except BaseException:  # told to stop: the next who comes does another in its place
+        study.tell(trial, state=TrialState.FAIL)
+        raise
+    else:
+        _tell(study, trial, found)
+
+
+def _tell(study: Study, trial: Trial, found: Found) -> None:
+    from optuna.trial import TrialState
+
+    trial.set_user_attr("weights", found.weights)
+    trial.set_user_attr("outputs", {name: dict(row) for name, row in found.outputs.items()})
+    trial.set_user_attr("training_seconds", found.seconds)
+    if np.isfinite(found.share):
+        study.tell(trial, found.share)
+    else:
+        trial.set_user_attr("pruned", "every network ran away on the held-out blocks")
+        study.tell(trial, state=TrialState.PRUNED)
