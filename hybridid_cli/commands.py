@@ -31,11 +31,13 @@ COMMANDS: tuple[Command, ...] = (
     Command("residual", "fit a network to what the gray box leaves", helptexts.RESIDUAL, _STAGES),
     Command("validate", "score the fitted model on every record", helptexts.VALIDATE, _STAGES),
     Command("plot", "draw the figures", helptexts.PLOT, _STAGES),
+    Command("sweep", "many configs at once, in one table", helptexts.SWEEP, _STAGES),
     Command("reproduce", "the thesis' tables beside ours", helptexts.REPRODUCE, _STAGES),
     Command("trace", "find what the model lacks", helptexts.TRACE, _STAGES),
     Command("cases", "list the cases and their records", helptexts.CASES, f"{_LISTS}:cases", False),
     Command("effects", "list the physics that can be added", helptexts.EFFECTS, f"{_LISTS}:effects", False),
     Command("fetch", "download a case's public records", helptexts.FETCH, _STAGES),
+    Command("tune", "search for the network, adaptively", helptexts.TUNE, _STAGES),
     Command("log", "send the runs that MLflow did not take", helptexts.LOG, _STAGES),
     Command("ui", "open the page of all runs (MLflow)", helptexts.UI, _STAGES),
     Command(

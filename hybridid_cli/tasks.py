@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from hydra import compose
 from hydra.core.hydra_config import HydraConfig
@@ -21,6 +22,11 @@ from pipelines.imports import make_importable
 def settings_of(cfg: DictConfig) -> Settings:
     """The composed config as plain settings; the user's own folders become importable."""
     hydra = HydraConfig.get()
+    return settings_from(cfg, hydra, hydra.mode == RunMode.MULTIRUN)
+
+
+def settings_from(cfg: DictConfig, hydra: Any, in_sweep: bool) -> Settings:
+    """The same of a config whose part ``hydra`` is given apart."""
     case = hydra.runtime.choices.get("case")
     if not case:
         raise ConfigError("no case: give case=NAME; hybridid cases lists them")
@@ -34,7 +40,7 @@ def settings_of(cfg: DictConfig) -> Settings:
         from pipelines.augmented import taken_up
 
         plain = taken_up(plain)
-    return Settings(case, plain, folders, hydra.mode == RunMode.MULTIRUN)
+    return Settings(case, plain, folders, in_sweep)
 
 
 class Unfinished(BaseException):
@@ -47,7 +53,9 @@ class Unfinished(BaseException):
 
 def task_of(command: str) -> Callable[[DictConfig], None]:
     """What Hydra is to run for a command."""
-    return {"fetch": fetch, "log": log, "ui": ui, "reproduce": reproduce}.get(command, stages)
+    return {"sweep": sweep_job, "fetch": fetch, "log": log, "tune": tune, "ui": ui, "reproduce": reproduce}.get(
+        command, stages
+    )
 
 
 def _said_by_us(task: Callable[[DictConfig], None]) -> Callable[[DictConfig], None]:
@@ -89,6 +97,16 @@ def stages(cfg: DictConfig) -> None:
 
 
 @_said_by_us
+def sweep_job(cfg: DictConfig) -> None:
+    """One job of a sweep, in the process that a launcher started for it."""
+    from hybridid_cli.launching import job
+
+    settings = settings_of(cfg)
+    with Terminal(f"#{HydraConfig.get().job.num} ", bar=False) as terminal:
+        job(Path(str(settings["sweep.job"])), terminal)
+
+
+@_said_by_us
 def reproduce(cfg: DictConfig) -> None:
     """Run the thesis' experiments and write its tables beside ours."""
     from pipelines.reproduce import reproduce as run
@@ -121,6 +139,20 @@ def fetch(cfg: DictConfig) -> None:
     with Terminal() as terminal:
         for path in fetch_case(settings, terminal):
             terminal.show(str(path))
+
+
+@_said_by_us
+def tune(cfg: DictConfig) -> None:
+    """Search for a network adaptively."""
+    from hybridid_cli.tune_results import shortfall, tune_results
+    from pipelines.tune.conduct import tune as run
+
+    settings = settings_of(cfg)
+    with Terminal() as terminal:
+        found = run(settings, terminal)
+        terminal.show(tune_results(found))
+        if missing := shortfall(found):
+            raise Incomplete(missing)
 
 
 @_said_by_us

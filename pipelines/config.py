@@ -42,6 +42,8 @@ SECTIONS: Mapping[str, tuple[str, ...] | None] = {
         "most_effects",
         "processes",
     ),
+    "sweep": ("stack", "processes", "job"),
+    "tune": None,
     "model": None,
     "paths": ("data", "outputs"),
     "out": None,
