@@ -53,9 +53,8 @@ class Unfinished(BaseException):
 
 def task_of(command: str) -> Callable[[DictConfig], None]:
     """What Hydra is to run for a command."""
-    return {"sweep": sweep_job, "fetch": fetch, "log": log, "tune": tune, "ui": ui, "reproduce": reproduce}.get(
-        command, stages
-    )
+    own = {"sweep": sweep_job, "fetch": fetch, "log": log, "tune": tune, "ui": ui, "reproduce": reproduce}
+    return own.get(command, stages)
 
 
 def _said_by_us(task: Callable[[DictConfig], None]) -> Callable[[DictConfig], None]:

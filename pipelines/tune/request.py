@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from optuna.distributions import BaseDistribution
 
 ALLOWED = (
-    "depth", "width", "orders.error", "orders.inputs", "orders.gray", "learning_rate", "weight_decay", "batch",
-    "patience", "increment",
+    "depth", "width", "orders.error", "orders.inputs", "orders.gray", "learning_rate", "weight_decay",
+    "batch", "patience", "increment",
 )  # fmt: skip
 """Keys below ``residual`` that may be varied: every trial is judged on the same blocks in the same way."""
 _RANGE = ("low", "high", "log", "step")

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from pipelines.config import Settings
 
 OBJECTIVE = (
-    "the network's free-run RMSE on the held-out blocks over that of no network, root mean square over outputs "
-    "and seeds"
+    "the network's free-run RMSE on the held-out blocks over that of no network, root mean square over "
+    "outputs and seeds"
 )
 _BETWEEN = 2  # per cent of the training, between two reports: each is a line in the journal
 
