@@ -35,6 +35,10 @@ def prepared(command: str, words: Sequence[str]) -> list[str]:
     if value_of:
         raise ConfigError(f"{value_of} wants a value after it")
     flags = [flag for flag in flags if flag != "--debug"]
+    if command == "sweep":  # always over several points; where it keeps what is its own matter
+        alone = {"--cfg", "-c", "--info", "-i", "-m", "--multirun"}
+        several = [] if alone & {flag.partition("=")[0] for flag in flags} else ["-m"]
+        return [*several, *flags, *overrides]
     return [*flags, *overrides, *_sweep_folder(flags, overrides)]
 
 

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipelines.board import Board
 from pipelines.config import Settings
 from pipelines.errors import ConfigError, Incomplete
 from pipelines.page import Page
@@ -81,82 +82,25 @@ def attempt(settings: Settings, watcher: Watcher) -> Done | Failed:
 
 def _run(experiments: Mapping[str, Settings], processes: int, watcher: Watcher) -> dict[str, Done | Failed]:
     """Every experiment's outcome, in the order in which they were asked for."""
-    board = _Board(list(experiments), watcher)
+    board = Board("thesis", list(experiments), watcher)
     found: dict[str, Done | Failed] = {}
     if processes == 1 or len(experiments) == 1:
         for name, settings in experiments.items():
             board.of(name).say("begins")
-            found[name] = board.finished(name, attempt(settings, board.of(name)))
+            found[name] = _told(board, name, attempt(settings, board.of(name)))
     else:
         for name, outcome in side_by_side(attempt, experiments, processes, board.of):
             told = Failed(outcome.reason) if isinstance(outcome, Died) else outcome
-            found[name] = board.finished(name, told)
+            found[name] = _told(board, name, told)
     return {name: found[name] for name in experiments}
 
 
-class _Board:
-    """Which experiment of how many, and for how long: every line says it."""
-
-    def __init__(self, names: list[str], watcher: Watcher) -> None:
-        self._names, self._watcher = names, watcher
-        self._began = time.monotonic()
-        self._done = 0
-        self._states: dict[str, str] = {}
-
-    def of(self, name: str) -> _Labelled:
-        return _Labelled(name, self)
-
-    def line(self, name: str, line: str) -> str:
-        number = self._names.index(name) + 1
-        return f"[{self._elapsed()}] {number} of {len(self._names)} {name}: {line}"
-
-    def say(self, name: str, line: str) -> None:
-        self._watcher.say(self.line(name, line))
-
-    def warn(self, name: str, line: str) -> None:
-        self._watcher.warn(self.line(name, line))
-
-    def carry_on(self) -> None:
-        self._watcher.carry_on()
-
-    def progress(self, name: str, state: str) -> None:
-        self._states[name] = state
-        now = " | ".join(f"{name}: {state}" for name, state in self._states.items())
-        total = len(self._names)
-        self._watcher.progress("thesis", f"{self._done} of {total} done, {self._elapsed()}; {now}", None)
-
-    def finished(self, name: str, outcome: Done | Failed) -> Done | Failed:
-        self._done += 1
-        self._states.pop(name, None)
-        if isinstance(outcome, Failed):
-            self.warn(name, f"failed: {outcome.reason}")
-        else:
-            self.say(name, f"done in {outcome.seconds:.0f} s; {self._done} of {len(self._names)} are done")
-        return outcome
-
-    def _elapsed(self) -> str:
-        minutes, seconds = divmod(round(time.monotonic() - self._began), 60)
-        return f"{minutes}:{seconds:02d}"
-
-
-@dataclass(frozen=True)
-class _Labelled:
-    """The watcher of one experiment on the board."""
-
-    name: str
-    board: _Board
-
-    def say(self, line: str) -> None:
-        self.board.say(self.name, line)
-
-    def warn(self, line: str) -> None:
-        self.board.warn(self.name, line)
-
-    def carry_on(self) -> None:
-        self.board.carry_on()
-
-    def progress(self, work: str, state: str, fraction: float | None) -> None:
-        self.board.progress(self.name, f"{work}: {state}")
+def _told(board: Board, name: str, outcome: Done | Failed) -> Done | Failed:
+    if isinstance(outcome, Failed):
+        board.failed(name, outcome.reason)
+    else:
+        board.done(name, outcome.seconds)
+    return outcome
 
 
 def _page(

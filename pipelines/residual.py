@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from hybridid.hybrid import save_hybrid
@@ -31,15 +32,24 @@ KINDS: Mapping[str, type[Request]] = {"narx": NARXRequest, "rbf": RBFRequest}
 
 def run(job: Job) -> None:
     """Make the hybrid from the records that the gray box was fitted to."""
-    model, estimate = load(job.tree)
-    prepared = prepared_records(job.tree)
-    fitted = chosen(prepared, job.settings.get("fit.records"), "fit.records")
+    gray = gray_box(job.settings, job.tree)
+    write(job, gray, request_of(job.settings).make(gray, job.watcher))
+
+
+def gray_box(settings: Settings, tree: Path) -> GrayBox:
+    """The fitted model of a tree, and which of its records it was fitted to."""
+    model, estimate = load(tree)
+    prepared = prepared_records(tree)
+    fitted = chosen(prepared, settings.get("fit.records"), "fit.records")
     records, unseen = (
         tuple(load_record(record.file) for record in prepared if (record in fitted) is wanted)
         for wanted in (True, False)
     )
-    gray = GrayBox(model, estimate, records, unseen)
-    made = request_of(job.settings).make(gray, job.watcher)
+    return GrayBox(model, estimate, records, unseen)
+
+
+def write(job: Job, gray: GrayBox, made: Made) -> None:
+    """The stage's files."""
     save_hybrid(made.hybrid, job.folder)
     write_json(job.folder / "residual.json", _report(made, gray, job.settings.case))
     if made.estimate is not None:

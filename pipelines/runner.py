@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import yaml
 
@@ -26,16 +29,24 @@ RUN: tuple[Stage, ...] = (PREPROCESS, FIT, RESIDUAL, VALIDATE, PLOT)
 STAGES: tuple[Stage, ...] = (*RUN, TRACE)
 
 
-def run_stages(settings: Settings, command: str, watcher: Watcher) -> Outcome:
+def run_stages(
+    settings: Settings,
+    command: str,
+    watcher: Watcher,
+    first: Callable[[Path], None] = lambda root: None,
+    instead: Mapping[str, Callable[[Job], None]] = MappingProxyType({}),
+) -> Outcome:
     """Bring the stages of ``command`` (a stage's name, or ``run`` for all) up to date.
+
+    ``first`` is done in the tree before them; ``instead`` has other ways than its own to run a stage, for
+    who has its result already.
 
     Raises:
         ConfigError: before anything is written, if the request cannot be carried out.
         RecordError: if a record cannot be used.
     """
-    stages = tuple(s for s in wanted(command) if s.name == command or s.asked(settings))
-    for stage in stages:
-        stage.check(settings)  # a wrong name is said now, not after minutes
+    stages = check_stages(settings, command)
+    stages = tuple(replace(s, run=instead.get(s.name, s.run)) for s in stages)
     sources = sources_of(settings)
     root = tree_of(settings, sources.simulated)
     if root.exists() and not root.is_dir():
@@ -43,6 +54,7 @@ def run_stages(settings: Settings, command: str, watcher: Watcher) -> Outcome:
     for remark in sources.remarks:
         watcher.warn(remark)
     with locked(root, watcher.say):
+        first(root)
         write_text(
             root / "config.yaml", yaml.safe_dump(dict(settings.config), sort_keys=False, allow_unicode=True)
         )
@@ -53,6 +65,24 @@ def run_stages(settings: Settings, command: str, watcher: Watcher) -> Outcome:
         if settings.get("out") is None:
             point_latest(root)
     return Outcome(root, tuple(stage.name for stage in stages), tuple(ran))
+
+
+def check_stages(settings: Settings, command: str) -> tuple[Stage, ...]:
+    """The stages that ``command`` runs with this config.
+
+    Raises:
+        ConfigError: if one of them cannot be carried out.
+    """
+    stages = tuple(s for s in wanted(command) if s.name == command or s.asked(settings))
+    for stage in stages:
+        stage.check(settings)  # a wrong name is said now, not after minutes
+    return stages
+
+
+def is_fresh(settings: Settings, command: str, root: Path) -> bool:
+    """Whether ``command`` would find all its results in the tree ``root``, and nothing to do."""
+    stages = (s for s in wanted(command) if s.name == command or s.asked(settings))
+    return all(not why_stale(root / stage.name, _made_from(stage, settings, root)) for stage in stages)
 
 
 def wanted(command: str) -> tuple[Stage, ...]:

@@ -14,9 +14,12 @@ from numpy.typing import NDArray
 
 def write_json(path: Path, data: Any) -> None:
     """Strict JSON: what is not finite becomes null."""
-    path.write_text(
-        json.dumps(_strict(data), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
-    )
+    path.write_text(json_text(data), encoding="utf-8")
+
+
+def json_text(data: Any) -> str:
+    """What ``write_json`` writes."""
+    return json.dumps(_strict(data), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def read_json(path: Path) -> Any:

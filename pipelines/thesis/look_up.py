@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,18 @@ class Failed:
     traceback: str = ""
 
 
-Outcomes = Mapping[str, Path | Failed]
-"""Each experiment that was asked for: its run tree, or why there is none."""
+@dataclass(frozen=True)
+class Networks:
+    """The networks of a sweep in place of a run tree: rows as in ``residual.json``, of them and of the gray
+    box, and the role of each record."""
+
+    rows: Sequence[Mapping[str, Any]]
+    gray: Sequence[Mapping[str, Any]]
+    roles: Mapping[str, str]
+
+
+Outcomes = Mapping[str, Path | Failed | Networks]
+"""Each experiment that was asked for: its run tree or its sweep, or why there is none."""
 
 
 class Missing(Exception):
@@ -65,6 +75,8 @@ def tree_of(experiment: str, outcomes: Outcomes) -> Path:
     outcome = outcomes[experiment]
     if isinstance(outcome, Failed):
         raise Missing(f"failed: {outcome.reason}")
+    if isinstance(outcome, Networks):
+        raise Missing("a sweep has no such result")
     return outcome
 
 
@@ -96,11 +108,19 @@ def score(where: ScoreOf | NetworkOf, outcomes: Outcomes) -> FoundScore:
     Raises:
         Missing: if there is no such record or model, or the model diverged on it.
     """
+    swept = outcomes.get(where.experiment)
+    if isinstance(swept, Networks):
+        names = {name for name, role in swept.roles.items() if role == where.role}
+        if isinstance(where, NetworkOf):
+            return _network(where, swept.rows, names)
+        return _on(names, [row for row in swept.gray if row["output"] == where.output])
     tree = tree_of(where.experiment, outcomes)
     names = {record.name for record in prepared_records(tree) if record.role == where.role}
     if not names:
         raise Missing("no such record")
-    return _network(where, tree, names) if isinstance(where, NetworkOf) else _model(where, tree, names)
+    if isinstance(where, NetworkOf):
+        return _network(where, residual_of(tree)["networks"], names)
+    return _model(where, tree, names)
 
 
 def _estimate(name: str, data: Mapping[str, Any]) -> FoundEstimate:
@@ -130,18 +150,20 @@ def _model(where: ScoreOf, tree: Path, names: set[str]) -> FoundScore:
     raise Missing(f"no {where.of} here")
 
 
-def _network(where: NetworkOf, tree: Path, names: set[str]) -> FoundScore:
+def _network(where: NetworkOf, networks: Sequence[Mapping[str, Any]], names: set[str]) -> FoundScore:
     """Of the seeds of one size, the one whose held-out error was lowest."""
     wanted = (where.output, where.depth, where.width)
-    rows = [
-        row for row in residual_of(tree)["networks"] if (row["output"], row["depth"], row["width"]) == wanted
-    ]
+    rows = [row for row in networks if (row["output"], row["depth"], row["width"]) == wanted]
     if not rows:
         raise Missing("no such network")
     best = min(rows, key=lambda row: float("inf") if row["held_out"] is None else row["held_out"])
-    for row in best["hybrid"]:
+    return _on(names, best["hybrid"], any(row["chosen"] for row in rows))
+
+
+def _on(names: set[str], rows: Sequence[Mapping[str, Any]], chosen: bool = False) -> FoundScore:
+    for row in rows:
         if row["record"] in names:
-            return _score(row, any(row["chosen"] for row in rows))
+            return _score(row, chosen)
     raise Missing("not simulated on this record")
 
 

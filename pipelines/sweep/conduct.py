@@ -1,0 +1,174 @@
+"""A sweep from its points to their results; what fails is named, the rest is there."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from hybridid.records.plain import build
+from pipelines.config import Settings
+from pipelines.errors import ConfigError
+from pipelines.runner import check_stages, is_fresh
+from pipelines.sources import sources_of
+from pipelines.storage import write_json
+from pipelines.sweep.crew import Crew
+from pipelines.sweep.log import common, log_failures, log_points
+from pipelines.sweep.plan import Plan, planned
+from pipelines.sweep.point import Point
+from pipelines.sweep.work import Failures, Work
+from pipelines.tracking import open_parent
+from pipelines.watch import Watcher
+
+
+@dataclass(frozen=True)
+class SweepRequest:
+    """The section ``sweep``: ``stack`` points train together at most, ``processes`` run side by side here."""
+
+    stack: int | None = None
+    processes: int | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("stack", "processes"):
+            value = getattr(self, name)
+            if value is not None and value < 1:
+                raise ValueError(f"sweep.{name} is {value}: at least 1, or null")
+
+    @classmethod
+    def of(cls, settings: Settings) -> SweepRequest:
+        """
+        Raises:
+            ConfigError: if a key or value is not allowed.
+        """
+        section = {k: v for k, v in (settings.get("sweep") or {}).items() if k != "job"}
+        return build(cls, section, "sweep", ConfigError)
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """What is asked for: ``points``, called ``name``, by the ``words`` typed; ``common`` of them go for every
+    point. ``folder`` is for the report."""
+
+    name: str
+    words: tuple[str, ...]
+    common: tuple[str, ...]
+    points: tuple[Point, ...]
+    folder: Path
+
+    @property
+    def key(self) -> str:
+        """Equal for equal requests, in whatever order."""
+        return digest_of(self.points)
+
+
+@dataclass(frozen=True, eq=False)
+class Swept:
+    """What became of it: ``failures`` are the points without a result, and why."""
+
+    sweep: Sweep
+    plan: Plan
+    failures: Mapping[Point, str]
+    seconds: float
+
+    @property
+    def done(self) -> list[Point]:
+        return [point for point in self.sweep.points if point not in self.failures]
+
+
+def folder_of(name: str, points: Sequence[Point]) -> Path:
+    """``out``, else ``paths.outputs``/sweeps/<name>-<digest>: the same request finds the same folder.
+
+    A sweep over a virtual rig says ``-simulated``, as its points' trees do.
+    """
+    settings = points[0].settings
+    if settings.get("out") is not None:
+        return Path(str(settings["out"]))
+    mark = "-simulated" if any(point.simulated for point in points) else ""
+    return Path(str(settings["paths.outputs"])) / "sweeps" / f"{name}-{digest_of(points)}{mark}"
+
+
+def digest_of(points: Sequence[Point]) -> str:
+    """Eight hexadecimal digits of what is asked for: the same again finds the same folder."""
+    text = json.dumps(sorted([point.settings.case, point.key] for point in points))
+    return hashlib.sha256(text.encode()).hexdigest()[:8]
+
+
+def conduct(sweep: Sweep, crew: Crew, request: SweepRequest, watcher: Watcher) -> Swept:
+    """Do what is missing of the sweep.
+
+    Raises:
+        ConfigError: if no point can be carried out.
+    """
+    began = time.time()
+    refused = _refused(sweep.points, watcher)
+    sound = [point for point in sweep.points if point not in refused]
+    plan = _planned(sound, crew, request, sweep.key)
+    for line in plan.lines:
+        watcher.say(f"plan: {line}")
+    write_json(sweep.folder / "plan.json", plan.plain())
+    open_parent(common(sweep.points), sweep.name, sweep.key, {"words": " ".join(sweep.words)}, watcher)
+    log_points(plan.fresh, sweep.key, watcher)
+    reasons = _carried_out(plan, crew, watcher)
+    made = [point for work in plan.jobs for point in work.points]
+    lost = {point: reasons.get(point.key, "its job left no result") for point in made if not _fresh(point)}
+    failures = {p: (refused | lost)[p] for p in sweep.points if p in refused or p in lost}
+    log_failures(failures, sweep.key, began, watcher)
+    return Swept(sweep, plan, failures, time.time() - began)
+
+
+def _refused(points: Sequence[Point], watcher: Watcher) -> dict[Point, str]:
+    """Points whose config cannot be carried out, before anything is; what is odd of the data is said once."""
+    refused: dict[Point, str] = {}
+    remarks: dict[str, None] = {}
+    for point in points:
+        watcher.carry_on()
+        try:
+            check_stages(point.settings, point.last)
+            remarks |= dict.fromkeys(sources_of(point.settings).remarks)
+        except ValueError as error:
+            refused[point] = str(error)
+    if len(refused) == len(points):
+        raise ConfigError(next(iter(refused.values())))
+    for remark in remarks:
+        watcher.warn(remark)
+    return refused
+
+
+def _planned(points: Sequence[Point], crew: Crew, request: SweepRequest, key: str) -> Plan:
+    fresh = [p for p in points if not p.settings.get("force", False) and _fresh(p)]
+    grays = {p.gray_tree: p for p in points if p not in fresh and p.kind is not None}
+    there = [p for p in grays.values() if is_fresh(p.gray, "fit", p.gray_tree)]
+    plan = planned(points, fresh, there, crew.cores, request.stack)
+    jobs = tuple(replace(work, sweep=key) for work in plan.jobs)
+    return replace(plan, jobs=jobs)
+
+
+def _carried_out(plan: Plan, crew: Crew, watcher: Watcher) -> dict[str, str]:
+    """Gray boxes, then all that stands on those that there are; why points have no result."""
+    of_grays = crew.carry_out(plan.grays, watcher) if plan.grays else {}
+    lost = {
+        work.points[0].gray_tree: of_grays[work.points[0].key]
+        for work in plan.grays
+        if work.points[0].key in of_grays
+    }
+    reasons: dict[str, str] = {}
+    jobs: list[Work] = []
+    for work in plan.jobs:
+        reasons |= {p.key: f"its gray box: {lost[p.gray_tree]}" for p in work.points if p.gray_tree in lost}
+        left = tuple(point for point in work.points if point.gray_tree not in lost)
+        jobs += [replace(work, points=left)] if left else []
+    found: Failures = crew.carry_out(jobs, watcher) if jobs else {}
+    return {**reasons, **found}
+
+
+def _fresh(point: Point) -> bool:
+    return is_fresh(point.settings, point.last, point.tree)
+
+
+def asked_for(sweep: Sweep) -> dict[str, Any]:
+    """The request as JSON takes it."""
+    return {"name": sweep.name, "digest": sweep.key, "words": list(sweep.words)}

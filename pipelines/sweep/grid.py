@@ -1,0 +1,127 @@
+"""The grid of a sweep: seeds gathered into cells, and of each output the network to keep.
+
+Errors are compared only where they are of the same blocks of the same records: cells are grouped by that
+and by output. Validation records take no part in the choice.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean, stdev
+from typing import Any
+
+from hybridid.residuals.choice import RULE as SMALLEST_NEAR_BEST
+from hybridid.residuals.choice import smallest_within
+from pipelines.residual_rbf import RULE as FEWEST_NODES
+from pipelines.sweep.point import SEEDS, Point, axes_of, spelt
+from pipelines.sweep.rows import Row, rows_of
+
+RULES: Mapping[str | None, str] = {
+    "narx": SMALLEST_NEAR_BEST,
+    "rbf": FEWEST_NODES,
+    None: "none: of a gray box' fit nothing is held out, so nothing is chosen; compare the records' scores",
+}
+"""How the network of each output is chosen, by the kind of network."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Mean and standard deviation of a number over seeds; ``lost`` seeds have none."""
+
+    mean: float | None
+    deviation: float | None
+    lost: int
+
+    @classmethod
+    def of(cls, values: Iterable[float | None]) -> Spread:
+        given = list(values)
+        found = [value for value in given if value is not None and math.isfinite(value)]
+        return cls(
+            fmean(found) if found else None, stdev(found) if len(found) > 1 else None, len(given) - len(found)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """The rows of one output that differ in their seed alone; ``at`` are the coordinates that vary."""
+
+    at: Mapping[str, Any]
+    rows: tuple[Row, ...]
+
+    @property
+    def held_out(self) -> Spread:
+        return Spread.of(row.held_out for row in self.rows)
+
+    def on(self, record: str) -> Spread:
+        """RMSE on a record, in free run."""
+        return Spread.of(s.rmse for row in self.rows for s in row.scores if s.record == record)
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """One output judged on the same blocks, in every cell; ``chosen`` None where nothing is held out."""
+
+    title: str
+    cells: tuple[Cell, ...]
+    chosen: Row | None
+    rule: str
+
+    @property
+    def one(self) -> Row:
+        """Any of its rows: for what all have alike."""
+        return self.cells[0].rows[0]
+
+    @property
+    def provenance(self) -> str:
+        said = {word for cell in self.cells for row in cell.rows for word in row.provenance.split(" and ")}
+        return " and ".join(sorted(said))
+
+    @property
+    def without(self) -> list[float]:
+        """The gray boxes' RMSE on the held-out blocks, one for each that differs."""
+        return sorted({row.without for cell in self.cells for row in cell.rows if row.without is not None})
+
+    @property
+    def records(self) -> list[tuple[str, bool]]:
+        """Name of each record scored, and whether it was fitted."""
+        return list(dict.fromkeys((s.record, s.fitted) for c in self.cells for r in c.rows for s in r.scores))
+
+
+def groups_of(points: Sequence[Point]) -> list[Group]:
+    """The results of finished points."""
+    axes = axes_of(points)
+    rows = [row for point in points for row in rows_of(point)]
+    several = len({row.point.judged_on for row in rows}) > 1
+    found: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        found.setdefault((row.point.judged_on, row.output), []).append(row)
+    return [_group(own, axes, several) for own in found.values()]
+
+
+def _group(rows: Sequence[Row], axes: Sequence[str], several: bool) -> Group:
+    cells: dict[str, list[Row]] = {}
+    for row in rows:
+        cells.setdefault(spelt(_at(row, axes)), []).append(row)
+    first = rows[0].point
+    title = f"{first.settings.case}, {rows[0].output}" if several else rows[0].output
+    return Group(
+        title,
+        tuple(Cell(_at(own[0], axes), tuple(own)) for own in cells.values()),
+        chosen_of(rows),
+        RULES[first.kind],
+    )
+
+
+def _at(row: Row, axes: Sequence[str]) -> dict[str, Any]:
+    return {key: row.point.at.get(key) for key in axes if key != SEEDS}
+
+
+def chosen_of(rows: Sequence[Row]) -> Row | None:
+    """The smallest nearly as good as the best; None if nothing was held out or every one ran away."""
+    judged = [(row, row.merit, row.near) for row in rows if row.merit is not None and row.near is not None]
+    if not judged:
+        return None
+    _, _, limit = min(judged, key=lambda one: one[1])
+    return judged[smallest_within([m for _, m, _ in judged], [r.size for r, _, _ in judged], limit)][0]

@@ -1,0 +1,72 @@
+"""A sweep's points in MLflow: each a run of its own below the sweep's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import reduce
+from typing import Any
+
+from pipelines.config import Settings
+from pipelines.findings import facts, metrics_of, provenance_of
+from pipelines.freshness import RECEIPT
+from pipelines.storage import read_json
+from pipelines.sweep.point import Point
+from pipelines.tracking import Point as Logged
+from pipelines.tracking import log_point
+from pipelines.tracking_facts import parameters
+from pipelines.watch import Watcher
+
+
+def common(points: Sequence[Point]) -> Settings:
+    """The config of all points, less the keys in which they differ: that of the sweep's own run."""
+    first, *others = points
+    config = reduce(_shared, (point.settings.config for point in others), first.settings.config)
+    return replace(first.settings, config=config)
+
+
+def _shared(one: Mapping[str, Any], other: Mapping[str, Any]) -> Mapping[str, Any]:
+    shared: dict[str, Any] = {}
+    for key, value in one.items():
+        if isinstance(value, Mapping) and isinstance(other.get(key), Mapping):
+            shared[key] = _shared(value, other[key])
+        elif key in other and other[key] == value:
+            shared[key] = value
+    return shared
+
+
+def log_points(points: Sequence[Point], sweep: str, watcher: Watcher) -> None:
+    """Log finished points as runs of ``sweep``, the key of their parent. Again is the same again."""
+    for point in points:
+        if point.settings.get("mlflow.enabled", True):
+            log_point(point.settings, _logged(point, sweep), sweep, watcher)
+
+
+def log_failures(failures: Mapping[Point, str], sweep: str, began: float, watcher: Watcher) -> None:
+    """Log points without a result, and why they have none."""
+    for point, reason in failures.items():
+        known = parameters(point.settings)
+        failed = Logged(_key(point, sweep), point.name, known, {}, began, 0.0, error=reason)
+        log_point(point.settings, failed, sweep, watcher)
+
+
+def _logged(point: Point, sweep: str) -> Logged:
+    """All of it from the point's files: who logs it, and when, makes no difference."""
+    stages = tuple(s for s in ("fit", "residual", "validate") if (point.tree / s / RECEIPT).exists())
+    receipt = point.tree / point.last / RECEIPT
+    seconds = float(read_json(receipt)["seconds"])
+    tree = str(point.tree.resolve())
+    return Logged(
+        key=_key(point, sweep),
+        name=point.name,
+        params=parameters(point.settings),
+        metrics=metrics_of(point.tree, stages),
+        began=receipt.stat().st_mtime - seconds,
+        seconds=seconds,
+        tags={"tree": tree, "provenance": provenance_of(point.tree), **facts(point.tree)},
+        artifacts=[point.tree / "config.yaml", point.tree / point.last],
+    )
+
+
+def _key(point: Point, sweep: str) -> str:
+    return f"{sweep}.{point.settings.case}.{point.key}"

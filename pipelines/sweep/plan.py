@@ -1,0 +1,158 @@
+"""The plan of a sweep: which points train together, which alone, on how many cores, and why.
+
+A step of training costs, for each layer, one call and one multiplication a weight:
+
+    cost = depth * (CALL + networks * width²) + networks * RUN
+
+in multiplications a sample, depth and width those of the largest network of a stack. Many small networks
+cost hardly more than one; wide ones gain nothing. ``CALL`` and ``RUN`` (the free run on the held-out
+blocks, network after network) are measured: stacks of 1 and 8 networks, 8 to 256 wide, on one thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hybridid.residuals.settings import SMALL
+from pipelines.sweep.point import GRIDS, Point
+from pipelines.sweep.work import Work
+
+CALL = 12_000.0
+RUN = 4_000.0
+A_JOB = 16
+"""Points in a stack at most where jobs go to other machines: a job that is lost costs no more."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """``grays`` are done before ``jobs``; ``fresh`` are the points that need nothing."""
+
+    cores: int | None
+    grays: tuple[Work, ...]
+    jobs: tuple[Work, ...]
+    fresh: tuple[Point, ...]
+    lines: tuple[str, ...]
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON takes it."""
+        return {
+            "cores": self.cores,
+            "why": list(self.lines),
+            "gray boxes": [work.points[0].gray_tree.name for work in self.grays],
+            "jobs": [{"name": work.name, "points": [p.name for p in work.points]} for work in self.jobs],
+            "fresh": [point.name for point in self.fresh],
+        }
+
+
+def planned(
+    points: Sequence[Point],
+    fresh: Iterable[Point],
+    fresh_grays: Iterable[Point],
+    cores: int | None,
+    most: int | None = None,
+) -> Plan:
+    """Jobs for the points that are not ``fresh``, on ``cores`` (None: other machines, as many as it takes).
+
+    A gray box is done first unless its point is of ``fresh_grays``; ``most`` points are in one stack at most.
+    """
+    there, known = set(fresh), {point.gray_tree for point in fresh_grays}
+    missing = [point for point in points if point not in there]
+    grays = {p.gray_tree: p for p in missing if p.kind is not None and p.gray_tree not in known}
+    small = [point for point in missing if _is_small(point)]
+    large = [point for point in missing if not _is_small(point)]
+    stacks = [stack for group in _alike(small) for stack in _stacks(group, cores, most)]
+    jobs = sorted([*stacks, *((point,) for point in large)], key=cost, reverse=True)
+    return Plan(
+        cores,
+        tuple(Work(f"gray box {k}", (p,), gray=True) for k, p in enumerate(grays.values(), 1)),
+        tuple(Work(_name(job, k), tuple(job)) for k, job in enumerate(jobs, 1)),
+        tuple(point for point in points if point in there),
+        tuple(_words(points, missing, stacks, large, cores)),
+    )
+
+
+def cost(points: Sequence[Point]) -> float:
+    """Of a step of training, relative to others; points without a NARX network count as long."""
+    if any(point.kind != "narx" for point in points):
+        return float("inf")
+    depth, width = (max(_number(p, key) for p in points) for key in ("depth", "width"))
+    networks = len(points)
+    return depth * (CALL + networks * width**2) + networks * RUN
+
+
+def _name(job: Sequence[Point], number: int) -> str:
+    return (job[0].name or job[0].settings.case) if len(job) == 1 else f"stack {number} of {len(job)} points"
+
+
+def _is_small(point: Point) -> bool:
+    return point.kind == "narx" and _number(point, "width") <= SMALL
+
+
+def _number(point: Point, key: str) -> float:
+    value = point.settings.get(f"residual.{key}")
+    return float(value) if isinstance(value, int | float) else 0.0
+
+
+def _alike(points: Sequence[Point]) -> list[list[Point]]:
+    """Points whose networks may share a stack: one gray box, and all else equal but size, orders and seed."""
+    groups: dict[tuple[Any, ...], list[Point]] = {}
+    for point in points:
+        residual: Mapping[str, Any] = point.settings["residual"]
+        free = (*GRIDS["narx"], "orders")
+        rest = sorted((key, str(value)) for key, value in residual.items() if key not in free)
+        groups.setdefault((point.gray_tree, *rest), []).append(point)
+    return list(groups.values())
+
+
+def _stacks(points: Sequence[Point], cores: int | None, most: int | None) -> list[tuple[Point, ...]]:
+    """Stacks of like sizes, as many as there are cores, or of ``A_JOB`` points; the dearest as cheap as it
+    can be."""
+    count = -(-len(points) // A_JOB) if cores is None else min(cores, len(points))
+    if most is not None:
+        count = max(count, -(-len(points) // most))
+    ordered = sorted(points, key=lambda p: (_number(p, "width"), _number(p, "depth")))
+    low, high = 0.0, cost(ordered)
+    for _ in range(40):  # bisection: the smallest limit that ``count`` stacks can keep
+        middle = (low + high) / 2
+        if len(_cut(ordered, middle, most)) <= count:
+            high = middle
+        else:
+            low = middle
+    return _cut(ordered, high, most)
+
+
+def _cut(points: Sequence[Point], limit: float, most: int | None) -> list[tuple[Point, ...]]:
+    """The points in order, a new stack where one would cost above ``limit`` or hold more than ``most``."""
+    stacks: list[tuple[Point, ...]] = []
+    begun: tuple[Point, ...] = ()
+    for point in points:
+        if begun and (cost((*begun, point)) > limit or len(begun) == most):
+            stacks.append(begun)
+            begun = ()
+        begun = (*begun, point)
+    return [*stacks, begun]
+
+
+def _words(
+    points: Sequence[Point],
+    missing: Sequence[Point],
+    stacks: Sequence[Sequence[Point]],
+    large: Sequence[Point],
+    cores: int | None,
+) -> Iterable[str]:
+    """The plan in one or two lines."""
+    where = "on other machines" if cores is None else f"on {cores} core{'s' * (cores > 1)}"
+    yield f"{len(points)} points, {len(points) - len(missing)} of them fresh, {len(missing)} to do {where}"
+    together = [stack for stack in stacks if len(stack) > 1]
+    if together:
+        sizes = " + ".join(str(len(stack)) for stack in together)
+        yield (
+            f"{sum(map(len, together))} points train together in {len(together)} "
+            f"stack{'s' * (len(together) > 1)} ({sizes}): of at most {SMALL} neurons a layer, a step costs "
+            "its calls, not its arithmetic"
+        )
+    alone = len(large) + len(stacks) - len(together)
+    if alone:
+        yield f"{alone} points are jobs of their own, each in a worker of one thread"

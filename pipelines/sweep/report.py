@@ -1,0 +1,151 @@
+"""A sweep's report: ``index.html`` and ``index.md`` to read, ``sweep.json`` and ``networks.csv`` as data."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pipelines.page import Page, Picture, Section, Table
+from pipelines.storage import json_text
+from pipelines.sweep.conduct import Swept, asked_for
+from pipelines.sweep.figures import heat_maps
+from pipelines.sweep.grid import Group, groups_of
+from pipelines.sweep.point import SEEDS, Point, axes_of, spelt
+from pipelines.sweep.rows import Row
+from pipelines.sweep.thesis import thesis_tables
+from pipelines.sweep.words import choice, header, line, run_words
+from pipelines.tree import replacing, write_text
+
+FIGURES = "figures"
+
+
+def write_report(swept: Swept) -> list[Group]:
+    """Write all four files and the figures; returns what they say."""
+    groups = groups_of(swept.done)
+    folder = swept.sweep.folder
+    with replacing(folder / FIGURES) as new:
+        captions = heat_maps(groups, axes_of(swept.sweep.points), new)
+    pictures = {name: Picture(folder / FIGURES / name, text) for name, text in captions.items()}
+    page = _page(swept, groups, tuple(pictures.values()))
+    write_text(folder / "index.md", page.markdown(folder))
+    write_text(folder / "index.html", page.html())
+    write_text(folder / "networks.csv", _csv(groups, folder))
+    write_text(folder / "sweep.json", json_text(_data(swept, groups)))
+    return groups
+
+
+def _page(swept: Swept, groups: Sequence[Group], pictures: tuple[Picture, ...]) -> Page:
+    sweep, axes = swept.sweep, [key for key in axes_of(swept.sweep.points) if key != SEEDS]
+    tables = tuple(
+        Table(
+            f"{group.title} ({group.provenance})",
+            tuple(header(group, axes)),
+            tuple(tuple(line(cell, group, axes)) for cell in group.cells),
+            words=(*range(len(axes)), len(header(group, axes)) - 1),
+        )
+        for group in groups
+    )
+    rules = tuple(dict.fromkeys(f"Rule of choice: {group.rule}." for group in groups))
+    chosen = [group.chosen.point for group in groups if group.chosen is not None]
+    sections = [
+        Section("Chosen", (*map(choice, groups), *rules, UNSEEN), (), (), _commands(swept, chosen)),
+        Section("Grid", (), tables, pictures),
+    ]
+    compared = thesis_tables(sweep.name, swept.done, groups)
+    if compared:
+        sections.append(Section("Beside the thesis", (), compared))
+    if swept.failures:
+        lost = tuple((point.name, reason) for point, reason in swept.failures.items())
+        sections.append(
+            Section("Failed", (), (Table("Points without a result", ("", ""), lost, words=(0, 1)),))
+        )
+    again = (f"hybridid sweep {' '.join(sweep.words)}",)
+    sections.append(Section("Plan", tuple(swept.plan.lines), commands=again))
+    provenance = sorted({word for group in groups for word in group.provenance.split(" and ")})
+    lead = f"{len(swept.done)} of {len(sweep.points)} points have results."
+    return Page(f"Sweep: {sweep.name}", lead, tuple(sections), tuple(provenance))
+
+
+UNSEEN = (
+    "Validation records (unseen) are shown and take no part in the choice. Numbers are mean ± standard "
+    "deviation over seeds."
+)
+
+
+def _commands(swept: Swept, chosen: Sequence[Point]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(run_words(point, swept.sweep.common) for point in chosen))
+
+
+def _csv(groups: Sequence[Group], folder: Path) -> str:
+    """A row for each output of each point."""
+    rows = [_flat(row, group, folder) for group in groups for cell in group.cells for row in cell.rows]
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def _flat(row: Row, group: Group, folder: Path) -> dict[str, Any]:
+    point = row.point
+    found: dict[str, Any] = {"case": point.settings.case}
+    found |= {key: spelt(value) for key, value in point.at.items()}
+    found |= {"output": row.output, "unit": row.unit, "size": row.size, "provenance": row.provenance}
+    found |= {"held_out_rmse": row.held_out, "gray_held_out_rmse": row.without}
+    for score in row.scores:
+        found |= {f"rmse.{score.record}": score.rmse, f"r2.{score.record}": score.r2}
+    return {**found, "chosen": row is group.chosen, "tree": _relative(point.tree, folder)}
+
+
+def _data(swept: Swept, groups: Sequence[Group]) -> dict[str, Any]:
+    folder = swept.sweep.folder
+    return {
+        **asked_for(swept.sweep),
+        "seconds": swept.seconds,
+        "axes": axes_of(swept.sweep.points),
+        "plan": swept.plan.plain(),
+        "outputs": [_of_group(group, folder) for group in groups],
+        "failures": [{**_place(p, folder), "reason": reason} for p, reason in swept.failures.items()],
+    }
+
+
+def _of_group(group: Group, folder: Path) -> dict[str, Any]:
+    row = group.chosen
+    chosen = (
+        None if row is None else {**_place(row.point, folder), "size": row.size, "held_out": row.held_out}
+    )
+    return {
+        "title": group.title,
+        "output": group.one.output,
+        "unit": group.one.unit,
+        "provenance": group.provenance,
+        "rule": group.rule,
+        "gray_held_out": group.without,
+        "chosen": chosen,
+        "cells": [
+            {
+                "at": dict(cell.at),
+                "size": cell.rows[0].size,
+                "held_out": _spread(cell.held_out),
+                "records": {name: _spread(cell.on(name)) for name, _ in group.records},
+            }
+            for cell in group.cells
+        ],
+    }
+
+
+def _spread(spread: Any) -> Mapping[str, Any]:
+    return {"mean": spread.mean, "deviation": spread.deviation, "ran_away": spread.lost}
+
+
+def _place(point: Point, folder: Path) -> dict[str, Any]:
+    return {"at": dict(point.at), "tree": _relative(point.tree, folder)}
+
+
+def _relative(tree: Path, folder: Path) -> str:
+    return Path(os.path.relpath(tree, folder)).as_posix()

@@ -1,0 +1,37 @@
+"""The thesis' own tables beside a sweep over their grid: Tables 4.4 and 4.5."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pipelines.findings import prepared_records, residual_of
+from pipelines.page import Table
+from pipelines.sweep.grid import Group
+from pipelines.sweep.point import SEEDS, Point, axes_of
+from pipelines.thesis import chapter4
+from pipelines.thesis.look_up import Networks
+from pipelines.thesis.reference import NetworkOf, ScoreTable
+from pipelines.thesis.tables import table_of
+
+_GRID = {"residual.depth", "residual.width", SEEDS}
+
+
+def thesis_tables(name: str, points: Sequence[Point], groups: Sequence[Group]) -> tuple[Table, ...]:
+    """The tables, if the sweep called ``name`` is over their experiment and varies nothing else."""
+    if name != chapter4.EXPERIMENT or not points or set(axes_of(points)) - _GRID:
+        return ()
+    chosen = {(g.chosen.point, g.chosen.output) for g in groups if g.chosen is not None}
+    rows = [
+        {**row, "chosen": (point, row["output"]) in chosen}
+        for point in points
+        for row in residual_of(point.tree)["networks"]
+    ]
+    tree = points[0].tree
+    roles = {record.name: record.role for record in prepared_records(tree)}
+    swept = Networks(rows, residual_of(tree)["gray"], roles)
+    tables = [table for table in chapter4.TABLES if isinstance(table, ScoreTable) and _is_grid(table)]
+    return tuple(table_of(table, {chapter4.EXPERIMENT: swept}) for table in tables)
+
+
+def _is_grid(table: ScoreTable) -> bool:
+    return any(isinstance(row.ours, NetworkOf) for row in table.rows)

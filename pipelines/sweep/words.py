@@ -1,0 +1,79 @@
+"""How a sweep's numbers and names read, on the page and on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hybridid.plotting.units import engineering
+from pipelines.sweep.grid import Cell, Group, Spread
+from pipelines.sweep.point import Point, spelt
+
+_SHORT = {
+    "residual.depth": "layers",
+    "residual.width": "neurons a layer",
+    "residual.nodes": "nodes",
+    "residual.horizons": "horizon",
+    "residual.seeds": "seed",
+}
+
+
+def axis_name(key: str) -> str:
+    """A config key for an axis or a column's head."""
+    return _SHORT.get(key, key.removeprefix("residual."))
+
+
+def size_of(value: float | None, unit: str, otherwise: str = "ran away") -> str:
+    """A number with its unit, in the prefix that reads best."""
+    if value is None:
+        return otherwise
+    factor, printed = engineering(value, unit)
+    return f"{value * factor:.4g} {printed}"
+
+
+def spread_of(spread: Spread, unit: str) -> str:
+    """``12.3 ± 0.4 mm``, and how many seeds have no number."""
+    if spread.mean is None:
+        return "ran away" if spread.lost else "–"
+    factor, printed = engineering(spread.mean, unit)
+    deviation = "" if spread.deviation is None else f" ± {spread.deviation * factor:.2g}"
+    lost = f" ({spread.lost} ran away)" if spread.lost else ""
+    return f"{spread.mean * factor:.4g}{deviation} {printed}{lost}"
+
+
+def header(group: Group, axes: Sequence[str]) -> list[str]:
+    """Of a group's table: coordinates, complexity, held-out error, errors on the records, a remark."""
+    judged = ["size", "held-out RMSE"] if group.chosen else []
+    records = [f"{name}{'' if fitted else ', unseen'}" for name, fitted in group.records]
+    return [*map(axis_name, axes), *judged, *records, ""]
+
+
+def line(cell: Cell, group: Group, axes: Sequence[str]) -> list[str]:
+    """A cell as a row of that table."""
+    unit = group.one.unit
+    judged = [str(cell.rows[0].size), spread_of(cell.held_out, unit)] if group.chosen else []
+    records = [spread_of(cell.on(name), unit) for name, _ in group.records]
+    kept = "chosen" if any(row is group.chosen for row in cell.rows) else ""
+    return [*(spelt(cell.at.get(key)) for key in axes), *judged, *records, kept]
+
+
+def choice(group: Group) -> str:
+    """What was chosen for an output, in one sentence."""
+    if group.chosen is None:
+        return f"{group.title}: nothing is held out, nothing is chosen"
+    row = group.chosen
+    gray = "" if row.without is None else f", the gray box {size_of(row.without, row.unit)}"
+    return (
+        f"{group.title}: {row.point.name} ({row.size} {counted(row.point)}), held-out RMSE "
+        f"{size_of(row.held_out, row.unit)}{gray} ({group.provenance})"
+    )
+
+
+def counted(point: Point) -> str:
+    """What its size is counted in."""
+    return "nodes" if point.kind == "rbf" else "weights"
+
+
+def run_words(point: Point, words: Sequence[str]) -> str:
+    """The command that takes a point's result up: ``words`` are those that no point differs in."""
+    said = [*words, *(f"{key}={spelt(value)}" for key, value in point.at.items())]
+    return "hybridid run " + " ".join(f"'{w}'" if set("[]{}, ") & set(w) else w for w in said)

@@ -1,0 +1,178 @@
+"""What one process of a sweep does: a gray box, or points whose networks train together."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipelines import residual
+from pipelines.errors import ConfigError
+from pipelines.freshness import RECEIPT
+from pipelines.imports import make_importable
+from pipelines.residual_narx import NARXRequest, train_networks
+from pipelines.residual_request import GrayBox
+from pipelines.residual_scores import GrayRun, gray_runs
+from pipelines.runner import run_stages
+from pipelines.stage import Job
+from pipelines.sweep.point import Point
+from pipelines.tree import replacing
+from pipelines.watch import Watcher
+
+if TYPE_CHECKING:
+    from hybridid.residuals.training import Trained
+
+SHARED = ("preprocess", "fit")
+"""Stages that a point takes over from its gray box."""
+_LONGEST = 300
+Failures = Mapping[str, str]
+"""Why points have no result, by their keys."""
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """Points that one process does; of a ``gray`` one only what they share. ``sweep`` is whose they are."""
+
+    name: str
+    points: tuple[Point, ...]
+    gray: bool = False
+    sweep: str = ""
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON takes it."""
+        points = [point.plain() for point in self.points]
+        return {"name": self.name, "points": points, "gray": self.gray, "sweep": self.sweep}
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> Work:
+        """What ``plain`` gave."""
+        return cls(**{**data, "points": tuple(Point.of(point) for point in data["points"])})
+
+
+def carry_out(work: Work, watcher: Watcher) -> Failures:
+    """Do all points of ``work``; what goes wrong with one becomes its result, not that of others."""
+    make_importable(work.points[0].settings.folders)
+    quiet = _Quiet(watcher)
+    if work.gray:
+        return _attempted(work.points, lambda point: run_stages(point.gray, "fit", quiet))
+    narx = [point for point in work.points if point.kind == "narx"]
+    others = [point for point in work.points if point.kind != "narx"]
+    failures = dict(_attempted(others, lambda point: _alone(point, quiet)))
+    if not narx:
+        return failures
+    try:
+        _together(narx, quiet)
+    except Exception as error:
+        if len(narx) == 1:
+            return failures | {narx[0].key: said(error)}
+        failures |= _attempted(narx, lambda point: _together([point], quiet))
+    return failures
+
+
+def said(error: Exception) -> str:
+    """An exception in one line."""
+    kind = "" if isinstance(error, ConfigError) else f"{type(error).__name__}: "
+    return " ".join(f"{kind}{error}".split())[:_LONGEST]
+
+
+def adopt(point: Point) -> None:
+    """Give the point's tree what its gray box has; hard links where the file system has them."""
+    for stage in SHARED:
+        source, target = point.gray_tree / stage, point.tree / stage
+        if _receipt(source) != _receipt(target):
+            with replacing(target) as new:
+                for path in source.iterdir():
+                    _link(path, new / path.name)
+
+
+def _attempted(points: Sequence[Point], do: Any) -> dict[str, str]:
+    failures: dict[str, str] = {}
+    for point in points:
+        try:
+            do(point)
+        except Exception as error:
+            failures[point.key] = said(error)
+    return failures
+
+
+def _alone(point: Point, watcher: Watcher) -> None:
+    if point.kind is None:
+        run_stages(point.settings, point.last, watcher)
+    else:
+        run_stages(point.settings, point.last, watcher, first=lambda root: adopt(point))
+
+
+def _together(points: Sequence[Point], watcher: Watcher) -> None:
+    """Train the networks of all points in one go, then write each point's own result."""
+    gray = residual.gray_box(points[0].settings, points[0].gray_tree)
+    requests = [_request(point) for point in points]
+    began = time.perf_counter()
+    runs = gray_runs(gray, requests[0].shape.initial_state)
+    tasks = [request.tasks(gray.model, runs) for request in requests]
+    trained = train_networks([t for own in tasks for t in own], requests[0].training, watcher)
+    seconds = (time.perf_counter() - began) / len(points)
+    for point, request, own in zip(points, requests, tasks, strict=True):
+        networks, trained = trained[: len(own)], trained[len(own) :]
+        _write(point, _Result(gray, runs, request, networks, seconds), watcher)
+
+
+@dataclass(frozen=True, eq=False)
+class _Result:
+    gray: GrayBox
+    runs: Sequence[GrayRun]
+    request: NARXRequest
+    networks: Sequence[Trained]
+    seconds: float
+
+
+def _write(point: Point, found: _Result, watcher: Watcher) -> None:
+    """The stage ``residual`` with its training done already."""
+
+    def run(job: Job) -> None:
+        made = found.request.made(found.gray, found.runs, found.networks, found.seconds)
+        residual.write(job, found.gray, made)
+
+    run_stages(point.settings, point.last, watcher, lambda root: adopt(point), {residual.NAME: run})
+
+
+def _request(point: Point) -> NARXRequest:
+    request = residual.request_of(point.settings)
+    assert isinstance(request, NARXRequest)
+    return request
+
+
+def _receipt(folder: Path) -> bytes | None:
+    try:
+        return (folder / RECEIPT).read_bytes()
+    except OSError:
+        return None
+
+
+def _link(source: Path, target: Path) -> None:
+    try:
+        os.link(source, target)
+    except OSError:
+        shutil.copy2(source, target)
+
+
+class _Quiet:
+    """Passes on how far the work is, and nothing that would be said of every point again."""
+
+    def __init__(self, watcher: Watcher) -> None:
+        self._watcher = watcher
+
+    def say(self, line: str) -> None:
+        self._watcher.carry_on()
+
+    def warn(self, line: str) -> None:
+        self._watcher.carry_on()
+
+    def carry_on(self) -> None:
+        self._watcher.carry_on()
+
+    def progress(self, work: str, state: str, fraction: float | None) -> None:
+        self._watcher.progress(work, state, fraction)
