@@ -27,7 +27,7 @@ JOURNAL = "journal.log"
 SEAT = "seat"
 ERROR = "error"
 _SEATS = "seats"
-_PERCENT = 100
+_WARM_UP = 20  # per cent of the training: before that, slow and hopeless networks look alike
 
 
 @dataclass(frozen=True)
@@ -130,5 +130,7 @@ def _pruner(request: TuneRequest) -> BasePruner:
     if request.pruner == "none":
         return pruners.NopPruner()
     if request.pruner == "hyperband":
-        return pruners.HyperbandPruner(min_resource=10, max_resource=_PERCENT, reduction_factor=3)
-    return pruners.MedianPruner(n_startup_trials=min(5, request.startup), n_warmup_steps=10)
+        return pruners.HyperbandPruner(min_resource=_WARM_UP, max_resource=100, reduction_factor=3)
+    return pruners.MedianPruner(
+        n_startup_trials=min(5, request.startup), n_warmup_steps=_WARM_UP, n_min_trials=3
+    )
