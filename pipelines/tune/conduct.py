@@ -12,8 +12,6 @@ from pipelines.config import Settings
 from pipelines.errors import ConfigError
 from pipelines.findings import prepared_records, provenance_of
 from pipelines.modelling import model_of
-from pipelines.residual import request_of
-from pipelines.residual_narx import NARXRequest
 from pipelines.runner import run_stages
 from pipelines.side_by_side import Died, side_by_side
 from pipelines.tracking import close_parent, open_parent
@@ -22,6 +20,7 @@ from pipelines.tune.log import log_trial
 from pipelines.tune.report import written
 from pipelines.tune.request import TuneRequest, gray_settings, study_digest, with_values
 from pipelines.tune.study import counts, opened
+from pipelines.tune.trial import narx_of
 from pipelines.tune.worker import Work, work
 from pipelines.watch import Watcher
 
@@ -81,11 +80,8 @@ def _processes(request: TuneRequest) -> int:
 def _check(settings: Settings, request: TuneRequest) -> None:
     """Whether networks can be made at the ends of every range."""
     for values in request.corners():
-        changed = with_values(settings, values)
-        asked = request_of(changed)
-        if not isinstance(asked, NARXRequest):
-            raise ConfigError("tune searches for NARX networks: choose residual=narx; sweep compares others")
-        asked.check(model_of(changed))
+        asked = narx_of(settings, values)
+        asked.check(model_of(with_values(settings, values)))
         for name in ("depth", "width"):
             given = getattr(asked.shape, name)
             if len(given) > 1:

@@ -93,6 +93,8 @@ class TuneRequest:
         Raises:
             ConfigError: if a key or value is not allowed, or there is nothing to vary.
         """
+        if settings.get("residual.kind") != "narx":
+            raise ConfigError("tune searches for NARX networks: choose residual=narx; sweep compares others")
         section = dict(settings.get("tune") or {})
         names = [f.name for f in fields(cls)]
         for key in section:
