@@ -32,9 +32,8 @@ def asked(settings, data):
     """``asked(trials=3)``: the settings of a small search."""
 
     def made(residual=NARX, space=SPACE, **section):
-        return settings(
-            {"residual": residual, "tune": {"space": space, "trials": 3, "startup": 2, **section}}
-        )
+        asked_for = {"space": space, "trials": 3, "startup": 2, **section}
+        return settings({"residual": residual, "tune": asked_for})
 
     return made
 
@@ -67,7 +66,8 @@ def in_this_process(monkeypatch):
         ({"pruner": "medain"}, "did you mean 'median'?"),
         ({"seconds": -1}, "tune.seconds is -1"),
         ({"residual": {**NARX, "depth": [1, 2]}}, "residual.depth is [1, 2]: one number"),
-        ({"residual": {"kind": "rbf", "nodes": [4], "width": 1, "orders": {"error": 1}}}, "residual"),
+        ({"residual": {"kind": "rbf", "nodes": [4]}}, "choose residual=narx"),
+        ({"residual": None}, "choose residual=narx"),
     ],
 )
 def test_wrong_requests_are_one_line_before_anything_is_done(asked, heard, section, says):
