@@ -6,11 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from hybridid.plotting.legends import legend_above
 from hybridid.plotting.looks import BLUE, INK, SOFT_INK, VERMILION
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
+
+_HIGHEST = 150.0
+"""Per cent above which nothing is shown: a network that bad is far from any choice."""
 
 
 @dataclass(frozen=True)
@@ -37,28 +42,32 @@ def history_plot(tried: Sequence[Tried], title: str, provenance: str, width: flo
     axes = figure.subplots()
     for pruned, mark, color, name in ((False, "o", BLUE, "to its end"), (True, "x", SOFT_INK, "pruned")):
         own = [one for one in shown if one.pruned is pruned]
-        axes.plot(
-            [o.number for o in own], [o.share for o in own], mark, color=color, markersize=3.2, label=name
-        )
-    done = [one for one in shown if not one.pruned]
-    if done:
-        lowest = np.minimum.accumulate([one.share for one in done])
-        numbers = [one.number for one in done]
-        axes.step(numbers, lowest, where="post", color=INK, linewidth=0.8, label="lowest so far")
+        if own:
+            at, height = [one.number for one in own], [_percent(one) for one in own]
+            axes.plot(at, height, mark, color=color, markersize=3.2, label=name)
+    _draw_lowest(axes, shown)
     for one in shown:
         if one.chosen:
-            axes.plot(
-                one.number,
-                one.share,
-                "o",
-                color=VERMILION,
-                markersize=7,
-                markerfacecolor="none",
-                label="chosen",
-            )
-    axes.set_yscale("log")
-    axes.set_xlabel("trial")
-    axes.set_ylabel("held-out share")
+            (ring,) = axes.plot(one.number, _percent(one), "o", color=VERMILION, label="chosen")
+            ring.set(markersize=7.0, markerfacecolor="none")
+    axes.set_ylim(0, min(_HIGHEST, 1.05 * max(_percent(one) for one in shown)))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xlabel("trial [number]")
+    axes.set_ylabel("error left on the held-out blocks [%]")
     legend_above(axes)
     caption = "Error left on the held-out blocks by the networks of each trial, over that of no network."
     return Plot(figure, "history", caption, provenance)
+
+
+def _draw_lowest(axes: Axes, shown: Sequence[Tried]) -> None:
+    """A step line from the first trial that came to its end to the last of all."""
+    done = [one for one in shown if not one.pruned]
+    if not done:
+        return
+    numbers = [one.number for one in done] + [max(one.number for one in shown)]
+    lowest = np.minimum.accumulate([_percent(one) for one in done])
+    axes.step(numbers, [*lowest, lowest[-1]], where="post", color=INK, linewidth=0.8, label="lowest so far")
+
+
+def _percent(one: Tried) -> float:
+    return 100 * one.share

@@ -61,7 +61,7 @@ def tune(settings: Settings, watcher: Watcher) -> Tuned:
     open_parent(settings, _NAME, key, {"tree": str(folder)}, watcher)
     until = None if request.seconds is None else began + request.seconds
     given = Work(settings, outcome.tree, folder, key, until)
-    lost = _searched(given, min(_processes(request), max(1, request.trials - there)), watcher)
+    lost = _searched(given, min(_processes(request), request.trials - there), watcher)
     findings = findings_of(opened(folder, request))
     tuned = Tuned(findings, request, folder, provenance_of(outcome.tree), time.time() - began, lost)
     for row in findings.rows:
@@ -100,6 +100,8 @@ def _folder(settings: Settings, digest: str, provenance: str) -> Path:
 
 def _searched(given: Work, processes: int, watcher: Watcher) -> tuple[str, ...]:
     """Workers side by side until each has ended; those that were killed, and how."""
+    if processes < 1:
+        return ()
     names = {f"worker {k}": given for k in range(1, processes + 1)}
     states: dict[str, str] = {}
     lost = []
