@@ -14,7 +14,7 @@ from joblib import cpu_count
 
 from pipelines.errors import ConfigError
 from pipelines.storage import json_text, read_json
-from pipelines.sweep.crew import Crew, Here, died
+from pipelines.sweep.crew import Crew, Ended, Here, died, log_work
 from pipelines.sweep.work import Failures, Work, said
 from pipelines.tree import write_text
 from pipelines.watch import Watcher
@@ -46,7 +46,7 @@ class Launched:
     cores: int | None
     _launched: int = field(default=0, init=False)
 
-    def carry_out(self, works: Sequence[Work], watcher: Watcher) -> Failures:
+    def carry_out(self, works: Sequence[Work], watcher: Watcher, ended: Ended) -> Failures:
         self.folder.mkdir(parents=True, exist_ok=True)
         left = {self._written(work): work for work in works}
         paths = dict(left)
@@ -110,4 +110,5 @@ def job(path: Path, watcher: Watcher) -> None:
     multiprocessing.set_start_method("spawn", force=True)
     work = Work.of(read_json(path))
     write_text(path.with_suffix(BEGUN), "")
-    write_text(path.with_suffix(OUTCOME), json_text(Here(1).carry_out([work], watcher)))
+    failures = Here(1).carry_out([work], watcher, lambda done, lost: log_work(done, lost, watcher))
+    write_text(path.with_suffix(OUTCOME), json_text(failures))

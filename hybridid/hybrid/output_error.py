@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +12,21 @@ from numpy.typing import NDArray
 from hybridid.hybrid.hybrid import Hybrid
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.residuals.explained import Explained, output_explained
+from hybridid.residuals.explained import Explained, Same, output_explained
 from hybridid.residuals.narx import NARX
 from hybridid.residuals.series import surroundings
 from hybridid.simulation.simulate import Diverged
 from hybridid.validation.predict import Prediction, free_run, horizon_run
 
 Array = NDArray[np.float64]
+
+
+@lru_cache(maxsize=4)
+def _gray_run(
+    model: Same[Model], values: tuple[tuple[str, float], ...], record: Record, integrator: str
+) -> Prediction:
+    """The gray box' free run, kept for the next network around it."""
+    return free_run(model.value, dict(values), record, integrator=integrator)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +89,6 @@ class OutputErrorHybrid(Hybrid):
         return found
 
     def explained(self, record: Record, integrator: str = "rk4") -> Explained:
-        prediction = free_run(self.model, self.values, record, integrator=integrator)
+        prediction = _gray_run(Same(self.model), tuple(self.values.items()), record, integrator)
         correction = self.correction(prediction, record)
         return output_explained(self.model, self.values, record, prediction, correction, integrator)

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Generic, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -25,6 +27,7 @@ from hybridid.simulation.stability import substeps_for
 from hybridid.validation.predict import Prediction
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 MUCH = 0.5
 """Share above which a warning is due."""
 NEGLIGIBLE = 1e-10
@@ -84,17 +87,47 @@ def output_explained(
 
     ``prediction`` is the model's free run of ``record``; each output counts over its spread.
     """
-    p = model.values(values)
+    columns, scale = _sensitivities(Same(model), tuple(values.items()), record, Same(prediction), integrator)
+    names = [q.name for q in model.free]
+    n = len(correction)
+    along = columns[:n].reshape(-1, len(names))
+    return _explained(explained_share((correction / scale).ravel(), along, names), names, record)
+
+
+@dataclass(frozen=True, eq=False)
+class Same(Generic[T]):
+    """Stands for the very object ``value`` where a cache asks whether it has seen it."""
+
+    value: T
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Same) and other.value is self.value
+
+    def __hash__(self) -> int:
+        return id(self.value)
+
+
+@lru_cache(maxsize=4)
+def _sensitivities(
+    of: Same[Model],
+    values: tuple[tuple[str, float], ...],
+    record: Record,
+    along: Same[Prediction],
+    integrator: str,
+) -> tuple[Array, Array]:
+    """``dy/dp`` (n, n_y, k) over the outputs' spread, and that spread (n_y,).
+
+    Kept for the next network: of a sweep's many on one gray box only the corrections differ.
+    """
+    model, prediction = of.value, along.value
+    p = model.values(dict(values))
     names = [q.name for q in model.free]
     substeps = substeps_for(model, p, [record], integrator=integrator)
     problem = build_problem(model, [record], None, substeps, free=names, integrator=integrator)
     shot = problem.shooter(prediction.initial_states, p, sensitivities=True)
     if shot.by_parameter is None:
         raise AssertionError("a shot with sensitivities has them")
-    n = len(correction)
-    columns = shot.by_parameter[0, :n] / problem.scale[:, None]
-    found = explained_share((correction / problem.scale).ravel(), columns.reshape(-1, len(names)), names)
-    return _explained(found, names, record)
+    return shot.by_parameter[0] / problem.scale[:, None], problem.scale
 
 
 def effort_explained(

@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,7 @@ from pipelines.errors import ConfigError
 from pipelines.runner import check_stages, is_fresh
 from pipelines.sources import sources_of
 from pipelines.storage import write_json
-from pipelines.sweep.crew import Crew
+from pipelines.sweep.crew import Crew, Ended, log_work
 from pipelines.sweep.log import common, log_failures, log_points
 from pipelines.sweep.plan import Plan, planned
 from pipelines.sweep.point import Point
@@ -110,14 +112,31 @@ def conduct(sweep: Sweep, crew: Crew, request: SweepRequest, watcher: Watcher) -
     for line in plan.lines:
         watcher.say(f"plan: {line}")
     write_json(sweep.folder / "plan.json", plan.plain())
-    open_parent(common(sweep.points), sweep.name, sweep.key, {"words": " ".join(sweep.words)}, watcher)
-    log_points(plan.fresh, sweep.key, watcher)
-    reasons = _carried_out(plan, crew, watcher)
+    with _scribe() as log:
+        log(open_parent, common(sweep.points), sweep.name, sweep.key, about(sweep), watcher)
+        log(log_points, plan.fresh, sweep.key, watcher)
+        reasons = _carried_out(
+            plan, crew, watcher, lambda work, failures: log(log_work, work, failures, watcher)
+        )
     made = [point for work in plan.jobs for point in work.points]
     lost = {point: reasons.get(point.key, "its job left no result") for point in made if not _fresh(point)}
     failures = {p: (refused | lost)[p] for p in sweep.points if p in refused or p in lost}
     log_failures(failures, sweep.key, began, watcher)
     return Swept(sweep, plan, failures, time.time() - began)
+
+
+@contextmanager
+def _scribe() -> Iterator[Callable[..., None]]:
+    """Does what it is told in a thread of its own, in order: MLflow takes seconds that jobs need not wait."""
+    with ThreadPoolExecutor(1, "scribe") as thread:
+        told: list[Future[None]] = []
+        try:
+            yield lambda task, *given: told.append(thread.submit(task, *given))
+        except BaseException:
+            thread.shutdown(cancel_futures=True)
+            raise
+        for one in told:
+            one.result()
 
 
 def _refused(points: Sequence[Point], watcher: Watcher) -> dict[Point, str]:
@@ -147,9 +166,9 @@ def _planned(points: Sequence[Point], crew: Crew, request: SweepRequest, key: st
     return replace(plan, jobs=jobs)
 
 
-def _carried_out(plan: Plan, crew: Crew, watcher: Watcher) -> dict[str, str]:
+def _carried_out(plan: Plan, crew: Crew, watcher: Watcher, ended: Ended) -> dict[str, str]:
     """Gray boxes, then all that stands on those that there are; why points have no result."""
-    of_grays = crew.carry_out(plan.grays, watcher) if plan.grays else {}
+    of_grays = crew.carry_out(plan.grays, watcher, lambda work, failures: None) if plan.grays else {}
     lost = {
         work.points[0].gray_tree: of_grays[work.points[0].key]
         for work in plan.grays
@@ -161,12 +180,17 @@ def _carried_out(plan: Plan, crew: Crew, watcher: Watcher) -> dict[str, str]:
         reasons |= {p.key: f"its gray box: {lost[p.gray_tree]}" for p in work.points if p.gray_tree in lost}
         left = tuple(point for point in work.points if point.gray_tree not in lost)
         jobs += [replace(work, points=left)] if left else []
-    found: Failures = crew.carry_out(jobs, watcher) if jobs else {}
+    found: Failures = crew.carry_out(jobs, watcher, ended) if jobs else {}
     return {**reasons, **found}
 
 
 def _fresh(point: Point) -> bool:
     return is_fresh(point.settings, point.last, point.tree)
+
+
+def about(sweep: Sweep) -> dict[str, str]:
+    """What the sweep's own run says of it."""
+    return {"words": " ".join(sweep.words), "folder": str(sweep.folder.resolve())}
 
 
 def asked_for(sweep: Sweep) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -13,14 +13,19 @@ from pipelines.sweep.log import log_points
 from pipelines.sweep.work import Failures, Work, carry_out
 from pipelines.watch import Watcher
 
+Ended = Callable[[Work, Failures], None]
+
 
 class Crew(Protocol):
     @property
     def cores(self) -> int | None:
         """How many jobs run at a time; None: as many as there are."""
 
-    def carry_out(self, works: Sequence[Work], watcher: Watcher) -> Failures:
-        """Do all jobs; says why points have no result. One job that dies does not touch the others."""
+    def carry_out(self, works: Sequence[Work], watcher: Watcher, ended: Ended) -> Failures:
+        """Do all jobs; says why points have no result. One job that dies does not touch the others.
+
+        ``ended`` is told of each job that nobody else has logged.
+        """
 
 
 @dataclass(frozen=True)
@@ -29,14 +34,12 @@ class Here:
 
     cores: int
 
-    def carry_out(self, works: Sequence[Work], watcher: Watcher) -> Failures:
+    def carry_out(self, works: Sequence[Work], watcher: Watcher, ended: Ended) -> Failures:
         failures: dict[str, str] = {}
         names = {work.name: work for work in works}
         board = Board("sweep", list(names), watcher)
         began: dict[str, float] = {}
-        for name, outcome in side_by_side(
-            _done_and_logged, names, self.cores, lambda n: _begun(began, n, board)
-        ):
+        for name, outcome in side_by_side(carry_out, names, self.cores, lambda n: _begun(began, n, board)):
             of_job = outcome
             if isinstance(of_job, Died):
                 of_job = {point.key: died(names[name], of_job.reason) for point in names[name].points}
@@ -46,6 +49,7 @@ class Here:
                 board.failed(name, lost + next(iter(of_job.values())))
             else:
                 board.done(name, time.monotonic() - began[name])
+            ended(names[name], of_job)
         return failures
 
 
@@ -59,8 +63,7 @@ def _begun(began: dict[str, float], name: str, board: Board) -> Watcher:
     return board.of(name)
 
 
-def _done_and_logged(work: Work, watcher: Watcher) -> Failures:
-    failures = carry_out(work, watcher)
+def log_work(work: Work, failures: Failures, watcher: Watcher) -> None:
+    """Log the points of a job that have a result."""
     if not work.gray:
         log_points([p for p in work.points if p.key not in failures], work.sweep, watcher)
-    return failures
