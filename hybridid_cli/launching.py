@@ -72,7 +72,8 @@ class Launched:
 
     def _launch(self, paths: Sequence[Path], watcher: Watcher) -> dict[Path, str]:
         """Launch jobs and wait for all; what the launcher says of those it lost."""
-        jobs = [[*self.words, f"sweep.job={path}"] for path in paths]
+        own = f"hydra.sweep.dir={self.folder}"  # a job composes its config anew, from words
+        jobs = [[*self.words, own, f"sweep.job={path}"] for path in paths]
         number = self._launched
         self._launched += len(jobs)
         try:

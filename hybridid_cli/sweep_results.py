@@ -11,7 +11,7 @@ from hybridid_cli.tables import rendered, table
 from pipelines.sweep.conduct import Swept
 from pipelines.sweep.grid import Cell, Group
 from pipelines.sweep.point import SEEDS, Point, axes_of
-from pipelines.sweep.words import choice, header, line, run_words
+from pipelines.sweep.words import choice, gray_note, header, line, run_words
 
 MOST = 30
 """Rows of a table on the terminal; the page has all."""
@@ -65,10 +65,11 @@ def _grid(swept: Swept, group: Group) -> list[RenderableType]:
     shown = _shown(group)
     for cell in shown:
         made.add_row(*line(cell, group, axes))
+    parts: list[RenderableType] = [made]
     left_out = len(group.cells) - len(shown)
-    if not left_out:
-        return [made]
-    return [made, Text(f"the {MOST} with the lowest held-out error; {left_out} more on the page")]
+    if left_out:
+        parts.append(Text(f"the {MOST} with the lowest held-out error; {left_out} more on the page"))
+    return parts + [Text(note) for note in filter(None, (gray_note(group),))]
 
 
 def _shown(group: Group) -> Sequence[Cell]:

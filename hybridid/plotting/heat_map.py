@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from hybridid.plotting.axes import Array
 from hybridid.plotting.lettering import cut
@@ -20,6 +21,7 @@ from hybridid.plotting.units import engineering
 ROW, ABOVE = 8.0, 16.0  # mm, of a cell, and of a panel's title and axis
 MOST = 12  # panels that are drawn
 WRITTEN = 12  # columns up to which the numbers stand in the cells
+_SPAN = 8.0  # of largest and smallest number, beyond which colours go by decades
 _DARK = 0.45  # below this lightness the numbers are white
 
 
@@ -67,7 +69,7 @@ def heat_map_plot(
     lines = -(-len(shown) // beside)
     figure = new_figure(width, 8 + lines * (ABOVE + ROW * shape[0]), title, provenance)
     grid = figure.subplots(lines, beside, squeeze=False).ravel()
-    norm = LogNorm(factor * numbers.min() * 0.999, factor * numbers.max() * 1.001)
+    norm = _norm(factor * float(numbers.min()), factor * float(numbers.max()))
     for axes, panel in zip(grid, shown, strict=False):
         _draw(axes, panel, rows, columns, factor, norm)
     for axes in grid[len(shown) :]:
@@ -75,6 +77,8 @@ def heat_map_plot(
     bar = figure.colorbar(
         grid[0].images[0], ax=list(grid), label=f"{measure[0]} [{unit}]", fraction=0.03, aspect=12
     )
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
+    bar.ax.yaxis.set_minor_formatter(NullFormatter())
     bar.outline.set_visible(False)
     left_out = f"; {MOST} panels of {len(panels)}" if len(panels) > MOST else ""
     caption = (
@@ -84,13 +88,20 @@ def heat_map_plot(
     return Plot(figure, "heat_map", caption, provenance)
 
 
+def _norm(low: float, high: float) -> Normalize:
+    """Colours in proportion, or in decades where the numbers span one or more."""
+    if high > _SPAN * low:
+        return LogNorm(low, high)
+    return Normalize(low, high if high > low else 1.001 * low)
+
+
 def _draw(
     axes: Axes,
     panel: Cells,
     rows: tuple[str, Sequence[str]],
     columns: tuple[str, Sequence[str]],
     factor: float,
-    norm: LogNorm,
+    norm: Normalize,
 ) -> None:
     values = factor * panel.values
     axes.set_facecolor(GRID_GREY)

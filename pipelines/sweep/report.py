@@ -17,7 +17,7 @@ from pipelines.sweep.grid import Group, groups_of
 from pipelines.sweep.point import SEEDS, Point, axes_of, spelt
 from pipelines.sweep.rows import Row
 from pipelines.sweep.thesis import thesis_tables
-from pipelines.sweep.words import choice, header, line, run_words
+from pipelines.sweep.words import choice, gray_note, header, line, run_words
 from pipelines.tree import replacing, write_text
 
 FIGURES = "figures"
@@ -45,6 +45,7 @@ def _page(swept: Swept, groups: Sequence[Group], pictures: tuple[Picture, ...]) 
             f"{group.title} ({group.provenance})",
             tuple(header(group, axes)),
             tuple(tuple(line(cell, group, axes)) for cell in group.cells),
+            notes=tuple(filter(None, (gray_note(group),))),
             words=(*range(len(axes)), len(header(group, axes)) - 1),
         )
         for group in groups

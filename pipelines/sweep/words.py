@@ -56,6 +56,16 @@ def line(cell: Cell, group: Group, axes: Sequence[str]) -> list[str]:
     return [*(spelt(cell.at.get(key)) for key in axes), *judged, *records, kept]
 
 
+def gray_note(group: Group) -> str:
+    """What the gray box leaves on the same blocks; empty where nothing is held out."""
+    if not group.without:
+        return ""
+    said = " to ".join(
+        size_of(value, group.one.unit) for value in dict.fromkeys((group.without[0], group.without[-1]))
+    )
+    return f"the gray box alone leaves {said} on the same blocks"
+
+
 def choice(group: Group) -> str:
     """What was chosen for an output, in one sentence."""
     if group.chosen is None:
