@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from joblib import cpu_count
 from pipelines.errors import ConfigError
 from pipelines.storage import json_text, read_json
 from pipelines.sweep.crew import Crew, Ended, Here, died, log_work
+from pipelines.sweep.point import spelt
 from pipelines.sweep.work import Failures, Work, said
 from pipelines.tree import write_text
 from pipelines.watch import Watcher
@@ -53,7 +54,7 @@ class Launched:
         troubles: dict[Path, str] = {}
         while left:
             before = len(left)
-            troubles |= self._launch(list(left), watcher)
+            troubles |= self._launch(left, watcher)
             # a broken pool takes jobs with it that had not begun: they are launched again
             left = {path: work for path, work in left.items() if not _marked(path, BEGUN)}
             if len(left) == before:
@@ -70,10 +71,10 @@ class Launched:
         write_text(path, json_text(work.plain()))
         return path.resolve()
 
-    def _launch(self, paths: Sequence[Path], watcher: Watcher) -> dict[Path, str]:
+    def _launch(self, works: Mapping[Path, Work], watcher: Watcher) -> dict[Path, str]:
         """Launch jobs and wait for all; what the launcher says of those it lost."""
         own = f"hydra.sweep.dir={self.folder}"  # a job composes its config anew, from words
-        jobs = [[*self.words, own, f"sweep.job={path}"] for path in paths]
+        jobs = [[*self.words, *_coordinates(work), own, f"sweep.job={path}"] for path, work in works.items()]
         number = self._launched
         self._launched += len(jobs)
         try:
@@ -82,9 +83,15 @@ class Launched:
             raise
         except Exception as error:
             watcher.carry_on()
-            return dict.fromkeys(paths, said(error))
-        lost = {path: given for path, given in zip(paths, returns, strict=True) if _failed(given)}
+            return dict.fromkeys(works, said(error))
+        lost = {path: given for path, given in zip(works, returns, strict=True) if _failed(given)}
         return {path: said(given._return_value) for path, given in lost.items()}
+
+
+def _coordinates(work: Work) -> list[str]:
+    """Where the job's first point lies, as overrides; a key may be one that the config lacks."""
+    at = work.points[0].at.items()
+    return [f"{'++' if '.' in key else ''}{key}={spelt(value)}" for key, value in at]
 
 
 def _failed(given: JobReturn) -> bool:

@@ -51,9 +51,9 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         name = str(config.hydra.runtime.choices.get("experiment") or settings.case)
         shared = tuple(str(o.input_line) for o in overrides if not o.is_sweep_override() and _is_model(o))
         asked = Sweep(name, tuple(words), shared, tuple(points), folder_of(name, points))
-        first = [word for o in overrides for word in _words(o)[:1]]
+        plain = [word for o in overrides if not o.is_sweep_override() for word in _words(o)]
         launcher = _launcher(asked.folder, context, task, config)
-        crew = crew_of(launcher, first, asked.folder, request.processes)
+        crew = crew_of(launcher, plain, asked.folder, request.processes)
         with locked(asked.folder, terminal.say):
             swept = conduct(asked, crew, request, terminal)
             groups = write_report(swept)

@@ -59,8 +59,8 @@ def heat_maps(groups: Sequence[Group], axes: Sequence[str], folder: Path) -> dic
         measure = _measure(group)[0]
         plot = heat_map_plot(
             panels,
-            (axis_name(layout.down), _values(group, layout.down)),
-            (axis_name(layout.across), _values(group, layout.across)),
+            (_axis(layout.down), _values(group, layout.down)),
+            (_axis(layout.across), _values(group, layout.across)),
             (measure, group.one.unit),
             f"{group.title}: {measure}",
             group.provenance,
@@ -69,6 +69,11 @@ def heat_maps(groups: Sequence[Group], axes: Sequence[str], folder: Path) -> dic
         save(plot, folder, name, ("svg", "png"))
         captions[f"{name}.svg"] = f"{group.title}: {plot.caption}"
     return captions
+
+
+def _axis(key: str) -> str:
+    """Settings are counts and names: they have no unit, and the axis says so."""
+    return f"{axis_name(key)} [–]" if key else ""
 
 
 def _panels(group: Group, layout: _Layout) -> Iterator[Cells]:

@@ -155,4 +155,5 @@ def _words(
         )
     alone = len(large) + len(stacks) - len(together)
     if alone:
-        yield f"{alone} points are jobs of their own, each in a worker of one thread"
+        own = "point is a job of its own" if alone == 1 else "points are jobs of their own"
+        yield f"{alone} {own}, in a worker of one thread"

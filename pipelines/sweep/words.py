@@ -60,9 +60,8 @@ def gray_note(group: Group) -> str:
     """What the gray box leaves on the same blocks; empty where nothing is held out."""
     if not group.without:
         return ""
-    said = " to ".join(
-        size_of(value, group.one.unit) for value in dict.fromkeys((group.without[0], group.without[-1]))
-    )
+    ends = dict.fromkeys((group.without[0], group.without[-1]))
+    said = " to ".join(size_of(value, group.one.unit) for value in ends)
     return f"the gray box alone leaves {said} on the same blocks"
 
 
@@ -85,5 +84,6 @@ def counted(point: Point) -> str:
 
 def run_words(point: Point, words: Sequence[str]) -> str:
     """The command that takes a point's result up: ``words`` are those that no point differs in."""
-    said = [*words, *(f"{key}={spelt(value)}" for key, value in point.at.items())]
+    kept = [word for word in words if word.partition("=")[0].lstrip("+~") not in point.at]
+    said = [*kept, *(f"{key}={spelt(value)}" for key, value in point.at.items())]
     return "hybridid run " + " ".join(f"'{w}'" if set("[]{}, ") & set(w) else w for w in said)
