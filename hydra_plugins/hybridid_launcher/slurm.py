@@ -47,12 +47,14 @@ class SlurmLauncher(submitit_launcher.SlurmLauncher):
         """Submit, wait for all; a lost job's return is a failure. An interrupt cancels what still runs."""
         executor = self._executor()
         assert self.config is not None
-        Path(str(self.config.hydra.sweep.dir)).mkdir(parents=True, exist_ok=True)
+        folder = Path(str(self.config.hydra.sweep.dir))
+        folder.mkdir(parents=True, exist_ok=True)
+        here = f"hydra.sweep.dir='{folder}'"  # its name holds the time, and a job has a time of its own
         arguments = []
         for number, overrides in enumerate(job_overrides, initial_job_idx):
             log.info(f"\t#{number} : {' '.join(filter_overrides(overrides))}")
             key = f"job_id_for_{number}"
-            arguments.append((list(overrides), "hydra.sweep.dir", number, key, Singleton.get_state()))
+            arguments.append(([*overrides, here], "hydra.sweep.dir", number, key, Singleton.get_state()))
         with _cancelled_if_interrupted(executor.map_array(self, *zip(*arguments, strict=True))) as jobs:
             log.info(f"submitted to Slurm as job {jobs[0].job_id.partition('_')[0]}; squeue shows it")
             return [_outcome(job, given) for job, given in zip(jobs, job_overrides, strict=True)]
