@@ -17,6 +17,8 @@ STATE_RIDGE = 1e-12
 """Keeps a direction that the data do not show (an unobserved inner state) from blowing up."""
 RIDGE = 1e-20
 """The same for parameters, whose scales may be poor guesses: what is weakly seen still moves."""
+LARGEST = 1e150
+"""Square root of the largest number, about."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,9 @@ class Normal:
 
     @property
     def finite(self) -> bool:
-        return all(np.isfinite(block).all() for block in (self.pp, self.xx, self.xp, self.gp, self.gx))
+        """Whether every number is one, and small enough to be multiplied with another."""
+        blocks = (self.pp, self.xx, self.xp, self.gp, self.gx)
+        return all((np.abs(block) < LARGEST).all() for block in blocks)
 
     def holding(self, states: NDArray[np.bool_]) -> Normal:
         """The equations with the initial states in ``states`` (w, m) held where they are."""

@@ -118,7 +118,7 @@ def _draw(
     axes.set_title(cut(panel.title, 40))
     if len(columns[1]) <= WRITTEN:
         for (row, column), value in np.ndenumerate(values):
-            lightness = float(np.ma.filled(norm(positive[row, column]), 1.0))
+            lightness = float(norm(value)) if value > 0 else 1.0
             axes.text(
                 column, row, _text(float(value), factor * float(panel.spread[row, column])),
                 ha="center", va="center", fontsize=6, color="white" if lightness < _DARK else INK,

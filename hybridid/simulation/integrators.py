@@ -7,13 +7,14 @@ end; of a sample (n_u,) or (n_u (2 s + 1),), as ``holds.stage_inputs`` lays them
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 import casadi as ca
 
 from hybridid.model import Model
 from hybridid.simulation.rosenbrock import Inputs, Rodas3
 
-Seconds = float | ca.SX
+Seconds: TypeAlias = float | ca.SX
 StepBuilder = Callable[[Model, Seconds, bool], ca.Function]
 """``(model, h, held) -> step``; where h is a symbol, a further input of the step."""
 

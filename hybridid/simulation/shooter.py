@@ -101,7 +101,8 @@ class Shooter:
     def _in_turn(self, start: tuple[Array, ...], p: Array) -> list[Array]:
         """As ``_run``, horizon after horizon: each hands its inner states on."""
         shared: dict[str, ca.Function] = {}
-        found, kept = [], []
+        found: list[list[Array]] = []
+        kept: list[tuple[Array, ...]] = []
         for k, before in enumerate(self.windows.follows):
             lone = replace(self, windows=self.windows.select([k]))
             lone.__dict__.update(shared)

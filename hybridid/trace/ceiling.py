@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, cast, get_args
 
 import casadi as ca
 import numpy as np
@@ -90,9 +90,9 @@ class Bumps:
         return effort * factors[factor(self.over)]
 
 
-def variable(over: Over) -> str:
+def variable(over: Over) -> Over:
     """The s of a learned effort."""
-    return over.partition(",")[0]
+    return cast(Over, over.partition(",")[0])
 
 
 def factor(over: Over) -> str:
@@ -174,6 +174,11 @@ class Path:
         return moved.reshape(len(self.model.effort_ports), -1, 2)[
             index, :, 1 if variable(over) == "velocity" else 0
         ]
+
+    def shows(self, port: str, over: Over) -> bool:
+        """Whether what a learned effort over ``over`` works on changes: a port may have no velocity."""
+        needed: tuple[Over, ...] = (variable(over), "velocity") if factor(over) else (over,)
+        return all(np.ptp(self.motion(port, one)) > 0 for one in needed)
 
     def effort(self, model: Model, values: Mapping[str, float], port: str) -> Array:
         """Sum of the efforts of ``model``'s terms at ``port`` along this way, (n,)."""

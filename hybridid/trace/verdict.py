@@ -11,7 +11,7 @@ import numpy as np
 from hybridid.effects.effect import Effect
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
-from hybridid.trace.ceiling import OVERS, Ceiling, ceiling
+from hybridid.trace.ceiling import OVERS, Ceiling, Path, ceiling
 from hybridid.trace.evidence import Rules
 from hybridid.trace.noise import noise_level
 from hybridid.trace.refit import Numerics
@@ -103,11 +103,13 @@ def _record_of(split: Split, horizon: int) -> int:
 def _ceilings(
     found: Search, split: Split, mapper: Mapper, report: Report, ports: Sequence[str] | None
 ) -> tuple[Ceiling, ...]:
+    path = Path.of(found.final, split, split.fitted)
     places = [
         (found.final, split, port.name, over)
         for port in found.final.model.effort_ports
         if ports is None or port.name in ports
         for over in OVERS
+        if path.shows(port.name, over)
     ]
     made = []
     for one in mapper(ceiling, places):
