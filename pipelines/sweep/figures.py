@@ -66,7 +66,7 @@ def heat_maps(groups: Sequence[Group], axes: Sequence[str], folder: Path) -> dic
             group.provenance,
         )
         name = "heat_map_" + re.sub(r"\W+", "_", group.title)
-        save(plot, folder, name, ("svg", "png"))
+        save(plot, folder, name, ("svg",))
         captions[f"{name}.svg"] = f"{group.title}: {plot.caption}"
     return captions
 

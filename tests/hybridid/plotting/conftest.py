@@ -13,6 +13,7 @@ from hybridid.estimators.settings import FitSettings
 from hybridid.plotting.comparison import comparison_plot
 from hybridid.plotting.error import error_plot
 from hybridid.plotting.friction import FrictionCurve, FrictionData, friction_plot
+from hybridid.plotting.heat_map import Cells, heat_map_plot
 from hybridid.plotting.looks import DATA, look
 from hybridid.plotting.panels import Kind, Line, Panel, panels_plot
 from hybridid.plotting.parameters import parameters_plot
@@ -27,6 +28,7 @@ from hybridid.validation import Prediction, residual_tests
 
 N, DT, HORIZON = 24841, 1e-3, 1000
 FIGURES = (
+    "heat_map",
     "record",
     "comparison",
     "error",
@@ -149,6 +151,14 @@ def declared() -> list[Parameter]:
     ]
 
 
+def make_heat_map(provenance: str, width: float) -> Plot:
+    """Two panels of 3 x 3 cells."""
+    values = 1e-3 * np.arange(1.0, 10.0).reshape(3, 3)
+    panels = [Cells(f"orders.error {k}", k * values, 0.1 * values, (0, 0)) for k in (1, 2)]
+    rows, columns = ("layers [–]", ["3", "4", "5"]), ("neurons a layer [–]", ["8", "16", "32"])
+    return heat_map_plot(panels, rows, columns, ("held-out RMSE", "m"), "position", provenance, width)
+
+
 def make_plot(name: str, simulated: bool = False, width: float = DOUBLE_COLUMN) -> Plot:
     record = make_record(simulated)
     where = (record.name, record.provenance)
@@ -171,6 +181,7 @@ def make_plot(name: str, simulated: bool = False, width: float = DOUBLE_COLUMN) 
         "panels": lambda: make_panels(record, "series", width),
         "scatter": lambda: make_panels(record, "scatter", width),
         "spectra": lambda: make_panels(record, "spectrum", width),
+        "heat_map": lambda: make_heat_map(record.provenance, width),
     }
     return makers[name]()
 

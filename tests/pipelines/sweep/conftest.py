@@ -1,0 +1,90 @@
+"""Points on the short carriage of ``tests/pipelines``, and a crew that works in this process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipelines.config import Settings
+from pipelines.sweep.conduct import Sweep, folder_of
+from pipelines.sweep.crew import Ended
+from pipelines.sweep.point import Point, expanded
+from pipelines.sweep.work import Failures, Work, carry_out
+from pipelines.tree import locked
+from pipelines.watch import Watcher
+
+GRID: dict[str, Any] = {
+    "kind": "narx",
+    "orders": {"error": 2, "inputs": 1, "gray": 1},
+    "depth": [1, 2],
+    "width": [4, 6],
+    "seeds": [0, 1],
+    "every": 5,
+    "horizons": [1, 10],
+    "epochs": 4,
+    "patience": 4,
+    "learning_rate": 5.0e-3,
+    "precision": "double",
+}
+
+
+@dataclass
+class InProcess:
+    """A crew that remembers what it was given; jobs that hold a point of ``kills`` end without a word."""
+
+    cores: int = 2
+    kills: tuple[str, ...] = ()
+    grays: list[Work] = field(default_factory=list)
+    jobs: list[Work] = field(default_factory=list)
+
+    def carry_out(self, works: Sequence[Work], watcher: Watcher, ended: Ended) -> Failures:
+        failures: dict[str, str] = {}
+        for work in works:
+            (self.grays if work.gray else self.jobs).append(work)
+            killed = {p.key: "killed" for p in work.points if p.name in self.kills}
+            of_job = killed or carry_out(work, watcher)
+            failures |= of_job
+            ended(work, of_job)
+        return failures
+
+
+@pytest.fixture
+def config(settings: Callable[..., Settings], data: Path) -> Callable[..., Settings]:
+    """``config({"residual.depth": 3})``: the short carriage with the small grid and some keys changed."""
+
+    def changed(changes: dict[str, Any] | None = None, residual: dict[str, Any] | None = GRID) -> Settings:
+        return settings({"residual": deepcopy(residual), "mlflow.enabled": False, **(changes or {})})
+
+    return changed
+
+
+@pytest.fixture
+def points(config: Callable[..., Settings]) -> Callable[..., list[Point]]:
+    """``points({...}, {...})``: the points of the grid, changed in each of these ways."""
+
+    def made(*changes: dict[str, Any], residual: dict[str, Any] | None = GRID) -> list[Point]:
+        return expanded([(config(one, residual), dict(one)) for one in changes or ({},)])
+
+    return made
+
+
+@pytest.fixture
+def sweep() -> Callable[[Sequence[Point]], Sweep]:
+    """``sweep(points)``, its folder made."""
+
+    def made(points: Sequence[Point]) -> Sweep:
+        folder = folder_of("short", points)
+        with locked(folder, print):
+            return Sweep("short", ("case=short",), ("case=short",), tuple(points), folder)
+
+    return made
+
+
+@pytest.fixture
+def crew() -> Callable[..., InProcess]:
+    return InProcess
