@@ -15,6 +15,7 @@ from typing import Any
 from hybridid.records.plain import build
 from pipelines.config import Settings
 from pipelines.errors import ConfigError
+from pipelines.freshness import RECEIPT
 from pipelines.runner import check_stages, is_fresh
 from pipelines.sources import sources_of
 from pipelines.storage import write_json
@@ -112,14 +113,14 @@ def conduct(sweep: Sweep, crew: Crew, request: SweepRequest, watcher: Watcher) -
     for line in plan.lines:
         watcher.say(f"plan: {line}")
     write_json(sweep.folder / "plan.json", plan.plain())
+    before = {point: _made(point) for work in plan.jobs for point in work.points}
     with _scribe() as log:
         log(open_parent, common(sweep.points), sweep.name, sweep.key, about(sweep), watcher)
         log(log_points, plan.fresh, sweep.key, watcher)
         reasons = _carried_out(
             plan, crew, watcher, lambda work, failures: log(log_work, work, failures, watcher)
         )
-    made = [point for work in plan.jobs for point in work.points]
-    lost = {point: reasons.get(point.key, "its job left no result") for point in made if not _fresh(point)}
+    lost = {p: reasons.get(p.key, "its job left no result") for p, old in before.items() if _made(p) == old}
     failures = {p: (refused | lost)[p] for p in sweep.points if p in refused or p in lost}
     log_failures(failures, sweep.key, began, watcher)
     return Swept(sweep, plan, failures, time.time() - began)
@@ -182,6 +183,17 @@ def _carried_out(plan: Plan, crew: Crew, watcher: Watcher, ended: Ended) -> dict
         jobs += [replace(work, points=left)] if left else []
     found: Failures = crew.carry_out(jobs, watcher, ended) if jobs else {}
     return {**reasons, **found}
+
+
+def _made(point: Point) -> int | None:
+    """When its result was made, by the clock of the file system; None if it has none.
+
+    Not whether it is fresh: who edits hybridid during a sweep still has what the sweep made.
+    """
+    try:
+        return (point.tree / point.last / RECEIPT).stat().st_mtime_ns
+    except OSError:
+        return None
 
 
 def _fresh(point: Point) -> bool:

@@ -15,7 +15,7 @@ from typing import Any
 from hybridid.residuals.choice import RULE as SMALLEST_NEAR_BEST
 from hybridid.residuals.choice import smallest_within
 from pipelines.residual_rbf import RULE as FEWEST_NODES
-from pipelines.sweep.point import SEEDS, Point, axes_of, spelt
+from pipelines.sweep.point import SEEDS, Point, spelt
 from pipelines.sweep.rows import Row, rows_of
 
 RULES: Mapping[str | None, str] = {
@@ -89,9 +89,8 @@ class Group:
         return list(dict.fromkeys((s.record, s.fitted) for c in self.cells for r in c.rows for s in r.scores))
 
 
-def groups_of(points: Sequence[Point]) -> list[Group]:
-    """The results of finished points."""
-    axes = axes_of(points)
+def groups_of(points: Sequence[Point], axes: Sequence[str]) -> list[Group]:
+    """The results of finished points, over all ``axes`` of their sweep."""
     rows = [row for point in points for row in rows_of(point)]
     several = len({row.point.judged_on for row in rows}) > 1
     found: dict[tuple[str, str], list[Row]] = {}

@@ -25,7 +25,7 @@ FIGURES = "figures"
 
 def write_report(swept: Swept) -> list[Group]:
     """Write all four files and the figures; returns what they say."""
-    groups = groups_of(swept.done)
+    groups = groups_of(swept.done, axes_of(swept.sweep.points))
     folder = swept.sweep.folder
     with replacing(folder / FIGURES) as new:
         captions = heat_maps(groups, axes_of(swept.sweep.points), new)

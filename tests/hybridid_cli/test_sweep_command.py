@@ -1,0 +1,66 @@
+"""``hybridid sweep`` from the terminal: a job killed on purpose, and the same command again."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+NETWORKS = (
+    "residual=narx", "residual.orders.error=2", "residual.orders.gray=1", "residual.every=5",
+    "residual.horizons=[1]", "residual.depth=1", "residual.width=4,6", "residual.seeds=0",
+    "residual.epochs=3", "sweep.stack=1", "sweep.processes=1",
+)  # fmt: skip
+
+
+def children(process: subprocess.Popen[str]) -> list[int]:
+    """The workers: children that run multiprocessing's spawn."""
+    said = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text()
+    return [
+        pid for pid in map(int, said.split()) if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    ]
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="finds the workers in /proc")
+def test_a_killed_job_is_named_and_the_same_command_completes_the_sweep(environment, quick, process):
+    words = [sys.executable, "-m", "hybridid_cli", "sweep", *quick, *NETWORKS]
+    with subprocess.Popen(words, env=environment, stderr=subprocess.PIPE, text=True) as running:
+        assert running.stderr is not None
+        said = []
+        for line in running.stderr:
+            said.append(line)
+            if "residual.width=4" in line and "begins" in line:
+                (worker,) = children(running)
+                os.kill(worker, signal.SIGKILL)
+        code = running.wait()
+    assert code == 1, said
+    assert "1 of 2 points have no result: residual.width=4" in said[-1]
+    assert "killed by SIGKILL" in said[-1]
+    (folder,) = Path("outputs/sweeps").iterdir()
+    assert "SIGKILL" in (folder / "index.html").read_text()
+
+    again = process("sweep", *quick, *NETWORKS)
+    assert again.code == 0, again.err
+    assert "2 points, 1 of them fresh, 1 to do on 1 core" in again.err
+    assert "2 of 2 points have results, 1 of them from before" in again.out
+    assert list(Path("outputs/sweeps").iterdir()) == [folder]
+    assert folder.name.endswith("-simulated")
+
+
+def test_one_word_for_each_mistake(say, quick):
+    assert "'residual.widht'" in say("sweep", *quick, "residual=narx", "residual.widht=1,2").complaint
+    said = say("sweep", *quick, "residual=narx", "residual.width=interval(1,2)")
+    assert said.code == 2
+    assert "range() or choice()" in said.complaint
+    assert say("sweep", *quick, "sweep.stack=0").code == 2
+    assert "sweep.stack is 0" in say("sweep", *quick, "sweep.stack=0").complaint
+
+
+def test_the_config_is_shown_without_a_sweep(say, quick):
+    said = say("sweep", *quick, "--cfg", "job")
+    assert said.code == 0
+    assert "stack: null" in said.out
