@@ -19,9 +19,9 @@ from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Rules, compare
-from hybridid.trace.refit import Refit, refit
+from hybridid.trace.refit import CONTINUATION, Refit, refit
 from hybridid.trace.score import Score
-from hybridid.trace.search import CONTINUATION, Search
+from hybridid.trace.search import Search
 from hybridid.trace.split import Split, by_record
 from hybridid.trace.trial import Trial
 from hybridid.trace.verdict import Trace, trace

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators.problem import Problem
+from hybridid.simulation.shooter import Shot
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,44 @@ def carry(problem: Problem, p: Array, x0: Array) -> Array:
     handed = np.where(problem.carried & first[:, None], 0.0, x0)
     begun = problem.shooter(handed, p).states[:, 0]
     return np.where(np.isfinite(begun), begun, handed)
+
+
+def by_parameter(problem: Problem, shot: Shot) -> Array:
+    """dy/dp (w, H, n_y, n_free) with all that comes along from the horizons before.
+
+    The inner states z in which horizon k begins depend on the parameters as those in which k - 1 ended,
+
+        dz_k/dp = z_p + z_z dz_(k-1)/dp + z_x dx_(k-1)/dp,    dx/dp = -(X'X)^-1 X' dy/dp,
+
+    the derivatives of the end of k - 1 by p, its own inner and its estimated initial states x, which follow
+    the parameters so that they fit their own horizon (X = dy/dx): variable projection. Source: Golub, Pereyra
+    (1973), SIAM J. Numer. Anal. 10(2), 413-432.
+    """
+    if carries_nothing(problem):
+        return shot.by_parameter
+    n_x, inner, used = shot.states.shape[2], problem.carried, problem.windows.used
+    total = np.array(shot.by_parameter)
+    arriving = np.zeros((problem.windows.count, int(inner.sum()), total.shape[3]))
+    for k, before in enumerate(problem.windows.follows):
+        if before >= 0 and np.isfinite(shot.ends_by[before]).all():
+            moving = problem.moving[before]
+            own, ends = used[before], shot.ends_by[before][:, inner].T
+            by_x = shot.by_state[before][own][..., moving] / problem.scale[:, None]
+            following = -_fitted(by_x, total[before][own] / problem.scale[:, None])
+            by_state, by_p = ends[:, :n_x], ends[:, n_x:]
+            arriving[k] = by_p + by_state[:, inner] @ arriving[before] + by_state[:, moving] @ following
+        total[k] += shot.by_state[k][..., inner] @ arriving[k]
+    return total
+
+
+def _fitted(x: Array, y: Array) -> Array:
+    """``(X'X)^-1 X' Y`` of (h, n_y, m) and (h, n_y, n), blind to what no sample shows."""
+    tall_x, tall_y = (a.reshape(a.shape[0] * a.shape[1], a.shape[2]) for a in (x, y))
+    if not (np.isfinite(tall_x).all() and np.isfinite(tall_y).all()):
+        return np.zeros((x.shape[2], y.shape[2]))
+    size = np.linalg.norm(tall_x, axis=0)
+    size = np.where(size > 0, size, 1.0)[:, None]
+    return np.linalg.lstsq(tall_x / size.T, tall_y, rcond=1e-9)[0] / size
 
 
 def carries_nothing(problem: Problem) -> bool:

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators.carried import carry
+from hybridid.estimators.carried import by_parameter, carry
+from hybridid.estimators.coupled import Coupled, couples
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
@@ -47,6 +48,7 @@ def solve(
     """
     scaling = _Scaling.of(problem)
     begun = 0
+    factors = factors if problem.widths else factors[-1:]
     for k, factor in enumerate(factors):
         last = k == len(factors) - 1
         counted = _from(watch, begun)
@@ -130,19 +132,24 @@ def promise(problem: Problem, p: Array, x0: Array) -> float:
     return normal.predicted(*normal.step(1e-8, held))
 
 
-def _promises_little(normal: Normal, held: NDArray[np.bool_], cost: float, tolerance: float) -> bool:
+def _promises_little(
+    normal: Normal | Coupled, held: NDArray[np.bool_], cost: float, tolerance: float
+) -> bool:
     """Whether even the undamped step would hardly lower the cost."""
     promised = normal.predicted(*normal.step(1e-10, held))
     return promised <= tolerance * max(cost, np.finfo(float).tiny)
 
 
-def _linearise(problem: Problem, scaling: _Scaling, p: Array, x0: Array) -> Normal:
+def _linearise(problem: Problem, scaling: _Scaling, p: Array, x0: Array) -> Normal | Coupled:
     shot = problem.shooter(x0, p, sensitivities=True)
+    if couples(problem):
+        with np.errstate(over="ignore", invalid="ignore"):
+            return Coupled.of(problem, shot, scaling.p, scaling.x)
     r = problem.residuals(shot)
     # what lies beyond a record's end may have left the range of numbers
     used = problem.windows.used[..., None, None]
     with np.errstate(over="ignore"):
-        by_p = np.where(used, shot.by_parameter / problem.scale[:, None], 0.0) * scaling.p
+        by_p = np.where(used, by_parameter(problem, shot) / problem.scale[:, None], 0.0) * scaling.p
         by_x = np.where(used, shot.by_state / problem.scale[:, None], 0.0) * scaling.x
     by_x = np.where(problem.moving[:, None, None, :], by_x, 0.0)
     w, rows = len(x0), r[0].size

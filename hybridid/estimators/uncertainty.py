@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from hybridid.estimators.carried import by_parameter
 from hybridid.estimators.noise import Absorbed, Autoregression, autoregression, noise_of
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
@@ -108,7 +109,8 @@ def _projected(problem: Problem, shot: Shot) -> tuple[Array, Array]:
     where they are known; by the parameters (w, H, n_y, n) with that basis projected out.
     """
     used = problem.windows.used[..., None, None]
-    jp, jx = (np.where(used, by / problem.scale[:, None], 0.0) for by in (shot.by_parameter, shot.by_state))
+    both = by_parameter(problem, shot), shot.by_state
+    jp, jx = (np.where(used, by / problem.scale[:, None], 0.0) for by in both)
     jx = np.where(problem.moving[:, None, None, :], jx, 0.0)
     if not problem.moving.any():
         return jx[..., :0], jp

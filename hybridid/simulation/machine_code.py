@@ -62,8 +62,8 @@ class Code:
         self, windows: Windows, carried: Sequence[int], x0: Array, p: Array, sensitivities: bool
     ) -> tuple[Array, ...]:
         """States (w, H, n_x), outputs (w, H, n_y), final states (w, n_x) and, if asked for (else empty),
-        the outputs' sensitivities (w, H, n_x + n_free, n_y). The states ``carried`` run on from horizon to
-        horizon."""
+        the outputs' sensitivities (w, H, n_x + n_free, n_y) and those of the state after each horizon's last
+        sample (w, n_x + n_free, n_x). The states ``carried`` run on from horizon to horizon."""
         library = self._library
         assert library is not None
         w, length, n_x = windows.count, windows.length, len(self.model.states)
@@ -76,13 +76,13 @@ class Code:
         integers = [np.array(a, dtype=np.int64) for a in (size, follows, windows.lengths, marks)]
         given = [windows.time, windows.stages, windows.inputs, p, x0]
         arrays = [np.ascontiguousarray(a, dtype=float) for a in given]
-        shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y)]
+        shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y), (w, 1 + n_s, n_x)]
         results = [np.empty(shape) for shape in shapes]
         whole, real = ([ctypes.c_void_p(a.ctypes.data) for a in of] for of in (integers, (*arrays, *results)))
         if library.shoot(*whole, ctypes.c_double(windows.dt / windows.substeps), *real):
             raise MemoryError("no memory left to simulate in")
-        final, states, outputs, slopes = results
-        return states, outputs, final, slopes
+        final, states, outputs, slopes, ends = results
+        return states, outputs, final, slopes, ends[:, 1:]
 
     @cached_property
     def _functions(self) -> tuple[ca.Function, ...]:

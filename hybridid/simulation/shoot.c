@@ -46,38 +46,35 @@ static int is_finite(const double *a, casadi_int n) {
   return 1;
 }
 
-/* Where a horizon begins that follows another: the states marked in `carried` go on from where that one ended,
-   as `kept` (state, sensitivities) says, and depend on the parameters as they did there. A horizon that left
-   the numbers hands nothing on. */
-static void carry_on(double *now, const double *kept, const casadi_int *carried, casadi_int n_x, casadi_int n_s) {
-  if (!is_finite(kept, n_x * (1 + n_s))) return;
-  for (casadi_int i = 0; i < n_x; ++i) {
-    if (!carried[i]) continue;
-    now[i] = kept[i];
-    for (casadi_int j = 0; j < n_s; ++j) now[n_x + j * n_x + i] = j < n_x ? 0.0 : kept[n_x + j * n_x + i];
-  }
+/* Where a horizon begins that follows another: the states marked in `carried` are what they were where that one
+   ended, if it did not leave the numbers. */
+static void carry_on(double *now, const double *end, const casadi_int *carried, casadi_int n_x) {
+  if (!is_finite(end, n_x)) return;
+  for (casadi_int i = 0; i < n_x; ++i)
+    if (carried[i]) now[i] = end[i];
 }
 
 /* size: horizons, their length, steps a sample, states, columns of sensitivities (0: none), inputs,
    stage inputs a sample, stage inputs from one step to the next, outputs. `follows`: the horizon before each, or
-   -1; `ends`: samples of each that are its own. A horizon that leaves the numbers is blank from there on.
+   -1; `lengths`: samples of each that are its own; `ends`: its state and sensitivities after these. A horizon that leaves the numbers is blank from there on.
    Returns 0, or 1 without memory. */
-int shoot(const casadi_int *size, const casadi_int *follows, const casadi_int *ends, const casadi_int *carried,
+int shoot(const casadi_int *size, const casadi_int *follows, const casadi_int *lengths, const casadi_int *carried,
           double h, const double *time, const double *stages, const double *inputs,
-          const double *p, const double *x0, double *final, double *states, double *outputs, double *slopes) {
+          const double *p, const double *x0, double *final, double *states, double *outputs, double *slopes,
+          double *ends) {
   const casadi_int count = size[0], length = size[1], steps = size[2], n_x = size[3], n_s = size[4];
   const casadi_int n_u = size[5], n_stage = size[6], hop = size[7], n_y = size[8];
   Part step_part = {0}, outputs_part = {0};
   const casadi_int n = n_x * (1 + n_s);
-  double *now = malloc(n * sizeof *now), *next = malloc(n * sizeof *next), *kept = malloc(count * n * sizeof *kept);
-  int ready = now && next && kept && prepare(&step_part, n_s ? model_advance : model_advance_only, n_s ? model_advance_work : model_advance_only_work)
+  double *now = malloc(n * sizeof *now), *next = malloc(n * sizeof *next);
+  int ready = now && next && prepare(&step_part, n_s ? model_advance : model_advance_only, n_s ? model_advance_work : model_advance_only_work)
               && prepare(&outputs_part, n_s ? model_observe : model_observe_only, n_s ? model_observe_work : model_observe_only_work);
   for (casadi_int w = 0; ready && w < count; ++w) {
     memset(now, 0, n * sizeof *now);
     memcpy(now, x0 + w * n_x, n_x * sizeof *now);
     for (casadi_int j = 0; j < n_x && j < n_s; ++j) now[n_x + j * n_x + j] = 1.0;
-    if (follows[w] >= 0) carry_on(now, kept + follows[w] * n, carried, n_x, n_s);
-    blank(kept + w * n, n);
+    if (follows[w] >= 0) carry_on(now, ends + follows[w] * n, carried, n_x);
+    blank(ends + w * n, n);
     for (casadi_int k = 0; k < length; ++k) {
       const casadi_int at = w * length + k;
       if (!is_finite(now, n_x)) {
@@ -96,10 +93,10 @@ int shoot(const casadi_int *size, const casadi_int *follows, const casadi_int *e
         run(&step_part, now, now + n_x, &t, &h, stages + at * n_stage + i * hop, p, next, next + n_x);
         now = next, next = swap;
       }
-      if (k + 1 == ends[w]) memcpy(kept + w * n, now, n * sizeof *now);
+      if (k + 1 == lengths[w]) memcpy(ends + w * n, now, n * sizeof *now);
     }
     memcpy(final + w * n_x, now, n_x * sizeof *now);
   }
-  release(&step_part), release(&outputs_part), free(now), free(next), free(kept);
+  release(&step_part), release(&outputs_part), free(now), free(next);
   return !ready;
 }

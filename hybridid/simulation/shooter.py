@@ -31,7 +31,8 @@ class Shot:
 
     Shapes: ``outputs`` (w, H, n_y), ``states`` (w, H, n_x), ``final`` (w, n_x) the state one
     sample after the last, and where asked for (else empty) ``by_state`` (w, H, n_y, n_x) =
-    dy/dx0, ``by_parameter`` (w, H, n_y, n_free) = dy/dp.
+    dy/dx0, ``by_parameter`` (w, H, n_y, n_free) = dy/dp; ``ends_by`` (w, n_x + n_free, n_x), given where
+    states are carried, are the derivatives by x0 and p of the state after each horizon's last sample.
     """
 
     outputs: Array
@@ -39,6 +40,7 @@ class Shot:
     final: Array
     by_state: Array = field(default_factory=lambda: np.empty(0))
     by_parameter: Array = field(default_factory=lambda: np.empty(0))
+    ends_by: Array = field(default_factory=lambda: np.empty(0))
 
     def ends(self, windows: Windows) -> Array:
         """State of each horizon one sample after its last in use, (w, n_x)."""
@@ -55,8 +57,8 @@ class Shooter:
     """Simulates ``windows`` with ``model``; ``free`` lists the parameters to differentiate by.
 
     The states ``carried``, by number, begin a horizon where the one before it has left them, if that is
-    among ``windows``, and depend on the parameters as they did there: then ``x0`` says nothing of them. (How
-    they depend on the other initial states of the horizons before is left out.)
+    among ``windows``: then ``x0`` says nothing of them. Sensitivities are each horizon's own, by the states
+    in which it begins.
 
     By machine code where that is worth compiling, else by CasADi's interpreter.
     """
@@ -71,8 +73,8 @@ class Shooter:
         """Simulate every horizon from ``x0`` (w, n_x) at the parameters ``p`` (n_p,)."""
         if self.code.worth_it:
             given = (self.windows, self.carried, x0, p, sensitivities)
-            states, outputs, final, slopes = self.code(*given)
-            return _shot(states, outputs, final, slopes if sensitivities else None)
+            states, outputs, final, *slopes = self.code(*given)
+            return _shot(states, outputs, final, *(slopes if sensitivities else ()))
         return self._interpreted(x0, p, sensitivities)
 
     def over(self, windows: Windows) -> Shooter:
@@ -93,29 +95,27 @@ class Shooter:
         eye = np.tile(np.eye(n_x + len(self.free), n_x), (self.windows.count, 1, 1))
         start = (np.array(x0), eye) if sensitivities else (np.array(x0),)
         if self.carried and max(self.windows.follows) >= 0:
-            results = self._in_turn(start, p)
-        else:
-            results, _ = self._run(start, p)
-        return _shot(results[0], results[1], results[-1], results[2] if sensitivities else None)
+            states, outputs, *slopes, final, ends_by = self._in_turn(start, p)
+            return _shot(states, outputs, final, *slopes, *((ends_by,) if sensitivities else ()))
+        (states, outputs, *slopes, final), _ = self._run(start, p)
+        return _shot(states, outputs, final, *slopes)
 
     def _in_turn(self, start: tuple[Array, ...], p: Array) -> list[Array]:
-        """As ``_run``, horizon after horizon: each hands its inner states on."""
+        """As ``_run``, horizon after horizon, each handing its inner states on; and what the last of
+        ``start`` has become at the end of each."""
         shared: dict[str, ca.Function] = {}
         found: list[list[Array]] = []
-        kept: list[tuple[Array, ...]] = []
+        kept: list[Array] = []
         for k, before in enumerate(self.windows.follows):
             lone = replace(self, windows=self.windows.select([k]))
             lone.__dict__.update(shared)
             begin = tuple(a[k : k + 1].copy() for a in start)
-            if before >= 0 and all(np.isfinite(a).all() for a in kept[before]):
-                for own, last in zip(begin, kept[before], strict=True):
-                    own[..., list(self.carried)] = last[..., list(self.carried)]
-                for own in begin[1:]:
-                    own[:, : len(self.model.states), list(self.carried)] = 0.0
+            if before >= 0 and np.isfinite(kept[before]).all():
+                begin[0][:, list(self.carried)] = kept[before][:, list(self.carried)]
             results, ends = lone._run(begin, p)
             shared = {name: lone.__dict__[name] for name in _COMPILED if name in lone.__dict__}
-            found.append(results)
-            kept.append(ends)
+            found.append([*results, ends[-1]])
+            kept.append(ends[0])
         return [np.concatenate(parts) for parts in zip(*found, strict=True)]
 
     def _run(self, start: tuple[Array, ...], p: Array) -> tuple[list[Array], tuple[Array, ...]]:
@@ -181,12 +181,12 @@ class Shooter:
         return one.mapaccum("chunk", self.windows.chunk, 2).map(self.windows.count)
 
 
-def _shot(states: Array, outputs: Array, final: Array, slopes: Array | None) -> Shot:
-    """``slopes`` (w, H, n_x + n_free, n_y), as CasADi's columns lie."""
-    if slopes is None:
+def _shot(states: Array, outputs: Array, final: Array, *slopes: Array) -> Shot:
+    """``slopes``: of the outputs (w, H, n_x + n_free, n_y), as CasADi's columns lie, and of the ends."""
+    if not slopes:
         return Shot(outputs, states, final)
-    by, n_x = slopes.swapaxes(2, 3), states.shape[2]
-    return Shot(outputs, states, final, by_state=by[..., :n_x], by_parameter=by[..., n_x:])
+    by, n_x = slopes[0].swapaxes(2, 3), states.shape[2]
+    return Shot(outputs, states, final, by[..., :n_x], by[..., n_x:], *slopes[1:])
 
 
 def _call(function: ca.Function, given: Sequence[Array], shapes: Sequence[tuple[int, ...]]) -> list[Array]:

@@ -32,6 +32,8 @@ GLANCED = 8
 """Fitted horizons that a glance looks at, evenly chosen: enough to tell starts apart."""
 GLANCE_TOLERANCE = 1e-3
 MOST_ITERATIONS = 40
+CONTINUATION = (10.0, 3.0, 1.0)
+"""Smoothings of sign(v), one after the other: sharp, the cost is rough with stick and slip."""
 HANDOVERS, HANDOVER_ITERATIONS = 3, 12
 SETTLED = 1e-3
 """Relative change of the cost below which handing inner states on changes nothing more."""
@@ -98,10 +100,11 @@ def refit(
 ) -> Refit:
     """Fit ``model`` from the best of ``starts`` (values by name over guesses) and score it.
 
-    ``before`` lends its initial states. ``factors`` is the continuation in epsilon.
+    ``before`` lends its initial states. ``factors`` is the continuation in epsilon; starts are compared
+    at the first of them.
     """
     began = time.perf_counter()
-    begun = _best_start(model, split, starts, before, numerics)
+    begun = _best_start(model, split, starts, before, numerics, factors[0])
     smoothing = [factor * numerics.smoothing for factor in factors]
     hopeless = np.inf if before is None else (1 - HOPE) * before.cost
     solution, x0 = _settled(begun, split, smoothing, hopeless)
@@ -204,6 +207,7 @@ def _best_start(
     starts: Sequence[Mapping[str, float]],
     before: Refit | None,
     numerics: Numerics,
+    factor: float,
 ) -> Begun:
     """The start whose first iterations get furthest, each in steps of its own.
 
@@ -226,7 +230,7 @@ def _best_start(
         if len(starts) == 1:
             return begun
         glance = gauss_newton.solve(
-            parts[steps], begun.p, begun.x0[rows], (numerics.smoothing,), GLANCE, GLANCE_TOLERANCE
+            parts[steps], begun.p, begun.x0[rows], (factor * numerics.smoothing,), GLANCE, GLANCE_TOLERANCE
         )
         found.append((glance.cost, replace(begun, p=glance.p, x0=_with(begun.x0, rows, glance.x0))))
     return min(found, key=lambda one: one[0])[1]

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from hybridid.model import Model
 from hybridid.records.record import HOLDS, Record
 from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.refit import DECLARED, Numerics, Refit, refit
@@ -55,7 +56,7 @@ def survival(
     times the error, is no other explanation, and does not count: a coarse smoothing adds an error
     beside which a true effect looks small.
 
-    The effect's own parameters must stay what they were: an amplitude that follows the
+    The effect's amplitudes must stay what they were: one that follows the
     smoothing or the step belongs to them, not to the machine. What moves within two standard
     errors of it says nothing. How the inputs are held is excepted: half a sample of delay has to
     go somewhere, and a true delay, lag or branch takes it up.
@@ -65,13 +66,25 @@ def survival(
     again = compare(poorer.score, richer.score)
     own = {name: value for name, value in richer.values.items() if name.startswith(f"{term}.")}
     steady = numerics.hold is not None or all(
-        abs(value - augmented.values[name]) <= _room(augmented, name, rules) for name, value in own.items()
+        abs(own[name] - augmented.values[name]) <= _room(augmented, name, rules)
+        for name in _amplitudes(augmented.model, term)
     )
     taken, then = (a.score.loss**2 - b.score.loss**2 for a, b in ((base, augmented), (poorer, richer)))
     kept = float(then / taken) if taken > 0 else 0.0
     refuted = bool(richer.score.loss > rules.refuted * augmented.score.loss)
     passes = kept >= rules.kept and again.p_value <= rules.alpha and steady
     return Survival(numerics.name, again.gain, kept, again.p_value, own, refuted, refuted or passes)
+
+
+def _amplitudes(model: Model, term: str) -> list[str]:
+    """Qualified names of the parameters at whose zero the effect is gone."""
+    return [
+        f"{term}.{p.name}"
+        for one in model.terms
+        if one.name == term
+        for p in one.effect.parameters
+        if p.nests
+    ]
 
 
 def _room(augmented: Refit, name: str, rules: Rules) -> float:

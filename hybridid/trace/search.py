@@ -9,7 +9,7 @@ from hybridid.effects.effect import Effect
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
 from hybridid.trace.evidence import Rules, compare
-from hybridid.trace.refit import DECLARED, Numerics, Refit, refit
+from hybridid.trace.refit import CONTINUATION, DECLARED, Numerics, Refit, refit
 from hybridid.trace.robustness import Survival, survival, variations
 from hybridid.trace.split import Split
 from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt, equivalents, judge, look_alikes
@@ -18,7 +18,6 @@ Report = Callable[[str, int, int, str], None]
 """``report(stage, done, of, what)``"""
 Mapper = Callable[[Callable[..., object], Iterable[tuple]], Iterable]
 """``mapper(function, argument tuples)``: results in order; a process pool, or plain ``map``."""
-CONTINUATION = (10.0, 3.0, 1.0)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, Rules, compare, holm
-from hybridid.trace.refit import Refit, refit
+from hybridid.trace.refit import CONTINUATION, Refit, refit
 from hybridid.trace.sought import sought
 from hybridid.trace.split import Split
 
@@ -54,7 +54,7 @@ def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
     model: Model = candidate.added_to(base.model)
     try:
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
-        found = refit(model, split, starts, base, base.numerics)
+        found = refit(model, split, starts, base, base.numerics, CONTINUATION)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):

@@ -15,6 +15,8 @@ from hybridid.trace.ceiling import OVERS, Ceiling, Path, ceiling
 from hybridid.trace.evidence import Rules
 from hybridid.trace.noise import noise_level
 from hybridid.trace.refit import Numerics
+from hybridid.trace.robustness import survival as survive
+from hybridid.trace.robustness import variations
 from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import without_stand_ins
@@ -78,7 +80,8 @@ def trace(
     trusted = without_stand_ins(found, ceilings, rules)
     if trusted is not found:
         found, ceilings = trusted, _ceilings(trusted, split, mapper, report, ports)
-    remains = tuple(f"at {c.port} over {c.over}" for c in _telling(ceilings, rules))
+    told = [c for c in _telling(ceilings, rules) if _lasting(c, found, split, rules, mapper)]
+    remains = tuple(f"at {c.port} over {c.over}" for c in told)
     return Trace(
         verdict=_verdict(found, remains),
         search=found,
@@ -124,6 +127,13 @@ def _telling(ceilings: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:
     found = [c for c in ceilings if c.gain >= rules.worth and c.p_value <= rules.alpha]
     most = max((c.gain for c in found), default=0.0)
     return sorted((c for c in found if c.gain >= most / 2), key=lambda c: -c.gain)
+
+
+def _lasting(one: Ceiling, found: Search, split: Split, rules: Rules, mapper: Mapper) -> bool:
+    """Whether what a learned effort finds outlives other numerics, as an effect must."""
+    changes = variations(split.records, found.final.numerics)
+    given = ((found.final, one.refit, "", split, numerics, rules) for numerics in changes)
+    return all(survival.survives for survival in mapper(survive, given))
 
 
 def _verdict(found: Search, remains: Sequence[str]) -> Verdict:
