@@ -72,6 +72,7 @@ def tracked(
     A wrong request (``ConfigError``) never began and leaves no run. ``parent`` is the key of the sweep it
     belongs to; ``key`` its own, if the same run again is not to be a second.
     """
+    _patience(settings)
     run = Run(settings, command)
     key = key or uuid4().hex
     try:
@@ -86,6 +87,7 @@ def tracked(
 
 def open_parent(settings: Settings, name: str, key: str, tags: Mapping[str, str], watcher: Watcher) -> None:
     """Begin the run of a sweep; it is the same again for the same ``key``."""
+    _patience(settings)
 
     def note() -> Note:
         known = {**about(settings, name), **tags}
@@ -167,11 +169,22 @@ def _sent(note: Note, settings: Settings) -> str:
     if time.monotonic() < _failed.get(uri, 0.0):
         return "it failed less than a minute ago"
     try:
-        send(note, settings, float(settings.get("mlflow.patience", _PATIENCE)))
+        send(note, settings, _patience(settings))
     except Exception as error:
         _failed[uri] = time.monotonic() + _PAUSE
         return reason(error, uri)
     return ""
+
+
+def _patience(settings: Settings) -> float:
+    """
+    Raises:
+        ConfigError: if it is no time.
+    """
+    given = settings.get("mlflow.patience", _PATIENCE)
+    if isinstance(given, bool) or not isinstance(given, int | float) or not given >= 0:
+        raise ConfigError(f"mlflow.patience is {given!r}: must be a number of seconds, 0 or more")
+    return float(given)
 
 
 def _warn_once(settings: Settings, watcher: Watcher, trouble: str) -> None:

@@ -121,7 +121,7 @@ def queue_of_slurm() -> Any:
 
         def read_info(self, string: bytes | str) -> dict[str, dict[str, str]]:
             text = string.decode() if isinstance(string, bytes) else string
-            return states(text, self._registered)
+            return states(text, self._registered - self._finished)  # Slurm forgets, we do not
 
     return Queue(delay_s=_SECONDS_BETWEEN_LOOKS)
 

@@ -89,6 +89,17 @@ def test_asks_the_queue_for_jobs_that_have_not_ended():
     assert queue.is_done("7_0", mode="cache"), "a job that Slurm forgot is waited for without end"
 
 
+def test_remembers_how_a_job_ended_when_slurm_has_forgotten_it(cluster):
+    queue = slurm.queue_of_slurm()
+    queue.register_job("7_0")
+    queue.register_job("7_1")
+    queue.update()
+    assert queue.get_state("7_1", mode="cache") == "CANCELLED"
+    queue._info_dict.update(queue.read_info(b"JOBID|STATE|NODELIST\n"))
+    assert queue.get_state("7_1", mode="cache") == "CANCELLED"
+    assert queue.get_state("7_0", mode="cache") == "GONE"
+
+
 def test_without_slurm_it_says_so(say, quick, monkeypatch):
     monkeypatch.setenv("PATH", "/nowhere")
     said = say("fit", *quick, "-m", "launcher=slurm", "out=all", "estimator.horizon=150,400")

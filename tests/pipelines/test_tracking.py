@@ -75,6 +75,15 @@ def test_wrong_or_interrupted_request_is_no_run(settings, heard, error):
     assert not Path("outputs").exists()
 
 
+@pytest.mark.parametrize("patience", ["long", -1, True])
+def test_patience_that_is_no_time_is_said_before_anything_is_done(settings, heard, patience):
+    with (
+        pytest.raises(ConfigError, match=r"mlflow\.patience"),
+        tracked(settings({"mlflow.patience": patience}), "fit", heard),
+    ):
+        pytest.fail("it began")
+
+
 def test_switched_off(settings, heard, data):
     off = settings({"mlflow.enabled": False})
     with tracked(off, "preprocess", heard) as run:

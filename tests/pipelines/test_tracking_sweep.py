@@ -121,3 +121,15 @@ def test_one_warning_for_many_points_and_their_number_at_the_end(settings, heard
     assert "ConnectionError: refused" in first
     assert "hybridid log paths.outputs=elsewhere" in first
     assert last.startswith("4 runs of this sweep wait")
+
+
+def test_a_server_may_take_its_patience_and_no_longer(settings, heard, monkeypatch):
+    there = client(settings())
+    monkeypatch.setattr(tracking_send, "client", lambda settings, uri: there)
+    monkeypatch.setattr("pipelines.tracking_waiting.answers", lambda uri: True)
+    asked = settings({"mlflow.tracking_uri": "http://slow", "mlflow.patience": 0})
+    log_point(asked, point(1), "all", heard)
+    assert "more than 0 s (mlflow.patience)" in heard.warned[0]
+    assert [note.key for _, note in waiting(asked)] == ["point 1"]
+    assert [a.trouble for a in send_waiting(asked, heard)] == [""], "who sends later has time"
+    assert set(runs_by_key(settings())) == {"all", "point 1"}
