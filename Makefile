@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format reproduce-thesis study-coverage study-recovery study-slurm league clean distclean FORCE
+.PHONY: help install test lint format reproduce-thesis study-coverage study-recovery study-sweep study-slurm league clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -42,6 +42,9 @@ study-coverage: $(READY) ## do the stated 95 % intervals hold the truth? (simula
 
 study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters again? (simulated, minutes)
 	$(BIN)/python benchmarks/recovery.py
+
+study-sweep: $(READY) ## how much faster than a plain loop is a sweep? (simulated, minutes)
+	$(BIN)/python benchmarks/sweep_speed.py
 
 study-slurm: $(READY) ## 64 jobs on a Slurm of one node, one killed on purpose (simulated; needs slurm-wlm, munge)
 	$(BIN)/python benchmarks/slurm/study.py

@@ -1,0 +1,234 @@
+"""How much faster does ``hybridid sweep`` train a grid than a plain loop, to the same errors? Simulated.
+
+(a) The nine networks of the thesis' Table 4.4 on the virtual vehicle (3 to 5 hidden layers of 8 to 32
+neurons, vertical velocity), one seed at a time: the whole command ``hybridid sweep`` against a whole process
+that trains them one after another with the same code and the same epochs, once on one thread and once on all
+threads that torch wants; the ratio is to the faster of the two. The gray box is fitted before; nobody logs.
+(b) 200 small networks in one command.
+
+Both on two cores. Wall time counts what other programs do meanwhile; CPU time does not.
+
+    python benchmarks/sweep_speed.py [--seeds 3] [--networks 200] [--epochs 800]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from statistics import fmean, stdev
+from typing import Any
+
+OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies" / "sweep_speed"
+OUTPUT = "vertical_velocity"
+CORES = 2
+WORDS = ("experiment=vehicle_narx", "data=simulated")
+WAYS = ("sweep", "loop, one thread", "loop, all threads")
+
+
+@dataclass(frozen=True)
+class Timed:
+    """One way to train the grid with one seed: wall and CPU seconds, held-out RMSE in m/s by size."""
+
+    way: str
+    seed: int
+    wall: float
+    cpu: float
+    held_out: dict[str, float]
+
+
+def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = print) -> dict[str, Any]:
+    """Run the study from the command line's ``arguments`` and write it to ``outputs/studies/sweep_speed``."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=3, help="of the grid of Table 4.4 (default: 3)")
+    parser.add_argument("--networks", type=int, default=200, help="small ones in one command (default: 200)")
+    parser.add_argument("--epochs", type=int, default=800, help="at most, of each network (default: 800)")
+    parser.add_argument("--loop", nargs=2, help=argparse.SUPPRESS)
+    given = parser.parse_args(arguments)
+    if given.loop:
+        print(json.dumps(_loop(int(given.loop[0]), given.epochs, all_threads=given.loop[1] == WAYS[2])))
+        return {}
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:CORES])
+    shutil.rmtree(OUT, ignore_errors=True)
+    OUT.mkdir(parents=True)
+    say(f"load of the machine before: {os.getloadavg()[0]:.1f}")
+    _timed([*_hybridid("fit"), "case=vehicle", "data=simulated"])
+    timed = []
+    for seed in range(given.seeds):
+        for way in WAYS:
+            timed.append(_one(way, seed, given.epochs))
+            say(f"{way}, seed {seed}: {timed[-1].wall:.1f} s wall, {timed[-1].cpu:.1f} s CPU")
+    small = _small(given.networks, given.epochs)
+    say(f"{given.networks} small networks: {small['wall']:.0f} s wall, {small['cpu']:.0f} s CPU")
+    found = {"provenance": "simulated", "timed": [asdict(t) for t in timed], "small": small}
+    found |= {"ratio": _ratio(timed), "load": os.getloadavg()[0]}
+    text = _report(timed, small, given)
+    say(text)
+    (OUT / "sweep_speed.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    (OUT / "sweep_speed.md").write_text(text + "\n", encoding="utf-8")
+    _draw(timed)
+    return found
+
+
+def _hybridid(command: str) -> list[str]:
+    return [sys.executable, "-m", "hybridid_cli", command, f"paths.outputs={OUT}", "mlflow.enabled=false"]
+
+
+def _one(way: str, seed: int, epochs: int) -> Timed:
+    """The nine networks of one seed, in a process of their own."""
+    if way == WAYS[0]:
+        own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds={seed}", f"residual.epochs={epochs}"]
+        wall, cpu, _ = _timed([*_hybridid("sweep"), *WORDS, *own, f"sweep.processes={CORES}"])
+        return Timed(way, seed, wall, cpu, _held_out(max(OUT.glob("sweeps/*"), key=os.path.getmtime)))
+    words = [sys.executable, __file__, "--epochs", str(epochs), "--loop", str(seed), way]
+    wall, cpu, said = _timed(words)
+    return Timed(way, seed, wall, cpu, json.loads(said))
+
+
+def _timed(words: Sequence[str]) -> tuple[float, float, str]:
+    """Wall and CPU seconds of a command with all its processes, and what it printed."""
+    before, began = os.times(), time.perf_counter()
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    wall, after = time.perf_counter() - began, os.times()
+    if done.returncode:
+        raise SystemExit(f"{' '.join(words)}\n{done.stderr}")
+    cpu = after.children_user + after.children_system - before.children_user - before.children_system
+    return wall, cpu, done.stdout
+
+
+def _held_out(folder: Path) -> dict[str, float]:
+    cells = json.loads((folder / "sweep.json").read_text())["outputs"][0]["cells"]
+    return {_size(c["at"]["residual.depth"], c["at"]["residual.width"]): c["held_out"]["mean"] for c in cells}
+
+
+def _size(depth: int, width: int) -> str:
+    return f"{depth} x {width}"
+
+
+def _loop(seed: int, epochs: int, all_threads: bool) -> dict[str, float]:
+    """The plain loop: network after network by the very code that a stack trains with."""
+    from hydra import compose, initialize_config_dir
+    from omegaconf import OmegaConf
+
+    from hybridid.residuals import training
+    from hybridid_cli.config_files import conf_folder
+    from pipelines.config import Settings
+    from pipelines.residual import gray_box
+    from pipelines.residual_narx import NARXRequest
+    from pipelines.residual_scores import gray_runs
+
+    own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds={seed}", f"residual.epochs={epochs}"]
+    with initialize_config_dir(str(conf_folder()), version_base="1.3"):
+        plain: Any = OmegaConf.to_container(compose("run", [*WORDS, *own]), resolve=True)
+    request = NARXRequest.of(plain["residual"])
+    (tree,) = {path.parent.parent for path in OUT.glob("vehicle/*/fit/stage.json")} - {
+        path.parent.parent for path in OUT.glob("vehicle/*/residual/stage.json")
+    }
+    gray = gray_box(Settings("vehicle", plain), tree)
+    tasks = request.tasks(gray.model, gray_runs(gray, request.shape.initial_state))
+    if all_threads:
+        training.one_thread = nullcontext  # type: ignore[assignment]
+    found = {}
+    for task in tasks:
+        one = training.train(task, request.training)
+        found[_size(task.architecture.depth, task.architecture.width)] = one.held_out
+    return found
+
+
+def _small(networks: int, epochs: int) -> dict[str, float]:
+    """Ten sizes of at most 16 neurons a layer, as many seeds as it takes."""
+    own = [f"residual.outputs=[{OUTPUT}]", "residual.depth=[1,2,3,4,5]", "residual.width=[8,16]"]
+    seeds = ",".join(str(100 + k) for k in range(networks // 10))  # other seeds than those of (a)
+    words = [*own, f"residual.seeds=[{seeds}]", f"residual.epochs={epochs}", f"sweep.processes={CORES}"]
+    wall, cpu, said = _timed([*_hybridid("sweep"), *WORDS, *words])
+    assert f"{networks} of {networks} points have results, 0 of them from before" in said, said
+    return {"networks": networks, "wall": wall, "cpu": cpu}
+
+
+def _ratio(timed: Sequence[Timed]) -> dict[str, float]:
+    """How often the sweep's time goes into that of the faster loop, over all seeds."""
+    found = {}
+    for kind in ("wall", "cpu"):
+        total = {way: sum(getattr(t, kind) for t in timed if t.way == way) for way in WAYS}
+        found[kind] = min(total[way] for way in WAYS[1:]) / total[WAYS[0]]
+    return found
+
+
+def _report(timed: Sequence[Timed], small: dict[str, float], given: argparse.Namespace) -> str:
+    lines = [f"Nine networks of Table 4.4, {given.epochs} epochs at most, simulated, {CORES} cores", ""]
+    lines += ["| way | wall s, by seed | CPU s, by seed |", "|---|---|---|"]
+    for way in WAYS:
+        own = [t for t in timed if t.way == way]
+        cells = (", ".join(f"{getattr(t, kind):.1f}" for t in own) for kind in ("wall", "cpu"))
+        lines.append(f"| {way} | {' | '.join(cells)} |")
+    ratio = _ratio(timed)
+    lines += [
+        "",
+        f"faster than the faster loop: {ratio['wall']:.2f} times by wall, {ratio['cpu']:.2f} by CPU",
+    ]
+    lines += [
+        "",
+        "| size | held-out RMSE, loop | sweep | largest difference of one seed |",
+        "|---|---|---|---|",
+    ]
+    for size in timed[0].held_out:
+        loop, swept = (_errors(timed, way, size) for way in (WAYS[1], WAYS[0]))
+        largest = max(abs(a - b) for a, b in zip(loop, swept, strict=True))
+        lines.append(f"| {size} | {_spread(loop)} | {_spread(swept)} | {1e3 * largest:.3f} mm/s |")
+    wall = f"{small['wall']:.0f} s ({small['wall'] / 60:.1f} min)"
+    lines += [
+        "",
+        f"{small['networks']:.0f} small networks in one command: {wall} wall, {small['cpu']:.0f} s CPU",
+    ]
+    return "\n".join(lines)
+
+
+def _errors(timed: Sequence[Timed], way: str, size: str) -> list[float]:
+    return [t.held_out[size] for t in timed if t.way == way]
+
+
+def _spread(values: Sequence[float]) -> str:
+    deviation = f" ± {1e3 * stdev(values):.2f}" if len(values) > 1 else ""
+    return f"{1e3 * fmean(values):.2f}{deviation} mm/s"
+
+
+def _draw(timed: Sequence[Timed]) -> None:
+    """Wall times beside the held-out errors of both."""
+    from hybridid.plotting.looks import BLUE, DATA_GREY, VERMILION
+    from hybridid.plotting.style import DOUBLE_COLUMN, Plot, context, new_figure, save
+
+    with context():
+        figure = new_figure(DOUBLE_COLUMN, 70, "nine networks of Table 4.4, vertical velocity", "simulated")
+        times, errors = figure.subplots(1, 2, width_ratios=(1, 2))
+        for row, (way, colour) in enumerate(zip(WAYS, (BLUE, VERMILION, DATA_GREY), strict=True)):
+            own = [t.wall for t in timed if t.way == way]
+            times.barh(row, fmean(own), color=colour, height=0.6)
+            times.plot(own, [row] * len(own), "|", color="black")
+        times.set_yticks(range(len(WAYS)), WAYS)
+        times.invert_yaxis()
+        times.set_xlabel("wall time [s]")
+        for shift, (way, colour) in zip((-0.12, 0.12), ((WAYS[1], VERMILION), (WAYS[0], BLUE)), strict=True):
+            for column, size in enumerate(timed[0].held_out):
+                own = [1e3 * error for error in _errors(timed, way, size)]
+                label = way.partition(",")[0] if column == 0 else None
+                errors.plot([column + shift] * len(own), own, "o", color=colour, markersize=3, label=label)
+        errors.set_xticks(range(len(timed[0].held_out)), list(timed[0].held_out))
+        errors.set_xlabel("layers x neurons [–]")
+        errors.set_ylabel("held-out RMSE, a point a seed [mm/s]")
+        errors.legend()
+        caption = (
+            "Wall time of nine networks, and their held-out errors, trained in a sweep and in a plain loop."
+        )
+        save(Plot(figure, "sweep_speed", caption, "simulated"), OUT, kinds=("svg",))
+
+
+if __name__ == "__main__":
+    main()
