@@ -23,8 +23,8 @@ from hybridid_cli.terminal import Terminal
 from pipelines.config import Settings
 from pipelines.errors import ConfigError, Incomplete
 from pipelines.sweep.conduct import Sweep, SweepRequest, conduct, folder_of
-from pipelines.sweep.log import common
-from pipelines.sweep.point import expanded
+from pipelines.sweep.log import common, in_one_experiment
+from pipelines.sweep.point import Point, expanded
 from pipelines.sweep.report import write_report
 from pipelines.tracking import close_parent
 from pipelines.tree import locked
@@ -48,7 +48,8 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         points = expanded(list(Configs(overrides, parser, context.config_loader, config)))
         settings = points[0].settings
         request = SweepRequest.of(settings)
-        name = str(config.hydra.runtime.choices.get("experiment") or settings.case)
+        name = _name(points, config)
+        points = in_one_experiment(points, name)
         shared = tuple(str(o.input_line) for o in overrides if not o.is_sweep_override() and _is_model(o))
         asked = Sweep(name, tuple(words), shared, tuple(points), folder_of(name, points))
         plain = [word for o in overrides if not o.is_sweep_override() for word in _words(o)]
@@ -112,6 +113,12 @@ def _launcher(folder: Path, context: HydraContext, task: TaskFunction, config: D
     with open_dict(config), read_write(config):
         config.hydra.sweep.dir = str(folder / "jobs")
     return Plugins.instance().instantiate_launcher(hydra_context=context, task_function=task, config=config)
+
+
+def _name(points: Sequence[Point], config: DictConfig) -> str:
+    """Of the experiment, else of the cases."""
+    cases = dict.fromkeys(point.settings.case for point in points)
+    return str(config.hydra.runtime.choices.get("experiment") or "-".join(cases))
 
 
 def _is_model(override: Override) -> bool:

@@ -35,6 +35,19 @@ def _shared(one: Mapping[str, Any], other: Mapping[str, Any]) -> Mapping[str, An
     return shared
 
 
+def in_one_experiment(points: Sequence[Point], name: str) -> list[Point]:
+    """The points; those of several cases in one experiment ``name``, for MLflow nests no runs across."""
+    if len({point.settings.case for point in points}) == 1:
+        return list(points)
+    return [_in_experiment(point, name) for point in points]
+
+
+def _in_experiment(point: Point, name: str) -> Point:
+    logging = dict(point.settings.get("mlflow") or {})
+    config = {**point.settings.config, "mlflow": {**logging, "experiment": logging.get("experiment") or name}}
+    return Point(replace(point.settings, config=config), point.at)
+
+
 def log_points(points: Sequence[Point], sweep: str, watcher: Watcher) -> None:
     """Log finished points as runs of ``sweep``, the key of their parent. Again is the same again."""
     for point in points:

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from hybridid_cli.config_files import conf_folder
+
 NETWORKS = (
     "residual=narx", "residual.orders.error=2", "residual.orders.gray=1", "residual.every=5",
     "residual.horizons=[1]", "residual.depth=1", "residual.width=4,6", "residual.seeds=0",
@@ -64,3 +66,47 @@ def test_the_config_is_shown_without_a_sweep(say, quick):
     said = say("sweep", *quick, "--cfg", "job")
     assert said.code == 0
     assert "stack: null" in said.out
+
+
+@pytest.fixture
+def configs():
+    """``configs(words)``: what a sweep of these words is over, as Hydra would compose it."""
+    from hydra import initialize_config_dir
+    from hydra.core.global_hydra import GlobalHydra
+    from hydra.core.override_parser.overrides_parser import OverridesParser
+    from hydra.types import RunMode
+
+    from hybridid_cli.sweeper import Configs
+
+    def found(*words: str):
+        with initialize_config_dir(str(conf_folder()), version_base="1.3"):
+            loader = GlobalHydra.instance().config_loader()
+            config = loader.load_configuration("sweep", list(words), RunMode.MULTIRUN)
+            parser = OverridesParser.create(config_loader=loader)
+            return list(Configs(parser.parse_overrides(list(words)), parser, loader, config))
+
+    return found
+
+
+def test_groups_and_values_are_swept_in_all_combinations(configs):
+    words = ("case=esea", "residual=narx_esea", "friction=linear,dahl", "residual.orders.error=range(1,4)")
+    found = configs(*words)
+    assert [(at["friction"], at["residual.orders.error"]) for _, at in found] == [
+        (friction, order) for friction in ("linear", "dahl") for order in (1, 2, 3)
+    ]
+    for settings, at in found:
+        assert settings.in_sweep
+        assert settings["residual.orders.error"] == at["residual.orders.error"]
+        assert settings["effects"] == [{"linear": "viscous@motor", "dahl": "dahl@motor"}[at["friction"]]]
+
+
+def test_values_are_what_hydra_itself_makes_of_them(configs):
+    """Set in a composed config or composed with it: the same."""
+    for value in ("[viscous,coulomb]", "[viscous]"):
+        (alone, _), *_ = configs("case=emps", f"effects={value}")
+        swept = configs("case=emps", "effects=[viscous,coulomb],[viscous]", "parameters.M.lower=null,50")
+        same = [
+            s for s, at in swept if at["effects"] == alone["effects"] and at["parameters.M.lower"] is None
+        ]
+        assert [s["effects"] for s in same] == [alone["effects"]]
+        assert same[0]["estimator"] == alone["estimator"]
