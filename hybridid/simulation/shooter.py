@@ -22,6 +22,8 @@ from hybridid.simulation.machine_code import Code, total_derivative
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
+IN_TURN = 10
+"""How much longer CasADi's interpreter takes for horizons one after the other than for all at once."""
 _COMPILED = ("_step", "_symbols", "_chunk", "_sensitivity_chunk")
 
 
@@ -87,14 +89,18 @@ class Shooter:
     def code(self) -> Code:
         """One step, as machine code."""
         w = self.windows
-        steps = w.count * w.length * w.substeps
+        steps = w.count * w.length * w.substeps * (IN_TURN if self._hands_on else 1)
         return Code(self.model, self.free, self.integrator, w.held, steps)
+
+    @property
+    def _hands_on(self) -> bool:
+        return bool(self.carried) and max(self.windows.follows) >= 0
 
     def _interpreted(self, x0: Array, p: Array, sensitivities: bool) -> Shot:
         n_x = len(self.model.states)
         eye = np.tile(np.eye(n_x + len(self.free), n_x), (self.windows.count, 1, 1))
         start = (np.array(x0), eye) if sensitivities else (np.array(x0),)
-        if self.carried and max(self.windows.follows) >= 0:
+        if self._hands_on:
             states, outputs, *slopes, final, ends_by = self._in_turn(start, p)
             return _shot(states, outputs, final, *slopes, *((ends_by,) if sensitivities else ()))
         (states, outputs, *slopes, final), _ = self._run(start, p)

@@ -49,7 +49,7 @@ class Rules:
     worth: float = 0.05
     tie: float = 0.02
     vague: float = 0.5
-    collinear: float = 0.995
+    collinear: float = 0.999
     steady: float = 0.5
     kept: float = 0.5
     refuted: float = 1.5

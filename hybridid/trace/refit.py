@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from hybridid.estimators import gauss_newton
 from hybridid.estimators.carried import carries_nothing, carry
 from hybridid.estimators.estimate import Solution
-from hybridid.estimators.problem import Problem, build_problem
+from hybridid.estimators.problem import Problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.estimators.uncertainty import Uncertainty, uncertainty
 from hybridid.model import Model
-from hybridid.records.record import Hold, Record
-from hybridid.simulation.stability import MOST, substeps_wanted
+from hybridid.simulation.stability import MOST
+from hybridid.trace.numerics import DECLARED, Numerics, paths
 from hybridid.trace.score import Score, score_of
 from hybridid.trace.split import Split
 
@@ -29,9 +29,11 @@ Array = NDArray[np.float64]
 GLANCE = 8
 """Iterations spent on each start before the best is carried to convergence."""
 GLANCED = 8
-"""Fitted horizons that a glance looks at, evenly chosen: enough to tell starts apart."""
+"""Fitted horizons that a glance looks at: enough to tell starts apart."""
 GLANCE_TOLERANCE = 1e-3
 MOST_ITERATIONS = 40
+JUDGED = 30, 1e-5
+"""Iterations and tolerance of the initial states of held-out horizons, at given parameters."""
 CONTINUATION = (10.0, 3.0, 1.0)
 """Smoothings of sign(v), one after the other: sharp, the cost is rough with stick and slip."""
 HANDOVERS, HANDOVER_ITERATIONS = 3, 12
@@ -39,27 +41,8 @@ SETTLED = 1e-3
 """Relative change of the cost below which handing inner states on changes nothing more."""
 HOPE = 0.02
 """Relative decrease of the fitted cost below which a converged effect is not polished further."""
-MARGIN = 1.1
 STIFF = 8
 """Steps a sample beyond which a start is left to those that are less stiff."""
-
-
-@dataclass(frozen=True)
-class Numerics:
-    """How the equations are solved; a verdict must not depend on it.
-
-    ``smoothing`` multiplies every port's epsilon, ``finer`` the steps a sample;
-    ``hold`` replaces how every input runs between samples (None: as declared).
-    """
-
-    name: str = "as declared"
-    smoothing: float = 1.0
-    finer: int = 1
-    integrator: str = "rk4"
-    hold: Hold | None = None
-
-
-DECLARED = Numerics()
 
 
 @dataclass(frozen=True)
@@ -87,7 +70,7 @@ class Refit:
 
     def problem(self, split: Split) -> Problem:
         """Every horizon of ``split`` as the problem that was solved."""
-        return _laid_out(self.model, split, self.numerics, self.substeps // self.numerics.finer)
+        return self.numerics.problem(self.model, split, self.substeps // self.numerics.finer)
 
 
 def refit(
@@ -100,19 +83,17 @@ def refit(
 ) -> Refit:
     """Fit ``model`` from the best of ``starts`` (values by name over guesses) and score it.
 
-    ``before`` lends its initial states. ``factors`` is the continuation in epsilon; starts are compared
-    at the first of them.
+    ``before`` lends its initial states. ``factors`` is the continuation in epsilon.
     """
     began = time.perf_counter()
-    begun = _best_start(model, split, starts, before, numerics, factors[0])
     smoothing = [factor * numerics.smoothing for factor in factors]
+    begun = _best_start(model, split, starts, before, numerics, smoothing)
     hopeless = np.inf if before is None else (1 - HOPE) * before.cost
     solution, x0 = _settled(begun, split, smoothing, hopeless)
     problem = begun.problem
-    path = _paths(problem, solution.p, x0)
-    needed = min(_steps(model, solution.p, split, numerics, path), STIFF)
+    needed = min(numerics.steps(model, solution.p, split, paths(problem, solution.p, x0)), STIFF)
     if needed * numerics.finer > problem.windows.substeps:
-        problem = _laid_out(model, split, numerics, needed)
+        problem = numerics.problem(model, split, needed)
         solution, x0 = _settled(Begun(problem, solution.p, x0), split, smoothing[-1:], hopeless)
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
     doubt = _of_noise(uncertainty(fitted, solution.p, solution.x0))
@@ -138,10 +119,10 @@ def refit(
 def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, float]) -> Problem:
     """Every horizon of ``split`` as a problem of ``model``, solved as ``before`` was, in steps fit for
     ``values``."""
-    steps = _steps(model, model.values(values), split, before.numerics, _lent(before, model, split))
+    steps = before.numerics.steps(model, model.values(values), split, _lent(before, model, split))
     if steps > MOST:
         raise ValueError(f"needs more than {MOST} steps a sample")
-    return _laid_out(model, split, before.numerics, steps)
+    return before.numerics.problem(model, split, steps)
 
 
 @dataclass(frozen=True)
@@ -153,50 +134,13 @@ class Begun:
     x0: Array
 
 
-def _laid_out(model: Model, split: Split, numerics: Numerics, steps: int) -> Problem:
-    problem = build_problem(
-        model,
-        _recorded(split, numerics),
-        split.horizon,
-        steps * numerics.finer,
-        integrator=numerics.integrator,
-    )
-    return problem.without_ends(split.gap)
-
-
-def _recorded(split: Split, numerics: Numerics) -> tuple[Record, ...]:
-    """The records, their inputs held as ``numerics`` say."""
-    hold = numerics.hold
-    if hold is None:
-        return split.records
-    return tuple(
-        replace(r, input_channels=tuple(replace(c, hold=hold) for c in r.input_channels), warnings=())
-        for r in split.records
-    )
-
-
-def _steps(
-    model: Model, p: Array, split: Split, numerics: Numerics, paths: Sequence[Array] | None = None
-) -> int:
-    return substeps_wanted(model, p, _recorded(split, numerics), MARGIN, numerics.integrator, paths)
-
-
-def _paths(problem: Problem, p: Array, x0: Array) -> list[Array]:
-    """States (n, n_x) of each record's samples, as the horizons run through them."""
-    states = problem.shooter(x0, p).states
-    paths = [np.zeros((record.n, states.shape[2])) for record in problem.records]
-    for run, (record, start, stop) in zip(states, problem.windows.origin, strict=True):
-        paths[record][start:stop] = np.where(np.isfinite(run), run, 0.0)[: stop - start]
-    return paths
-
-
 def _lent(before: Refit, model: Model, split: Split) -> list[Array]:
     """The paths of ``before`` as states of ``model``; what it does not have rests."""
     names = [state.name for state in before.model.states]
-    paths = _paths(before.problem(split), before.model.values(before.values), before.x0)
+    begun = paths(before.problem(split), before.model.values(before.values), before.x0)
     known = {k: names.index(s.name) for k, s in enumerate(model.states) if s.name in names}
-    lent = [np.zeros((len(path), len(model.states))) for path in paths]
-    for own, path in zip(lent, paths, strict=True):
+    lent = [np.zeros((len(path), len(model.states))) for path in begun]
+    for own, path in zip(lent, begun, strict=True):
         own[:, list(known)] = path[:, list(known.values())]
     return lent
 
@@ -207,20 +151,20 @@ def _best_start(
     starts: Sequence[Mapping[str, float]],
     before: Refit | None,
     numerics: Numerics,
-    factor: float,
+    smoothing: Sequence[float],
 ) -> Begun:
     """The start whose first iterations get furthest, each in steps of its own.
 
     Raises:
         ValueError: if every start is too stiff.
     """
-    paths = None if before is None else _lent(before, model, split)
-    wanted = [_steps(model, model.values(s), split, numerics, paths) for s in starts]
+    about = None if before is None else _lent(before, model, split)
+    wanted = [numerics.steps(model, model.values(s), split, about) for s in starts]
     if min(wanted) > MOST:
         raise ValueError(f"needs more than {MOST} steps a sample at every start")
     limit = max(STIFF, min(wanted))
-    problems = {n: _laid_out(model, split, numerics, n) for n in sorted(set(wanted)) if n <= limit}
-    rows = list(split.fitted[:: max(1, len(split.fitted) // GLANCED)])
+    problems = {n: numerics.problem(model, split, n) for n in sorted(set(wanted)) if n <= limit}
+    rows = glanced(split, next(iter(problems.values())))
     parts = {n: problem.on(rows) for n, problem in problems.items()}
     found: list[tuple[float, Begun]] = []
     for start, steps in zip(starts, wanted, strict=True):
@@ -230,10 +174,16 @@ def _best_start(
         if len(starts) == 1:
             return begun
         glance = gauss_newton.solve(
-            parts[steps], begun.p, begun.x0[rows], (factor * numerics.smoothing,), GLANCE, GLANCE_TOLERANCE
+            parts[steps], begun.p, begun.x0[rows], smoothing, GLANCE, GLANCE_TOLERANCE
         )
         found.append((glance.cost, replace(begun, p=glance.p, x0=_with(begun.x0, rows, glance.x0))))
     return min(found, key=lambda one: one[0])[1]
+
+
+def glanced(split: Split, problem: Problem, most: int = GLANCED) -> list[int]:
+    """``most`` of the fitted horizons, evenly chosen; one after the other where they hand on inner states."""
+    step = max(1, len(split.fitted) // most) if carries_nothing(problem) else 1
+    return list(split.fitted[::step][:most])
 
 
 def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> Begun:
@@ -265,7 +215,7 @@ def _settled(
     def handed_on(p: Array, x0: Array) -> Array:
         """Inner states from horizon to horizon, the held-out ones' own states fitted at ``p``."""
         x0 = carry(problem, p, x0)
-        return _with(x0, theirs, gauss_newton.solve(judged, p, x0[theirs], smoothing[-1:]).x0)
+        return _with(x0, theirs, gauss_newton.solve(judged, p, x0[theirs], smoothing[-1:], *JUDGED).x0)
 
     solution = gauss_newton.solve(fitted, begun.p, x0[ours], smoothing, MOST_ITERATIONS)
     alone = carries_nothing(problem) or fitted.windows.complete or solution.cost > hopeless

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 from hybridid.model import Model
 from hybridid.records.record import HOLDS, Record
 from hybridid.trace.evidence import Rules, compare
-from hybridid.trace.refit import DECLARED, Numerics, Refit, refit
+from hybridid.trace.numerics import DECLARED, Numerics
+from hybridid.trace.refit import Refit, refit
 from hybridid.trace.split import Split
 
 OTHER_INTEGRATOR = {"rk4": "rodas3", "rodas3": "rk4"}

@@ -9,7 +9,8 @@ from hybridid.effects.effect import Effect
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
 from hybridid.trace.evidence import Rules, compare
-from hybridid.trace.refit import CONTINUATION, DECLARED, Numerics, Refit, refit
+from hybridid.trace.numerics import DECLARED, Numerics
+from hybridid.trace.refit import CONTINUATION, Refit, refit
 from hybridid.trace.robustness import Survival, survival, variations
 from hybridid.trace.split import Split
 from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt, equivalents, judge, look_alikes

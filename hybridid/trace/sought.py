@@ -18,7 +18,7 @@ from hybridid.estimators.gauss_newton import promise
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Path
-from hybridid.trace.refit import Refit, begin, problem_of
+from hybridid.trace.refit import Refit, begin, glanced, problem_of
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ PEAKS = 2
 PERIODS, PLACES = 40, 16
 """Most periods within the visited range, and places along it, that are tried."""
 LOOKED_AT = 10
-"""Fitted horizons by which a grid is judged, evenly chosen."""
+"""Fitted horizons by which a grid is judged."""
 
 
 def sought(candidate: Candidate, model: Model, base: Refit, split: Split) -> list[dict[str, float]]:
@@ -86,7 +86,7 @@ def _promised(model: Model, base: Refit, split: Split, starts: list[dict[str, fl
     if not starts:
         return np.empty(0)
     problem = problem_of(model, split, base, starts[len(starts) // 2])
-    rows = list(split.fitted[:: max(1, len(split.fitted) // LOOKED_AT)])
+    rows = glanced(split, problem, LOOKED_AT)
     first = begin(problem, problem.model.values(starts[0]), base, base.numerics)
     part = problem.on(rows)
     found = []

@@ -14,13 +14,15 @@ from hybridid.model import Model
 from hybridid.trace.ceiling import OVERS, Ceiling, Path, ceiling
 from hybridid.trace.evidence import Rules
 from hybridid.trace.noise import noise_level
-from hybridid.trace.refit import Numerics
+from hybridid.trace.numerics import Numerics
 from hybridid.trace.robustness import survival as survive
 from hybridid.trace.robustness import variations
 from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import without_stand_ins
 
+MOST_TOLD = 3
+"""Places where structure remains, the strongest, that are looked at and named."""
 Verdict = Literal["effect_found", "ambiguous", "nothing_missing", "unexplained"]
 
 
@@ -80,7 +82,7 @@ def trace(
     trusted = without_stand_ins(found, ceilings, rules)
     if trusted is not found:
         found, ceilings = trusted, _ceilings(trusted, split, mapper, report, ports)
-    told = [c for c in _telling(ceilings, rules) if _lasting(c, found, split, rules, mapper)]
+    told = [c for c in _telling(ceilings, rules)[:MOST_TOLD] if _lasting(c, found, split, rules, mapper)]
     remains = tuple(f"at {c.port} over {c.over}" for c in told)
     return Trace(
         verdict=_verdict(found, remains),

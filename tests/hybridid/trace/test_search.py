@@ -9,7 +9,8 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.ceiling import OVERS, ceiling
 from hybridid.trace.evidence import Rules
-from hybridid.trace.refit import Numerics, refit
+from hybridid.trace.numerics import Numerics
+from hybridid.trace.refit import refit
 from hybridid.trace.robustness import survival, variations
 from hybridid.trace.search import search
 from hybridid.trace.stand_in import without_stand_ins

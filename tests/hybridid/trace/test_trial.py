@@ -55,7 +55,7 @@ def trial(make_model):
         correlation = np.eye(len(free))
         if correlated:
             pair = (own.index(True), free.index(correlated))
-            correlation[pair] = correlation[pair[::-1]] = 0.999
+            correlation[pair] = correlation[pair[::-1]] = 0.9995
         made = Refit(
             model=richer, values=found, std=spread, correlation=correlation, x0=np.zeros((1, 2)),
             fitted_rmse=np.ones(1), score=score(rmse, likelihood, 1, lone), cost=1.0,

@@ -1,0 +1,64 @@
+"""How a trace solves the equations: what no verdict may depend on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators.problem import Problem, build_problem
+from hybridid.model import Model
+from hybridid.records.record import Hold, Record
+from hybridid.simulation.stability import substeps_wanted
+from hybridid.trace.split import Split
+
+Array = NDArray[np.float64]
+MARGIN = 1.1
+"""Steps a sample in hand: parameters move."""
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """``smoothing`` multiplies every epsilon, ``finer`` the steps a sample; ``hold`` replaces how every
+    input runs between samples (None: as declared)."""
+
+    name: str = "as declared"
+    smoothing: float = 1.0
+    finer: int = 1
+    integrator: str = "rk4"
+    hold: Hold | None = None
+
+    def records(self, split: Split) -> tuple[Record, ...]:
+        """The records, their inputs held as this says."""
+        if self.hold is None:
+            return split.records
+        return tuple(
+            replace(
+                r, input_channels=tuple(replace(c, hold=self.hold) for c in r.input_channels), warnings=()
+            )
+            for r in split.records
+        )
+
+    def problem(self, model: Model, split: Split, steps: int) -> Problem:
+        """Every horizon of ``split``, in ``steps`` times ``finer`` steps a sample."""
+        steps *= self.finer
+        problem = build_problem(model, self.records(split), split.horizon, steps, integrator=self.integrator)
+        return problem.without_ends(split.gap)
+
+    def steps(self, model: Model, p: Array, split: Split, paths: Sequence[Array] | None = None) -> int:
+        """Steps a sample that ``p`` (n_p,) needs; ``paths`` as ``substeps_wanted`` has them."""
+        return substeps_wanted(model, p, self.records(split), MARGIN, self.integrator, paths)
+
+
+DECLARED = Numerics()
+
+
+def paths(problem: Problem, p: Array, x0: Array) -> list[Array]:
+    """States (n, n_x) of each record's samples, as the horizons run through them."""
+    states = problem.shooter(x0, p).states
+    found = [np.zeros((record.n, states.shape[2])) for record in problem.records]
+    for run, (record, start, stop) in zip(states, problem.windows.origin, strict=True):
+        found[record][start:stop] = np.where(np.isfinite(run), run, 0.0)[: stop - start]
+    return found
