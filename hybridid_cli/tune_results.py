@@ -28,6 +28,11 @@ def tune_results(tuned: Tuned) -> str:
         if rows
     )
     parts: list[RenderableType] = [_table(tuned), Text(f"trials: {counts or 'none'}; {tuned.seconds:.0f} s")]
+    missing = tuned.request.trials - len(findings.of("done", "pruned", "failed"))
+    if missing > 0:
+        parts.append(
+            Text(f"{missing} of {tuned.request.trials} trials are not done: the same command goes on")
+        )
     chosen = findings.chosen
     if chosen is not None:
         parts += [

@@ -14,7 +14,9 @@ from pipelines.findings import prepared_records, provenance_of
 from pipelines.modelling import model_of
 from pipelines.runner import run_stages
 from pipelines.side_by_side import Died, side_by_side
+from pipelines.storage import json_text, read_json
 from pipelines.tracking import close_parent, open_parent
+from pipelines.tree import write_text
 from pipelines.tune.findings import Findings, findings_of
 from pipelines.tune.log import log_trial
 from pipelines.tune.report import written
@@ -52,7 +54,7 @@ def tune(settings: Settings, watcher: Watcher) -> Tuned:
     data = {record.name: str(record.row["digest"]) for record in prepared_records(outcome.tree)}
     digest = study_digest(settings, request, data)
     folder = _folder(settings, digest, provenance_of(outcome.tree))
-    folder.mkdir(parents=True, exist_ok=True)
+    _claim(folder, digest)
     key = f"{_NAME}.{digest}"
     study = opened(folder, request)
     there = sum(counts(trial) for trial in study.trials)
@@ -96,6 +98,21 @@ def _folder(settings: Settings, digest: str, provenance: str) -> Path:
         return Path(str(settings["out"]))
     name = f"{_NAME}-{digest}" + ("" if provenance == "measured" else "-simulated")
     return Path(str(settings["paths.outputs"])) / settings.case / name
+
+
+def _claim(folder: Path, digest: str) -> None:
+    """Make the folder this search's own.
+
+    Raises:
+        ConfigError: if it is another's.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "search.json"
+    if path.exists() and (of := read_json(path)["digest"]) != digest:
+        raise ConfigError(
+            f"{folder} holds the search {of}, this one is {digest}: give another folder by out="
+        )
+    write_text(path, json_text({"digest": digest}))
 
 
 def _searched(given: Work, processes: int, watcher: Watcher) -> tuple[str, ...]:

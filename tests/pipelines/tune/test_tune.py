@@ -117,6 +117,16 @@ def test_values_reach_the_networks_and_the_chosen_config_makes_them_again(asked,
     assert parent.info.status == "FINISHED"
 
 
+def test_another_search_does_not_take_its_folder(asked, heard, in_this_process):
+    settings = asked(processes=1, trials=1)
+    there = replace(settings, config={**settings.config, "out": "search"})
+    tune(there, heard)
+    wider = {"residual": {"width": {"low": 4, "high": 9}}}
+    other = {**asked(space=wider, processes=1, trials=1).config, "out": "search"}
+    with pytest.raises(ConfigError, match="search holds the search"):
+        tune(replace(settings, config=other), heard)
+
+
 def test_a_trial_that_fails_is_named_and_the_others_go_on(asked, heard, in_this_process, monkeypatch):
     whole = worker.carried_out
 
