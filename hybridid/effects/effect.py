@@ -29,6 +29,8 @@ class EffectParameter:
     the record: a ``"period"`` over the positions that the port visits, a ``"place"`` among
     them, or the ``"frequency"`` of what a model leaves over time.
 
+    A ``minor`` one may be undetermined or end at a bound: with any value of it the effect is itself.
+
     A ``fixed`` parameter belongs to how the law is written (a smoothing width, the window of
     a delay line) and is not estimated; its ``starts`` are alternatives to try, each fixed.
 
@@ -46,6 +48,7 @@ class EffectParameter:
     nests: bool = False
     absolute: bool = False
     fixed: bool = False
+    minor: bool = False
     sought: Literal["", "period", "place", "frequency"] = ""
 
     def __post_init__(self) -> None:

@@ -67,7 +67,7 @@ FLEXIBLE_MODE = Effect(
             starts=(0.3, 10.0, 30.0),
             sought="frequency",
         ),
-        EffectParameter("zeta", ONE, "damping ratio ζ", guess=0.05, lower=1e-3, upper=2.0),
+        EffectParameter("zeta", ONE, "damping ratio ζ", guess=0.05, lower=1e-3, upper=2.0, minor=True),
     ),
     states=LOAD_STATES,
     source=(
@@ -115,8 +115,11 @@ BACKLASH = Effect(
             guess=20.0,
             lower=0.2,
             upper=200.0,
+            minor=True,
         ),
-        EffectParameter("zeta", ONE, "damping ratio ζ of the contact", guess=0.3, lower=0.01, upper=3.0),
+        EffectParameter(
+            "zeta", ONE, "damping ratio ζ of the contact", guess=0.3, lower=0.01, upper=3.0, minor=True
+        ),
         EffectParameter("width", POSITION, "rounding of the play's edges", guess=2e-5, lower=0.0, fixed=True),
     ),
     states=LOAD_STATES,

@@ -75,7 +75,13 @@ LUGRE = Effect(
         LEVEL,
         LENGTH,
         EffectParameter(
-            "tau_b", TIME, "damping time of the bristles, τ_b = σ1/σ0", guess=2e-3, lower=0.0, upper=0.1
+            "tau_b",
+            TIME,
+            "damping time of the bristles, τ_b = σ1/σ0",
+            guess=2e-3,
+            lower=0.0,
+            upper=0.1,
+            minor=True,
         ),
         EffectParameter(
             "r_s", ONE, "static above sliding friction, f_s/f_c - 1", guess=0.3, lower=0.0, upper=5.0
@@ -130,6 +136,7 @@ BOUC_WEN = Effect(
             guess=0.7,
             lower=0.5,
             upper=5.0,
+            minor=True,
         ),
         EffectParameter(
             "n",

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
+from hybridid.residuals.adam import Adam
 from hybridid.residuals.criteria import Criterion
 from hybridid.residuals.samples import Samples, Windows, gather
 from hybridid.residuals.settings import Training
@@ -101,17 +101,15 @@ class _Learner:
     """A stack and its Adam."""
 
     stack: Stack
-    adam: torch.optim.Adam
-    settings: Training
+    adam: Adam
 
     @classmethod
     def of(cls, stack: Stack, settings: Training) -> _Learner:
-        adam = torch.optim.Adam(stack.tensors, lr=settings.learning_rate, weight_decay=settings.weight_decay)
-        return cls(stack, adam, settings)
+        return cls(stack, Adam(stack.tensors, settings.learning_rate, settings.weight_decay))
 
     def step(self, windows: Windows) -> NDArray[np.float64]:
         """One step down each network's own loss; returns the losses (b,)."""
-        self.adam.zero_grad()
+        self.adam.forget()
         losses = (self.stack(windows.past, windows.rows) - windows.target).square().mean(dim=(1, 2))
         losses.sum().backward()
         self.stack.cut_gradients()
@@ -120,10 +118,6 @@ class _Learner:
 
     def part(self, chosen: Index) -> _Learner:
         """The learner of these networks alone, with their moments."""
-        smaller = _Learner.of(self.stack.part(list(chosen)), self.settings)
         rows = list(chosen)
-        for old, new in zip(self.stack.tensors, smaller.stack.tensors, strict=True):
-            state = self.adam.state[old]
-            moments = {name: state[name][rows].clone() for name in ("exp_avg", "exp_avg_sq")}
-            smaller.adam.state[new] = {"step": state["step"].clone(), **moments}
-        return smaller
+        smaller = self.stack.part(rows)
+        return _Learner(smaller, self.adam.part(rows, smaller.tensors))

@@ -63,6 +63,7 @@ class Stack:
         self.lags = lags
         self.carry = carry
         self.gain = gain
+        self._scaled = bool((gain != 1.0).any())
 
     @property
     def tensors(self) -> list[Tensor]:
@@ -77,12 +78,13 @@ class Stack:
         by_past = first[:, : self.lags]
         driven = torch.baddbmm(bias, rows.flatten(1, 2), first[:, self.lags :]).view(b, windows, horizon, -1)
         found = []
-        for k in range(horizon):
-            x = torch.nn.functional.elu(torch.baddbmm(driven[:, :, k], past, by_past))
+        for drive in driven.unbind(2):  # at once: the gradient of slice after slice costs horizon² memory
+            x = torch.nn.functional.elu(torch.baddbmm(drive, past, by_past))
             for (matrix, shift), owners in zip(inner, self._owners, strict=True):
                 y = torch.nn.functional.elu(torch.baddbmm(shift, x, matrix))
                 x = y if owners is None else torch.where(owners, y, x)
-            value = self.gain * torch.baddbmm(offset, x, last)
+            value = torch.baddbmm(offset, x, last)
+            value = self.gain * value if self._scaled else value
             if self.carry:
                 value = value + self.carry * past[:, :, :1]
             found.append(value)

@@ -13,7 +13,16 @@ from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit
 from hybridid.trace.robustness import Survival, survival, variations
 from hybridid.trace.split import Split
-from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt, equivalents, judge, look_alikes
+from hybridid.trace.trial import (
+    PASSED,
+    REJECTED,
+    Trial,
+    attempt,
+    equivalents,
+    judge,
+    look_alikes,
+    indistinguishable,
+)
 
 Report = Callable[[str, int, int, str], None]
 """``report(stage, done, of, what)``"""
@@ -172,7 +181,7 @@ def _lost(survival: Survival) -> str:
 def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
     """The best held-out error; among those alike, the one with the fewest parameters."""
     best = max(passed, key=lambda t: t.gain)
-    alike = equivalents(best, passed, rules)
+    alike = [best, *(t for t in passed if t is not best and indistinguishable(best, t, rules))]
     return min(alike, key=lambda t: (_free_parameters(t), -t.gain))
 
 

@@ -101,7 +101,7 @@ def _undetermined(trial: Trial, rules: Rules) -> str:
         return f"{said}: not determined by these records"
     for p in trial.candidate.effect.parameters:
         declared, value = p.at(port), values[p.name]
-        if declared.fixed or (p.nests and len(amplitudes) > 1):
+        if declared.fixed or p.minor or (p.nests and len(amplitudes) > 1):
             continue
         std = errors[f"{trial.candidate.name}.{p.name}"]
         if not math.isfinite(std) or (not p.nests and std > rules.vague * max(abs(value), declared.scale)):
@@ -147,7 +147,10 @@ def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Tria
     whatever is left.)
     """
     others = [t for t in trials if t.status == PASSED and t is not best]
-    return [best, *(t for t in others if _alike(best, t, rules) or _nearly_alike(best, t, rules))]
+    return [
+        best,
+        *(t for t in others if indistinguishable(best, t, rules) or _nearly_alike(best, t, rules)),
+    ]
 
 
 def _nearly_alike(best: Trial, other: Trial, rules: Rules) -> bool:
@@ -161,7 +164,8 @@ def look_alikes(one: Trial, other: Trial) -> bool:
     return ours.id in theirs.look_alikes or theirs.id in ours.look_alikes
 
 
-def _alike(best: Trial, other: Trial, rules: Rules) -> bool:
+def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:
+    """Whether held-out horizons show no advantage of ``best`` worth the name."""
     assert best.refit is not None
     assert other.refit is not None
     advantage = compare(other.refit.score, best.refit.score)
