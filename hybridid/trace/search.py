@@ -19,9 +19,9 @@ from hybridid.trace.trial import (
     Trial,
     attempt,
     equivalents,
+    indistinguishable,
     judge,
     look_alikes,
-    indistinguishable,
 )
 
 Report = Callable[[str, int, int, str], None]
