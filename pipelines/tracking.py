@@ -15,14 +15,16 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
+from filelock import Timeout
+
 from pipelines.config import Settings
 from pipelines.errors import ConfigError
 from pipelines.stage import Outcome
 from pipelines.tracking_facts import about, artifacts_of, finite, metrics_of_run, parameters, tags_of
 from pipelines.tracking_note import Artifact, Note, Status, short
-from pipelines.tracking_send import send
+from pipelines.tracking_send import Slow, send
 from pipelines.tracking_store import client, tracking_uri
-from pipelines.tracking_waiting import keep, reason, waiting
+from pipelines.tracking_waiting import SILENT, keep, reason, waiting
 from pipelines.watch import Watcher
 
 __all__ = ["Point", "Run", "client", "close_parent", "log_point", "open_parent", "tracked", "tracking_uri"]
@@ -164,15 +166,17 @@ def _log(settings: Settings, note_of: Callable[[], Note], watcher: Watcher) -> N
 
 
 def _sent(note: Note, settings: Settings) -> str:
-    """Send it; why it could not be, if so. A store that failed a moment ago is not waited for again."""
+    """Send it; why it could not be, if so. A store that kept us waiting a moment ago is not asked again."""
     uri = tracking_uri(settings)
     if time.monotonic() < _failed.get(uri, 0.0):
-        return "it failed less than a minute ago"
+        return "it did not answer in time, less than a minute ago"
     try:
         send(note, settings, _patience(settings))
     except Exception as error:
-        _failed[uri] = time.monotonic() + _PAUSE
-        return reason(error, uri)
+        trouble = reason(error, uri)
+        if trouble == SILENT or isinstance(error, (Slow, Timeout)):
+            _failed[uri] = time.monotonic() + _PAUSE
+        return trouble
     return ""
 
 

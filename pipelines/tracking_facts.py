@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import subprocess
 from collections.abc import Mapping
@@ -10,7 +11,7 @@ from pathlib import Path
 from pipelines.config import Settings, flat
 from pipelines.findings import cost_history, facts, metrics_of, provenance_of
 from pipelines.stage import Outcome
-from pipelines.tracking_note import Artifact, Metric, short
+from pipelines.tracking_note import CHANGED, COMMIT, Artifact, Metric, short
 
 
 def about(settings: Settings, command: str) -> dict[str, str]:
@@ -57,17 +58,15 @@ def artifacts_of(outcome: Outcome) -> tuple[Artifact, ...]:
     )
 
 
+@functools.cache
 def _commit() -> dict[str, str]:
-    """The commit of the checkout that hybridid runs from, if it is one."""
+    """The commit of the checkout that hybridid runs from, if it is one; of when this process began to log."""
     home = Path(__file__).resolve().parents[1]
     try:
         if Path(_git(home, "rev-parse", "--show-toplevel")).resolve() != home:
             return {}  # installed somewhere inside another repository
         changed = bool(_git(home, "status", "--porcelain", "--untracked-files=no"))
-        return {
-            "mlflow.source.git.commit": _git(home, "rev-parse", "HEAD"),
-            "git.changed": str(changed).lower(),
-        }
+        return {COMMIT: _git(home, "rev-parse", "HEAD"), CHANGED: str(changed).lower()}
     except (OSError, subprocess.SubprocessError):
         return {}
 

@@ -12,6 +12,8 @@ from typing import Any, Literal
 Status = Literal["RUNNING", "FINISHED", "FAILED"]
 KEY = "hybridid.key"
 """The tag by which a run is found again: two notes of one key fill one run."""
+COMMIT, CHANGED = "mlflow.source.git.commit", "git.changed"
+"""Tags: the commit of the code that made the result, and whether its files were changed since."""
 LONGEST = 6000
 """Characters that MLflow takes for a parameter."""
 
@@ -53,8 +55,10 @@ class Note:
 
     @property
     def digest(self) -> str:
-        """Equal for two notes that say the same, wherever their files lie."""
-        said = {**self.plain(), "artifacts": sorted(a.into for a in self.artifacts), "uri": None}
+        """Equal for two notes of one result, wherever its files lie and by whatever code it is logged."""
+        tags = {name: tag for name, tag in self.tags.items() if name not in (COMMIT, CHANGED)}
+        files = sorted(a.into for a in self.artifacts)
+        said = {**self.plain(), "tags": tags, "artifacts": files, "uri": None}
         return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:16]
 
     def plain(self) -> dict[str, Any]:

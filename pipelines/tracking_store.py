@@ -30,7 +30,7 @@ _SILENT = {
     "MLFLOW_SUPPRESS_PRINTING_URL_TO_STDOUT": "true",  # stdout is for results
 }
 _ANSWER_WITHIN = 5.0  # s
-_LONGEST_QUEUE = 600.0  # s, behind other processes that write to the sqlite file
+_LONGEST_QUEUE = 120.0  # s, behind other processes that write to the sqlite file
 
 
 def tracking_uri(settings: Settings) -> str:

@@ -9,7 +9,7 @@ import pytest
 
 from pipelines import tracking, tracking_send
 from pipelines.tracking import Point, client, close_parent, log_point, open_parent
-from pipelines.tracking_note import KEY
+from pipelines.tracking_note import COMMIT, KEY
 from pipelines.tracking_waiting import send_waiting, waiting
 
 
@@ -74,6 +74,22 @@ def test_the_same_sweep_again_completes_the_first(settings, heard):
     assert {run.info.status for run in after.values()} == {"FINISHED"}
     assert "error" not in after["point 2"].data.tags
     assert len(client(settings()).get_metric_history(after["point 1"].info.run_id, "held_out")) == 1
+
+
+def test_a_result_keeps_the_commit_that_made_it(settings, heard, monkeypatch):
+    for commit in ("first", "later"):
+        monkeypatch.setattr("pipelines.tracking_facts._commit", lambda commit=commit: {COMMIT: commit})
+        log_point(settings(), point(1), "all", heard)
+    assert runs_by_key(settings())["point 1"].data.tags[COMMIT] == "first"
+
+
+def test_a_note_that_is_refused_does_not_stop_the_next(settings, heard):
+    log_point(settings(), point(1, metrics={"a\nb": 1.0}), "all", heard)
+    log_point(settings(), point(2), "all", heard)
+    assert [note.key for _, note in waiting(settings())] == ["point 1"]
+    assert runs_by_key(settings())["point 2"].info.status == "FINISHED"
+    (attempt,) = send_waiting(settings(), heard)
+    assert "a\\nb" in attempt.trouble or "metric" in attempt.trouble.lower()
 
 
 def test_cut_off_midway_nothing_is_doubled_or_lost(settings, heard, monkeypatch):
