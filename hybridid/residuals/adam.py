@@ -1,7 +1,7 @@
 """Adam, ``m = b1 m + (1 - b1) g``, ``v = b2 v + (1 - b2) g²``, ``p = p - a m' / (sqrt(v') + e)``.
 
-``m'`` and ``v'`` are ``m / (1 - b1^t)`` and ``v / (1 - b2^t)``. The same numbers as ``torch.optim.Adam``, which
-loads torch's compiler at its first step: two seconds of every worker, as long as small networks train.
+``m'`` and ``v'`` are ``m / (1 - b1^t)`` and ``v / (1 - b2^t)``. The same numbers as ``torch.optim.Adam``,
+which loads torch's compiler at its first step: two seconds of every worker, as long as small networks train.
 Source: Kingma, Ba (2015), ICLR, arXiv:1412.6980.
 """
 
