@@ -62,7 +62,9 @@ def planned(
     grays = {p.gray_tree: p for p in missing if p.kind is not None and p.gray_tree not in known}
     small = [point for point in missing if _is_small(point)]
     large = [point for point in missing if not _is_small(point)]
-    stacks = [stack for group in _alike(small) for stack in _stacks(group, cores, most)]
+    groups = _alike(small)
+    share = None if cores is None else -(-cores // max(len(groups), 1))
+    stacks = [stack for group in groups for stack in _stacks(group, share, most)]
     jobs = sorted([*stacks, *((point,) for point in large)], key=cost, reverse=True)
     return Plan(
         cores,

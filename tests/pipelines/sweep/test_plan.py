@@ -44,6 +44,11 @@ def test_networks_on_other_gray_boxes_or_of_other_training_are_not_stacked(point
     assert len(plan.grays) == 2
 
 
+def test_groups_that_cannot_be_stacked_share_the_cores(points):
+    found = points({}, {"estimator.horizon": 150})
+    assert [len(work.points) for work in planned(found, [], [], cores=2).jobs] == [8, 8]
+
+
 def test_other_orders_are_stacked(points):
     plan = planned(points({}, {"residual.orders.error": 1}), [], [], cores=1)
     assert [len(work.points) for work in plan.jobs] == [16]
