@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import re
 import subprocess
@@ -90,16 +91,25 @@ def study(jobs: int, folder: Path, environment: dict[str, str]) -> bool:
 
 
 def kill_one(sweep: subprocess.Popen[bytes], folder: Path, environment: dict[str, str]) -> str:
-    """Cancel a job of the array that is at work, once some have ended; its id."""
+    """Kill a job of the array that has just begun its work, once some have ended; its id.
+
+    By SIGKILL, as the kernel does when memory runs out: a job that is merely cancelled has half a minute to
+    end, and may be done by then.
+    """
     while sweep.poll() is None:
-        time.sleep(0.2)
+        time.sleep(0.1)
         jobs = launched((folder / "first.log").read_text())
         ended = [path for path in jobs if path.with_suffix(".outcome").exists()]
-        at_work = [p for p in jobs if p.with_suffix(".begun").exists() and p not in ended]
-        if len(ended) >= ENOUGH and at_work:
-            subprocess.run(["scancel", jobs[at_work[-1]]], env=environment, check=True)
-            return jobs[at_work[-1]]
+        begun = [p for p in jobs if p not in ended and _age(p.with_suffix(".begun")) < 1.0]
+        if len(ended) >= ENOUGH and begun:
+            subprocess.run(["scancel", "--signal=KILL", jobs[begun[0]]], env=environment, check=True)
+            return jobs[begun[0]]
     return "none, for the sweep ended before"
+
+
+def _age(path: Path) -> float:
+    """Seconds since it was written; without end if it is not there."""
+    return time.time() - path.stat().st_mtime if path.exists() else math.inf
 
 
 def launched(said: str) -> dict[Path, str]:
