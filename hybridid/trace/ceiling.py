@@ -1,9 +1,10 @@
-"""The ceiling: how much any memoryless effect at a port could explain.
+"""The ceiling: how much any effect at a port could explain that hangs on one variable.
 
     F = g sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2))
 
 with s the port's velocity, its position or the time, and g = 1; or, for a damping or a dry friction that
-changes from place to place or over the run, g = v or sign(v) and s the position or the time.
+changes from place to place or over the run, g = v or sign(v) and s the position or the time. A dry friction
+that follows how much the port has slid of late (it warms) has g = sign(v) and s' = (|v| - s) / tau.
 
 A sum of Gaussian bumps on a fixed grid over the range that the fitted horizons cover is fitted
 in simulation, like any effect, with every other parameter. V holds the combinations of bumps
@@ -16,15 +17,16 @@ centres and widths; Jolliffe (2002), Principal Component Analysis, ch. 8.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal, cast, get_args
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
-from hybridid.effects.dimension import DAMPING, EFFORT
-from hybridid.effects.effect import Effect, EffectParameter, Local
+from hybridid.effects.dimension import DAMPING, EFFORT, TIME, VELOCITY
+from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
 from hybridid.model import Model
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import Refit, refit
@@ -39,9 +41,11 @@ Over = Literal[
     "time, times velocity",
     "position, times sign of velocity",
     "time, times sign of velocity",
+    "speed of late, times sign of velocity",
 ]
 OVERS: tuple[Over, ...] = get_args(Over)
-BUMPS = 12
+LATE = "speed of late"
+BUMPS, BUMPS_OF_LATE = 12, 3
 FAINT = 1e-4
 """Mean square of a combination of bumps over the fitted horizons, against the strongest, below which
 they do not show it."""
@@ -81,7 +85,8 @@ class Bumps:
     basis: tuple[tuple[float, ...], ...]
 
     def __call__(self, at: Local) -> ca.SX:
-        s = {"velocity": at.velocity, "position": at.position, "time": at.time}[variable(self.over)]
+        now = {"velocity": at.velocity, "position": at.position, "time": at.time}
+        s = at.z.late if variable(self.over) == LATE else now[variable(self.over)]
         s = ca.fmin(ca.fmax(s, self.centres[0]), self.centres[-1])
         weights = ca.DM(self.basis) @ ca.vertcat(*[getattr(at.p, f"a{j}") for j in range(len(self.basis[0]))])
         bumps = [ca.exp(-(((s - c) / self.width) ** 2) / 2) for c in self.centres]
@@ -90,9 +95,9 @@ class Bumps:
         return effort * factors[factor(self.over)]
 
 
-def variable(over: Over) -> Over:
+def variable(over: str) -> str:
     """The s of a learned effort."""
-    return cast(Over, over.partition(",")[0])
+    return over.partition(",")[0]
 
 
 def factor(over: Over) -> str:
@@ -100,15 +105,29 @@ def factor(over: Over) -> str:
     return over.partition(", ")[2]
 
 
-def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
-    """A learned effort over ``over``, as far as ``seen`` (n,) covers it."""
+def _memory(seconds: float) -> EffectParameter:
+    return EffectParameter(
+        "tau",
+        TIME,
+        "how long the speed of late is remembered",
+        guess=seconds,
+        lower=seconds / 30,
+        upper=seconds * 30,
+        starts=(seconds / 5, seconds * 5),
+        absolute=True,
+    )
+
+
+def learned_effort(over: Over, seen: Array, bumps: int = BUMPS, memory: float = 1.0) -> Effect:
+    """A learned effort over ``over``, as far as ``seen`` (n,) covers it; what is of late goes back
+    ``memory`` seconds, about."""
     centres = np.linspace(seen.min(), seen.max(), bumps)
     width = (seen.max() - seen.min()) / (bumps - 1)
     shapes = np.exp(-(((seen[:, None] - centres) / width) ** 2) / 2)
     spread, components = np.linalg.eigh(shapes.T @ shapes / len(seen))
     shown = spread > FAINT * spread[-1]
     basis = components[:, shown] / np.sqrt(spread[shown])
-    weights = tuple(
+    weights = [
         EffectParameter(
             f"a{j}",
             DAMPING if factor(over) == "times velocity" else EFFORT,
@@ -117,7 +136,8 @@ def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
             nests=True,
         )
         for j in range(basis.shape[1])
-    )
+    ]
+    late = variable(over) == LATE
     return Effect(
         id="learned_" + over.replace(", ", "_").replace(" ", "_"),
         kind="effort",
@@ -125,7 +145,9 @@ def learned_effort(over: Over, seen: Array, bumps: int = BUMPS) -> Effect:
         equation={"": "", "times velocity": "v ", "times sign of velocity": "sign(v) "}[factor(over)]
         + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
         law=Bumps(over, tuple(centres.tolist()), float(width), tuple(map(tuple, basis.tolist()))),
-        parameters=weights,
+        parameters=(*weights, *((_memory(memory),) if late else ())),
+        states=(EffectState("late", VELOCITY, "speed of late"),) if late else (),
+        dynamics=(lambda at: {"late": (at.speed - at.z.late) / at.p.tau}) if late else None,
         source="thesis Eqs. 6-4 to 6-6 with fixed centres",
         pattern=f"any function of {over}",
     )
@@ -135,16 +157,31 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     """Fit a learned effort at ``port`` beside everything else and score it held out."""
     where = base.model.plant.port(port)
     path = Path.of(base, split, (*split.fitted, *split.held_out))
-    effect = learned_effort(over, Path.of(base, split, split.fitted).motion(port, over))
+    fitted = Path.of(base, split, split.fitted)
+    bumps = BUMPS_OF_LATE if variable(over) == LATE else BUMPS  # a held-out run may be warmer than any fitted
+    effect = learned_effort(over, fitted.motion(port, over), bumps, fitted.memory)
     model: Model = base.model.plus(effect, port)
-    found = refit(model, split, [base.values], base, base.numerics)
+    found = refit(model, split, _starts(model, effect, port, base), base, base.numerics)
     evidence = compare(base.score, found.score)
-    net = path.effort(model, found.values, port) - path.effort(base.model, base.values, port)
-    unit = {"velocity": f"{where.position_unit}/s", "position": where.position_unit, "time": "s"}[
-        variable(over)
-    ]
+    seen = (
+        replace(path, states=np.column_stack([path.states, path.motion(port, LATE)]))
+        if effect.states
+        else path
+    )
+    net = seen.effort(model, found.values, port) - path.effort(base.model, base.values, port)
+    speed = f"{where.position_unit}/s"
+    units = {"velocity": speed, LATE: speed, "position": where.position_unit, "time": "s"}
+    unit = units[variable(over)]
     curve = _binned(path.motion(port, over), net)
     return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, unit, found)
+
+
+def _starts(model: Model, effect: Effect, port: str, base: Refit) -> list[dict[str, float]]:
+    """From nothing, with every memory that the learned effort may have."""
+    at = model.plant.port(port)
+    name = model.terms[-1].name
+    memories = [{f"{name}.{p.name}": v} for p in effect.parameters for v in p.starts_at(at)]
+    return [{**base.values, **one} for one in ({}, *memories)]
 
 
 @dataclass(frozen=True)
@@ -165,10 +202,18 @@ class Path:
         states = problem.shooter(base.x0[list(horizons)], p).states
         return cls(base.model, p, problem.windows.time[used], states[used], problem.windows.inputs[used])
 
-    def motion(self, port: str, over: Over) -> Array:
+    @property
+    def memory(self) -> float:
+        """A tenth of the way's duration in s."""
+        return float(np.ptp(self.time)) / 10
+
+    def motion(self, port: str, over: str) -> Array:
         """The s of a learned effort over ``over``, (n,)."""
         if variable(over) == "time":
             return self.time
+        if variable(over) == LATE:
+            share = min(1.0, float(np.median(np.diff(self.time))) / self.memory)
+            return np.asarray(lfilter([share], [1.0, share - 1.0], np.abs(self.motion(port, "velocity"))))
         index = [q.name for q in self.model.effort_ports].index(port)
         moved = self._along(self.model.motions, self.p)
         return moved.reshape(len(self.model.effort_ports), -1, 2)[
@@ -177,7 +222,7 @@ class Path:
 
     def shows(self, port: str, over: Over) -> bool:
         """Whether what a learned effort over ``over`` works on changes: a port may have no velocity."""
-        needed: tuple[Over, ...] = (variable(over), "velocity") if factor(over) else (over,)
+        needed = (variable(over), "velocity") if factor(over) else (over,)
         return all(np.ptp(self.motion(port, one)) > 0 for one in needed)
 
     def effort(self, model: Model, values: Mapping[str, float], port: str) -> Array:
