@@ -306,7 +306,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
 
 
 def test_friction_that_warms_is_told_by_a_learned_effort():
-    """It has no name in the library; that it follows how fast the contact moved of late shows, and how late."""
+    """It has no name in the library; that it follows how fast the contact moved of late shows."""
     (scenario,) = play.chosen(ALL.values(), match="carriage.heating/large/noise1e-07")
     split = ours._split(scenario, records_of(scenario))
     base = ours._declared(CASES["carriage"].model(), split)
