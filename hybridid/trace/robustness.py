@@ -48,9 +48,15 @@ def variations(records: Sequence[Record], declared: Numerics = DECLARED) -> tupl
 
 
 def survival(
-    base: Refit, augmented: Refit, term: str, split: Split, numerics: Numerics, rules: Rules
+    base: Refit,
+    augmented: Refit,
+    term: str,
+    split: Split,
+    numerics: Numerics,
+    rules: Rules,
+    poorer: Refit | None = None,
 ) -> Survival:
-    """Refit both models under ``numerics`` and compare them again.
+    """Refit both models under ``numerics`` and compare them again; ``poorer`` is the base so refitted.
 
     The effect must still take from the squared error ``rules.kept`` of what it took as declared.
     A variation that these records refute, since even with the effect it leaves ``rules.refuted``
@@ -62,7 +68,7 @@ def survival(
     errors of it says nothing. How the inputs are held is excepted: half a sample of delay has to
     go somewhere, and a true delay, lag or branch takes it up.
     """
-    poorer = refit(base.model, split, [base.values], base, numerics)
+    poorer = poorer or refit(base.model, split, [base.values], base, numerics)
     richer = refit(augmented.model, split, [augmented.values], augmented, numerics)
     again = compare(poorer.score, richer.score)
     own = {name: value for name, value in richer.values.items() if name.startswith(f"{term}.")}

@@ -15,8 +15,8 @@ from hybridid.trace.ceiling import OVERS, Ceiling, Path, ceiling
 from hybridid.trace.evidence import Rules
 from hybridid.trace.noise import noise_level
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.robustness import survival as survive
-from hybridid.trace.robustness import variations
+from hybridid.trace.refit import Refit, refit
+from hybridid.trace.robustness import survival, variations
 from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import without_stand_ins
@@ -82,7 +82,7 @@ def trace(
     trusted = without_stand_ins(found, ceilings, rules)
     if trusted is not found:
         found, ceilings = trusted, _ceilings(trusted, split, mapper, report, ports)
-    told = [c for c in _telling(ceilings, rules)[:MOST_TOLD] if _lasting(c, found, split, rules, mapper)]
+    told = _lasting(_telling(ceilings, rules)[:MOST_TOLD], found.final, split, rules, mapper)
     remains = tuple(f"at {c.port} over {c.over}" for c in told)
     return Trace(
         verdict=_verdict(found, remains),
@@ -131,11 +131,17 @@ def _telling(ceilings: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:
     return sorted((c for c in found if c.gain >= most / 2), key=lambda c: -c.gain)
 
 
-def _lasting(one: Ceiling, found: Search, split: Split, rules: Rules, mapper: Mapper) -> bool:
-    """Whether what a learned effort finds outlives other numerics, as an effect must."""
-    changes = variations(split.records, found.final.numerics)
-    given = ((found.final, one.refit, "", split, numerics, rules) for numerics in changes)
-    return all(survival.survives for survival in mapper(survive, given))
+def _lasting(
+    told: Sequence[Ceiling], final: Refit, split: Split, rules: Rules, mapper: Mapper
+) -> Sequence[Ceiling]:
+    """Those whose gain outlives other numerics, as an effect's must."""
+    for numerics in variations(split.records, final.numerics):
+        if not told:
+            break
+        poorer = refit(final.model, split, [final.values], final, numerics)
+        varied = mapper(survival, ((final, c.refit, "", split, numerics, rules, poorer) for c in told))
+        told = [one for one, varies in zip(told, varied, strict=True) if varies.survives]
+    return told
 
 
 def _verdict(found: Search, remains: Sequence[str]) -> Verdict:
