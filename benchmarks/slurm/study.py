@@ -73,8 +73,10 @@ def study(jobs: int, folder: Path, environment: dict[str, str]) -> bool:
         code = first.wait()
     said = (folder / "first.log").read_text()
     print(f"first: {time.monotonic() - began:.0f} s, exit code {code}; killed on purpose: job {killed}")
-    named = [line for line in said.splitlines() if f"job {killed} is lost" in line]
-    print(f"  {named[0] if named else 'the killed job is NOT named'}\n  {said.strip().splitlines()[-1]}")
+    named = [
+        line for line in said.splitlines() if f"1 of {jobs} points have no result: residual.seeds=" in line
+    ]
+    print(f"  {named[0] if named else 'the killed job is NOT named'}")
     logged = logged_runs(folder, environment)
     sound = code != 0 and bool(named) and logged["children"] == {"FINISHED": jobs - 1, "FAILED": 1}
     sound = sound and logged["parents"] == ["FAILED"] and logged["nested"] and logged["different"]
@@ -93,8 +95,7 @@ def study(jobs: int, folder: Path, environment: dict[str, str]) -> bool:
 def kill_one(sweep: subprocess.Popen[bytes], folder: Path, environment: dict[str, str]) -> str:
     """Kill a job of the array that has just begun its work, once some have ended; its id.
 
-    By SIGKILL, as the kernel does when memory runs out: a job that is merely cancelled has half a minute to
-    end, and may be done by then.
+    At once: a job that is merely cancelled has half a minute to end, and may be done by then.
     """
     while sweep.poll() is None:
         time.sleep(0.1)
