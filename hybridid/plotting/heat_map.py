@@ -83,8 +83,8 @@ def heat_map_plot(
     left_out = f"; {MOST} panels of {len(panels)}" if len(panels) > MOST else ""
     over = " and ".join(name.partition(" [")[0] for name, _ in (rows, columns) if name)
     caption = (
-        f"{measure[0][:1].upper()}{measure[0][1:]} in {unit} over {over} ({provenance}), mean ± standard deviation "
-        f"over seeds where there are several; framed: chosen{left_out}."
+        f"{measure[0][:1].upper()}{measure[0][1:]} in {unit} over {over} ({provenance}), "
+        f"mean ± standard deviation over seeds where there are several; framed: chosen{left_out}."
     )
     return Plot(figure, "heat_map", caption, provenance)
 
