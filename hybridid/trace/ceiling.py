@@ -105,6 +105,10 @@ def factor(over: Over) -> str:
     return over.partition(", ")[2]
 
 
+def _speed_of_late(at: Local) -> dict[str, ca.SX]:
+    return {"late": (at.speed - at.z.late) / at.p.tau}
+
+
 def _memory(seconds: float) -> EffectParameter:
     return EffectParameter(
         "tau",
@@ -147,7 +151,7 @@ def learned_effort(over: Over, seen: Array, bumps: int = BUMPS, memory: float = 
         law=Bumps(over, tuple(centres.tolist()), float(width), tuple(map(tuple, basis.tolist()))),
         parameters=(*weights, *((_memory(memory),) if late else ())),
         states=(EffectState("late", VELOCITY, "speed of late"),) if late else (),
-        dynamics=(lambda at: {"late": (at.speed - at.z.late) / at.p.tau}) if late else None,
+        dynamics=_speed_of_late if late else None,
         source="thesis Eqs. 6-4 to 6-6 with fixed centres",
         pattern=f"any function of {over}",
     )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
-from hybridid.trace.ceiling import OVERS, ceiling
+from hybridid.trace.ceiling import OVERS, ceiling, learned_effort
 from hybridid.trace.evidence import Rules
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
@@ -146,6 +148,12 @@ def test_a_name_is_trusted_while_a_learned_effort_finds_little_more(worn, share,
 def scaled(score, factor):
     """Every horizon's squares times ``factor``."""
     return replace(score, squares=score.squares * factor)
+
+
+@pytest.mark.parametrize("over", OVERS)
+def test_a_learned_effort_can_be_sent_to_another_process(over):
+    effect = learned_effort(over, np.linspace(-1.0, 1.0, 50))
+    assert pickle.loads(pickle.dumps(effect)) == effect
 
 
 def test_a_damping_that_changes_over_the_way_is_told_by_its_ceiling(make_model, split_of):
