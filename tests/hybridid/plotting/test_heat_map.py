@@ -23,7 +23,7 @@ def test_numbers_are_written_with_their_spread_in_a_readable_unit():
     plot = drawn([[2e-3, 3e-3]], [[1e-4, np.nan]])
     written = [text.get_text() for text in plot.figure.axes[0].texts]
     assert written == ["2\n± 0.1", "3"]
-    assert "held-out RMSE in mm over layers and neurons a layer (simulated)" in plot.caption
+    assert "Held-out RMSE in mm over layers and neurons a layer (simulated)" in plot.caption
 
 
 def test_the_chosen_cell_is_framed_and_a_missing_one_says_so():
