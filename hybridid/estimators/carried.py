@@ -37,8 +37,9 @@ def by_parameter(problem: Problem, shot: Shot) -> Array:
         dz_k/dp = z_p + z_z dz_(k-1)/dp + z_x dx_(k-1)/dp,    dx/dp = -(X'X)^-1 X' dy/dp,
 
     the derivatives of the end of k - 1 by p, its own inner and its estimated initial states x, which follow
-    the parameters so that they fit their own horizon (X = dy/dx): variable projection. Source: Golub, Pereyra
-    (1973), SIAM J. Numer. Anal. 10(2), 413-432.
+    the parameters so that they fit their own horizon (X = dy/dx): variable projection. It costs in proportion
+    to the number of horizons, where ``coupled`` keeps every pair of them. Source: Golub, Pereyra (1973),
+    SIAM J. Numer. Anal. 10(2), 413-432.
     """
     if carries_nothing(problem):
         return shot.by_parameter

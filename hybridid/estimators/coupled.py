@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from hybridid.estimators.normal_equations import small
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
 
@@ -59,8 +60,8 @@ class Coupled:
 
     @property
     def finite(self) -> bool:
-        """Whether every number is one."""
-        return bool(np.isfinite(self.gram).all() and np.isfinite(self.gradient).all())
+        """Whether every number is one, and small enough to be multiplied with another."""
+        return small(self.gram, self.gradient)
 
     @property
     def gp(self) -> Array:

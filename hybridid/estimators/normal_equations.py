@@ -37,8 +37,7 @@ class Normal:
     @property
     def finite(self) -> bool:
         """Whether every number is one, and small enough to be multiplied with another."""
-        blocks = (self.pp, self.xx, self.xp, self.gp, self.gx)
-        return all((np.abs(block) < LARGEST).all() for block in blocks)
+        return small(self.pp, self.xx, self.xp, self.gp, self.gx)
 
     def holding(self, states: NDArray[np.bool_]) -> Normal:
         """The equations with the initial states in ``states`` (w, m) held where they are."""
@@ -73,6 +72,11 @@ class Normal:
         cross = np.einsum("wm,wmn,n->", dx, self.xp, dp)
         square = dp @ self.pp @ dp + np.einsum("wm,wml,wl->", dx, self.xx, dx)
         return -float(linear + cross + 0.5 * square)
+
+
+def small(*blocks: Array) -> bool:
+    """Whether all are numbers below ``LARGEST``."""
+    return all(bool((np.abs(block) < LARGEST).all()) for block in blocks)
 
 
 def _damped(matrix: Array, damping: float, ridge: float) -> Array:
