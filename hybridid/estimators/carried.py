@@ -16,6 +16,10 @@ from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
 
 Array = NDArray[np.float64]
+UNFELT = 1e-9
+"""Sensitivity of the outputs, against the largest, that is rounding alone."""
+PASSES = 2
+"""Over the record: a direction that decays unfelt lands where it should with the second."""
 
 
 def carry(problem: Problem, p: Array, x0: Array) -> Array:
@@ -27,6 +31,34 @@ def carry(problem: Problem, p: Array, x0: Array) -> Array:
     handed = np.where(problem.carried & first[:, None], 0.0, x0)
     begun = problem.shooter(handed, p).states[:, 0]
     return np.where(np.isfinite(begun), begun, handed)
+
+
+def run_on(problem: Problem, p: Array, x0: Array) -> Array:
+    """``x0`` (w, n_x) such that what no output feels of it goes on from horizon to horizon.
+
+    Where a machine stands is nothing to an output of its velocities. Horizons then may begin anywhere; but an
+    effect of the place wants one way through the whole record. The directions in which outputs feel nothing
+    (the null space of dy/dx0) are moved along, the others stay.
+    """
+    if not any(s.observed_by is None for s in problem.model.plant.states) or not problem.estimate_x0:
+        return x0
+    scale = np.array([state.scale for state in problem.model.states])
+    felt = problem.shooter(x0, p, sensitivities=True).by_state * scale
+    felt = felt[problem.windows.used].reshape(-1, len(scale))
+    if not np.isfinite(felt).all():
+        return x0
+    size, directions = np.linalg.svd(felt, full_matrices=False)[1:]
+    unfelt = directions[(size <= UNFELT * size[0])]
+    x0 = np.array(x0)
+    for _ in range(PASSES if len(unfelt) else 0):
+        ends = problem.shooter(x0, p).ends(problem.windows)
+        moved = np.zeros_like(x0)
+        for k, before in enumerate(problem.windows.follows):
+            if before >= 0:
+                gap = (ends[before] + moved[before] - x0[k]) / scale
+                moved[k] = (unfelt.T @ (unfelt @ gap)) * scale
+        x0 += np.where(problem.carried, 0.0, moved)
+    return x0
 
 
 def by_parameter(problem: Problem, shot: Shot) -> Array:

@@ -60,8 +60,12 @@ class Problem:
 
     def measured_x0(self) -> Array:
         """Initial state of each horizon as the record shows it, (w, n_x)."""
-        by_record = [measured_states(self.model, record) for record in self.records]
-        return np.stack([by_record[index][start] for index, start, _ in self.windows.origin])
+        return np.stack([self._measured[index][start] for index, start, _ in self.windows.origin])
+
+    @cached_property
+    def _measured(self) -> list[Array]:
+        """States of each record's samples as it shows them, (n, n_x)."""
+        return [measured_states(self.model, record) for record in self.records]
 
     def residuals(self, shot: Shot) -> Array:
         """``(y - y_hat) / s``, zero where a horizon is padded; shape (w, H, n_y)."""

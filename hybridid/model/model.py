@@ -145,6 +145,12 @@ class Model:
         return self._functions[1]
 
     @cached_property
+    def by_state(self) -> ca.Function:
+        """``df/dx``, dense, ``(t, x, u, p) -> (n_x, n_x)``."""
+        given = self.f.sx_in()
+        return ca.Function("A", given, [ca.densify(ca.jacobian(self.f(*given), given[1]))])
+
+    @cached_property
     def efforts(self) -> ca.Function:
         """Effort of each term at an effort port, ``(t, x, u, p) -> (n_terms,)``, in port units."""
         return self._functions[2]

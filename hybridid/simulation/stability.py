@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -160,15 +159,11 @@ REMEDY: Mapping[str, str] = {
 
 def _modes(model: Model, p: Array, record: Record, path: Array) -> tuple[Modes, Modes]:
     """Eigenvalues of df/dx in 1/s at some samples of a record, (m, n_x), and at rest, (m, n_x)."""
-    x = ca.SX.sym("x", len(model.states))
-    t, u = ca.SX.sym("t"), ca.SX.sym("u", len(model.inputs))
-    q = ca.SX.sym("p", len(model.parameters))
-    jacobian = ca.Function("A", [t, x, u, q], [ca.densify(ca.jacobian(model.f(t, x, u, q), x))])
     k = np.unique(np.linspace(0, record.n - 1, PROBES).astype(int))
-    states = path[k]
+    states, many = path[k], model.by_state.map(len(k))
 
     def eigenvalues(at: Array) -> Modes:
-        stacked = jacobian.map(len(k))(record.time[k], at.T, record.inputs[k].T, np.tile(p, (len(k), 1)).T)
+        stacked = many(record.time[k], at.T, record.inputs[k].T, np.tile(p, (len(k), 1)).T)
         matrices = np.asarray(stacked).reshape(at.shape[1], len(k), at.shape[1]).swapaxes(0, 1)
         return np.linalg.eigvals(np.where(np.isfinite(matrices), matrices, 0.0)).astype(complex)
 

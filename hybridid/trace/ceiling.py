@@ -16,6 +16,7 @@ centres and widths; Jolliffe (2002), Principal Component Analysis, ch. 8.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
@@ -25,11 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from hybridid.effects.dimension import DAMPING, EFFORT, TIME, VELOCITY
+from hybridid.effects.dimension import DAMPING, EFFORT, ONE, TIME, VELOCITY
 from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
 from hybridid.model import Model
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import Refit, refit
+from hybridid.trace.refit import NEVER, Refit, refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
@@ -49,6 +50,10 @@ BUMPS, BUMPS_OF_LATE = 12, 3
 FAINT = 1e-4
 """Mean square of a combination of bumps over the fitted horizons, against the strongest, below which
 they do not show it."""
+TOLERANCE = 1e-4
+"""Of the fits: what a learned effort could gain need not be known to the last digit."""
+AT_ONCE = 1000
+"""Samples of a way that CasADi looks at in one call."""
 BINS, LEAST_IN_BIN = 60, 20
 """Of the curve that is shown."""
 
@@ -74,25 +79,58 @@ class Ceiling:
 
 @dataclass(frozen=True)
 class Bumps:
-    """The law of a learned effort: combinations ``basis`` (bumps, n) of Gaussian bumps at ``centres``.
+    """The law of a learned effort: ``combinations`` of ``bumps`` Gaussian bumps.
 
-    Beyond its range it stays what it is at the end: nothing has been learned there.
+    Where they lie and how they are combined are fixed parameters, so that the compiled model serves every
+    record. Beyond its range it stays what it is at the end: nothing has been learned there.
     """
 
     over: Over
-    centres: tuple[float, ...]
-    width: float
-    basis: tuple[tuple[float, ...], ...]
+    bumps: int
+    combinations: int
 
     def __call__(self, at: Local) -> ca.SX:
         now = {"velocity": at.velocity, "position": at.position, "time": at.time}
         s = at.z.late if variable(self.over) == LATE else now[variable(self.over)]
-        s = ca.fmin(ca.fmax(s, self.centres[0]), self.centres[-1])
-        weights = ca.DM(self.basis) @ ca.vertcat(*[getattr(at.p, f"a{j}") for j in range(len(self.basis[0]))])
-        bumps = [ca.exp(-(((s - c) / self.width) ** 2) / 2) for c in self.centres]
-        effort = ca.dot(weights, ca.vertcat(*bumps))
+        low, high = at.p.first, at.p.last
+        s = ca.fmin(ca.fmax(s, low), high)
+        bumps = self._heights(((s - low) / (high - low) - 0.5) * (self.bumps - 1))
+        effort = 0
+        for j in range(self.combinations):
+            shape = ca.dot(ca.vertcat(*bumps), ca.vertcat(*(getattr(at.p, v) for v in self._basis(j))))
+            effort += getattr(at.p, f"a{j}") * shape
         factors = {"": 1, "times velocity": at.velocity, "times sign of velocity": at.sign}
         return effort * factors[factor(self.over)]
+
+    def _heights(self, s: ca.SX) -> list[ca.SX]:
+        """``exp(-(s - c)^2 / 2)`` for the centres c, one apart and 0 in their midst: of two exponentials,
+
+        exp(-s^2 / 2) exp(s)^c exp(-c^2 / 2)
+        """
+        first = -(self.bumps - 1) / 2
+        growing, heights = ca.exp(s), [ca.exp(-((s - first) ** 2) / 2)]
+        for k in range(1, self.bumps):
+            heights.append(heights[-1] * growing * math.exp(-(first + k) + 0.5))
+        return heights
+
+    def _basis(self, j: int) -> list[str]:
+        return [f"v{k}_{j}" for k in range(self.bumps)]
+
+    def known(self, low: float, high: float, basis: Array) -> tuple[EffectParameter, ...]:
+        """The fixed parameters for bumps from ``low`` to ``high`` combined by ``basis`` (bumps, n)."""
+
+        def fixed(name: str, meaning: str, value: float) -> EffectParameter:
+            return EffectParameter(name, ONE, meaning, guess=value, absolute=True, fixed=True)
+
+        return (
+            fixed("first", "where the first bump lies", low),
+            fixed("last", "where the last bump lies", high),
+            *(
+                fixed(name, f"share of a bump in combination {j}", float(share))
+                for j in range(self.combinations)
+                for name, share in zip(self._basis(j), basis[:, j], strict=True)
+            ),
+        )
 
 
 def variable(over: str) -> str:
@@ -125,12 +163,8 @@ def _memory(seconds: float) -> EffectParameter:
 def learned_effort(over: Over, seen: Array, bumps: int = BUMPS, memory: float = 1.0) -> Effect:
     """A learned effort over ``over``, as far as ``seen`` (n,) covers it; what is of late goes back
     ``memory`` seconds, about."""
-    centres = np.linspace(seen.min(), seen.max(), bumps)
-    width = (seen.max() - seen.min()) / (bumps - 1)
-    shapes = np.exp(-(((seen[:, None] - centres) / width) ** 2) / 2)
-    spread, components = np.linalg.eigh(shapes.T @ shapes / len(seen))
-    shown = spread > FAINT * spread[-1]
-    basis = components[:, shown] / np.sqrt(spread[shown])
+    low, high = float(seen.min()), float(seen.max())
+    law, basis = _combined(over, seen, bumps)
     weights = [
         EffectParameter(
             f"a{j}",
@@ -139,7 +173,7 @@ def learned_effort(over: Over, seen: Array, bumps: int = BUMPS, memory: float = 
             guess=0.0,
             nests=True,
         )
-        for j in range(basis.shape[1])
+        for j in range(law.combinations)
     ]
     late = variable(over) == LATE
     return Effect(
@@ -148,13 +182,23 @@ def learned_effort(over: Over, seen: Array, bumps: int = BUMPS, memory: float = 
         title=f"learned effort over {over}",
         equation={"": "", "times velocity": "v ", "times sign of velocity": "sign(v) "}[factor(over)]
         + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
-        law=Bumps(over, tuple(centres.tolist()), float(width), tuple(map(tuple, basis.tolist()))),
-        parameters=(*weights, *((_memory(memory),) if late else ())),
+        law=law,
+        parameters=(*weights, *((_memory(memory),) if late else ()), *law.known(low, high, basis)),
         states=(EffectState("late", VELOCITY, "speed of late"),) if late else (),
         dynamics=_speed_of_late if late else None,
         source="thesis Eqs. 6-4 to 6-6 with fixed centres",
         pattern=f"any function of {over}",
     )
+
+
+def _combined(over: Over, seen: Array, bumps: int) -> tuple[Bumps, Array]:
+    """The law of those combinations (bumps, n) that ``seen`` (n,) shows, each of mean square one there."""
+    places = (seen - seen.min()) / np.ptp(seen) * (bumps - 1)
+    shapes = np.exp(-((places[:, None] - np.arange(bumps)) ** 2) / 2)
+    spread, components = np.linalg.eigh(shapes.T @ shapes / len(seen))
+    shown = spread > FAINT * spread[-1]
+    basis = components[:, shown] / np.sqrt(spread[shown])
+    return Bumps(over, bumps, basis.shape[1]), basis
 
 
 def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
@@ -165,7 +209,8 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     bumps = BUMPS_OF_LATE if variable(over) == LATE else BUMPS  # a held-out run may be warmer than any fitted
     effect = learned_effort(over, fitted.motion(port, over), bumps, fitted.memory)
     model: Model = base.model.plus(effect, port)
-    found = refit(model, split, _starts(model, effect, port, base), base, base.numerics)
+    starts = _starts(model, effect, port, base)
+    found = refit(model, split, starts, base, base.numerics, tolerance=TOLERANCE, doubted=NEVER)
     evidence = compare(base.score, found.score)
     seen = (
         replace(path, states=np.column_stack([path.states, path.motion(port, LATE)]))
@@ -239,10 +284,14 @@ class Path:
         return np.asarray(efforts[rows].sum(axis=0))
 
     def _along(self, function: ca.Function, p: Array) -> Array:
-        n = len(self.time)
-        return np.asarray(
-            function.map(n)(self.time[None, :], self.states.T, self.inputs.T, np.tile(p[:, None], n))
-        )
+        """``function`` (t, x, u, p) at every sample, its columns stacked."""
+        last, found = function.n_in() - 1, []
+        for start in range(0, len(self.time), AT_ONCE):
+            t, x, u = (a[start : start + AT_ONCE] for a in (self.time, self.states, self.inputs))
+            if start == 0 or len(t) < AT_ONCE:
+                many = function.map("along", "serial", len(t), [last], [])  # p is not repeated
+            found.append(np.asarray(many(t[None, :], x.T, u.T, p)))
+        return np.concatenate(found, axis=1)
 
 
 def _binned(s: Array, effort: Array) -> tuple[tuple[float, float, int], ...]:

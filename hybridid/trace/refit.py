@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators import gauss_newton
-from hybridid.estimators.carried import carries_nothing, carry
+from hybridid.estimators.carried import carries_nothing, carry, run_on
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
-from hybridid.estimators.uncertainty import Uncertainty, uncertainty
+from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
 from hybridid.simulation.stability import MOST
 from hybridid.trace.numerics import DECLARED, Numerics, paths
@@ -26,12 +26,11 @@ from hybridid.trace.score import Score, score_of
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
-GLANCE = 8
-"""Iterations spent on each start before the best is carried to convergence."""
-GLANCED = 8
-"""Fitted horizons that a glance looks at: enough to tell starts apart."""
+GLANCE = 5
+"""Iterations spent on each start at the widest smoothing, and as many at the narrowest, before the best is
+carried to convergence."""
 GLANCE_TOLERANCE = 1e-3
-MOST_ITERATIONS = 40
+MOST_ITERATIONS, TOLERANCE = 40, 1e-6
 JUDGED = 30, 1e-5
 """Iterations and tolerance of the initial states of held-out horizons, at given parameters."""
 CONTINUATION = (10.0, 3.0, 1.0)
@@ -41,6 +40,8 @@ SETTLED = 1e-3
 """Relative change of the cost below which handing inner states on changes nothing more."""
 HOPE = 0.02
 """Relative decrease of the fitted cost below which a converged effect is not polished further."""
+NEVER = -np.inf
+"""``doubted`` where nobody looks at standard errors."""
 STIFF = 8
 """Steps a sample beyond which a start is left to those that are less stiff."""
 
@@ -51,7 +52,7 @@ class Refit:
 
     ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out; ``numerics``
     say how its equations were solved, in ``substeps`` a sample. ``std`` and ``correlation`` are those of
-    the noise alone.
+    the noise alone, empty where they were not asked for.
     """
 
     model: Model
@@ -80,33 +81,40 @@ def refit(
     before: Refit | None = None,
     numerics: Numerics = DECLARED,
     factors: Sequence[float] = (1.0,),
+    tolerance: float = TOLERANCE,
+    doubted: float = np.inf,
 ) -> Refit:
     """Fit ``model`` from the best of ``starts`` (values by name over guesses) and score it.
 
-    ``before`` lends its initial states. ``factors`` is the continuation in epsilon.
+    ``before`` lends its initial states. ``factors`` is the continuation in epsilon; ``tolerance``
+    as ``gauss_newton.solve`` has it. Standard errors are stated if the held-out loss is at most ``doubted``.
     """
     began = time.perf_counter()
     smoothing = [factor * numerics.smoothing for factor in factors]
-    begun = _best_start(model, split, starts, before, numerics, smoothing)
     hopeless = np.inf if before is None else (1 - HOPE) * before.cost
-    solution, x0 = _settled(begun, split, smoothing, hopeless)
+    for begun in _best_starts(model, split, starts, before, numerics, smoothing):
+        solution, x0 = _settled(begun, split, smoothing, hopeless, tolerance)
+        if np.isfinite(solution.cost):
+            break
     problem = begun.problem
     needed = min(numerics.steps(model, solution.p, split, paths(problem, solution.p, x0)), STIFF)
     if needed * numerics.finer > problem.windows.substeps:
         problem = numerics.problem(model, split, needed)
-        solution, x0 = _settled(Begun(problem, solution.p, x0), split, smoothing[-1:], hopeless)
+        begun = Begun(problem, solution.p, x0)
+        solution, x0 = _settled(begun, split, smoothing[-1:], hopeless, tolerance)
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
-    doubt = _of_noise(uncertainty(fitted, solution.p, solution.x0))
     ours = _errors(fitted, solution.p, solution.x0)
     theirs = _errors(judged, solution.p, x0[list(split.held_out)])
+    score = score_of(ours, theirs, problem.scale)
+    std, correlation = _doubt(fitted, solution) if score.loss <= doubted else ({}, np.empty((0, 0)))
     return Refit(
         model=model,
         values={q.name: float(v) for q, v in zip(model.parameters, solution.p, strict=True)},
-        std=dict(zip(fitted.free, doubt.std.tolist(), strict=True)),
-        correlation=doubt.correlation,
+        std=std,
+        correlation=correlation,
         x0=x0,
         fitted_rmse=np.sqrt(sum((e**2).sum(axis=0) for e in ours) / sum(len(e) for e in ours)),
-        score=score_of(ours, theirs, problem.scale),
+        score=score,
         cost=solution.cost,
         status=solution.status,
         converged=solution.converged,
@@ -145,15 +153,15 @@ def _lent(before: Refit, model: Model, split: Split) -> list[Array]:
     return lent
 
 
-def _best_start(
+def _best_starts(
     model: Model,
     split: Split,
     starts: Sequence[Mapping[str, float]],
     before: Refit | None,
     numerics: Numerics,
     smoothing: Sequence[float],
-) -> Begun:
-    """The start whose first iterations get furthest, each in steps of its own.
+) -> list[Begun]:
+    """The starts in the order of how far their first iterations get, each in steps of its own.
 
     Raises:
         ValueError: if every start is too stiff.
@@ -164,26 +172,19 @@ def _best_start(
         raise ValueError(f"needs more than {MOST} steps a sample at every start")
     limit = max(STIFF, min(wanted))
     problems = {n: numerics.problem(model, split, n) for n in sorted(set(wanted)) if n <= limit}
-    rows = glanced(split, next(iter(problems.values())))
-    parts = {n: problem.on(rows) for n, problem in problems.items()}
+    rows = list(split.fitted)
     found: list[tuple[float, Begun]] = []
     for start, steps in zip(starts, wanted, strict=True):
         if steps > limit:
             continue
-        begun = begin(problems[steps], problems[steps].model.values(start), before, numerics)
+        problem = problems[steps]
+        begun = begin(problem, problem.model.values(start), before, numerics)
         if len(starts) == 1:
-            return begun
-        glance = gauss_newton.solve(
-            parts[steps], begun.p, begun.x0[rows], smoothing, GLANCE, GLANCE_TOLERANCE
-        )
+            return [begun]
+        ends = sorted({*smoothing[:1], *smoothing[-1:]}, reverse=True)
+        glance = gauss_newton.solve(problem.on(rows), begun.p, begun.x0[rows], ends, GLANCE, GLANCE_TOLERANCE)
         found.append((glance.cost, replace(begun, p=glance.p, x0=_with(begun.x0, rows, glance.x0))))
-    return min(found, key=lambda one: one[0])[1]
-
-
-def glanced(split: Split, problem: Problem, most: int = GLANCED) -> list[int]:
-    """``most`` of the fitted horizons, evenly chosen; one after the other where they hand on inner states."""
-    step = max(1, len(split.fitted) // most) if carries_nothing(problem) else 1
-    return list(split.fitted[::step][:most])
+    return [begun for _, begun in sorted(found, key=lambda one: one[0])]
 
 
 def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> Begun:
@@ -201,7 +202,7 @@ def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numer
 
 
 def _settled(
-    begun: Begun, split: Split, smoothing: Sequence[float], hopeless: float
+    begun: Begun, split: Split, smoothing: Sequence[float], hopeless: float, tolerance: float
 ) -> tuple[Solution, Array]:
     """Converged parameters, and the initial states of all horizons at them.
 
@@ -217,24 +218,29 @@ def _settled(
         x0 = carry(problem, p, x0)
         return _with(x0, theirs, gauss_newton.solve(judged, p, x0[theirs], smoothing[-1:], *JUDGED).x0)
 
-    solution = gauss_newton.solve(fitted, begun.p, x0[ours], smoothing, MOST_ITERATIONS)
+    solution = gauss_newton.solve(fitted, begun.p, x0[ours], smoothing, MOST_ITERATIONS, tolerance)
     alone = carries_nothing(problem) or fitted.windows.complete or solution.cost > hopeless
     for _ in range(0 if alone else HANDOVERS):
         x0, before = handed_on(solution.p, _with(x0, ours, solution.x0)), solution.cost
-        solution = gauss_newton.solve(fitted, solution.p, x0[ours], smoothing[-1:], HANDOVER_ITERATIONS)
+        solution = gauss_newton.solve(
+            fitted, solution.p, x0[ours], smoothing[-1:], HANDOVER_ITERATIONS, tolerance
+        )
         if abs(before - solution.cost) <= SETTLED * solution.cost:
             break
-    return solution, handed_on(solution.p, _with(x0, ours, solution.x0))
+    x0 = handed_on(solution.p, _with(x0, ours, solution.x0))
+    return solution, run_on(problem, solution.p, x0)
 
 
-def _of_noise(found: Uncertainty) -> Uncertainty:
-    """Without the share of the smoothing of sign(v).
+def _doubt(fitted: Problem, solution: Solution) -> tuple[dict[str, float], Array]:
+    """Standard errors by name and correlations, without the share of the smoothing of sign(v).
 
     It moves all parameters together, which is no sign that the records cannot tell them apart;
     whether a verdict hangs on it, refits at other smoothings say.
     """
+    found = uncertainty(fitted, solution.p, solution.x0)
     moved = found.smoothing
-    return replace(found, covariance=found.covariance - np.outer(moved, moved), smoothing=0.0 * moved)
+    found = replace(found, covariance=found.covariance - np.outer(moved, moved), smoothing=0.0 * moved)
+    return dict(zip(fitted.free, found.std.tolist(), strict=True)), found.correlation
 
 
 def _with(x0: Array, rows: Sequence[int], values: Array) -> Array:

@@ -13,7 +13,7 @@ from hybridid.model import Model
 from hybridid.records.record import HOLDS, Record
 from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.refit import Refit, refit
+from hybridid.trace.refit import NEVER, Refit, refit
 from hybridid.trace.split import Split
 
 OTHER_INTEGRATOR = {"rk4": "rodas3", "rodas3": "rk4"}
@@ -68,8 +68,8 @@ def survival(
     errors of it says nothing. How the inputs are held is excepted: half a sample of delay has to
     go somewhere, and a true delay, lag or branch takes it up.
     """
-    poorer = poorer or refit(base.model, split, [base.values], base, numerics)
-    richer = refit(augmented.model, split, [augmented.values], augmented, numerics)
+    poorer = poorer or refit(base.model, split, [base.values], base, numerics, doubted=NEVER)
+    richer = refit(augmented.model, split, [augmented.values], augmented, numerics, doubted=NEVER)
     again = compare(poorer.score, richer.score)
     own = {name: value for name, value in richer.values.items() if name.startswith(f"{term}.")}
     steady = numerics.hold is not None or all(

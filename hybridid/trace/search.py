@@ -86,7 +86,7 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
     other = refit(
         model,
         split,
-        [*rival.candidate.starts(model, _less(final, one.name))[:-1], {**_less(final, one.name), **own}],
+        [*rival.candidate.starts(model, less(final, one.name))[:-1], {**less(final, one.name), **own}],
         final,
         final.numerics,
     )
@@ -205,7 +205,7 @@ def _backward(
     """Take out again each accepted effect that the later ones have made needless."""
     dropped: list[str] = []
     for one in accepted[:-1]:
-        model, values = refitted.model.without(one.name), _less(refitted, one.name)
+        model, values = refitted.model.without(one.name), less(refitted, one.name)
         poorer = refit(model, split, [values], refitted, refitted.numerics)
         evidence = compare(poorer.score, refitted.score)
         if evidence.gain < rules.worth or evidence.p_value > rules.alpha:
@@ -214,6 +214,7 @@ def _backward(
     return refitted, [one for one in accepted if one.name not in dropped], tuple(dropped)
 
 
-def _less(refitted: Refit, name: str) -> dict[str, float]:
+def less(refitted: Refit, name: str) -> dict[str, float]:
+    """Its values without those of the effect ``name``."""
     kept = {p.name for p in refitted.model.without(name).parameters}
     return {key: value for key, value in refitted.values.items() if key in kept}

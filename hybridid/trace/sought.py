@@ -14,11 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.effects.effect import EffectParameter
+from hybridid.estimators.carried import carries_nothing
 from hybridid.estimators.gauss_newton import promise
+from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Path
-from hybridid.trace.refit import Refit, begin, glanced, problem_of
+from hybridid.trace.refit import Refit, begin, problem_of
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
@@ -86,7 +88,7 @@ def _promised(model: Model, base: Refit, split: Split, starts: list[dict[str, fl
     if not starts:
         return np.empty(0)
     problem = problem_of(model, split, base, starts[len(starts) // 2])
-    rows = glanced(split, problem, LOOKED_AT)
+    rows = _looked_at(split, problem)
     first = begin(problem, problem.model.values(starts[0]), base, base.numerics)
     part = problem.on(rows)
     found = []
@@ -94,6 +96,12 @@ def _promised(model: Model, base: Refit, split: Split, starts: list[dict[str, fl
         p = problem.smoothed(problem.model.values(start), base.numerics.smoothing)
         found.append(promise(part, p, first.x0[rows]))
     return np.array(found)
+
+
+def _looked_at(split: Split, problem: Problem) -> list[int]:
+    """Some fitted horizons, evenly chosen; one after the other where they hand on inner states."""
+    step = max(1, len(split.fitted) // LOOKED_AT) if carries_nothing(problem) else 1
+    return list(split.fitted[::step][:LOOKED_AT])
 
 
 def _spectral_peaks(base: Refit, split: Split, path: Path) -> list[float]:

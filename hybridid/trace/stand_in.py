@@ -1,14 +1,16 @@
 """Effects that only stand in for something that the library does not hold.
 
 What acts like no effect of the library is still like some effect more than like others, and that one
-would be accepted: an eddy-current brake passes for negative drag. Its name is trusted only if a learned
+would be accepted: an eddy-current brake passes for negative drag. Its name is trusted if a learned
 effort finds little more than it did. With L the held-out loss before an effect, after it (and all later
 ones), and after a learned effort beside these,
 
     share = (L_after^2 - L_learned^2) / ((L_before^2 - L_own^2) + (L_after^2 - L_learned^2)),
 
-L_own being the loss right after it was accepted. A share above ``Rules.stands_in`` withdraws it, and
-what was accepted after it.
+L_own being the loss right after it was accepted. A share above ``Rules.stands_in`` may also mean that the
+machine lacks two things. So the effect is taken out from beside the learned effort: of what it took alone it
+must still take ``Rules.kept``, or the learned effort can do without it. Then it is withdrawn, and what was
+accepted after it.
 """
 
 from __future__ import annotations
@@ -18,11 +20,13 @@ from dataclasses import replace
 
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.evidence import Rules
-from hybridid.trace.search import Search, Step
+from hybridid.trace.refit import refit
+from hybridid.trace.search import Accepted, Search, Step, less
+from hybridid.trace.split import Split
 from hybridid.trace.trial import REJECTED
 
 
-def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], rules: Rules) -> Search:
+def without_stand_ins(found: Search, split: Split, ceilings: Sequence[Ceiling], rules: Rules) -> Search:
     """``found`` less the first effect that stands in for another, and those after it."""
     significant = [c for c in ceilings if c.p_value <= rules.alpha and c.gain > 0]
     if not significant:
@@ -30,13 +34,21 @@ def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], rules: Rules) 
     best = max(significant, key=lambda c: c.gain)
     last = found.final.score.loss
     learned = last**2 - best.refit.score.loss**2
+    kept = {one.name for one in found.accepted}
     for number, step in enumerate(found.steps):
-        if step.accepted is None:
+        if step.accepted is None or step.accepted.name not in kept:
             continue
         share = learned / (step.accepted.trial.taken + learned)
-        if share > rules.stands_in:
+        if share > rules.stands_in and not _needed(step.accepted, best, split, rules):
             return _ended_at(found, number, best, share)
     return found
+
+
+def _needed(one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool:
+    """Whether the effect still takes its part beside the learned effort."""
+    both = learned.refit
+    alone = refit(both.model.without(one.name), split, [less(both, one.name)], both, both.numerics)
+    return alone.score.loss**2 - both.score.loss**2 >= rules.kept * one.trial.taken
 
 
 def _ended_at(found: Search, number: int, best: Ceiling, share: float) -> Search:

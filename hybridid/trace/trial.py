@@ -54,7 +54,7 @@ def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
     model: Model = candidate.added_to(base.model)
     try:
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
-        found = refit(model, split, starts, base, base.numerics, CONTINUATION)
+        found = refit(model, split, starts, base, base.numerics, CONTINUATION, doubted=base.score.loss)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):

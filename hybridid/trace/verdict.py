@@ -15,7 +15,7 @@ from hybridid.trace.ceiling import OVERS, Ceiling, Path, ceiling
 from hybridid.trace.evidence import Rules
 from hybridid.trace.noise import noise_level
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import Refit, refit
+from hybridid.trace.refit import NEVER, Refit, refit
 from hybridid.trace.robustness import survival, variations
 from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
 from hybridid.trace.split import Split
@@ -79,7 +79,7 @@ def trace(
     found = search(model, split, effects, began, floor, rules, mapper, report, ports, numerics)
     found = recheck(found, split, rules)
     ceilings = _ceilings(found, split, mapper, report, ports)
-    trusted = without_stand_ins(found, ceilings, rules)
+    trusted = without_stand_ins(found, split, ceilings, rules)
     if trusted is not found:
         found, ceilings = trusted, _ceilings(trusted, split, mapper, report, ports)
     told = _lasting(_telling(ceilings, rules)[:MOST_TOLD], found.final, split, rules, mapper)
@@ -138,7 +138,7 @@ def _lasting(
     for numerics in variations(split.records, final.numerics):
         if not told:
             break
-        poorer = refit(final.model, split, [final.values], final, numerics)
+        poorer = refit(final.model, split, [final.values], final, numerics, doubted=NEVER)
         varied = mapper(survival, ((final, c.refit, "", split, numerics, rules, poorer) for c in told))
         told = [one for one, varies in zip(told, varied, strict=True) if varies.survives]
     return told

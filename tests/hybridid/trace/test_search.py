@@ -118,16 +118,25 @@ def test_an_effect_that_the_numerics_made_does_not_survive(make_model, two_recor
     assert not again.survives
 
 
-@pytest.mark.parametrize(("share", "trusted"), [(0.05, True), (0.3, False)])
-def test_a_name_is_trusted_while_a_learned_effort_finds_little_more(worn, share, trusted):
-    """As if the carriage's error could fall further by ``share`` of what effect and learned effort take."""
+@pytest.mark.parametrize(
+    ("share", "over", "trusted"),
+    [(0.05, "velocity", True), (0.3, "velocity", False), (0.3, "position", True)],
+)
+def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
+    worn, split_of, share, over, trusted
+):
+    """As if the carriage's error could fall further by ``share`` of what effect and learned effort take.
+
+    One over velocity can do what the effect does; beside one over position it is as needed as before.
+    """
+    split = split_of(df_v=DF_V)
     (one,) = worn.accepted
     declared, named = (r.score.loss**2 for r in (worn.search.steps[0].base, one.trial.refit))
     left = share / (1 - share) * (declared - named)  # beyond what the effect took
     raised = replace(worn.search.final, score=scaled(worn.search.final.score, (named + left) / named))
     gain = 1.0 - ((named + left) / (declared + left)) ** 0.5
     trial = replace(one.trial, refit=raised, comparison=replace(one.trial.comparison, gain=gain))
-    learned = replace(worn.ceilings[0], gain=0.9, p_value=1e-9, refit=worn.search.final)
+    learned = replace(ceiling(worn.search.final, split, "carriage", over), gain=0.9, p_value=1e-9)
     step = replace(
         worn.search.steps[0],
         base=replace(
@@ -136,7 +145,7 @@ def test_a_name_is_trusted_while_a_learned_effort_finds_little_more(worn, share,
         ),
         accepted=replace(one, trial=trial),
     )
-    found = without_stand_ins(replace(worn.search, steps=(step,), final=raised), [learned], Rules())
+    found = without_stand_ins(replace(worn.search, steps=(step,), final=raised), split, [learned], Rules())
     assert [a.name for a in found.accepted] == (["carriage.asymmetric_viscous"] if trusted else [])
     if not trusted:
         (refused,) = [t for t in found.steps[0].trials if t.candidate.name == one.name]
