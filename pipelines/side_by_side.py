@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from types import FrameType
 from typing import Any, Generic, NoReturn, TypeVar
@@ -19,6 +20,7 @@ from pipelines.watch import Watcher
 Given = TypeVar("Given")
 Result = TypeVar("Result")
 THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 PATIENCE = 10.0
 """Seconds that a worker has to tidy up when it is told to stop."""
 BETWEEN = 0.2
@@ -103,10 +105,21 @@ def _how(exitcode: int | None) -> str:
     return f"its process ended with code {exitcode}"
 
 
+def load_early(*modules: str) -> None:
+    """Begin to import ``modules`` in the process that workers are forked from, while this one goes on: torch
+    and scipy take seconds. Does nothing where processes cannot be forked."""
+    if METHOD == "forkserver":
+        multiprocessing.get_context(METHOD).set_forkserver_preload(list(modules))
+        with _one_thread():
+            forkserver.ensure_running()
+
+
 def _started(work: Callable[[Given, Watcher], Result]) -> _Worker[Given, Result]:
-    context = multiprocessing.get_context("spawn")
+    context: Any = multiprocessing.get_context(METHOD)
     ours, theirs = context.Pipe()
-    process = context.Process(target=_serve, args=(work, theirs))
+    with _one_thread():
+        environment = dict(os.environ)
+    process = context.Process(target=_serve, args=(work, theirs, environment))
     with _one_thread():
         process.start()
     theirs.close()
@@ -188,8 +201,9 @@ def _outlive_nobody() -> None:
     os._exit(1)
 
 
-def _serve(work: Callable[[Any, Watcher], Any], pipe: Connection) -> None:
+def _serve(work: Callable[[Any, Watcher], Any], pipe: Connection, environment: Mapping[str, str]) -> None:
     """A worker's life: tasks come and results go through ``pipe`` until it closes."""
+    os.environ.update(environment)  # what it was forked from may be older than a setting
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which says what to do
     signal.signal(signal.SIGTERM, _stop)
     threading.Thread(target=_outlive_nobody, daemon=True).start()

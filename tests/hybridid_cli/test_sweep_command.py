@@ -19,12 +19,16 @@ NETWORKS = (
 )  # fmt: skip
 
 
-def children(process: subprocess.Popen[str]) -> list[int]:
-    """The workers: children that run multiprocessing's spawn."""
-    said = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text()
-    return [
-        pid for pid in map(int, said.split()) if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
-    ]
+def workers(process: subprocess.Popen[str]) -> list[int]:
+    """Children of multiprocessing's server from which they are forked."""
+    (server,) = (
+        pid for pid in _children(process.pid) if b"forkserver" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    )
+    return _children(server)
+
+
+def _children(pid: int) -> list[int]:
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="finds the workers in /proc")
@@ -36,7 +40,7 @@ def test_a_killed_job_is_named_and_the_same_command_completes_the_sweep(environm
         for line in running.stderr:
             said.append(line)
             if "residual.width=4" in line and "begins" in line:
-                (worker,) = children(running)
+                (worker,) = workers(running)
                 os.kill(worker, signal.SIGKILL)
         code = running.wait()
     assert code == 1, said
