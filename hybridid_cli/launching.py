@@ -54,9 +54,11 @@ class Launched:
         troubles: dict[Path, str] = {}
         while left:
             before = len(left)
-            troubles |= self._launch(left, watcher)
-            # a broken pool takes jobs with it that had not begun: they are launched again
-            left = {path: work for path, work in left.items() if not _marked(path, BEGUN)}
+            lost, broke = self._launch(left, watcher)
+            troubles |= lost
+            # a broken pool takes jobs with it that had not begun: they are launched again. What the launcher
+            # itself says is lost, somebody cancelled
+            left = {path: work for path, work in left.items() if broke and not _marked(path, BEGUN)}
             if len(left) == before:
                 break
         failures: dict[str, str] = {}
@@ -71,8 +73,8 @@ class Launched:
         write_text(path, json_text(work.plain()))
         return path.resolve()
 
-    def _launch(self, works: Mapping[Path, Work], watcher: Watcher) -> dict[Path, str]:
-        """Launch jobs and wait for all; what the launcher says of those it lost."""
+    def _launch(self, works: Mapping[Path, Work], watcher: Watcher) -> tuple[dict[Path, str], bool]:
+        """Launch jobs and wait for all; what the launcher says of those it lost, and whether it broke."""
         own = f"hydra.sweep.dir={self.folder}"  # a job composes its config anew, from words
         jobs = [[*self.words, *_coordinates(work), own, f"sweep.job={path}"] for path, work in works.items()]
         number = self._launched
@@ -83,9 +85,9 @@ class Launched:
             raise
         except Exception as error:
             watcher.carry_on()
-            return dict.fromkeys(works, said(error))
+            return dict.fromkeys(works, said(error)), True
         lost = {path: given for path, given in zip(works, returns, strict=True) if _failed(given)}
-        return {path: said(given._return_value) for path, given in lost.items()}
+        return {path: said(given._return_value) for path, given in lost.items()}, False
 
 
 def _coordinates(work: Work) -> list[str]:
