@@ -123,6 +123,8 @@ def _ceilings(job: Job, split: Split, found: Trace, mapper: Mapper) -> list[Sequ
     """What a learned effort could add to each model."""
     if not found.accepted:
         return [found.ceilings]
+    if found.ceilings_before:
+        return [found.ceilings_before, found.ceilings]
     places = [(_first(found), split, c.port, c.over) for c in found.ceilings]
     before: list[Ceiling] = []
     for one in mapper(ceiling, places):

@@ -11,6 +11,10 @@ L_own being the loss right after it was accepted. A share above ``Rules.stands_i
 machine lacks two things. So the effect is taken out from beside the learned effort: of what it took alone it
 must still take ``Rules.kept``, or the learned effort can do without it. Then it is withdrawn, and what was
 accepted after it.
+
+Several effects together may hide so much that nothing is left to find beside them. So they are also held
+against one learned effort in their place: if that alone explains the records better than all of them, they
+are withdrawn.
 """
 
 from __future__ import annotations
@@ -19,7 +23,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hybridid.trace.ceiling import Ceiling
-from hybridid.trace.evidence import Rules
+from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.refit import refit
 from hybridid.trace.search import Accepted, Search, Step, less
 from hybridid.trace.split import Split
@@ -40,7 +44,27 @@ def without_stand_ins(found: Search, split: Split, ceilings: Sequence[Ceiling], 
             continue
         share = learned / (step.accepted.trial.taken + learned)
         if share > rules.stands_in and not _needed(step.accepted, best, split, rules):
-            return _ended_at(found, number, best, share)
+            return _ended_at(
+                found,
+                number,
+                f"beside it a learned effort at {best.port} over {best.over} still takes {share:.0%} of what "
+                "both take from the squared error",
+            )
+    return found
+
+
+def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Search:
+    """``found`` without its effects if one of ``before``, learned efforts beside the declared model, does
+    better than all of them."""
+    for one in sorted(before, key=lambda c: -c.gain):
+        evidence = compare(found.final.score, one.refit.score)
+        if evidence.gain >= rules.worth and evidence.p_value <= rules.alpha:
+            return _ended_at(
+                found,
+                0,
+                f"a learned effort at {one.port} over {one.over} alone leaves {evidence.gain:.0%} less error "
+                "than all effects accepted",
+            )
     return found
 
 
@@ -51,15 +75,11 @@ def _needed(one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool
     return alone.score.loss**2 - both.score.loss**2 >= rules.kept * one.trial.taken
 
 
-def _ended_at(found: Search, number: int, best: Ceiling, share: float) -> Search:
+def _ended_at(found: Search, number: int, why: str) -> Search:
     """The search as if the step ``number`` had found nothing."""
     step = found.steps[number]
     assert step.accepted is not None
-    name = step.accepted.name
-    reason = (
-        f"stands in for something else: beside it a learned effort at {best.port} over {best.over} "
-        f"still takes {share:.0%} of what both take from the squared error"
-    )
+    name, reason = step.accepted.name, f"stands in for something else: {why}"
     trials = tuple(
         replace(t, status=REJECTED, reason=reason) if t.candidate.name == name else t for t in step.trials
     )

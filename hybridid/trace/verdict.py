@@ -19,7 +19,7 @@ from hybridid.trace.refit import NEVER, Refit, refit
 from hybridid.trace.robustness import survival, variations
 from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
 from hybridid.trace.split import Split
-from hybridid.trace.stand_in import without_stand_ins
+from hybridid.trace.stand_in import unless_outdone, without_stand_ins
 
 MOST_TOLD = 3
 """Places where structure remains, the strongest, that are looked at and named."""
@@ -31,7 +31,8 @@ class Trace:
     """What was found, by which path, and what remains.
 
     ``floor`` is the noise level of each output, in its unit; ``ceilings`` the held-out gain
-    that a learned effort could still bring to the last model, by port and variable.
+    that a learned effort could still bring to the last model, by port and variable, ``ceilings_before`` to the
+    declared one (empty where fewer than two effects were accepted: then nobody needed it).
     ``remains`` names where structure is left that no effect of the library explains.
     """
 
@@ -39,6 +40,7 @@ class Trace:
     search: Search
     floor: Mapping[str, float]
     ceilings: tuple[Ceiling, ...]
+    ceilings_before: tuple[Ceiling, ...]
     remains: tuple[str, ...]
 
     @property
@@ -78,10 +80,12 @@ def trace(
     numerics = Numerics(integrator=integrator)
     found = search(model, split, effects, began, floor, rules, mapper, report, ports, numerics)
     found = recheck(found, split, rules)
-    ceilings = _ceilings(found, split, mapper, report, ports)
-    trusted = without_stand_ins(found, split, ceilings, rules)
+    before = _ceilings(_first(found), split, mapper, report, ports) if len(found.accepted) > 1 else ()
+    trusted = unless_outdone(found, before, rules)
+    ceilings = before if trusted is not found else _ceilings(found.final, split, mapper, report, ports)
+    found, trusted = trusted, without_stand_ins(trusted, split, ceilings, rules)
     if trusted is not found:
-        found, ceilings = trusted, _ceilings(trusted, split, mapper, report, ports)
+        found, ceilings = trusted, _ceilings(trusted.final, split, mapper, report, ports)
     told = _lasting(_telling(ceilings, rules)[:MOST_TOLD], found.final, split, rules, mapper)
     remains = tuple(f"at {c.port} over {c.over}" for c in told)
     return Trace(
@@ -89,6 +93,7 @@ def trace(
         search=found,
         floor={s.name: float(v) for s, v in zip(model.outputs, noise, strict=True)},
         ceilings=ceilings,
+        ceilings_before=before,
         remains=remains,
     )
 
@@ -105,13 +110,18 @@ def _record_of(split: Split, horizon: int) -> int:
     return min(int(np.searchsorted(counts, horizon, side="right")), len(split.records) - 1)
 
 
+def _first(found: Search) -> Refit:
+    """The declared model as the search first fitted it."""
+    return found.steps[0].base if found.steps else found.final
+
+
 def _ceilings(
-    found: Search, split: Split, mapper: Mapper, report: Report, ports: Sequence[str] | None
+    model: Refit, split: Split, mapper: Mapper, report: Report, ports: Sequence[str] | None
 ) -> tuple[Ceiling, ...]:
-    path = Path.of(found.final, split, split.fitted)
+    path = Path.of(model, split, split.fitted)
     places = [
-        (found.final, split, port.name, over)
-        for port in found.final.model.effort_ports
+        (model, split, port.name, over)
+        for port in model.model.effort_ports
         if ports is None or port.name in ports
         for over in OVERS
         if path.shows(port.name, over)
