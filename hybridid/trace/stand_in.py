@@ -13,8 +13,8 @@ must still take ``Rules.kept``, or the learned effort can do without it. Then it
 accepted after it.
 
 Several effects together may hide so much that nothing is left to find beside them. So they are also held
-against one learned effort in their place: if that alone explains the records better than all of them, they
-are withdrawn.
+against one learned effort in their place: if that alone takes more from the squared error, by a share above
+``Rules.stands_in``, they are withdrawn.
 """
 
 from __future__ import annotations
@@ -56,14 +56,18 @@ def without_stand_ins(found: Search, split: Split, ceilings: Sequence[Ceiling], 
 def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Search:
     """``found`` without its effects if one of ``before``, learned efforts beside the declared model, does
     better than all of them."""
+    if not before:
+        return found
+    declared, named = (r.score.loss**2 for r in (found.steps[0].base, found.final))
     for one in sorted(before, key=lambda c: -c.gain):
-        evidence = compare(found.final.score, one.refit.score)
-        if evidence.gain >= rules.worth and evidence.p_value <= rules.alpha:
+        learned = one.refit.score.loss**2
+        outdone = named - learned > rules.stands_in * (declared - learned)
+        if outdone and compare(found.final.score, one.refit.score).p_value <= rules.alpha:
             return _ended_at(
                 found,
                 0,
-                f"a learned effort at {one.port} over {one.over} alone leaves {evidence.gain:.0%} less error "
-                "than all effects accepted",
+                f"a learned effort at {one.port} over {one.over} alone takes {1 - learned / declared:.1%} "
+                f"of the squared error, all effects accepted take {1 - named / declared:.1%}",
             )
     return found
 

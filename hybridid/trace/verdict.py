@@ -31,8 +31,8 @@ class Trace:
     """What was found, by which path, and what remains.
 
     ``floor`` is the noise level of each output, in its unit; ``ceilings`` the held-out gain
-    that a learned effort could still bring to the last model, by port and variable, ``ceilings_before`` to the
-    declared one (empty where fewer than two effects were accepted: then nobody needed it).
+    that a learned effort could still bring to the last model, by port and variable,
+    ``ceilings_before`` to the declared one (empty where it was not needed: fewer than two effects).
     ``remains`` names where structure is left that no effect of the library explains.
     """
 

@@ -15,7 +15,7 @@ from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
 from hybridid.trace.robustness import survival, variations
 from hybridid.trace.search import search
-from hybridid.trace.stand_in import without_stand_ins
+from hybridid.trace.stand_in import unless_outdone, without_stand_ins
 from hybridid.trace.verdict import trace
 
 DF_V = 80.0
@@ -152,6 +152,20 @@ def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
         assert refused.status == "rejected"
         assert refused.reason.startswith("stands in for something else")
         assert found.final is step.base
+
+
+@pytest.mark.parametrize(("share", "trusted"), [(0.05, True), (0.3, False)])
+def test_effects_that_one_learned_effort_outdoes_are_withdrawn(worn, share, trusted):
+    """As if they left half of the squared error, and the learned effort alone took ``share`` of what it takes
+    beyond what they do."""
+    base = worn.search.steps[0].base
+    named = replace(worn.search.final, score=scaled(base.score, 0.5))
+    alone = replace(worn.search.final, score=scaled(base.score, (0.5 - share) / (1 - share)))
+    learned = replace(worn.ceilings[0], refit=alone)
+    found = unless_outdone(replace(worn.search, final=named), [learned], Rules())
+    assert [a.name for a in found.accepted] == (["carriage.asymmetric_viscous"] if trusted else [])
+    if not trusted:
+        assert "all effects accepted take 50.0%" in found.stopped
 
 
 def scaled(score, factor):
