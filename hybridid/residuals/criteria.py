@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from hybridid.residuals.narx import scaled_run
+from hybridid.residuals.narx import Weights, scaled_run
 from hybridid.residuals.samples import Samples, Windows, gather
 from hybridid.residuals.stack import Stack
 
@@ -52,20 +52,16 @@ class FreeRunError(Criterion):
     limits: Sequence[float]
 
     def __call__(self, stack: Stack, networks: Sequence[int]) -> Array:
-        return np.array([self._of(stack, k, network) for k, network in enumerate(networks)])
+        weights = stack.padded_weights()
+        return np.array([self._of(w, k, stack) for w, k in zip(weights, networks, strict=True)])
 
-    def _of(self, stack: Stack, index: int, network: int) -> float:
+    def _of(self, weights: Weights, network: int, stack: Stack) -> float:
         sample = self.samples[network]
-        weights = stack.weights(index, padded=True)
-        rows = sample.rows.double().numpy()
-        found = np.concatenate(
-            [
-                scaled_run(weights, rows[a:b], np.zeros(stack.lags), stack.carry, self.limits[network])[0]
-                for a, b in sample.pieces
-            ]
-        )
+        rows, limit = sample.rows.double().numpy(), self.limits[network]
+        begin = np.zeros(stack.lags)
+        runs = [scaled_run(weights, rows[a:b], begin, stack.carry, limit)[0] for a, b in sample.pieces]
         held_out = np.concatenate([np.arange(a, b) for a, b in sample.split.held_out])
-        square = float(np.mean((found - sample.error.double().numpy())[held_out] ** 2))
+        square = float(np.mean((np.concatenate(runs) - sample.error.double().numpy())[held_out] ** 2))
         return square if np.isfinite(square) else np.inf
 
 

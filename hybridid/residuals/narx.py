@@ -30,6 +30,11 @@ class Weights:
         """Number of weights and biases."""
         return sum(a.size for a in (*self.matrices, *self.biases))
 
+    def seeing(self, regressors: NDArray[np.bool_]) -> Weights:
+        """The same without the columns of the other regressors."""
+        first = np.ascontiguousarray(self.matrices[0][:, regressors])
+        return Weights((first, *self.matrices[1:]), self.biases)
+
 
 def scaled_run(weights: Weights, rows: Array, past: Array, carry: float, limit: float) -> tuple[Array, int]:
     """Scaled errors (m,) along exogenous regressors ``rows`` (m, d) from ``past`` ones, newest first; and

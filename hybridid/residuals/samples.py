@@ -108,7 +108,14 @@ def gather(
     filled = torch.from_numpy(np.stack([np.resize(s, most) for s in starts]))
     weight = torch.from_numpy(np.stack([np.arange(most) < len(s) for s in starts])).float()
     ahead, back = torch.arange(horizon), -1 - torch.arange(lags)
-    past = [s.error[(at[:, None] + back).clamp(min=0)] for s, at in zip(samples, filled, strict=True)]
-    rows = [s.rows[at[:, None] + ahead] for s, at in zip(samples, filled, strict=True)]
-    target = [s.error[at[:, None] + ahead] for s, at in zip(samples, filled, strict=True)]
-    return Windows(torch.stack(past), torch.stack(rows), torch.stack(target), weight)
+    errors, rows = [s.error for s in samples], [s.rows for s in samples]
+    coming = filled[..., None] + ahead
+    past = _taken(errors, (filled[..., None] + back).clamp(min=0))
+    return Windows(past, _taken(rows, coming), _taken(errors, coming), weight)
+
+
+def _taken(series: Sequence[Tensor], at: Tensor) -> Tensor:
+    """``series[k][at[k]]`` for each network k, stacked; at once where all have the same series."""
+    if all(one is series[0] for one in series):
+        return series[0][at]
+    return torch.stack([one[where] for one, where in zip(series, at, strict=True)])

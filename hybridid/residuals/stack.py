@@ -15,11 +15,13 @@ from itertools import pairwise
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from hybridid.residuals.narx import Weights
 from hybridid.residuals.settings import Architecture
 
+Array = NDArray[np.float64]
 LARGEST_GRADIENT = 1.0
 """The gradient's norm, for each network, is cut to this: back through many steps it can explode."""
 
@@ -116,19 +118,27 @@ class Stack:
             for mine, theirs in zip(self.tensors, other.tensors, strict=True):
                 mine[rows] = theirs
 
-    def weights(self, index: int, padded: bool = False) -> Weights:
-        """One network's weights as float64; regressors it does not look at are left out, or ``padded``."""
-        depth, width = self.sizes[index]
+    def weights(self, index: int) -> Weights:
+        """One network's weights as float64, without regressors that it does not look at."""
         seen = self.mask[index, :, 0].bool().numpy()
-        own = [*self.layers[:depth], self.layers[-1]]
-        first, *inner, last = (w[index].detach().double().numpy().T for w, _ in own)
-        *shifts, offset = (b[index, 0].detach().double().numpy().copy() for _, b in own)
-        gain = float(self.gain[index])
-        first = (first * seen if padded else first[:, seen])[:width]
-        inner, last = [m[:width, :width] for m in inner], last[:, :width]
-        shifts = [shift[:width] for shift in shifts]
-        matrices = (np.ascontiguousarray(m) for m in (first, *inner, gain * last))
-        return Weights(tuple(matrices), (*shifts, gain * offset))
+        return self.part([index]).padded_weights()[0].seeing(seen)
+
+    def padded_weights(self) -> list[Weights]:
+        """Every network's weights as float64, zero for regressors that it does not look at."""
+        with torch.no_grad():
+            (first, bias), *inner, (last, offset) = self.layers
+            layers = [(first * self.mask, bias), *inner, (self.gain * last, self.gain * offset)]
+            arrays = [(w.double().swapaxes(1, 2).numpy(), b.double()[:, 0].numpy()) for w, b in layers]
+        return [_cut(arrays, k, depth, width) for k, (depth, width) in enumerate(self.sizes)]
+
+
+def _cut(arrays: Sequence[tuple[Array, Array]], k: int, depth: int, width: int) -> Weights:
+    """Network ``k`` of a stack's layers, (b, n_out, n_in) and (b, n_out), of its own depth and width."""
+    (first, bias), *inner = [(w[k], b[k]) for w, b in arrays[:depth]]
+    last, offset = arrays[-1][0][k], arrays[-1][1][k]
+    matrices = [first[:width], *(w[:width, :width] for w, _ in inner), last[:, :width]]
+    shifts = [bias[:width], *(b[:width] for _, b in inner)]
+    return Weights(tuple(map(np.ascontiguousarray, matrices)), (*(s.copy() for s in shifts), offset.copy()))
 
 
 def new_stack(
