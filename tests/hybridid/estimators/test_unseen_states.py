@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hybridid.estimators.carried import run_on
 from hybridid.estimators.problem import build_problem
 from hybridid.estimators.short_horizons import SHORT, short_horizon_problem, short_horizon_start
 from hybridid.estimators.start import x0_candidates
@@ -83,3 +84,19 @@ def test_they_are_left_out_where_they_do_not_help(joint, carriage):
     assert short_horizon_problem(build_problem(model, [record], 2 * SHORT, 4)) is None
     seen = compose(EMPS(), ["viscous"])
     assert short_horizon_problem(build_problem(seen, [carriage.record()], None, 1)) is None
+
+
+def test_where_the_machine_stands_runs_on_from_horizon_to_horizon(joint):
+    """No output feels the angle of the whole: horizons begun anywhere come onto one way, the twist stays."""
+    record, states = joint
+    model = compose(ESEA(), ["viscous"])
+    problem, p = build_problem(model, [record], 150, 8), model.values({F_V: 0.004})
+    begins = [start for _, start, _ in problem.windows.origin]
+    astray = np.array(states[begins])
+    astray[1:, 2:] += np.random.default_rng(0).normal(size=(len(astray) - 1, 1))
+    found = run_on(problem, p, astray)
+    np.testing.assert_allclose(found, states[begins], atol=1e-4)
+    assert np.abs(astray[1:] - states[begins][1:]).max() > 0.5
+    np.testing.assert_allclose(
+        problem.shooter(found, p).outputs, problem.shooter(astray, p).outputs, atol=1e-9
+    )
