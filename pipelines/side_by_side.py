@@ -63,7 +63,11 @@ def side_by_side(
             idle = [worker for worker in workers if worker.task is None]
             while waiting and (idle or len(workers) < processes):
                 if not idle:
-                    idle.append(_started(work))
+                    try:
+                        idle.append(_started(work))
+                    except (EOFError, OSError):  # the server that forks it is gone; the next one starts anew
+                        yield waiting.pop(0), Died("its process was killed as it started")
+                        continue
                     workers.append(idle[-1])
                 worker, name = idle.pop(), waiting.pop(0)
                 worker.task = name

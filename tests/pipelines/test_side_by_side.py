@@ -123,3 +123,20 @@ def test_a_process_does_not_outlive_its_parent(tmp_path):
             return
         time.sleep(0.1)
     pytest.fail("the process is still there")
+
+
+def test_a_process_that_is_killed_as_it_starts_is_named(monkeypatch):
+    from pipelines import side_by_side as module
+
+    started, lost = module._started, []
+
+    def killed_once(work):
+        if not lost:
+            lost.append(True)
+            raise EOFError("unexpected EOF")
+        return started(work)
+
+    monkeypatch.setattr(module, "_started", killed_once)
+    found, _ = run("a", "b", processes=1)
+    assert found["a"] == Died("its process was killed as it started")
+    assert found["b"].startswith("b done")
