@@ -26,6 +26,7 @@ from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import fmean, stdev
+from tempfile import TemporaryFile
 from typing import Any
 
 OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies" / "sweep_speed"
@@ -102,16 +103,22 @@ def _one(way: str, seed: int, epochs: int, limit: float | None) -> Timed:
 
 def _timed(words: Sequence[str], limit: float | None = None) -> tuple[float, float, str]:
     """Wall seconds of a command, CPU seconds of the whole machine meanwhile, and what it printed: nothing if
-    it took longer than ``limit``."""
-    before, began = _busy(), time.perf_counter()
-    try:
-        done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=limit)
-        if done.returncode:
-            raise SystemExit(f"{' '.join(words)}\n{done.stderr}")
-        said = done.stdout
-    except subprocess.TimeoutExpired:
-        said = ""
-    return time.perf_counter() - began, _busy() - before, said
+    it took longer than ``limit``.
+
+    It prints to files: a pipe is open as long as any process that it has started is.
+    """
+    with TemporaryFile("w+") as said, TemporaryFile("w+") as complained:
+        before, began = _busy(), time.perf_counter()
+        try:
+            code = subprocess.run(words, stdout=said, stderr=complained, timeout=limit).returncode
+        except subprocess.TimeoutExpired:
+            code = None
+        wall, cpu = time.perf_counter() - began, _busy() - before
+        for file in (said, complained):
+            file.seek(0)
+        if code:
+            raise SystemExit(f"{' '.join(words)}\n{complained.read()}")
+        return wall, cpu, "" if code is None else said.read()
 
 
 def _busy() -> float:

@@ -19,6 +19,8 @@ def run(command: str, words: Sequence[str]) -> int:
     """Carry out a command that has a primary config; returns the exit code."""
     ready = prepared(command, words)
     traceback = wants_traceback() or "--debug" in words
+    if command == "sweep":
+        _load_early(ready)
     import hydra
 
     from hybridid_cli.explain import explained
@@ -36,6 +38,14 @@ def run(command: str, words: Sequence[str]) -> int:
         message, code = explained(error, command, words)
         return complain(message, code)
     return 0
+
+
+def _load_early(words: Sequence[str]) -> None:
+    """Begin to load what a sweep works with, unless ``words`` only look at its config or name a launcher."""
+    if {"-m", "--multirun"} & set(words) and not any("launcher=" in word for word in words):
+        from pipelines.side_by_side import load_early
+
+        load_early("pipelines.sweep.work", "hybridid.residuals.training")
 
 
 @contextmanager

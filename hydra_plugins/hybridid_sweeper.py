@@ -9,11 +9,6 @@ from hydra.plugins.sweeper import Sweeper
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig
 
-from pipelines.side_by_side import load_early
-
-OF_WORKERS = ("pipelines.sweep.work", "hybridid.residuals.training")
-"""What the processes of a sweep on this machine work with."""
-
 
 class HybrididSweeper(Sweeper):
     """Hands over to ``hybridid_cli.sweeper``, imported when it sweeps: every Hydra application loads this."""
@@ -25,8 +20,6 @@ class HybrididSweeper(Sweeper):
         self._with = (hydra_context, task_function, config)
 
     def sweep(self, arguments: list[str]) -> None:
-        if self._with[2].hydra.launcher._target_.endswith(".BasicLauncher"):
-            load_early(*OF_WORKERS)
         from hybridid_cli.sweeper import sweep
 
         sweep([*self._first, *arguments], *self._with)

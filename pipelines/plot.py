@@ -2,48 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
-
-from hybridid.estimators.estimate import Estimate
-from hybridid.model import Model
-from hybridid.plotting.comparison import comparison_plot
-from hybridid.plotting.error import error_plot
-from hybridid.plotting.parameters import parameters_plot
-from hybridid.plotting.raincloud import raincloud_plot
-from hybridid.plotting.record import record_plot
-from hybridid.plotting.residual_correlation import residual_correlation_plot
-from hybridid.plotting.series import Response
-from hybridid.plotting.spectrum import spectrum_plot
-from hybridid.plotting.style import KINDS, Plot, save
-from hybridid.records.record import Record
-from hybridid.records.store import load_record
+from hybridid.plotting.looks import KINDS
 from pipelines.config import Settings
 from pipelines.errors import ConfigError, unknown
-from pipelines.findings import estimate_of, prepared_records
-from pipelines.fitted import load
-from pipelines.laws import Law, friction_plots, laws_of
-from pipelines.predictions import Stored, Tested, predictions_in, residual_tests_in
 from pipelines.stage import Job, Stage
-
-Named = Iterator[tuple[str, Plot]]
 
 
 def run(job: Job) -> None:
-    """Draw everything; files are called ``<record>.<output or port>.<figure>``."""
+    """Draw everything."""
+    from hybridid.plotting.style import save
+    from pipelines.plot_figures import figures  # matplotlib takes half a second to import
+
     kinds = _kinds(job.settings)
-    model, estimate = load(job.tree)
-    laws = laws_of(job.tree)
-    stored = predictions_in(job.tree)
-    tests = residual_tests_in(job.tree)
-    for prepared in prepared_records(job.tree):
-        record = load_record(prepared.file)
-        job.watcher.progress("plot", f"record {record.name}", None)
-        save(record_plot(record), job.folder, f"{record.name}.record", kinds)
-        own = [s for s in stored if s.prediction.record == record.name]
-        for name, plot in _of_record(laws, record, own, tests):
-            save(plot, job.folder, name, kinds)
-    for name, plot in _of_model(model, estimate, stored, estimate_of(job.tree)):
+    for name, plot in figures(job):
         save(plot, job.folder, name, kinds)
 
 
@@ -64,39 +35,6 @@ def _kinds(settings: Settings) -> tuple[str, ...]:
         if kind not in KINDS:
             raise ConfigError(unknown("format in plot.formats:", str(kind), KINDS))
     return tuple(given)
-
-
-def _of_record(
-    laws: Sequence[Law], record: Record, stored: Sequence[Stored], tests: Sequence[Tested]
-) -> Named:
-    """Figures of one record: each output in every view, and each port."""
-    if not stored:
-        return
-    for output in (channel.name for channel in record.output_channels):
-        responses = [Response.of(s.model, s.prediction, output) for s in stored]
-        free = [r for s, r in zip(stored, responses, strict=True) if s.horizon is None]
-        stem = f"{record.name}.{output}"
-        yield f"{stem}.comparison", comparison_plot(responses)
-        yield f"{stem}.error", error_plot(responses)
-        yield f"{stem}.spectrum", spectrum_plot(free or responses)  # horizons' jumps are in every frequency
-        for test in tests:
-            if (test.found.record, test.found.output) == (record.name, output):
-                kind = "residual" if test.model == laws[0].name else "hybrid.residual"
-                yield f"{stem}.{kind}.{test.view}", residual_correlation_plot(test.model, test.found)
-    for port, plot in friction_plots(laws, record, stored):
-        yield f"{record.name}.{port.name}.friction", plot
-
-
-def _of_model(model: Model, estimate: Estimate, stored: Sequence[Stored], about: Mapping[str, Any]) -> Named:
-    """Figures over all records: the spread of errors, the estimates."""
-    for output in model.outputs if stored else ():
-        yield (
-            f"{output.name}.raincloud",
-            raincloud_plot([Response.of(s.model, s.prediction, output.name) for s in stored]),
-        )
-    fitted = ", ".join(about["records"])
-    estimates = {about["model"]: estimate}
-    yield "parameters", parameters_plot(estimates, model.parameters, fitted, about["provenance"])
 
 
 PLOT = Stage(

@@ -10,7 +10,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from hybridid.plotting.style import save
 from hybridid.records.record import Record
 from hybridid.trace.ceiling import Ceiling, ceiling
 from hybridid.trace.refit import Refit
@@ -29,7 +28,6 @@ from pipelines.sources import sources_of
 from pipelines.stage import Job, Stage
 from pipelines.storage import write_json
 from pipelines.trace_complete import completed
-from pipelines.trace_figures import Gallery
 from pipelines.trace_missing import Missing, missing_efforts, write_missing
 from pipelines.trace_page import trace_page
 from pipelines.trace_proof import AFTER, BEFORE, Ask, Proof, prove
@@ -144,6 +142,9 @@ def _missing(job: Job, request: Request, split: Split, proofs: Sequence[Proof], 
 
 def _write(job: Job, story: Story, missing: Missing, began: float) -> None:
     """The model, the numbers, then the figures and the pages that show them."""
+    from hybridid.plotting.style import save
+    from pipelines.trace_figures import Gallery  # matplotlib takes half a second to import
+
     augmented = story.augmented
     described = describe_model(augmented, model_of(augmented))
     write_json(job.folder / "model.json", {**described, "provenance": story.provenance})

@@ -1,4 +1,4 @@
-"""Colours and line styles that also read without colour, or with any colour vision."""
+"""Colours and line styles that also read without colour, or with any colour vision; kinds of files."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
 INK, SOFT_INK, DATA_GREY, GRID_GREY = "#222222", "#666666", "#A0A0A0", "#E4E4E4"
 FOCUS = "#FFF6DC"  # background of the part that another panel enlarges
+
+KINDS = ("svg", "pdf", "png")
+"""Files that a figure is written as."""
 
 Dashes = tuple[float, tuple[float, ...] | None]
 SOLID: Dashes = (0.0, None)

@@ -23,13 +23,11 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.transforms import ScaledTranslation
 
 from hybridid.plotting.lettering import part_of_width, shorten
-from hybridid.plotting.looks import GRID_GREY, INK, SOFT_INK, VERMILION
+from hybridid.plotting.looks import GRID_GREY, INK, KINDS, SOFT_INK, VERMILION
 
 SINGLE_COLUMN = 88.0  # mm, one column of a two-column page
 DOUBLE_COLUMN = 180.0  # mm, both columns
 PNG_DPI = 200
-KINDS = ("svg", "pdf", "png")
-"""Files that a figure is written as."""
 HEADER = 5.5  # mm, the line on top that says what is shown and where it comes from
 MARGIN = 1.5  # mm
 MM_PER_INCH = 25.4

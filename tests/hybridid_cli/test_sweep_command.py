@@ -1,7 +1,8 @@
-"""``hybridid sweep`` from the terminal: a job killed on purpose, and the same command again."""
+"""``hybridid sweep`` from the terminal: a job killed on purpose, the same command again, an early start."""
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import signal
 import subprocess
@@ -10,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from hybridid_cli import hydra_app
 from hybridid_cli.config_files import conf_folder
+from pipelines import side_by_side
 
 NETWORKS = (
     "residual=narx", "residual.orders.error=2", "residual.orders.gray=1", "residual.every=5",
@@ -114,3 +117,20 @@ def test_values_are_what_hydra_itself_makes_of_them(configs):
         ]
         assert [s["effects"] for s in same] == [alone["effects"]]
         assert same[0]["estimator"] == alone["estimator"]
+
+
+@pytest.mark.parametrize(
+    ("words", "loads"),
+    [
+        (["-m", "case=vehicle"], True),
+        (["-m", "case=vehicle", "launcher=joblib"], False),
+        (["-m", "case=vehicle", "hydra/launcher=slurm"], False),
+        (["--cfg", "job", "case=vehicle"], False),
+    ],
+)
+def test_what_workers_need_is_loaded_early_only_where_they_are_ours(monkeypatch, words, loads):
+    loaded = []
+    monkeypatch.setattr(side_by_side, "load_early", lambda *modules: loaded.extend(modules))
+    hydra_app._load_early(words)
+    assert bool(loaded) is loads
+    assert all(importlib.util.find_spec(module) for module in loaded)
