@@ -12,7 +12,6 @@ from dataclasses import replace
 
 from hybridid.records.record import Record
 from hybridid.trace.ceiling import Ceiling, ceiling
-from hybridid.trace.refit import Refit
 from hybridid.trace.search import Mapper
 from hybridid.trace.split import Split
 from hybridid.trace.verdict import Trace, trace
@@ -86,7 +85,7 @@ class _Report:
 def _proved(job: Job, request: Request, split: Split, found: Trace, mapper: Mapper) -> list[Proof]:
     """The declared model and, if anything was accepted, the augmented one."""
     ask, parts = _ask(job, request, split), _parts(job, split)
-    asked = {BEFORE: _first(found), AFTER: found.search.final} if found.accepted else {BEFORE: _first(found)}
+    asked = {BEFORE: found.search.first} | ({AFTER: found.search.final} if found.accepted else {})
     places = [(name, base.model, base.values, *parts, ask) for name, base in asked.items()]
     proofs: list[Proof] = []
     for proof in mapper(prove, places):
@@ -112,18 +111,13 @@ def _ask(job: Job, request: Request, split: Split) -> Ask:
     return Ask(settings, request.horizon, str(job.settings["validate.initial_state"]))
 
 
-def _first(found: Trace) -> Refit:
-    """The declared model as the search first fitted it."""
-    return found.search.steps[0].base if found.search.steps else found.search.final
-
-
 def _ceilings(job: Job, split: Split, found: Trace, mapper: Mapper) -> list[Sequence[Ceiling]]:
     """What a learned effort could add to each model."""
     if not found.accepted:
         return [found.ceilings]
     if found.ceilings_before:
         return [found.ceilings_before, found.ceilings]
-    places = [(_first(found), split, c.port, c.over) for c in found.ceilings]
+    places = [(found.search.first, split, c.port, c.over) for c in found.ceilings]
     before: list[Ceiling] = []
     for one in mapper(ceiling, places):
         before.append(one)

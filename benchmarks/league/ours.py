@@ -21,10 +21,9 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.refit import CONTINUATION, Refit, refit
 from hybridid.trace.score import Score
-from hybridid.trace.search import Search
 from hybridid.trace.split import Split, by_record
 from hybridid.trace.trial import Trial
-from hybridid.trace.verdict import Trace, trace
+from hybridid.trace.verdict import regressed, trace
 
 DETECTABLE = 1e-3
 NAME = "ours"
@@ -41,9 +40,9 @@ def play(scenario: Scenario, records: tuple[Record, Record], most_effects: int =
     return Answer(
         player=NAME,
         named=tuple(one.name for one in found.accepted),
-        alike=tuple(t.candidate.name for t in _class_of_first(found)),
+        alike=tuple(t.candidate.name for t in (first.alike if first else ())),
         values=first.trial.own("values") if first else {},
-        before=_first(found.search).score.loss,
+        before=found.search.first.score.loss,
         after=found.search.final.score.loss,
         remains=bool(found.remains),
         seconds=time.process_time() - began,
@@ -53,14 +52,6 @@ def play(scenario: Scenario, records: tuple[Record, Record], most_effects: int =
             "steps": [_step_notes(step.trials) for step in found.search.steps],
         },
     )
-
-
-def _class_of_first(found: Trace) -> tuple[Trial, ...]:
-    return found.accepted[0].alike if found.accepted else ()
-
-
-def _first(found: Search) -> Refit:
-    return found.steps[0].base if found.steps else found.final
 
 
 def _step_notes(trials: tuple[Trial, ...]) -> list[dict[str, Any]]:
@@ -131,9 +122,7 @@ def _p_errors(poorer: Score, richer: Score) -> float:
 
 
 def _declared(model: Model, split: Split) -> Refit:
-    from hybridid.trace.verdict import _regressed
-
-    return refit(model, split, [_regressed(model, split)], factors=CONTINUATION)
+    return refit(model, split, [regressed(model, split)], factors=CONTINUATION)
 
 
 def _with_truth(poorer: Refit, one: Hidden, split: Split, machine: Mapping[str, float]) -> Refit:

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from hybridid.effects.dimension import DAMPING, EFFORT, ONE, TIME, VELOCITY
+from hybridid.effects.dimension import DAMPING, EFFORT, ONE, POSITION, TIME, VELOCITY, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
 from hybridid.model import Model
 from hybridid.trace.evidence import compare
@@ -46,6 +46,8 @@ Over = Literal[
 ]
 OVERS: tuple[Over, ...] = get_args(Over)
 LATE = "speed of late"
+DIMENSIONS = {"velocity": VELOCITY, LATE: VELOCITY, "position": POSITION, "time": TIME}
+"""Of the s of a learned effort."""
 BUMPS, BUMPS_OF_LATE = 12, 3
 FAINT = 1e-4
 """Mean square of a combination of bumps over the fitted horizons, against the strongest, below which
@@ -119,14 +121,15 @@ class Bumps:
     def known(self, low: float, high: float, basis: Array) -> tuple[EffectParameter, ...]:
         """The fixed parameters for bumps from ``low`` to ``high`` combined by ``basis`` (bumps, n)."""
 
-        def fixed(name: str, meaning: str, value: float) -> EffectParameter:
-            return EffectParameter(name, ONE, meaning, guess=value, absolute=True, fixed=True)
+        def fixed(name: str, kind: Dimension, meaning: str, value: float) -> EffectParameter:
+            return EffectParameter(name, kind, meaning, guess=value, absolute=True, fixed=True)
 
+        place = DIMENSIONS[variable(self.over)]
         return (
-            fixed("first", "where the first bump lies", low),
-            fixed("last", "where the last bump lies", high),
+            fixed("first", place, "where the first bump lies", low),
+            fixed("last", place, "where the last bump lies", high),
             *(
-                fixed(name, f"share of a bump in combination {j}", float(share))
+                fixed(name, ONE, f"share of a bump in combination {j}", float(share))
                 for j in range(self.combinations)
                 for name, share in zip(self._basis(j), basis[:, j], strict=True)
             ),
@@ -218,11 +221,9 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
         else path
     )
     net = seen.effort(model, found.values, port) - path.effort(base.model, base.values, port)
-    speed = f"{where.position_unit}/s"
-    units = {"velocity": speed, LATE: speed, "position": where.position_unit, "time": "s"}
-    unit = units[variable(over)]
     curve = _binned(path.motion(port, over), net)
-    return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, unit, found)
+    over_unit = DIMENSIONS[variable(over)].unit(where)
+    return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, over_unit, found)
 
 
 def _starts(model: Model, effect: Effect, port: str, base: Refit) -> list[dict[str, float]]:

@@ -62,6 +62,11 @@ class Search:
     accepted: tuple[Accepted, ...]
     stopped: str
 
+    @property
+    def first(self) -> Refit:
+        """The declared model as it was first fitted."""
+        return self.steps[0].base if self.steps else self.final
+
 
 def recheck(found: Search, split: Split, rules: Rules) -> Search:
     """Look again, in the last model, at each class of effects that were alike when accepted.

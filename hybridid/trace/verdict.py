@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -23,6 +23,7 @@ from hybridid.trace.stand_in import unless_outdone, without_stand_ins
 
 MOST_TOLD = 3
 """Places where structure remains, the strongest, that are looked at and named."""
+Ceilings = tuple[Ceiling, ...]
 Verdict = Literal["effect_found", "ambiguous", "nothing_missing", "unexplained"]
 
 
@@ -39,8 +40,8 @@ class Trace:
     verdict: Verdict
     search: Search
     floor: Mapping[str, float]
-    ceilings: tuple[Ceiling, ...]
-    ceilings_before: tuple[Ceiling, ...]
+    ceilings: Ceilings
+    ceilings_before: Ceilings
     remains: tuple[str, ...]
 
     @property
@@ -73,19 +74,16 @@ def trace(
         ValueError: if a record does not fit the model or it diverges on the records.
     """
     rules = rules or Rules()
-    began = [dict(s) for s in start] if start else [_regressed(model, split)]
+    began = [dict(s) for s in start] if start else [regressed(model, split)]
     noise = np.max([noise_level(record) for record in split.records], axis=0)
     spread = np.concatenate([record.outputs for record in split.records]).std(axis=0)
     floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
     numerics = Numerics(integrator=integrator)
     found = search(model, split, effects, began, floor, rules, mapper, report, ports, numerics)
     found = recheck(found, split, rules)
-    before = _ceilings(_first(found), split, mapper, report, ports) if len(found.accepted) > 1 else ()
-    trusted = unless_outdone(found, before, rules)
-    ceilings = before if trusted is not found else _ceilings(found.final, split, mapper, report, ports)
-    found, trusted = trusted, without_stand_ins(trusted, split, ceilings, rules)
-    if trusted is not found:
-        found, ceilings = trusted, _ceilings(trusted.final, split, mapper, report, ports)
+    found, ceilings, before = _trusted(
+        found, split, rules, lambda model: _ceilings(model, split, mapper, report, ports)
+    )
     told = _lasting(_telling(ceilings, rules)[:MOST_TOLD], found.final, split, rules, mapper)
     remains = tuple(f"at {c.port} over {c.over}" for c in told)
     return Trace(
@@ -98,7 +96,8 @@ def trace(
     )
 
 
-def _regressed(model: Model, split: Split) -> dict[str, float]:
+def regressed(model: Model, split: Split) -> dict[str, float]:
+    """Parameter values to start from: by regression on the fitted records, else the guesses."""
     records = [split.records[k] for k in sorted({_record_of(split, h) for h in split.fitted})]
     start = regression_start(model, records)
     values = model.values() if start is None else start
@@ -110,14 +109,23 @@ def _record_of(split: Split, horizon: int) -> int:
     return min(int(np.searchsorted(counts, horizon, side="right")), len(split.records) - 1)
 
 
-def _first(found: Search) -> Refit:
-    """The declared model as the search first fitted it."""
-    return found.steps[0].base if found.steps else found.final
+def _trusted(
+    found: Search, split: Split, rules: Rules, look: Callable[[Refit], Ceilings]
+) -> tuple[Search, Ceilings, Ceilings]:
+    """``found`` less what stands in for something else, with the ceilings of its last model, and of the
+    declared one if several effects had to be held against them."""
+    before = look(found.first) if len(found.accepted) > 1 else ()
+    kept = unless_outdone(found, before, rules)
+    if kept is not found:
+        return kept, before, before
+    ceilings = look(found.final)
+    kept = without_stand_ins(found, split, ceilings, rules)
+    return kept, ceilings if kept is found else look(kept.final), before
 
 
 def _ceilings(
     model: Refit, split: Split, mapper: Mapper, report: Report, ports: Sequence[str] | None
-) -> tuple[Ceiling, ...]:
+) -> Ceilings:
     path = Path.of(model, split, split.fitted)
     places = [
         (model, split, port.name, over)
