@@ -148,7 +148,7 @@ def _loop(seed: int, epochs: int, all_threads: bool) -> dict[str, float]:
     from hybridid_cli.config_files import conf_folder
     from pipelines.config import Settings
     from pipelines.residual import gray_box
-    from pipelines.residual_narx import NARXRequest
+    from pipelines.residual_narx import NARXRequest, errors_of
     from pipelines.residual_scores import gray_runs
 
     own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds={seed}", f"residual.epochs={epochs}"]
@@ -159,7 +159,7 @@ def _loop(seed: int, epochs: int, all_threads: bool) -> dict[str, float]:
         path.parent.parent for path in OUT.glob("vehicle/*/residual/stage.json")
     }
     gray = gray_box(Settings("vehicle", plain), tree)
-    tasks = request.tasks(gray.model, gray_runs(gray, request.shape.initial_state))
+    tasks = request.tasks(gray.model, errors_of(gray_runs(gray, request.shape.initial_state)))
     if all_threads:
         training.one_thread = nullcontext  # type: ignore[assignment]
     found = {}

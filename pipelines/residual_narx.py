@@ -22,6 +22,8 @@ from pipelines.watch import Watcher
 if TYPE_CHECKING:
     from hybridid.residuals.training import Task, Trained
 
+Errors = Mapping[str, tuple[ErrorSeries, ...]]
+"""By output, one for each record."""
 _OF_TRAINING = tuple(f.name for f in fields(Training))
 
 
@@ -84,18 +86,17 @@ class NARXRequest(Request):
     def make(self, gray: GrayBox, watcher: Watcher) -> Made:
         began = time.perf_counter()
         runs = gray_runs(gray, self.shape.initial_state)
-        trained = train_networks(self.tasks(gray.model, runs), self.training, watcher)
+        trained = train_networks(self.tasks(gray.model, errors_of(runs)), self.training, watcher)
         return self.made(gray, runs, trained, time.perf_counter() - began)
 
-    def tasks(self, model: Model, runs: Sequence[GrayRun]) -> list[Task]:
+    def tasks(self, model: Model, errors: Errors) -> list[Task]:
         """Every network, size after size, on what the gray box leaves of the fitted records."""
         from hybridid.residuals.training import Task  # torch takes seconds to import
 
-        series = {output: _series(runs, output) for output in self._outputs(model)}
         return [
-            Task(series[name], one, seed)
+            Task(errors[name], one, seed)
             for one in self.architectures(model)
-            for name in series
+            for name in self._outputs(model)
             for seed in self.shape.seeds
         ]
 
@@ -155,10 +156,14 @@ def train_networks(tasks: Sequence[Task], training: Training, watcher: Watcher) 
     return [trained[k] for k in range(len(tasks))]
 
 
-def _series(runs: Sequence[GrayRun], output: str) -> tuple[ErrorSeries, ...]:
-    return tuple(
-        error_series(run.prediction, run.record, output) for run in runs if run.fitted and run.prediction
-    )
+def errors_of(runs: Sequence[GrayRun]) -> Errors:
+    """What the gray box leaves of every output of the fitted records. Networks of one stack that get the very
+    same errors share their windows."""
+    fitted = [(run.prediction, run.record) for run in runs if run.fitted and run.prediction]
+    return {
+        output: tuple(error_series(prediction, record, output) for prediction, record in fitted)
+        for output in fitted[0][0].output_names
+    }
 
 
 def _within(watcher: Watcher, name: str, number: int, stacks: int) -> Callable[[Progress], None]:

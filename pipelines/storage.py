@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.records import tables
+
 
 def write_json(path: Path, data: Any) -> None:
     """Strict JSON: what is not finite becomes null."""
@@ -38,11 +40,9 @@ def write_table(path: Path, columns: Mapping[str, NDArray[Any]], about: Mapping[
 
 def read_table(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, str]]:
     """Columns and notes that ``write_table`` wrote."""
-    from pyarrow import parquet
-
-    table = parquet.read_table(path)
+    table = tables.read_table(path)
     about = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
-    return {name: table[name].to_numpy() for name in table.column_names}, about
+    return {name: tables.column(table, name) for name in table.column_names}, about
 
 
 def _strict(value: Any) -> Any:

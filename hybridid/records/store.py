@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from hybridid.records.record import Array, Channel, Record, RecordError
+from hybridid.records.tables import column, read_table
 
 KEY = b"hybridid"
 FORMAT = 1
@@ -48,13 +49,12 @@ def load_record(path: Path | str) -> Record:
         RecordError: if there is no such file, or it is not of ``save_record``'s making.
     """
     import pyarrow as pa
-    import pyarrow.parquet as pq
 
     path = Path(path)
     if not path.is_file():
         raise RecordError(f"{path}: no such file")
     try:
-        table = pq.read_table(path)
+        table = read_table(path)
         description = json.loads((table.schema.metadata or {})[KEY])
     except (pa.ArrowException, OSError, KeyError, json.JSONDecodeError) as wrong:
         raise RecordError(f"{path}: not a record that hybridid wrote") from wrong
@@ -66,7 +66,7 @@ def load_record(path: Path | str) -> Record:
     del description["format"]
     auxiliary = _matrix(table, channels["auxiliary"])
     return Record(
-        time=table["time"].to_numpy(),
+        time=column(table, "time"),
         inputs=_matrix(table, channels["input"]),
         outputs=_matrix(table, channels["output"]),
         auxiliary=auxiliary if channels["auxiliary"] else None,
@@ -93,5 +93,5 @@ def _description(record: Record) -> dict[str, Any]:
 
 
 def _matrix(table: Any, channels: tuple[Channel, ...]) -> Array:
-    columns = [table[channel.name].to_numpy() for channel in channels]
+    columns = [column(table, channel.name) for channel in channels]
     return np.column_stack(columns) if columns else np.empty((table.num_rows, 0))

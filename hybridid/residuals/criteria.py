@@ -56,16 +56,13 @@ class FreeRunError(Criterion):
         return np.array([self._of(w, k, stack) for w, k in zip(weights, networks, strict=True)])
 
     def _of(self, weights: Weights, network: int, stack: Stack) -> float:
-        sample = self.samples[network]
-        rows, limit = sample.rows.double().numpy(), self.limits[network]
-        begin = np.zeros(stack.lags)
+        sample, limit, begin = self.samples[network], self.limits[network], np.zeros(stack.lags)
+        error, rows = sample.doubles
         runs = [scaled_run(weights, rows[a:b], begin, stack.carry, limit)[0] for a, b in sample.pieces]
-        held_out = np.concatenate([np.arange(a, b) for a, b in sample.split.held_out])
-        square = float(np.mean((np.concatenate(runs) - sample.error.double().numpy())[held_out] ** 2))
+        square = float(np.mean((np.concatenate(runs) - error)[sample.held_out] ** 2))
         return square if np.isfinite(square) else np.inf
 
 
 def without_correction(sample: Samples) -> float:
     """Mean square of the scaled error itself on the held-out blocks."""
-    held_out = np.concatenate([np.arange(a, b) for a, b in sample.split.held_out])
-    return float(np.mean(sample.error.double().numpy()[held_out] ** 2))
+    return float(np.mean(sample.doubles[0][sample.held_out] ** 2))

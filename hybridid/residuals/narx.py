@@ -43,8 +43,8 @@ def scaled_run(weights: Weights, rows: Array, past: Array, carry: float, limit: 
     lags, width = len(past), len(first)
     return recur(
         rows @ first[:, lags:].T + weights.biases[0],
-        np.ascontiguousarray(first[:, :lags]),
-        np.array(inner).reshape(-1, width, width),
+        np.ascontiguousarray(first[:, :lags].T),
+        np.array([matrix.T for matrix in inner]).reshape(-1, width, width),
         np.array(weights.biases[1:-1]).reshape(-1, width),
         np.ascontiguousarray(last[0]),
         float(weights.biases[-1][0]),

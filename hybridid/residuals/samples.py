@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import torch
@@ -53,6 +54,16 @@ class Samples:
     pieces: tuple[tuple[int, int], ...]
     split: Blocks
     reach: int
+
+    @cached_property
+    def doubles(self) -> tuple[Array, Array]:
+        """Error (m,) and rows (m, d), as a free run wants them."""
+        return self.error.double().numpy(), self.rows.double().numpy()
+
+    @cached_property
+    def held_out(self) -> NDArray[np.int64]:
+        """Indices of the samples in the held-out blocks."""
+        return np.concatenate([np.arange(first, end) for first, end in self.split.held_out])
 
     @property
     def trained_on(self) -> int:

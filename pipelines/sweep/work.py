@@ -14,7 +14,7 @@ from pipelines import residual
 from pipelines.errors import ConfigError
 from pipelines.freshness import RECEIPT
 from pipelines.imports import make_importable
-from pipelines.residual_narx import NARXRequest, train_networks
+from pipelines.residual_narx import NARXRequest, errors_of, train_networks
 from pipelines.residual_request import GrayBox
 from pipelines.residual_scores import GrayRun, gray_runs
 from pipelines.runner import run_stages
@@ -112,7 +112,8 @@ def _together(points: Sequence[Point], watcher: Watcher) -> None:
     requests = [_request(point) for point in points]
     began = time.perf_counter()
     runs = gray_runs(gray, requests[0].shape.initial_state)
-    tasks = [request.tasks(gray.model, runs) for request in requests]
+    errors = errors_of(runs)
+    tasks = [request.tasks(gray.model, errors) for request in requests]
     trained = train_networks([t for own in tasks for t in own], requests[0].training, watcher)
     seconds = (time.perf_counter() - began) / len(points)
     for point, request, own in zip(points, requests, tasks, strict=True):

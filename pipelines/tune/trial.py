@@ -12,7 +12,7 @@ import numpy as np
 
 from hybridid.estimators.estimate import Progress
 from pipelines.residual import request_of
-from pipelines.residual_narx import NARXRequest
+from pipelines.residual_narx import NARXRequest, errors_of
 from pipelines.residual_request import GrayBox
 from pipelines.residual_scores import GrayRun
 from pipelines.tune.request import Value, with_values
@@ -71,7 +71,7 @@ def carried_out(
 
     request = narx_of(bench.settings, values)
     began = time.perf_counter()
-    tasks = request.tasks(bench.gray.model, bench.runs)
+    tasks = request.tasks(bench.gray.model, errors_of(bench.runs))
     trained = train_stack(tasks, request.training, _reporter(trial, name, watcher))
     return _found(trained, time.perf_counter() - began)
 
