@@ -148,6 +148,8 @@ def _survival(entry: Data) -> Table:
 
 
 def _outcome(survival: Data) -> str:
+    if not survival["simulated"]:
+        return "cannot be simulated so"
     if survival["refuted"]:
         return "refuted by the records"
     return "survives" if survival["survives"] else "lost"

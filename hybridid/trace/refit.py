@@ -88,6 +88,9 @@ def refit(
 
     ``before`` lends its initial states. ``factors`` is the continuation in epsilon; ``tolerance``
     as ``gauss_newton.solve`` has it. Standard errors are stated if the held-out loss is at most ``doubted``.
+
+    Raises:
+        ValueError: if the model is too stiff at every start.
     """
     began = time.perf_counter()
     smoothing = [factor * numerics.smoothing for factor in factors]
@@ -122,6 +125,21 @@ def refit(
         substeps=problem.windows.substeps,
         numerics=numerics,
     )
+
+
+def refit_if_possible(
+    model: Model,
+    split: Split,
+    starts: Sequence[Mapping[str, float]],
+    before: Refit,
+    numerics: Numerics,
+    doubted: float = NEVER,
+) -> Refit | None:
+    """``refit``, or None where the model cannot be simulated so."""
+    try:
+        return refit(model, split, starts, before, numerics, doubted=doubted)
+    except (ValueError, ArithmeticError):
+        return None
 
 
 def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, float]) -> Problem:

@@ -13,7 +13,7 @@ from hybridid.model import Model
 from hybridid.records.record import HOLDS, Record
 from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.refit import NEVER, Refit, refit
+from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.split import Split
 
 OTHER_INTEGRATOR = {"rk4": "rodas3", "rodas3": "rk4"}
@@ -22,8 +22,8 @@ OTHER_INTEGRATOR = {"rk4": "rodas3", "rodas3": "rk4"}
 @dataclass(frozen=True)
 class Survival:
     """An effect under one variation: its gain, the share ``kept`` of what it took from the squared
-    error as declared, its parameters, whether the records refute the variation itself, and whether
-    the effect passes or that does not matter."""
+    error as declared, its parameters, whether the records refute the variation itself, whether
+    the effect passes or that does not matter, and whether the models can be ``simulated`` so at all."""
 
     variation: str
     gain: float
@@ -32,6 +32,7 @@ class Survival:
     parameters: Mapping[str, float]
     refuted: bool
     survives: bool
+    simulated: bool = True
 
 
 def variations(records: Sequence[Record], declared: Numerics = DECLARED) -> tuple[Numerics, ...]:
@@ -67,9 +68,16 @@ def survival(
     smoothing or the step belongs to them, not to the machine. What moves within two standard
     errors of it says nothing. How the inputs are held is excepted: half a sample of delay has to
     go somewhere, and a true delay, lag or branch takes it up.
+
+    An effect with which the model cannot be simulated so does not survive. If it cannot without the effect
+    either, the variation is no other explanation.
     """
-    poorer = poorer or refit(base.model, split, [base.values], base, numerics, doubted=NEVER)
-    richer = refit(augmented.model, split, [augmented.values], augmented, numerics, doubted=NEVER)
+    poorer = poorer or refit_if_possible(base.model, split, [base.values], base, numerics)
+    if poorer is None:
+        return Survival(numerics.name, 0.0, 0.0, 1.0, {}, refuted=False, survives=True, simulated=False)
+    richer = refit_if_possible(augmented.model, split, [augmented.values], augmented, numerics)
+    if richer is None:
+        return Survival(numerics.name, 0.0, 0.0, 1.0, {}, refuted=False, survives=False, simulated=False)
     again = compare(poorer.score, richer.score)
     own = {name: value for name, value in richer.values.items() if name.startswith(f"{term}.")}
     steady = numerics.hold is not None or all(

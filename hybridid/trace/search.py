@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,7 +11,7 @@ from hybridid.model import Model
 from hybridid.trace.candidates import admissible
 from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.refit import CONTINUATION, Refit, refit
+from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
 from hybridid.trace.robustness import Survival, survival, variations
 from hybridid.trace.split import Split
 from hybridid.trace.trial import (
@@ -88,13 +89,10 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
     model = rival.candidate.added_to(final.model.without(one.name))
     lent = rival.refit.values if rival.refit else {}
     own = {key: value for key, value in lent.items() if key.startswith(f"{rival.candidate.name}.")}
-    other = refit(
-        model,
-        split,
-        [*rival.candidate.starts(model, less(final, one.name))[:-1], {**less(final, one.name), **own}],
-        final,
-        final.numerics,
-    )
+    starts = [*rival.candidate.starts(model, less(final, one.name))[:-1], {**less(final, one.name), **own}]
+    other = refit_if_possible(model, split, starts, final, final.numerics)
+    if other is None:
+        return False
     advantage = compare(other.score, final.score)
     if advantage.gain < rules.tie or advantage.p_value > rules.alpha:
         return True
@@ -179,6 +177,8 @@ def _step(
 
 def _lost(survival: Survival) -> str:
     """What became of a gain under a variation."""
+    if not survival.simulated:
+        return f"{survival.variation} (it cannot be simulated so)"
     what = ", ".join(f"{name.rsplit('.', 1)[-1]} {value:.3g}" for name, value in survival.parameters.items())
     return f"{survival.variation} (keeps {max(survival.kept, 0.0):.0%}, p = {survival.p_value:.1g}, {what})"
 
@@ -211,7 +211,9 @@ def _backward(
     dropped: list[str] = []
     for one in accepted[:-1]:
         model, values = refitted.model.without(one.name), less(refitted, one.name)
-        poorer = refit(model, split, [values], refitted, refitted.numerics)
+        poorer = refit_if_possible(model, split, [values], refitted, refitted.numerics, doubted=math.inf)
+        if poorer is None:
+            continue
         evidence = compare(poorer.score, refitted.score)
         if evidence.gain < rules.worth or evidence.p_value > rules.alpha:
             refitted = poorer

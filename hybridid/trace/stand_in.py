@@ -24,7 +24,7 @@ from dataclasses import replace
 
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.evidence import Rules, compare
-from hybridid.trace.refit import refit
+from hybridid.trace.refit import refit_if_possible
 from hybridid.trace.search import Accepted, Search, Step, less
 from hybridid.trace.split import Split
 from hybridid.trace.trial import REJECTED
@@ -75,8 +75,10 @@ def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Se
 def _needed(one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool:
     """Whether the effect still takes its part beside the learned effort."""
     both = learned.refit
-    alone = refit(both.model.without(one.name), split, [less(both, one.name)], both, both.numerics)
-    return alone.score.loss**2 - both.score.loss**2 >= rules.kept * one.trial.taken
+    alone = refit_if_possible(
+        both.model.without(one.name), split, [less(both, one.name)], both, both.numerics
+    )
+    return alone is None or alone.score.loss**2 - both.score.loss**2 >= rules.kept * one.trial.taken
 
 
 def _ended_at(found: Search, number: int, why: str) -> Search:

@@ -15,7 +15,7 @@ from hybridid.trace.ceiling import OVERS, Ceiling, Path, ceiling
 from hybridid.trace.evidence import Rules
 from hybridid.trace.noise import noise_level
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import NEVER, Refit, refit
+from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.robustness import survival, variations
 from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
 from hybridid.trace.split import Split
@@ -156,7 +156,9 @@ def _lasting(
     for numerics in variations(split.records, final.numerics):
         if not told:
             break
-        poorer = refit(final.model, split, [final.values], final, numerics, doubted=NEVER)
+        poorer = refit_if_possible(final.model, split, [final.values], final, numerics)
+        if poorer is None:
+            continue
         varied = mapper(survival, ((final, c.refit, "", split, numerics, rules, poorer) for c in told))
         told = [one for one, varies in zip(told, varied, strict=True) if varies.survives]
     return told

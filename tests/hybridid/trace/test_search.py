@@ -118,6 +118,17 @@ def test_an_effect_that_the_numerics_made_does_not_survive(make_model, two_recor
     assert not again.survives
 
 
+def test_what_cannot_be_simulated_otherwise_does_not_survive_and_ends_no_trace(worn, split_of):
+    base, found = worn.search.first, worn.search.final
+    stiff = {name: 1e8 if name.endswith(".f_v") else value for name, value in found.values.items()}
+    split, finer = split_of(df_v=DF_V), Numerics("half the step", finer=2)
+    given = (worn.accepted[0].name, split, finer, Rules())
+    with_it = survival(base, replace(found, values=stiff), *given)
+    assert (with_it.simulated, with_it.survives) == (False, False)
+    without = survival(replace(base, values={n: stiff[n] for n in base.values}), found, *given)
+    assert (without.simulated, without.survives) == (False, True)
+
+
 @pytest.mark.parametrize(
     ("share", "over", "trusted"),
     [(0.05, "velocity", True), (0.3, "velocity", False), (0.3, "position", True)],
