@@ -1,15 +1,20 @@
 """How much faster does ``hybridid sweep`` train a grid than a plain loop, to the same errors? Simulated.
 
 (a) The nine networks of the thesis' Table 4.4 on the virtual vehicle (3 to 5 hidden layers of 8 to 32
-neurons, vertical velocity), one seed at a time: the whole command ``hybridid sweep`` against a whole process
-that trains them one after another with the same code and the same epochs, once on one thread and once on all
-threads that torch wants, until that has taken half as long again; the ratio is to the faster of the two. The
-gray box is fitted before; nobody logs.
-(b) 200 small networks in one command.
+neurons, vertical velocity), one seed at a time, in three ways:
+
+    sweep       the command ``hybridid sweep``
+    plain loop  one after another, scored and written as a sweep's are: ``hybridid residual -m``, Hydra's loop
+    bare loop   one after another in one process that only trains them and writes nothing
+
+The same code trains them, with the same epochs, always on one thread. The gray box is fitted before; nobody
+logs.
+(b) All seeds of these nine in one command.
+(c) 200 small networks in one command.
 
 All on two cores. Wall and CPU time both count what other programs do meanwhile: leave the machine alone.
 
-    python benchmarks/sweep_speed.py [--seeds 3] [--networks 200] [--epochs 800]
+    python benchmarks/sweep_speed.py [--seeds 2] [--networks 200] [--epochs 800]
 """
 
 from __future__ import annotations
@@ -21,8 +26,7 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import fmean, stdev
@@ -32,14 +36,14 @@ from typing import Any
 OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies" / "sweep_speed"
 OUTPUT = "vertical_velocity"
 CORES = 2
+GRID = {"depth": (3, 4, 5), "width": (8, 16, 32)}
 WORDS = ("experiment=vehicle_narx", "data=simulated")
-WAYS = ("sweep", "loop, one thread", "loop, all threads")
+WAYS = ("sweep", "plain loop", "bare loop")
 
 
 @dataclass(frozen=True)
 class Timed:
-    """One way to train the grid with one seed: wall and CPU seconds, held-out RMSE in m/s by size (empty if
-    it was stopped)."""
+    """One way to train the grid with one seed: wall and CPU seconds, held-out RMSE in m/s by size."""
 
     way: str
     seed: int
@@ -51,35 +55,33 @@ class Timed:
 def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = print) -> dict[str, Any]:
     """Run the study from the command line's ``arguments`` and write it to ``outputs/studies/sweep_speed``."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=3, help="of the grid of Table 4.4 (default: 3)")
+    parser.add_argument("--seeds", type=int, default=2, help="of the grid of Table 4.4 (default: 2)")
     parser.add_argument("--networks", type=int, default=200, help="small ones in one command (default: 200)")
     parser.add_argument("--epochs", type=int, default=800, help="at most, of each network (default: 800)")
-    parser.add_argument("--loop", nargs=2, help=argparse.SUPPRESS)
+    parser.add_argument("--bare-loop", type=int, metavar="SEED", help=argparse.SUPPRESS)
     given = parser.parse_args(arguments)
-    if given.loop:
-        print(json.dumps(_loop(int(given.loop[0]), given.epochs, all_threads=given.loop[1] == WAYS[2])))
+    if given.bare_loop is not None:
+        print(json.dumps(_bare_loop(given.bare_loop, given.epochs)))
         return {}
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:CORES])
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir(parents=True)
     say(f"load of the machine before: {os.getloadavg()[0]:.1f}")
-    _timed([*_hybridid("fit"), "case=vehicle", "data=simulated"])
-    for way in WAYS[:2]:  # what is compiled once and kept on disk is nobody's time
-        _one(way, given.seeds, epochs=1)
+    for way in WAYS:
+        _timed([*_hybridid("fit", _out(way)), "case=vehicle", "data=simulated"])
+        _one(way, given.seeds, epochs=1)  # what is compiled once and kept on disk is nobody's time
     timed = []
     for seed in range(given.seeds):
         for way in WAYS:
-            limit = 1.5 * timed[-1].wall if way == WAYS[2] else None
-            timed.append(_one(way, seed, given.epochs, limit))
-            stopped = "" if timed[-1].held_out else ", stopped"
-            say(f"{way}, seed {seed}: {timed[-1].wall:.1f} s wall, {timed[-1].cpu:.1f} s CPU{stopped}")
+            timed.append(_one(way, seed, given.epochs))
+            say(f"{way}, seed {seed}: {timed[-1].wall:.1f} s wall, {timed[-1].cpu:.1f} s CPU")
     together = _together(given.seeds, given.epochs)
     say(f"all {given.seeds} seeds in one command: {together['wall']:.1f} s wall, {together['cpu']:.1f} s CPU")
     small = _small(given.networks, given.epochs)
     say(f"{given.networks} small networks: {small['wall']:.0f} s wall, {small['cpu']:.0f} s CPU")
     found = {"provenance": "simulated", "timed": [asdict(t) for t in timed], "small": small}
     found |= {"together": together, "load": os.getloadavg()[0]}
-    found |= {"ratio": _ratio(timed), "ratio_together": _ratio(timed, together)}
+    found |= {"ratio": _ratios(timed), "ratio_together": _ratios(timed, together)}
     text = _report(timed, together, small, given)
     say(text)
     (OUT / "sweep_speed.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
@@ -88,39 +90,46 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
     return found
 
 
-def _hybridid(command: str, out: Path = OUT) -> list[str]:
+def _hybridid(command: str, out: Path) -> list[str]:
     return [sys.executable, "-m", "hybridid_cli", command, f"paths.outputs={out}", "mlflow.enabled=false"]
 
 
-def _one(way: str, seed: int, epochs: int, limit: float | None = None) -> Timed:
-    """The nine networks of one seed, in a process of their own."""
-    if way == WAYS[0]:
-        own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds={seed}", f"residual.epochs={epochs}"]
-        wall, cpu, _ = _timed([*_hybridid("sweep"), *WORDS, *own, f"sweep.processes={CORES}"])
-        return Timed(way, seed, wall, cpu, _held_out(max(OUT.glob("sweeps/*"), key=os.path.getmtime)))
-    words = [sys.executable, __file__, "--epochs", str(epochs), "--loop", str(seed), way]
-    wall, cpu, said = _timed(words, limit)
-    return Timed(way, seed, wall, cpu, json.loads(said or "{}"))
+def _out(way: str) -> Path:
+    return OUT / way.replace(" ", "_")
 
 
-def _timed(words: Sequence[str], limit: float | None = None) -> tuple[float, float, str]:
-    """Wall seconds of a command, CPU seconds of the whole machine meanwhile, and what it printed: nothing if
-    it took longer than ``limit``.
+def _one(way: str, seed: int, epochs: int) -> Timed:
+    """The nine networks of one seed."""
+    out = _out(way)
+    own = [*WORDS, f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seed}]", f"residual.epochs={epochs}"]
+    if way == "sweep":
+        wall, cpu, _ = _timed([*_hybridid("sweep", out), *own, f"sweep.processes={CORES}"])
+        return Timed(
+            way, seed, wall, cpu, _held_out_of_sweep(max(out.glob("sweeps/*"), key=os.path.getmtime))
+        )
+    if way == "plain loop":
+        sizes = [f"residual.{key}={','.join(map(str, values))}" for key, values in GRID.items()]
+        before = set(out.glob("vehicle/*/residual"))
+        wall, cpu, _ = _timed([*_hybridid("residual", out), "-m", *own, *sizes])
+        return Timed(way, seed, wall, cpu, _held_out_of(set(out.glob("vehicle/*/residual")) - before))
+    wall, cpu, said = _timed([sys.executable, __file__, "--epochs", str(epochs), "--bare-loop", str(seed)])
+    return Timed(way, seed, wall, cpu, json.loads(said))
+
+
+def _timed(words: Sequence[str]) -> tuple[float, float, str]:
+    """Wall seconds of a command, CPU seconds of the whole machine meanwhile, and what it printed.
 
     It prints to files: a pipe is open as long as any process that it has started is.
     """
     with TemporaryFile("w+") as said, TemporaryFile("w+") as complained:
         before, began = _busy(), time.perf_counter()
-        try:
-            code = subprocess.run(words, stdout=said, stderr=complained, timeout=limit).returncode
-        except subprocess.TimeoutExpired:
-            code = None
+        code = subprocess.run(words, stdout=said, stderr=complained, check=False).returncode
         wall, cpu = time.perf_counter() - began, _busy() - before
         for file in (said, complained):
             file.seek(0)
         if code:
             raise SystemExit(f"{' '.join(words)}\n{complained.read()}")
-        return wall, cpu, "" if code is None else said.read()
+        return wall, cpu, said.read()
 
 
 def _busy() -> float:
@@ -130,17 +139,22 @@ def _busy() -> float:
     return (int(user) + int(nice) + int(system)) / os.sysconf("SC_CLK_TCK")
 
 
-def _held_out(folder: Path) -> dict[str, float]:
+def _held_out_of_sweep(folder: Path) -> dict[str, float]:
     cells = json.loads((folder / "sweep.json").read_text())["outputs"][0]["cells"]
     return {_size(c["at"]["residual.depth"], c["at"]["residual.width"]): c["held_out"]["mean"] for c in cells}
+
+
+def _held_out_of(folders: Iterable[Path]) -> dict[str, float]:
+    networks = [one for f in folders for one in json.loads((f / "residual.json").read_text())["networks"]]
+    return {_size(one["depth"], one["width"]): one["held_out"] for one in networks}
 
 
 def _size(depth: int, width: int) -> str:
     return f"{depth} x {width}"
 
 
-def _loop(seed: int, epochs: int, all_threads: bool) -> dict[str, float]:
-    """The plain loop: network after network by the very code that a stack trains with."""
+def _bare_loop(seed: int, epochs: int) -> dict[str, float]:
+    """Network after network by the very code that a stack trains with."""
     from hydra import compose, initialize_config_dir
     from omegaconf import OmegaConf
 
@@ -151,17 +165,13 @@ def _loop(seed: int, epochs: int, all_threads: bool) -> dict[str, float]:
     from pipelines.residual_narx import NARXRequest, errors_of
     from pipelines.residual_scores import gray_runs
 
-    own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds={seed}", f"residual.epochs={epochs}"]
+    own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seed}]", f"residual.epochs={epochs}"]
     with initialize_config_dir(str(conf_folder()), version_base="1.3"):
         plain: Any = OmegaConf.to_container(compose("run", [*WORDS, *own]), resolve=True)
     request = NARXRequest.of(plain["residual"])
-    (tree,) = {path.parent.parent for path in OUT.glob("vehicle/*/fit/stage.json")} - {
-        path.parent.parent for path in OUT.glob("vehicle/*/residual/stage.json")
-    }
+    (tree,) = {path.resolve().parent.parent for path in _out("bare loop").glob("vehicle/*/fit/stage.json")}
     gray = gray_box(Settings("vehicle", plain), tree)
     tasks = request.tasks(gray.model, errors_of(gray_runs(gray, request.shape.initial_state)))
-    if all_threads:
-        training.one_thread = nullcontext  # type: ignore[assignment]
     found = {}
     for task in tasks:
         one = training.train(task, request.training)
@@ -184,20 +194,19 @@ def _small(networks: int, epochs: int) -> dict[str, float]:
     own = [f"residual.outputs=[{OUTPUT}]", "residual.depth=[1,2,3,4,5]", "residual.width=[8,16]"]
     seeds = ",".join(str(100 + k) for k in range(networks // 10))  # other seeds than those of (a)
     words = [*own, f"residual.seeds=[{seeds}]", f"residual.epochs={epochs}", f"sweep.processes={CORES}"]
-    wall, cpu, said = _timed([*_hybridid("sweep"), *WORDS, *words])
+    wall, cpu, said = _timed([*_hybridid("sweep", _out("sweep")), *WORDS, *words])
     assert f"{networks} of {networks} points have results, 0 of them from before" in said, said
     return {"networks": networks, "wall": wall, "cpu": cpu}
 
 
-def _ratio(timed: Sequence[Timed], together: dict[str, float] | None = None) -> dict[str, float]:
-    """How often the sweeps' time, or that of the one ``together``, goes into the faster loop's, over all
-    seeds."""
-    found = {}
-    for kind in ("wall", "cpu"):
-        total = {way: sum(getattr(t, kind) for t in timed if t.way == way) for way in WAYS}
-        whole = [way for way in WAYS[1:] if all(t.held_out for t in timed if t.way == way)]
-        found[kind] = min(total[way] for way in whole) / (together or {kind: total[WAYS[0]]})[kind]
-    return found
+def _ratios(timed: Sequence[Timed], together: dict[str, float] | None = None) -> dict[str, dict[str, float]]:
+    """How often the time of the sweeps, or of the one ``together``, goes into each loop's, over all seeds."""
+    total = {
+        way: {kind: sum(getattr(t, kind) for t in timed if t.way == way) for kind in ("wall", "cpu")}
+        for way in WAYS
+    }
+    ours = together or total["sweep"]
+    return {way: {kind: total[way][kind] / ours[kind] for kind in ours} for way in WAYS[1:]}
 
 
 def _report(
@@ -207,26 +216,25 @@ def _report(
     lines += ["| way | wall s, by seed | CPU s, by seed |", "|---|---|---|"]
     for way in WAYS:
         own = [t for t in timed if t.way == way]
-        marks = ["" if t.held_out else " (stopped)" for t in own]
-        cells = (
-            ", ".join(f"{getattr(t, kind):.1f}{mark}" for t, mark in zip(own, marks, strict=True))
-            for kind in ("wall", "cpu")
-        )
+        cells = (", ".join(f"{getattr(t, kind):.1f}" for t in own) for kind in ("wall", "cpu"))
         lines.append(f"| {way} | {' | '.join(cells)} |")
-    one, all_seeds = _ratio(timed), _ratio(timed, together)
+    lines += [""]
+    cost = f"{together['wall']:.1f} s wall, {together['cpu']:.1f} s CPU"
+    for what, ratios in (
+        ("a sweep of one seed", _ratios(timed)),
+        (f"one sweep of all {given.seeds} seeds ({cost})", _ratios(timed, together)),
+    ):
+        parts = (
+            f"the {way} {r['wall']:.2f} times by wall, {r['cpu']:.2f} by CPU" for way, r in ratios.items()
+        )
+        lines.append(f"{what} is faster than {'; '.join(parts)}")
     lines += [
         "",
-        f"faster than the faster loop: {one['wall']:.2f} times by wall, {one['cpu']:.2f} by CPU",
-        f"with all {given.seeds} seeds in one command ({together['wall']:.1f} s wall, "
-        f"{together['cpu']:.1f} s CPU): {all_seeds['wall']:.2f} times by wall, {all_seeds['cpu']:.2f} by CPU",
-    ]
-    lines += [
-        "",
-        "| size | held-out RMSE, loop | sweep | largest difference of one seed |",
+        "| size | held-out RMSE, plain loop | sweep | largest difference of one seed |",
         "|---|---|---|---|",
     ]
     for size in timed[0].held_out:
-        loop, swept = (_errors(timed, way, size) for way in (WAYS[1], WAYS[0]))
+        loop, swept = (_errors(timed, way, size) for way in ("plain loop", "sweep"))
         largest = max(abs(a - b) for a, b in zip(loop, swept, strict=True))
         lines.append(f"| {size} | {_spread(loop)} | {_spread(swept)} | {1e3 * largest:.3f} mm/s |")
     wall = f"{small['wall']:.0f} s ({small['wall'] / 60:.1f} min)"
@@ -261,10 +269,12 @@ def _draw(timed: Sequence[Timed]) -> None:
         times.set_yticks(range(len(WAYS)), WAYS)
         times.invert_yaxis()
         times.set_xlabel("wall time [s]")
-        for shift, (way, colour) in zip((-0.12, 0.12), ((WAYS[1], VERMILION), (WAYS[0], BLUE)), strict=True):
+        for shift, (way, colour) in zip(
+            (-0.12, 0.12), (("plain loop", VERMILION), ("sweep", BLUE)), strict=True
+        ):
             for column, size in enumerate(timed[0].held_out):
                 own = [1e3 * error for error in _errors(timed, way, size)]
-                label = way.partition(",")[0] if column == 0 else None
+                label = way if column == 0 else None
                 errors.plot([column + shift] * len(own), own, "o", color=colour, markersize=3, label=label)
         errors.set_xticks(range(len(timed[0].held_out)), list(timed[0].held_out))
         errors.set_xlabel("layers x neurons [–]")
