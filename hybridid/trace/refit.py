@@ -74,6 +74,7 @@ class Refit:
         return self.numerics.problem(self.model, split, self.substeps // self.numerics.finer)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what runs away has a cost without end, and that is all
 def refit(
     model: Model,
     split: Split,

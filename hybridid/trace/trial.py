@@ -49,6 +49,7 @@ class Trial:
         return {name.removeprefix(prefix): value for name, value in table.items() if name.startswith(prefix)}
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a start may run away
 def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons."""
     model: Model = candidate.added_to(base.model)
