@@ -20,6 +20,7 @@ from hybridid.estimators.problem import Problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
+from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import MOST
 from hybridid.trace.numerics import DECLARED, Numerics, paths
 from hybridid.trace.score import Score, score_of
@@ -44,6 +45,10 @@ NEVER = -np.inf
 """``doubted`` where nobody looks at standard errors."""
 STIFF = 8
 """Steps a sample beyond which a start is left to those that are less stiff."""
+
+
+class TooStiff(ValueError):
+    """A model would need more steps a sample than anybody wants to wait for."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +96,7 @@ def refit(
     as ``gauss_newton.solve`` has it. Standard errors are stated if the held-out loss is at most ``doubted``.
 
     Raises:
-        ValueError: if the model is too stiff at every start.
+        TooStiff: if the model is, at every start.
     """
     began = time.perf_counter()
     smoothing = [factor * numerics.smoothing for factor in factors]
@@ -139,7 +144,7 @@ def refit_if_possible(
     """``refit``, or None where the model cannot be simulated so."""
     try:
         return refit(model, split, starts, before, numerics, doubted=doubted)
-    except (ValueError, ArithmeticError):
+    except (TooStiff, Diverged, ArithmeticError, np.linalg.LinAlgError):
         return None
 
 
@@ -148,7 +153,7 @@ def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, f
     ``values``."""
     steps = before.numerics.steps(model, model.values(values), split, _lent(before, model, split))
     if steps > MOST:
-        raise ValueError(f"needs more than {MOST} steps a sample")
+        raise TooStiff(f"needs more than {MOST} steps a sample")
     return before.numerics.problem(model, split, steps)
 
 
@@ -183,12 +188,12 @@ def _best_starts(
     """The starts in the order of how far their first iterations get, each in steps of its own.
 
     Raises:
-        ValueError: if every start is too stiff.
+        TooStiff: if every start is.
     """
     about = None if before is None else _lent(before, model, split)
     wanted = [numerics.steps(model, model.values(s), split, about) for s in starts]
     if min(wanted) > MOST:
-        raise ValueError(f"needs more than {MOST} steps a sample at every start")
+        raise TooStiff(f"needs more than {MOST} steps a sample at every start")
     limit = max(STIFF, min(wanted))
     problems = {n: numerics.problem(model, split, n) for n in sorted(set(wanted)) if n <= limit}
     rows = list(split.fitted)

@@ -120,7 +120,7 @@ def _trusted(
         return kept, before, before
     ceilings = look(found.final)
     kept = without_stand_ins(found, split, ceilings, rules)
-    return kept, ceilings if kept is found else look(kept.final), before
+    return kept, (ceilings if kept is found else look(kept.final)), before
 
 
 def _ceilings(
