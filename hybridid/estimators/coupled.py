@@ -117,20 +117,25 @@ def _through(problem: Problem, shot: Shot) -> list[tuple[Array, dict[int, Array]
     found = []
     for k, before in enumerate(problem.windows.follows):
         through = shot.by_state[k][..., inner]
+        shown: dict[int, Array] = {}
         if before >= 0 and np.isfinite(shot.ends_by[before]).all():
             ends = shot.ends_by[before][:, inner].T
             by_z = ends[:, :n_x][:, inner]
             own = np.where(problem.moving[before], ends[:, :n_x], 0.0)
             by_p[k] = ends[:, n_x:] + by_z @ by_p[before]
-            by_x[k] = {**{j: by_z @ block for j, block in by_x[before].items()}, before: own}
-            by_x[k] = _felt(by_x[k], through, own_states[k])
-        earlier = {j: through @ block for j, block in by_x[k].items()}
-        found.append((shot.by_parameter[k] + through @ by_p[k], {**earlier, k: own_states[k]}))
+            earlier = {**{j: by_z @ block for j, block in by_x[before].items()}, before: own}
+            shown = _felt({j: _chained(through, block) for j, block in earlier.items()}, own_states[k])
+            by_x[k] = {j: earlier[j] for j in shown}
+        found.append((shot.by_parameter[k] + _chained(through, by_p[k]), {**shown, k: own_states[k]}))
     return found
 
 
-def _felt(by_x: dict[int, Array], through: Array, own: Array) -> dict[int, Array]:
-    """Of dz/dx_j those that still show in the outputs."""
-    size = np.abs(own).max(axis=(0, 1))
-    shown = {j: np.abs(through @ block).max(axis=(0, 1)) for j, block in by_x.items()}
-    return {j: block for j, block in by_x.items() if (shown[j] > FORGOTTEN * size).any()}
+def _chained(through: Array, block: Array) -> Array:
+    """``through`` (H, n_y, i) times ``block`` (i, m), in one product."""
+    return (through.reshape(-1, len(block)) @ block).reshape(*through.shape[:2], -1)
+
+
+def _felt(shown: dict[int, Array], own: Array) -> dict[int, Array]:
+    """Of dy/dx_j those that still count beside what is the horizon's own."""
+    least = FORGOTTEN * np.abs(own).max(axis=(0, 1))
+    return {j: block for j, block in shown.items() if (np.abs(block).max(axis=(0, 1)) > least).any()}

@@ -2,7 +2,7 @@
 
 CasADi interprets a model some five times slower than a compiler's code runs. So what will cost
 more to interpret than to compile is compiled: CasADi writes C of one step, of the outputs and of
-their sensitivities, and ``shoot.c`` drives it over all horizons. The compiler keeps to IEEE
+their sensitivities, and ``shoot.c``, compiled once for all models, drives it over all horizons. The compiler keeps to IEEE
 arithmetic (no fused or reordered operations), so both ways give the same numbers to rounding.
 
 Without a compiler everything is interpreted.
@@ -15,10 +15,11 @@ import functools
 import hashlib
 import os
 import platform
+import re
 import shutil
 import subprocess
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -38,6 +39,13 @@ FLAGS = ("-O1", "-fPIC", "-shared", "-ffp-contract=off")
 WORTH = 3e6
 """Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.3 s, pays: a
 fit simulates some thirty times, and the code is kept."""
+ONLY = "_only"
+"""Behind the names of the functions without sensitivities."""
+BODY = re.compile(r"/\* (\w+):[^\n]*\*/\nstatic int \w+(\(.*?\n\})\n", re.DOTALL)
+"""One function as CasADi writes it: its name, and its arguments with what it does."""
+GIVEN = re.compile(r"(arg\[\d+\])\? (\1\[\d+\]) : 0|if \(res\[\d+\]!=0\) ")
+_WANTED = r"\2"
+"""Where it asks whether an argument or a result is wanted, and what is left of that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +64,7 @@ class Code:
         """Whether to simulate by machine code."""
         if _compiler() is None or self.steps * self._functions[0].n_instructions() < WORTH:
             return False
-        return self._library is not None
+        return self._library is not None and _driver() is not None
 
     def __call__(
         self, windows: Windows, carried: Sequence[int], x0: Array, p: Array, sensitivities: bool
@@ -64,8 +72,9 @@ class Code:
         """States (w, H, n_x), outputs (w, H, n_y), final states (w, n_x) and, if asked for (else empty),
         the outputs' sensitivities (w, H, n_x + n_free, n_y) and those of the state after each horizon's last
         sample (w, n_x + n_free, n_x). The states ``carried`` run on from horizon to horizon."""
-        library = self._library
-        assert library is not None
+        model, shoot = self._library, _driver()
+        assert model is not None
+        assert shoot is not None
         w, length, n_x = windows.count, windows.length, len(self.model.states)
         n_y, n_u, n_stage = len(self.model.outputs), len(self.model.inputs), windows.stages.shape[2]
         n_s = n_x + len(self.free) if sensitivities else 0
@@ -79,7 +88,9 @@ class Code:
         shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y), (w, 1 + n_s, n_x)]
         results = [np.empty(shape) for shape in shapes]
         whole, real = ([ctypes.c_void_p(a.ctypes.data) for a in of] for of in (integers, (*arrays, *results)))
-        if library.shoot(*whole, ctypes.c_double(windows.dt / windows.substeps), *real):
+        suffix = "" if sensitivities else ONLY
+        code = (model[f"{name}{suffix}"] for name in ("model_advance", "model_observe"))
+        if shoot(*code, *whole, ctypes.c_double(windows.dt / windows.substeps), *real):
             raise MemoryError("no memory left to simulate in")
         final, states, outputs, slopes, ends = results
         return states, outputs, final, slopes, ends[:, 1:]
@@ -87,24 +98,20 @@ class Code:
     @cached_property
     def _functions(self) -> tuple[ca.Function, ...]:
         step = INTEGRATORS[self.integrator](self.model, ca.SX.sym("h"), self.held)
-        return (*_pair(self.model, step, self.free, ""), *_pair(self.model, step, None, "_only"))
+        return (*_pair(self.model, step, self.free, ""), *_pair(self.model, step, None, ONLY))
 
     @cached_property
     def _library(self) -> ctypes.CDLL | None:
         generator = ca.CodeGenerator("model.c")
         for function in self._functions:
             generator.add(function)
-        driver = (resources.files("hybridid.simulation") / "shoot.c").read_text(encoding="utf-8")
-        return _compiled(generator.dump() + driver)
+        return _compiled(_bare(generator.dump()))
 
 
 def _pair(
     model: Model, step: ca.Function, free: Sequence[str] | None, suffix: str
 ) -> tuple[ca.Function, ca.Function]:
-    """``model_advance`` and ``model_observe`` of (x, S, t, h, u, p); without S where ``free`` is None.
-
-    Not plain ``advance``: glibc exports one, and a library's call of its own would end up there.
-    """
+    """``model_advance`` and ``model_observe`` of (x, S, t, h, u, p); without S where ``free`` is None."""
     t, x, p = ca.SX.sym("t"), ca.SX.sym("x", len(model.states)), ca.SX.sym("p", len(model.parameters))
     h = ca.SX.sym("h")
     stages, u = ca.SX.sym("U", step.size1_in("U")), ca.SX.sym("u", len(model.inputs))
@@ -130,6 +137,21 @@ def total_derivative(model: Model, value: ca.SX, x: ca.SX, p: ca.SX, s: ca.SX, f
         direct = ca.jacobian(value, p)[:, [order.index(name) for name in free]]
         through = ca.horzcat(through[:, :n_x], through[:, n_x:] + direct)
     return through
+
+
+def _bare(source: str) -> str:
+    """CasADi's C without what it says of each function (names, sparsities) and without asking whether what
+    ``shoot.c`` always gives is there: compiled in half the time."""
+    bodies = [f"int {name}{GIVEN.sub(_WANTED, body)}" for name, body in BODY.findall(source)]
+    return "\n".join([source[: source.index("/* Configuration")], *bodies, ""])
+
+
+@functools.cache
+def _driver() -> Callable[..., int] | None:
+    """``shoot`` of shoot.c, or None if the compiler fails."""
+    text = (resources.files("hybridid.simulation") / "shoot.c").read_text(encoding="utf-8")
+    found = _compiled(text)
+    return None if found is None else found.shoot
 
 
 @functools.cache

@@ -1,40 +1,19 @@
-/* Simulates horizons, one after another. It is compiled behind what CasADi writes of a model: `model_advance`,
-   one step of the state and its sensitivities, and `model_observe`, the outputs and theirs (it ignores h); the same without
-   sensitivities as `model_advance_only` and `model_observe_only`. Matrices lie column by column, as CasADi has them. */
+/* Simulates horizons, one after another, by two functions that CasADi has written of a model: `advance`, one step of
+   the state and its sensitivities, and `observe`, the outputs and theirs (it ignores h). Without sensitivities they
+   give the first of their results only. Matrices lie column by column, as CasADi has them. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+typedef long long casadi_int;
 typedef int (*Function)(const double **arg, double **res, casadi_int *iw, double *w, int memory);
-typedef int (*Work)(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w);
 
-typedef struct {
-  Function call;
-  const double **arg;
-  double **res;
-  casadi_int *iw;
-  double *w;
-} Part;
-
-static int prepare(Part *part, Function call, Work work) {
-  casadi_int n_arg = 0, n_res = 0, n_iw = 0, n_w = 0;
-  work(&n_arg, &n_res, &n_iw, &n_w);
-  part->call = call;
-  part->arg = calloc(n_arg + 1, sizeof *part->arg);
-  part->res = calloc(n_res + 1, sizeof *part->res);
-  part->iw = calloc(n_iw + 1, sizeof *part->iw);
-  part->w = calloc(n_w + 1, sizeof *part->w);
-  return part->arg && part->res && part->iw && part->w;
-}
-
-static void run(Part *part, const double *x, const double *s, const double *t, const double *h, const double *u,
+static void run(Function call, const double *x, const double *s, const double *t, const double *h, const double *u,
                 const double *p, double *value, double *slope) {
-  part->arg[0] = x, part->arg[1] = s, part->arg[2] = t, part->arg[3] = h, part->arg[4] = u, part->arg[5] = p;
-  part->res[0] = value, part->res[1] = slope;
-  part->call(part->arg, part->res, part->iw, part->w, 0);
+  const double *arg[] = {x, s, t, h, u, p};
+  double *res[] = {value, slope};
+  call(arg, res, NULL, NULL, 0);
 }
-
-static void release(Part *part) { free(part->arg), free(part->res), free(part->iw), free(part->w); }
 
 static void blank(double *a, casadi_int n) {
   for (casadi_int k = 0; k < n; ++k) a[k] = NAN;
@@ -58,17 +37,15 @@ static void carry_on(double *now, const double *end, const casadi_int *carried, 
    stage inputs a sample, stage inputs from one step to the next, outputs. `follows`: the horizon before each, or
    -1; `lengths`: samples of each that are its own; `ends`: its state and sensitivities after these. A horizon that leaves the numbers is blank from there on.
    Returns 0, or 1 without memory. */
-int shoot(const casadi_int *size, const casadi_int *follows, const casadi_int *lengths, const casadi_int *carried,
+int shoot(Function advance, Function observe, const casadi_int *size, const casadi_int *follows, const casadi_int *lengths, const casadi_int *carried,
           double h, const double *time, const double *stages, const double *inputs,
           const double *p, const double *x0, double *final, double *states, double *outputs, double *slopes,
           double *ends) {
   const casadi_int count = size[0], length = size[1], steps = size[2], n_x = size[3], n_s = size[4];
   const casadi_int n_u = size[5], n_stage = size[6], hop = size[7], n_y = size[8];
-  Part step_part = {0}, outputs_part = {0};
   const casadi_int n = n_x * (1 + n_s);
   double *now = malloc(n * sizeof *now), *next = malloc(n * sizeof *next);
-  int ready = now && next && prepare(&step_part, n_s ? model_advance : model_advance_only, n_s ? model_advance_work : model_advance_only_work)
-              && prepare(&outputs_part, n_s ? model_observe : model_observe_only, n_s ? model_observe_work : model_observe_only_work);
+  const int ready = now && next;
   for (casadi_int w = 0; ready && w < count; ++w) {
     memset(now, 0, n * sizeof *now);
     memcpy(now, x0 + w * n_x, n_x * sizeof *now);
@@ -85,18 +62,18 @@ int shoot(const casadi_int *size, const casadi_int *follows, const casadi_int *l
         break;
       }
       memcpy(states + at * n_x, now, n_x * sizeof *now);
-      run(&outputs_part, now, now + n_x, time + at, &h, inputs + at * n_u, p, outputs + at * n_y,
+      run(observe, now, now + n_x, time + at, &h, inputs + at * n_u, p, outputs + at * n_y,
           slopes + at * n_s * n_y);
       for (casadi_int i = 0; i < steps; ++i) {
         const double t = time[at] + i * h;
         double *swap = now;
-        run(&step_part, now, now + n_x, &t, &h, stages + at * n_stage + i * hop, p, next, next + n_x);
+        run(advance, now, now + n_x, &t, &h, stages + at * n_stage + i * hop, p, next, next + n_x);
         now = next, next = swap;
       }
       if (k + 1 == lengths[w]) memcpy(ends + w * n, now, n * sizeof *now);
     }
     memcpy(final + w * n_x, now, n_x * sizeof *now);
   }
-  release(&step_part), release(&outputs_part), free(now), free(next);
+  free(now), free(next);
   return !ready;
 }
