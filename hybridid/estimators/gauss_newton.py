@@ -17,6 +17,7 @@ from hybridid.estimators.coupled import Coupled, couples
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
+from hybridid.simulation.shooter import Shot
 
 Array = NDArray[np.float64]
 MOST_DAMPING = 1e12
@@ -81,14 +82,16 @@ def _descend(
 ) -> Solution:
     """One Levenberg-Marquardt descent at one smoothing."""
     p, x0 = scaling.inside(p), np.clip(x0, scaling.x_lower, scaling.x_upper)
-    cost = problem.cost(problem.shooter(x0, p))
+    shot = problem.shooter(x0, p, sensitivities=True)
+    cost = problem.cost(shot)
     if not np.isfinite(cost):
         return Solution(p, x0, np.inf, "the simulation diverges at the start", False, 0)
     damping, growth, history = 1e-4, 2.0, [cost]
     rounding = 0.5 * EXACT**2 * problem.windows.samples * len(problem.scale)
     slow = min(SLOW_SHARE * tolerance, SLOW_GAIN)
+    eager = True  # the last step was taken at its first trial: so may the next be, and then slopes are needed
     for iteration in range(1, max_iterations + 1):
-        normal = _linearise(problem, scaling, p, x0)
+        normal = _linearise(problem, scaling, shot if shot.sensitive else problem.shooter(x0, p, True))
         if not normal.finite:
             blown = "the sensitivities diverge: the integrator needs shorter steps"
             return Solution(p, x0, cost, blown, False, iteration, tuple(history))
@@ -100,17 +103,18 @@ def _descend(
             dp, dx = normal.step(damping, held)
             trial_p, trial_x = scaling.move(p, x0, dp, dx)
             promised = normal.predicted(*scaling.between(p, x0, trial_p, trial_x))
-            trial = problem.cost(problem.shooter(trial_x, trial_p))
+            shot = problem.shooter(trial_x, trial_p, sensitivities=eager and iteration < max_iterations)
+            trial = problem.cost(shot)
             ratio = (cost - trial) / promised if promised > 0 else -1.0
             if np.isfinite(trial) and ratio > 0:
                 break
-            damping, growth = damping * growth, growth * 2
+            damping, growth, eager = damping * growth, growth * 2, False
             if damping > MOST_DAMPING:
                 there = _promises_little(normal, held, cost, slow)
                 status = ROUGH if there else "stalled: no step lowers the cost"
                 return Solution(p, x0, cost, status, there, iteration, tuple(history))
         damping *= max(1 / 10, 1 - (2 * ratio - 1) ** 3)
-        damping, growth = max(damping, 1e-12), 2.0
+        damping, growth, eager = max(damping, 1e-12), 2.0, growth == 2.0
         p, x0, cost = trial_p, trial_x, trial
         history.append(cost)
         watch(iteration, cost)
@@ -125,7 +129,7 @@ def promise(problem: Problem, p: Array, x0: Array) -> float:
     """Decrease of the cost that a full Gauss-Newton step from ``p``, ``x0`` promises: a score test's answer,
     good for telling which of many starts is worth a descent. 0 where the sensitivities diverge."""
     scaling = _Scaling.of(problem)
-    normal = _linearise(problem, scaling, p, x0)
+    normal = _linearise(problem, scaling, problem.shooter(x0, p, sensitivities=True))
     if not normal.finite:
         return 0.0
     held = scaling.held(p, normal.gp)
@@ -140,8 +144,7 @@ def _promises_little(
     return promised <= tolerance * max(cost, np.finfo(float).tiny)
 
 
-def _linearise(problem: Problem, scaling: _Scaling, p: Array, x0: Array) -> Normal | Coupled:
-    shot = problem.shooter(x0, p, sensitivities=True)
+def _linearise(problem: Problem, scaling: _Scaling, shot: Shot) -> Normal | Coupled:
     if couples(problem):
         with np.errstate(over="ignore", invalid="ignore"):
             return Coupled.of(problem, shot, scaling.p, scaling.x)
@@ -152,7 +155,7 @@ def _linearise(problem: Problem, scaling: _Scaling, p: Array, x0: Array) -> Norm
         by_p = np.where(used, by_parameter(problem, shot) / problem.scale[:, None], 0.0) * scaling.p
         by_x = np.where(used, shot.by_state / problem.scale[:, None], 0.0) * scaling.x
     by_x = np.where(problem.moving[:, None, None, :], by_x, 0.0)
-    w, rows = len(x0), r[0].size
+    w, rows = len(r), r[0].size
     jp, jx = by_p.reshape(w, rows, -1) if by_p.size else np.zeros((w, rows, 0)), by_x.reshape(w, rows, -1)
     error = r.reshape(w, rows)
     flat = jp.reshape(w * rows, jp.shape[-1])

@@ -53,6 +53,11 @@ class Shot:
     def finite(self) -> bool:
         return bool(np.isfinite(self.outputs).all())
 
+    @property
+    def sensitive(self) -> bool:
+        """Whether it holds sensitivities."""
+        return self.by_state.ndim > 1
+
 
 @dataclass(frozen=True)
 class Shooter:
