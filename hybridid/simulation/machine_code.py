@@ -2,8 +2,9 @@
 
 CasADi interprets a model some five times slower than a compiler's code runs. So what will cost
 more to interpret than to compile is compiled: CasADi writes C of one step, of the outputs and of
-their sensitivities, and ``shoot.c``, compiled once for all models, drives it over all horizons. The compiler keeps to IEEE
-arithmetic (no fused or reordered operations), so both ways give the same numbers to rounding.
+their sensitivities, and ``shoot.c``, compiled once for all models, drives it over all horizons. The
+compiler keeps to IEEE arithmetic (no fused or reordered operations), so both ways give the same numbers
+to rounding.
 
 Without a compiler everything is interpreted.
 """
@@ -37,15 +38,14 @@ from hybridid.simulation.windows import Windows
 Array = NDArray[np.float64]
 FLAGS = ("-O1", "-fPIC", "-shared", "-ffp-contract=off")
 WORTH = 3e6
-"""Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.3 s, pays: a
+"""Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.2 s, pays: a
 fit simulates some thirty times, and the code is kept."""
 ONLY = "_only"
 """Behind the names of the functions without sensitivities."""
 BODY = re.compile(r"/\* (\w+):[^\n]*\*/\nstatic int \w+(\(.*?\n\})\n", re.DOTALL)
 """One function as CasADi writes it: its name, and its arguments with what it does."""
 GIVEN = re.compile(r"(arg\[\d+\])\? (\1\[\d+\]) : 0|if \(res\[\d+\]!=0\) ")
-_WANTED = r"\2"
-"""Where it asks whether an argument or a result is wanted, and what is left of that."""
+"""Where it asks whether an argument or a result is there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,18 +140,19 @@ def total_derivative(model: Model, value: ca.SX, x: ca.SX, p: ca.SX, s: ca.SX, f
 
 
 def _bare(source: str) -> str:
-    """CasADi's C without what it says of each function (names, sparsities) and without asking whether what
-    ``shoot.c`` always gives is there: compiled in half the time."""
-    bodies = [f"int {name}{GIVEN.sub(_WANTED, body)}" for name, body in BODY.findall(source)]
-    return "\n".join([source[: source.index("/* Configuration")], *bodies, ""])
+    """CasADi's C without what it says of each function (names, sparsities) and without asking for what
+    ``shoot.c`` always gives: compiled in half the time. As it is, if CasADi comes to write otherwise."""
+    head, found, _ = source.partition("/* Configuration")
+    bodies = [f"int {name}{body}" for name, body in BODY.findall(source)]
+    return GIVEN.sub(r"\2", "\n".join([head, *bodies, ""])) if found and bodies else source
 
 
 @functools.cache
 def _driver() -> Callable[..., int] | None:
     """``shoot`` of shoot.c, or None if the compiler fails."""
-    text = (resources.files("hybridid.simulation") / "shoot.c").read_text(encoding="utf-8")
-    found = _compiled(text)
-    return None if found is None else found.shoot
+    source = (resources.files("hybridid.simulation") / "shoot.c").read_text(encoding="utf-8")
+    driver = _compiled(source)
+    return None if driver is None else driver.shoot
 
 
 @functools.cache

@@ -35,12 +35,12 @@ static void carry_on(double *now, const double *end, const casadi_int *carried, 
 
 /* size: horizons, their length, steps a sample, states, columns of sensitivities (0: none), inputs,
    stage inputs a sample, stage inputs from one step to the next, outputs. `follows`: the horizon before each, or
-   -1; `lengths`: samples of each that are its own; `ends`: its state and sensitivities after these. A horizon that leaves the numbers is blank from there on.
-   Returns 0, or 1 without memory. */
-int shoot(Function advance, Function observe, const casadi_int *size, const casadi_int *follows, const casadi_int *lengths, const casadi_int *carried,
-          double h, const double *time, const double *stages, const double *inputs,
-          const double *p, const double *x0, double *final, double *states, double *outputs, double *slopes,
-          double *ends) {
+   -1; `lengths`: samples of each that are its own; `ends`: its state and sensitivities after these. A horizon that
+   leaves the numbers is blank from there on. Returns 0, or 1 without memory. */
+int shoot(Function advance, Function observe, const casadi_int *size, const casadi_int *follows,
+          const casadi_int *lengths, const casadi_int *carried, double h, const double *time, const double *stages,
+          const double *inputs, const double *p, const double *x0, double *final, double *states, double *outputs,
+          double *slopes, double *ends) {
   const casadi_int count = size[0], length = size[1], steps = size[2], n_x = size[3], n_s = size[4];
   const casadi_int n_u = size[5], n_stage = size[6], hop = size[7], n_y = size[8];
   const casadi_int n = n_x * (1 + n_s);

@@ -81,3 +81,18 @@ def test_a_compiler_that_fails_is_named_once(carriage, make_model, monkeypatch, 
     shooter = shooter_of(carriage, make_model)
     with pytest.warns(UserWarning, match="fails \\(no such option\\): models are interpreted"):
         assert not shooter.code.worth_it
+
+
+def test_only_the_functions_themselves_are_compiled(carriage, make_model):
+    """What CasADi says of them takes as long to compile as they do."""
+    generator = machine_code.ca.CodeGenerator("model.c")
+    for function in shooter_of(carriage, make_model).code._functions:
+        generator.add(function)
+    bare = machine_code._bare(generator.dump())
+    assert [bare.count(f"int model_{name}(") for name in ("advance", "observe_only", "advance_n_in")] == [1, 1, 0]
+    assert "? arg[" not in bare
+    assert "if (res[" not in bare
+
+
+def test_c_written_otherwise_is_compiled_as_it_is():
+    assert machine_code._bare("int f(void) { return 0; }") == "int f(void) { return 0; }"
