@@ -10,7 +10,7 @@ from rich.text import Text
 
 from hybridid_cli.tables import table
 from pipelines.findings import trace_of
-from pipelines.trace_words import VERDICTS, estimated, probability, quantity, share
+from pipelines.trace_words import VERDICTS, estimated, outcome, probability, quantity, share
 
 _COLOURS = {"effect_found": "green", "ambiguous": "yellow", "nothing_missing": "green", "unexplained": "red"}
 
@@ -26,7 +26,7 @@ def trace_results(tree: Path) -> list[RenderableType]:
         parts.append(_accepted(data))
     parts.append(_before_after(data))
     if data["completeness"]:
-        parts.append(_completeness(data["completeness"]))
+        parts.append(_completeness(data))
     parts += [
         Text(
             f"tried {len(data['rejected']) + len(data['accepted'])} effects in {len(data['steps'])} steps, "
@@ -82,11 +82,12 @@ def _before_after(data: dict[str, Any]) -> RenderableType:
     return made
 
 
-def _completeness(check: dict[str, Any]) -> Text:
-    outcome = "nothing that it could find is left" if check["complete"] else "it finds what no effect names"
+def _completeness(data: dict[str, Any]) -> Text:
+    check = data["completeness"]
+    takes, took = (share(max(check[key], 0.0)) for key in ("gain", "gain_before"))
     return Text(
-        f"completeness: a network ({check['network']}) takes {share(max(check['gain'], 0.0))} from the "
-        f"held-out error that is left, {share(max(check['gain_before'], 0.0))} from that before: {outcome}"
+        f"completeness: a network ({check['network']}) takes {takes} from the held-out error that is left, "
+        f"{took} from that before: {outcome(data)}"
     )
 
 

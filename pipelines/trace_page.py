@@ -12,6 +12,7 @@ from pipelines.trace_words import (
     VERDICTS,
     estimated,
     listed,
+    outcome,
     percent,
     power,
     probability,
@@ -139,9 +140,10 @@ def _survival(entry: Data) -> Table:
     units = [f"{n} [{entry['parameters'][n]['unit']}]" for n in names]
     notes = (
         "Kept: of what the effect takes from the squared error as declared. A gain or a parameter that went "
-        "away with these would belong to the numerics, not to the machine. Refuted: with it even the "
-        "augmented model errs far more, so that it is no other explanation.",
+        "away with these would belong to the numerics, not to the machine.",
     )
+    if any(s["refuted"] for s in entry["survivals"]):
+        notes += ("Refuted: so solved even the augmented model errs far more: this is no other explanation.",)
     title = f"{entry['effect']} at {entry['port']} when the equations are solved another way"
     header = ("variation", "gain", "kept", "p", *units, "")
     return Table(title, header, tuple(rows), notes, words=(0, len(header) - 1))
@@ -211,17 +213,30 @@ def _remaining(data: Data, pictures: tuple[Picture, ...]) -> Section:
     tables = (
         [Table("Error that a learned effort would take away", header, rows, words=(0, 1))] if rows else []
     )
-    floors = ", ".join(
-        f"{name} {quantity(f['value'], f['unit'], 3)}" for name, f in data["noise_floor"].items()
-    )
-    left = (
-        f"Structure remains {listed(data['remains'])}: a learned effort there still lowers the held-out "
-        f"error by {percent(data['rules']['worth'])} or more, and no effect in the library does."
-        if data["remains"]
-        else "No learned effort over velocity or position takes as much from the held-out error as is asked."
-    )
-    said = (left, *_completeness(data), f"Noise floor of the sensors: {floors}.")
+    errors = [
+        f"{quantity(data['path'][-1]['held_out_rmse'][name], floor['unit'], 3)} of {name} "
+        f"(noise floor of its sensor: {quantity(floor['value'], floor['unit'], 3)})"
+        for name, floor in data["noise_floor"].items()
+    ]
+    said = (f"RMSE on held-out horizons: {listed(errors)}.", _structure(data), *_completeness(data))
     return Section("What is left", said, tuple(tables), pictures)
+
+
+def _structure(data: Data) -> str:
+    """What learned efforts say of the error that is left."""
+    rules, worth, after = data["rules"], percent(data["rules"]["worth"]), data["ceilings"]["after"]
+    if data["remains"]:
+        return (
+            f"Structure remains {listed(data['remains'])}: a learned effort there still lowers the held-out "
+            f"error by {worth} or more, and no effect in the library does."
+        )
+    if any(c["gain"] >= rules["worth"] and c["p_value"] <= rules["alpha"] for c in after):
+        return (
+            f"A learned effort still lowers the held-out error by {worth} or more, but not when the "
+            "equations are solved another way (epsilon, step, integrator, input hold): that is the numerics' "
+            "share of the error, not the machine's."
+        )
+    return f"No learned effort takes {worth} or more from the held-out error."
 
 
 def _completeness(data: Data) -> tuple[str, ...]:
@@ -229,14 +244,9 @@ def _completeness(data: Data) -> tuple[str, ...]:
     if check is None:
         return ()
     last = AFTER if data["accepted"] else BEFORE
-    outcome = (
-        "nothing that it could find is left"
-        if check["complete"]
-        else "it finds what no effect in the library names"
-    )
     return (
         f"Completeness check: a network ({check['network']}) takes {_up_to(check['gain'])} from the held-out "
-        f"error of the {last} (p = {probability(check['p_value'])}): {outcome}.",
+        f"error of the {last} (p {probability(check['p_value'], '= ')}): {outcome(data)}.",
     )
 
 

@@ -39,6 +39,15 @@ def sentence(data: Data) -> str:
     return f"The model lacked {lacked}: with {them} the RMSE {where} falls {_fall(data)}.{_rest(data)}"
 
 
+def outcome(data: Data) -> str:
+    """What the completeness check says."""
+    if data["completeness"]["complete"]:
+        return f"nothing worth {percent(data['rules']['worth'])} that it could find is left"
+    if not data["remains"]:
+        return "that goes away when the equations are solved another way"
+    return "it finds what no effect in the library names"
+
+
 def listed(items: Sequence[str]) -> str:
     """``a, b and c``."""
     return ", ".join(items[:-1]) + (" and " if len(items) > 1 else "") + items[-1] if items else "nothing"
@@ -52,11 +61,11 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
     return f"{value * factor:.{digits}g} {printed}".replace("-", "−")
 
 
-def probability(p: float) -> str:
-    """A p-value to two digits; below what its normal theory can mean, only that."""
+def probability(p: float, equals: str = "") -> str:
+    """A p-value to two digits, behind ``equals``; below what its normal theory can mean, only that."""
     if p < 1e-15:
         return "< 10⁻¹⁵"
-    return f"{p:.2g}" if p >= 1e-3 else power(p)
+    return equals + (f"{p:.2g}" if p >= 1e-3 else power(p))
 
 
 def estimated(parameter: Data) -> str:

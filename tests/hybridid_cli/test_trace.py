@@ -1,0 +1,96 @@
+"""``hybridid trace`` on the virtual carriage, which hides what its case does not declare."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+HIDDEN = 73.718  # N s/m: f_v of the worn screw, one way less the other
+FEW = ("trace.effects=[asymmetric_viscous, cubic_stiffness]", "trace.horizon=0.5", "trace.processes=1")
+KEYS = {"verdict", "accepted", "rejected", "before", "after", "noise_floor", "seconds"}
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("trace") / "tree"
+
+
+@pytest.fixture
+def traced(say, tree, quick):
+    """What was said, and ``trace.json``; traced once."""
+    said = say("trace", *quick, "rig.duration=6", *FEW, f"out={tree}")
+    assert said.code == 0, said.err
+    return said, json.loads((tree / "trace/trace.json").read_text())
+
+
+def test_the_hidden_effect_is_named_with_its_size(traced):
+    _, data = traced
+    assert data.keys() >= KEYS
+    assert data["verdict"] == "effect_found"
+    assert [(a["effect"], a["port"], a["class"]) for a in data["accepted"]] == [
+        ("asymmetric_viscous", "carriage", ["asymmetric_viscous"])
+    ]
+    found = data["accepted"][0]["parameters"]["df_v"]
+    assert found["value"] == pytest.approx(HIDDEN, rel=0.05)
+    assert {r["effect"] for r in data["rejected"]} == {"cubic_stiffness"}
+
+
+def test_before_and_after_both_records_both_views_with_and_without_network(traced):
+    _, data = traced
+    for rows in (data["before"], data["after"]):
+        seen = {(row["record"], row["view"], row["network"]) for row in rows}
+        assert len(seen) == 2 * 2 * 2
+        assert {row["provenance"] for row in rows} == {"simulated"}
+    errors = [
+        next(r["rmse"] for r in data[when] if r["view"] == "horizon" and r["role"] == "held out")
+        for when in ("before", "after")
+    ]
+    assert errors[1] < 0.2 * errors[0]
+
+
+def test_terminal_and_page_say_it_and_that_it_is_simulated(traced, tree):
+    said, data = traced
+    page = (tree / "trace/report.html").read_text()
+    markdown = (tree / "trace/report.md").read_text()
+    for text in (page, markdown):
+        assert "simulated" in text
+        assert "What is left" in text
+    assert data["sentence"] in markdown
+    assert "effect found" in said.out
+    assert "asymmetric_viscous" in said.out
+
+
+def test_what_a_network_still_takes_is_called_by_its_name(traced, tree):
+    """The rig's friction truly sticks, the model's is smoothed: a learned effort finds that, and says so."""
+    _, data = traced
+    left = (tree / "trace/report.md").read_text().partition("## What is left")[2]
+    worth = [c for c in data["ceilings"]["after"] if c["gain"] >= data["rules"]["worth"]]
+    assert ("No learned effort takes" in left) == (not worth)
+    assert ("goes away when the equations are solved another way" in left) == (
+        not data["remains"] and not data["completeness"]["complete"]
+    )
+
+
+def test_the_augmented_model_is_taken_up_as_any_other(traced, say, tree, quick, tmp_path):
+    model = tree / "trace/model.json"
+    said = say("validate", *quick, "rig.duration=6", f"model={model}", f"out={tmp_path / 'after'}")
+    assert said.code == 0, said.err
+    rows = json.loads((tmp_path / "after/validate/metrics.json").read_text())
+    assert all(row["r2"] > 0.9999 for row in rows if row["view"] == "horizon"), rows
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        ("trace.effects=[friktion]", "friktion"),
+        ("trace.ports=[gearbox]", "gearbox"),
+        ("trace.worth=-1", "trace.worth"),
+    ],
+)
+def test_wrong_requests_in_one_line(say, quick, tmp_path, wrong, named):
+    said = say("trace", *quick, wrong, f"out={tmp_path / 'tree'}")
+    assert said.code != 0
+    assert named in said.complaint
+    assert not (tmp_path / "tree/trace").exists()
