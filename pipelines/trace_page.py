@@ -138,15 +138,17 @@ def _survival(entry: Data) -> Table:
         for s in entry["survivals"]
     ]  # fmt: skip
     units = [f"{n} [{entry['parameters'][n]['unit']}]" for n in names]
-    notes = (
+    notes = [
         "Kept: of what the effect takes from the squared error as declared. A gain or a parameter that went "
-        "away with these would belong to the numerics, not to the machine.",
-    )
+        "away with these would belong to the numerics, not to the machine."
+    ]
     if any(s["refuted"] for s in entry["survivals"]):
-        notes += ("Refuted: so solved even the augmented model errs far more: this is no other explanation.",)
+        notes.append(
+            "Refuted: solved so, even the augmented model errs far more: this is no other explanation."
+        )
     title = f"{entry['effect']} at {entry['port']} when the equations are solved another way"
     header = ("variation", "gain", "kept", "p", *units, "")
-    return Table(title, header, tuple(rows), notes, words=(0, len(header) - 1))
+    return Table(title, header, tuple(rows), tuple(notes), words=(0, len(header) - 1))
 
 
 def _outcome(survival: Data) -> str:
