@@ -46,7 +46,7 @@ def _accepted(data: dict[str, Any]) -> RenderableType:
     ]  # fmt: skip
     made = table(f"Accepted ({data['provenance']})", columns)
     for entry in data["accepted"]:
-        survived = [s["survives"] for s in entry["survivals"]]
+        survived = [s["survives"] for s in entry["survivals"] if s["simulated"]]
         made.add_row(
             entry["effect"],
             entry["port"],

@@ -153,7 +153,7 @@ def _survival(entry: Data) -> Table:
 
 def _outcome(survival: Data) -> str:
     if not survival["simulated"]:
-        return "cannot be simulated so"
+        return "too stiff to be tried" if survival["survives"] else "diverges"
     if survival["refuted"]:
         return "refuted by the records"
     return "survives" if survival["survives"] else "lost"

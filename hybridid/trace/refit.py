@@ -51,6 +51,10 @@ class TooStiff(ValueError):
     """A model would need more steps a sample than anybody wants to wait for."""
 
 
+FAILURES = (Diverged, ArithmeticError, np.linalg.LinAlgError)
+"""What else may happen to a model that cannot be simulated."""
+
+
 @dataclass(frozen=True)
 class Refit:
     """A model fitted on the split's fitted horizons, and its score on the held-out ones.
@@ -144,7 +148,7 @@ def refit_if_possible(
     """``refit``, or None where the model cannot be simulated so."""
     try:
         return refit(model, split, starts, before, numerics, doubted=doubted)
-    except (TooStiff, Diverged, ArithmeticError, np.linalg.LinAlgError):
+    except (TooStiff, *FAILURES):
         return None
 
 

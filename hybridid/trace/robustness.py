@@ -13,7 +13,7 @@ from hybridid.model import Model
 from hybridid.records.record import HOLDS, Record
 from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import FAILURES, NEVER, Refit, TooStiff, refit, refit_if_possible
 from hybridid.trace.split import Split
 
 OTHER_INTEGRATOR = {"rk4": "rodas3", "rodas3": "rk4"}
@@ -69,15 +69,18 @@ def survival(
     errors of it says nothing. How the inputs are held is excepted: half a sample of delay has to
     go somewhere, and a true delay, lag or branch takes it up.
 
-    An effect with which the model cannot be simulated so does not survive. If it cannot without the effect
-    either, the variation is no other explanation.
+    A variation that would need more steps than anybody waits for says nothing, with the effect or without.
+    An effect with which the model diverges so does not survive.
     """
     poorer = poorer or refit_if_possible(base.model, split, [base.values], base, numerics)
     if poorer is None:
-        return Survival(numerics.name, 0.0, 0.0, 1.0, {}, refuted=False, survives=True, simulated=False)
-    richer = refit_if_possible(augmented.model, split, [augmented.values], augmented, numerics)
-    if richer is None:
-        return Survival(numerics.name, 0.0, 0.0, 1.0, {}, refuted=False, survives=False, simulated=False)
+        return _not_simulated(numerics, survives=True)
+    try:
+        richer = refit(augmented.model, split, [augmented.values], augmented, numerics, doubted=NEVER)
+    except TooStiff:
+        return _not_simulated(numerics, survives=True)
+    except FAILURES:
+        return _not_simulated(numerics, survives=False)
     again = compare(poorer.score, richer.score)
     own = {name: value for name, value in richer.values.items() if name.startswith(f"{term}.")}
     steady = numerics.hold is not None or all(
@@ -89,6 +92,29 @@ def survival(
     refuted = bool(richer.score.loss > rules.refuted * augmented.score.loss)
     passes = kept >= rules.kept and again.p_value <= rules.alpha and steady
     return Survival(numerics.name, again.gain, kept, again.p_value, own, refuted, refuted or passes)
+
+
+def _not_simulated(numerics: Numerics, survives: bool) -> Survival:
+    return Survival(numerics.name, 0.0, 0.0, 1.0, {}, refuted=False, survives=survives, simulated=False)
+
+
+def doubt(survivals: Sequence[Survival]) -> str:
+    """Why an effect is not to be believed after these variations, or nothing."""
+    lost = [_lost(one) for one in survivals if not one.survives]
+    if lost:
+        return f"the gain does not survive {', '.join(lost)}"
+    tried = sum(one.simulated for one in survivals)
+    if 2 * tried < len(survivals):
+        return f"too stiff to be solved in more than {tried} of {len(survivals)} other ways"
+    return ""
+
+
+def _lost(survival: Survival) -> str:
+    """What became of a gain under a variation."""
+    if not survival.simulated:
+        return f"{survival.variation} (it diverges)"
+    what = ", ".join(f"{name.rsplit('.', 1)[-1]} {value:.3g}" for name, value in survival.parameters.items())
+    return f"{survival.variation} (keeps {max(survival.kept, 0.0):.0%}, p = {survival.p_value:.1g}, {what})"
 
 
 def _amplitudes(model: Model, term: str) -> list[str]:

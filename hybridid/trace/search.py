@@ -12,7 +12,7 @@ from hybridid.trace.candidates import admissible
 from hybridid.trace.evidence import Rules, compare
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
-from hybridid.trace.robustness import Survival, survival, variations
+from hybridid.trace.robustness import Survival, doubt, survival, variations
 from hybridid.trace.split import Split
 from hybridid.trace.trial import (
     PASSED,
@@ -165,22 +165,13 @@ def _step(
             return Step(base, tuple(judged), None)
         best = _preferred(passed, rules)
         survivals = tuple(_survivals(base, best, split, rules, mapper))
-        lost = [s for s in survivals if not s.survives]
-        if not lost:
+        why = doubt(survivals)
+        if not why:
             return Step(
                 base, tuple(judged), Accepted(best, tuple(equivalents(best, judged, rules)), survivals)
             )
-        why = ", ".join(_lost(s) for s in lost)
-        withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: the gain does not survive {why}")
+        withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
         judged = [withdrawn if t is best else t for t in judged]
-
-
-def _lost(survival: Survival) -> str:
-    """What became of a gain under a variation."""
-    if not survival.simulated:
-        return f"{survival.variation} (it cannot be simulated so)"
-    what = ", ".join(f"{name.rsplit('.', 1)[-1]} {value:.3g}" for name, value in survival.parameters.items())
-    return f"{survival.variation} (keeps {max(survival.kept, 0.0):.0%}, p = {survival.p_value:.1g}, {what})"
 
 
 def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:

@@ -13,7 +13,7 @@ from hybridid.trace.ceiling import OVERS, ceiling, learned_effort
 from hybridid.trace.evidence import Rules
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
-from hybridid.trace.robustness import survival, variations
+from hybridid.trace.robustness import doubt, survival, variations
 from hybridid.trace.search import search
 from hybridid.trace.stand_in import unless_outdone, without_stand_ins
 from hybridid.trace.verdict import trace
@@ -118,15 +118,25 @@ def test_an_effect_that_the_numerics_made_does_not_survive(make_model, two_recor
     assert not again.survives
 
 
-def test_what_cannot_be_simulated_otherwise_does_not_survive_and_ends_no_trace(worn, split_of):
+def test_what_is_too_stiff_to_be_tried_says_nothing_and_ends_no_trace(worn, split_of):
     base, found = worn.search.first, worn.search.final
     stiff = {name: 1e8 if name.endswith(".f_v") else value for name, value in found.values.items()}
     split, finer = split_of(df_v=DF_V), Numerics("half the step", finer=2)
     given = (worn.accepted[0].name, split, finer, Rules())
     with_it = survival(base, replace(found, values=stiff), *given)
-    assert (with_it.simulated, with_it.survives) == (False, False)
     without = survival(replace(base, values={n: stiff[n] for n in base.values}), found, *given)
-    assert (without.simulated, without.survives) == (False, True)
+    for one in (with_it, without):
+        assert (one.simulated, one.survives) == (False, True)
+
+
+def test_an_effect_that_hardly_can_be_tried_otherwise_is_not_believed(worn):
+    survived = list(worn.accepted[0].survivals)
+    untried = [replace(one, simulated=False) for one in survived]
+    half = len(survived) // 2
+    assert doubt([*survived[:half], *untried[half:]]) == ""
+    assert "too stiff to be solved in more than 2 of 6" in doubt([*survived[:2], *untried[2:]])
+    diverging = replace(untried[0], survives=False)
+    assert "does not survive epsilon x 3 (it diverges)" in doubt([diverging, *survived[1:]])
 
 
 @pytest.mark.parametrize(
