@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from hybridid.records.record import Record
 from hybridid.trace.ceiling import Ceiling, ceiling
-from hybridid.trace.search import Mapper
+from hybridid.trace.mapper import Mapper
 from hybridid.trace.split import Split
 from hybridid.trace.verdict import Trace, trace
 from pipelines import modelling

@@ -12,7 +12,8 @@ from typing import Any
 
 from hybridid.trace.ceiling import BUMPS, Ceiling
 from hybridid.trace.evidence import Rules
-from hybridid.trace.search import Mapper, Report
+from hybridid.trace.mapper import Mapper
+from hybridid.trace.search import Report
 from pipelines.trace_proof import WITH_NETWORK, Ask, Proof, scored
 
 

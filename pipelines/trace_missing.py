@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from hybridid.records.record import Record
+from hybridid.trace.mapper import Mapper
 from hybridid.trace.missing_effort import MissingEffort, missing_effort
-from hybridid.trace.search import Mapper, Report
+from hybridid.trace.search import Report
 from pipelines.storage import write_table
 from pipelines.trace_proof import Proof
 

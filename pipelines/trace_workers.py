@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from hybridid.trace.search import Mapper, serial
+from hybridid.trace.mapper import Mapper, serial
 
 
 @contextmanager

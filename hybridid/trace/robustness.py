@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from hybridid.model import Model
 from hybridid.records.record import HOLDS, Record
 from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.mapper import Mapper
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import FAILURES, NEVER, Refit, TooStiff, refit, refit_if_possible
 from hybridid.trace.split import Split
@@ -107,6 +108,21 @@ def doubt(survivals: Sequence[Survival]) -> str:
     if 2 * tried < len(survivals):
         return f"too stiff to be solved in more than {tried} of {len(survivals)} other ways"
     return ""
+
+
+def lasting(learned: Sequence[Refit], final: Refit, split: Split, rules: Rules, mapper: Mapper) -> list[int]:
+    """Which of ``learned``, refits with a learned effort beside the model of ``final``, still gain when the
+    equations are solved another way, as an effect's gain must; by number."""
+    left = list(range(len(learned)))
+    for numerics in variations(split.records, final.numerics):
+        if not left:
+            break
+        poorer = refit_if_possible(final.model, split, [final.values], final, numerics)
+        if poorer is None:
+            continue
+        varied = mapper(survival, ((final, learned[k], "", split, numerics, rules, poorer) for k in left))
+        left = [k for k, one in zip(left, varied, strict=True) if one.survives]
+    return left
 
 
 def _lost(survival: Survival) -> str:

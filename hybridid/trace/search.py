@@ -10,6 +10,7 @@ from hybridid.effects.effect import Effect
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
 from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.mapper import Mapper, serial
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
 from hybridid.trace.robustness import Survival, doubt, survival, variations
@@ -27,8 +28,6 @@ from hybridid.trace.trial import (
 
 Report = Callable[[str, int, int, str], None]
 """``report(stage, done, of, what)``"""
-Mapper = Callable[[Callable[..., object], Iterable[tuple]], Iterable]
-"""``mapper(function, argument tuples)``: results in order; a process pool, or plain ``map``."""
 
 
 @dataclass(frozen=True)
@@ -98,11 +97,6 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
         return True
     more = other.score.loss**2 - final.score.loss**2
     return look_alikes(one.trial, rival) and more < rules.tie * one.trial.taken
-
-
-def serial(function: Callable[..., object], arguments: Iterable[tuple]) -> Iterable:
-    """The plain mapper."""
-    return (function(*given) for given in arguments)
 
 
 def search(

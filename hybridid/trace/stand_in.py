@@ -10,7 +10,8 @@ ones), and after a learned effort beside these,
 L_own being the loss right after it was accepted. A share above ``Rules.stands_in`` may also mean that the
 machine lacks two things. So the effect is taken out from beside the learned effort: of what it took alone it
 must still take ``Rules.kept``, or the learned effort can do without it. Then it is withdrawn, and what was
-accepted after it.
+accepted after it. (What a learned effort takes must outlive other numerics: friction that sticks, smoothed,
+leaves an error over velocity that is nobody's.)
 
 Several effects together may hide so much that nothing is left to find beside them. So they are also held
 against one learned effort in their place: if that alone takes more from the squared error, by a share above
@@ -24,33 +25,45 @@ from dataclasses import replace
 
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.mapper import Mapper
 from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.robustness import lasting
 from hybridid.trace.search import Accepted, Search, Step, less
 from hybridid.trace.split import Split
 from hybridid.trace.trial import REJECTED
 
 
-def without_stand_ins(found: Search, split: Split, ceilings: Sequence[Ceiling], rules: Rules) -> Search:
-    """``found`` less the first effect that stands in for another, and those after it."""
+def without_stand_ins(
+    found: Search, split: Split, ceilings: Sequence[Ceiling], rules: Rules, mapper: Mapper
+) -> Search:
+    """``found`` less the first effect that stands in for another, and those after it.
+
+    A learned effort whose gain other numerics take away (friction that sticks, smoothed) accuses nobody.
+    """
     significant = [c for c in ceilings if c.p_value <= rules.alpha and c.gain > 0]
-    if not significant:
-        return found
-    best = max(significant, key=lambda c: c.gain)
-    last = found.final.score.loss
-    learned = last**2 - best.refit.score.loss**2
+    for learned in sorted(significant, key=lambda c: -c.gain):
+        accused = _accused(found, learned, split, rules)
+        if accused is None:
+            return found
+        if lasting([learned.refit], found.final, split, rules, mapper):
+            return _ended_at(found, *accused)
+    return found
+
+
+def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tuple[int, str] | None:
+    """The step whose effect a learned effort shows to stand in for another, and how."""
+    takes = found.final.score.loss**2 - learned.refit.score.loss**2
     kept = {one.name for one in found.accepted}
     for number, step in enumerate(found.steps):
         if step.accepted is None or step.accepted.name not in kept:
             continue
-        share = learned / (step.accepted.trial.taken + learned)
-        if share > rules.stands_in and not _needed(step.accepted, best, split, rules):
-            return _ended_at(
-                found,
-                number,
-                f"beside it a learned effort at {best.port} over {best.over} still takes {share:.0%} of what "
-                "both take from the squared error",
+        share = takes / (step.accepted.trial.taken + takes)
+        if share > rules.stands_in and not _needed(step.accepted, learned, split, rules):
+            why = (
+                f"beside it a learned effort at {learned.port} over {learned.over} still takes {share:.0%} of"
             )
-    return found
+            return number, f"{why} what both take from the squared error"
+    return None
 
 
 def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Search:

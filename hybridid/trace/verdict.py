@@ -13,11 +13,12 @@ from hybridid.estimators.start import regression_start
 from hybridid.model import Model
 from hybridid.trace.ceiling import OVERS, Ceiling, Path, ceiling
 from hybridid.trace.evidence import Rules
+from hybridid.trace.mapper import Mapper, serial
 from hybridid.trace.noise import noise_level
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import Refit, refit_if_possible
-from hybridid.trace.robustness import survival, variations
-from hybridid.trace.search import Accepted, Mapper, Report, Search, recheck, search, serial
+from hybridid.trace.refit import Refit
+from hybridid.trace.robustness import lasting
+from hybridid.trace.search import Accepted, Report, Search, recheck, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import unless_outdone, without_stand_ins
 
@@ -82,10 +83,11 @@ def trace(
     found = search(model, split, effects, began, floor, rules, mapper, report, ports, numerics)
     found = recheck(found, split, rules)
     found, ceilings, before = _trusted(
-        found, split, rules, lambda model: _ceilings(model, split, mapper, report, ports)
+        found, split, rules, mapper, lambda model: _ceilings(model, split, mapper, report, ports)
     )
-    told = _lasting(_telling(ceilings, rules)[:MOST_TOLD], found.final, split, rules, mapper)
-    remains = tuple(f"at {c.port} over {c.over}" for c in told)
+    told = _telling(ceilings, rules)[:MOST_TOLD]
+    lasts = lasting([c.refit for c in told], found.final, split, rules, mapper)
+    remains = tuple(f"at {told[k].port} over {told[k].over}" for k in lasts)
     return Trace(
         verdict=_verdict(found, remains),
         search=found,
@@ -110,7 +112,7 @@ def _record_of(split: Split, horizon: int) -> int:
 
 
 def _trusted(
-    found: Search, split: Split, rules: Rules, look: Callable[[Refit], Ceilings]
+    found: Search, split: Split, rules: Rules, mapper: Mapper, look: Callable[[Refit], Ceilings]
 ) -> tuple[Search, Ceilings, Ceilings]:
     """``found`` less what stands in for something else, with the ceilings of its last model, and of the
     declared one if several effects had to be held against them."""
@@ -119,7 +121,7 @@ def _trusted(
     if kept is not found:
         return kept, before, before
     ceilings = look(found.final)
-    kept = without_stand_ins(found, split, ceilings, rules)
+    kept = without_stand_ins(found, split, ceilings, rules, mapper)
     return kept, (ceilings if kept is found else look(kept.final)), before
 
 
@@ -147,21 +149,6 @@ def _telling(ceilings: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:
     found = [c for c in ceilings if c.gain >= rules.worth and c.p_value <= rules.alpha]
     most = max((c.gain for c in found), default=0.0)
     return sorted((c for c in found if c.gain >= most / 2), key=lambda c: -c.gain)
-
-
-def _lasting(
-    told: Sequence[Ceiling], final: Refit, split: Split, rules: Rules, mapper: Mapper
-) -> Sequence[Ceiling]:
-    """Those whose gain outlives other numerics, as an effect's must."""
-    for numerics in variations(split.records, final.numerics):
-        if not told:
-            break
-        poorer = refit_if_possible(final.model, split, [final.values], final, numerics)
-        if poorer is None:
-            continue
-        varied = mapper(survival, ((final, c.refit, "", split, numerics, rules, poorer) for c in told))
-        told = [one for one, varies in zip(told, varied, strict=True) if varies.survives]
-    return told
 
 
 def _verdict(found: Search, remains: Sequence[str]) -> Verdict:
