@@ -37,7 +37,9 @@ CUBIC_STIFFNESS = Effect(
     law=lambda at: at.p.k_3 * (at.position - at.p.q_0) ** 3,
     parameters=(
         EffectParameter("k_3", CUBIC, "cubic stiffness: hardening above, softening below zero", nests=True),
-        EffectParameter("q_0", POSITION, "centre of the spring", guess=0.0, lower=-3.0, upper=3.0),
+        EffectParameter(
+            "q_0", POSITION, "centre of the spring", guess=0.0, lower=-3.0, upper=3.0, sought="place"
+        ),
     ),
     source=(
         "Nayfeh, Mook (1979), Nonlinear Oscillations, Wiley, ch. 4; Duffing (1918), Erzwungene Schwingungen"
