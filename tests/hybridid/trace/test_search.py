@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.trace import stand_in
 from hybridid.trace.ceiling import OVERS, ceiling, learned_effort
 from hybridid.trace.evidence import Rules
+from hybridid.trace.mapper import serial
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
 from hybridid.trace.robustness import doubt, survival, variations
 from hybridid.trace.search import search
-from hybridid.trace.stand_in import unless_outdone, without_stand_ins
 from hybridid.trace.verdict import trace
 
 DF_V = 80.0
@@ -140,16 +141,23 @@ def test_an_effect_that_hardly_can_be_tried_otherwise_is_not_believed(worn):
 
 
 @pytest.mark.parametrize(
-    ("share", "over", "trusted"),
-    [(0.05, "velocity", True), (0.3, "velocity", False), (0.3, "position", True)],
+    ("share", "over", "lasts", "trusted"),
+    [
+        (0.05, "velocity", True, True),
+        (0.3, "velocity", True, False),
+        (0.3, "velocity", False, True),
+        (0.3, "position", True, True),
+    ],
 )
 def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
-    worn, split_of, share, over, trusted
+    worn, split_of, monkeypatch, share, over, lasts, trusted
 ):
     """As if the carriage's error could fall further by ``share`` of what effect and learned effort take.
 
-    One over velocity can do what the effect does; beside one over position it is as needed as before.
+    One over velocity can do what the effect does, if its gain ``lasts`` under other numerics; beside one over
+    position the effect is as needed as before.
     """
+    monkeypatch.setattr(stand_in, "lasting", lambda learned, *given: [0] if lasts else [])
     split = split_of(df_v=DF_V)
     (one,) = worn.accepted
     declared, named = (r.score.loss**2 for r in (worn.search.steps[0].base, one.trial.refit))
@@ -166,7 +174,8 @@ def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
         ),
         accepted=replace(one, trial=trial),
     )
-    found = without_stand_ins(replace(worn.search, steps=(step,), final=raised), split, [learned], Rules())
+    searched = replace(worn.search, steps=(step,), final=raised)
+    found = stand_in.without_stand_ins(searched, split, [learned], Rules(), serial)
     assert [a.name for a in found.accepted] == (["carriage.asymmetric_viscous"] if trusted else [])
     if not trusted:
         (refused,) = [t for t in found.steps[0].trials if t.candidate.name == one.name]
@@ -183,7 +192,7 @@ def test_effects_that_one_learned_effort_outdoes_are_withdrawn(worn, share, trus
     named = replace(worn.search.final, score=scaled(base.score, 0.5))
     alone = replace(worn.search.final, score=scaled(base.score, (0.5 - share) / (1 - share)))
     learned = replace(worn.ceilings[0], refit=alone)
-    found = unless_outdone(replace(worn.search, final=named), [learned], Rules())
+    found = stand_in.unless_outdone(replace(worn.search, final=named), [learned], Rules())
     assert [a.name for a in found.accepted] == (["carriage.asymmetric_viscous"] if trusted else [])
     if not trusted:
         assert "all effects accepted take 50.0%" in found.stopped
