@@ -234,9 +234,9 @@ def _structure(data: Data) -> str:
         )
     if any(c["gain"] >= rules["worth"] and c["p_value"] <= rules["alpha"] for c in after):
         return (
-            f"A learned effort still lowers the held-out error by {worth} or more, but not when the "
-            "equations are solved another way (epsilon, step, integrator, input hold): that is the numerics' "
-            "share of the error, not the machine's."
+            f"A learned effort still lowers the held-out error by {worth} or more, but the strongest do not "
+            "keep that gain when the equations are solved another way (epsilon, step, integrator, input "
+            "hold): no evidence that the machine lacks something."
         )
     return f"No learned effort takes {worth} or more from the held-out error."
 

@@ -44,7 +44,7 @@ def outcome(data: Data) -> str:
     if data["completeness"]["complete"]:
         return f"nothing worth {percent(data['rules']['worth'])} that it could find is left"
     if not data["remains"]:
-        return "that goes away when the equations are solved another way"
+        return "a gain that does not survive other ways of solving the equations"
     return "it finds what no effect in the library names"
 
 
