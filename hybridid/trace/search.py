@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 from hybridid.effects.effect import Effect
 from hybridid.model import Model
@@ -24,6 +25,7 @@ from hybridid.trace.trial import (
     indistinguishable,
     judge,
     look_alikes,
+    overshadowing,
 )
 
 Report = Callable[[str, int, int, str], None]
@@ -153,19 +155,41 @@ def _step(
         trials.append(trial)
         report(f"step {number}", len(trials), len(candidates), trial.candidate.name)
     judged = judge(trials, rules)
+
+    @cache
+    def survivals_of(name: str) -> tuple[Survival, ...]:
+        return tuple(_survivals(base, _named(name, judged), split, rules, mapper))
+
     while True:
         passed = [t for t in judged if t.status == PASSED]
         if not passed:
             return Step(base, tuple(judged), None)
         best = _preferred(passed, rules)
-        survivals = tuple(_survivals(base, best, split, rules, mapper))
-        why = doubt(survivals)
+        survivals = survivals_of(best.candidate.name)
+        why = doubt(survivals) or _overshadowed(best, judged, rules, survivals_of)
         if not why:
             return Step(
                 base, tuple(judged), Accepted(best, tuple(equivalents(best, judged, rules)), survivals)
             )
         withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
         judged = [withdrawn if t is best else t for t in judged]
+
+
+def _named(name: str, trials: Sequence[Trial]) -> Trial:
+    return next(t for t in trials if t.candidate.name == name)
+
+
+def _overshadowed(
+    best: Trial, trials: Sequence[Trial], rules: Rules, survivals_of: Callable[[str], tuple[Survival, ...]]
+) -> str:
+    """Which undetermined effect explains more, whatever the numerics, or nothing."""
+    for other in overshadowing(best, trials, rules):
+        name = other.candidate.name
+        if not doubt(survivals_of(name)):
+            return (
+                f"{name}, which these records do not determine, takes {other.gain:.1%} from the held-out RMSE"
+            )
+    return ""
 
 
 def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:

@@ -171,3 +171,21 @@ def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:
     assert other.refit is not None
     advantage = compare(other.refit.score, best.refit.score)
     return advantage.gain < rules.tie or advantage.p_value > rules.alpha
+
+
+def overshadowing(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
+    """The effects that these records do not determine and that yet explain them better than ``best``, by as
+    much as is worth having; the strongest first.
+
+    Beside one of those a name is a guess. Declared look-alikes are excepted: they may be the same
+    thing in finer words (a Stribeck friction whose velocity the record does not show, beside Coulomb's).
+    """
+    assert best.refit is not None
+    found = []
+    for other in trials:
+        if other.status != UNIDENTIFIABLE or other.refit is None or look_alikes(best, other):
+            continue
+        advantage = compare(best.refit.score, other.refit.score)
+        if advantage.gain >= rules.worth and advantage.p_value <= rules.alpha:
+            found.append(other)
+    return sorted(found, key=lambda t: -t.gain)

@@ -16,7 +16,8 @@ from hybridid.trace.mapper import serial
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
 from hybridid.trace.robustness import doubt, survival, variations
-from hybridid.trace.search import search
+from hybridid.trace.search import _overshadowed, search
+from hybridid.trace.trial import UNIDENTIFIABLE, overshadowing
 from hybridid.trace.verdict import trace
 
 DF_V = 80.0
@@ -182,6 +183,27 @@ def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
         assert refused.status == "rejected"
         assert refused.reason.startswith("stands in for something else")
         assert found.final is step.base
+
+
+@pytest.mark.parametrize(
+    ("effect", "less", "overshadows"),
+    [("cubic_stiffness", 0.2, True), ("cubic_stiffness", 0.04, False), ("asymmetric_coulomb", 0.2, False)],
+)
+def test_a_name_beside_which_something_undetermined_explains_more_is_a_guess(worn, effect, less, overshadows):
+    """As if an effect that the records do not determine left ``less`` of the held-out RMSE than the accepted.
+
+    A look-alike (asymmetric Coulomb friction) does not: it may be the same thing.
+    """
+    (one,) = worn.accepted
+    other = next(t for t in worn.search.steps[0].trials if t.candidate.effect.id == effect)
+    better = replace(one.trial.refit, score=scaled(one.trial.refit.score, (1 - less) ** 2))
+    other = replace(other, refit=better, status=UNIDENTIFIABLE)
+    trials = [one.trial, other]
+    assert overshadowing(one.trial, trials, Rules()) == ([other] if overshadows else [])
+    lasting = _overshadowed(one.trial, trials, Rules(), lambda name: one.survivals)
+    assert lasting.startswith(f"carriage.{effect}, which these records do not determine") is overshadows
+    lost = [replace(s, survives=False) for s in one.survivals]
+    assert _overshadowed(one.trial, trials, Rules(), lambda name: lost) == ""
 
 
 @pytest.mark.parametrize(("share", "trusted"), [(0.05, True), (0.3, False)])
