@@ -68,8 +68,8 @@ def _effect(name: str | None) -> str:
 
 @styled
 def gains(found: Sequence[Round], oracle: Mapping[str, Mapping[str, float]]) -> Plot:
-    """Held-out error of our trace before and after, against the oracle's, scenario by scenario."""
-    own = sorted((r for r in found if r.player == NAME), key=lambda r: r.answer["before"])
+    """Held-out error of our trace before and after, and the oracle's, for each scenario that counts."""
+    own = sorted((r for r in found if r.player == NAME and r.counts), key=lambda r: r.answer["before"])
     figure = new_figure(DOUBLE_COLUMN, 75, "held-out error over horizons, before and after", "simulated")
     axes = figure.add_subplot()
     places = np.arange(len(own))

@@ -59,10 +59,11 @@ def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tup
             continue
         share = takes / (step.accepted.trial.taken + takes)
         if share > rules.stands_in and not _needed(step.accepted, learned, split, rules):
-            why = (
-                f"beside it a learned effort at {learned.port} over {learned.over} still takes {share:.0%} of"
+            place = f"{learned.port} over {learned.over}"
+            return number, (
+                f"beside it a learned effort at {place} still takes {share:.0%} of what both take "
+                "from the squared error"
             )
-            return number, f"{why} what both take from the squared error"
     return None
 
 
