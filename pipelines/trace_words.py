@@ -19,20 +19,14 @@ VERDICTS = {
 
 def sentence(data: Data) -> str:
     """The verdict of ``trace.json`` in one sentence."""
-    accepted, where = (
-        data["accepted"],
-        f"on held-out horizons of {data['horizon']:g} s ({data['provenance']})",
-    )
-    tried = len(data["rejected"]) + len(accepted)
+    accepted = data["accepted"]
+    where = f"on held-out horizons of {data['horizon']:g} s ({data['provenance']})"
     if data["verdict"] == "nothing_missing":
-        return (
-            f"Nothing that can be found is missing: none of the {tried} effects tried lowers the error "
-            f"{where} by {percent(data['rules']['worth'])}."
-        )
+        return f"Nothing that can be found is missing: {_none_passes(data, where)}"
     if data["verdict"] == "unexplained":
         return (
-            f"Something is missing that none of the {tried} effects tried explains: structure remains "
-            f"{listed(data['remains'])}, {where}."
+            f"Something is missing that none of the {len(data['rejected'])} effects tried explains: "
+            f"structure remains {listed(data['remains'])}, {where}."
         )
     them = "them" if len(accepted) > 1 else "it"
     lacked = listed([_named(entry) for entry in accepted])
@@ -98,6 +92,21 @@ def squared(unit: str) -> str:
 def share(gain: float) -> str:
     """``36.1 %`` less, or how much more."""
     return "diverges" if gain <= -1 else f"{100 * gain:.1f} %".replace("-", "−")
+
+
+def _none_passes(data: Data, where: str) -> str:
+    """Why nothing was accepted; a gain that was refused is told, or the sentence would hide it."""
+    tried, worth = data["rejected"], data["rules"]["worth"]
+    if not tried:
+        return f"{data['stopped']} {where}."
+    fails = f"none of the {len(tried)} effects tried lowers the error {where} by {percent(worth)}"
+    most = max(tried, key=lambda entry: entry["gain"])
+    if most["gain"] < worth:
+        return f"{fails}."
+    return (
+        f"{fails} and passes every test. The largest gain, {share(most['gain'])} with {most['effect']} at "
+        f"{most['port']}, is refused: {most['reason']}."
+    )
 
 
 def _named(entry: Data) -> str:
