@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from hybridid.declarations import Parameter
+from hybridid.effects.effect import EffectParameter
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, Rules, compare, holm
@@ -93,24 +95,44 @@ def _undetermined(trial: Trial, rules: Rules) -> str:
     """Why the effect's own parameters are not determined, or nothing if they are."""
     assert trial.refit is not None
     values, errors = trial.own("values"), trial.refit.std
-    port = trial.refit.model.plant.port(trial.candidate.port)
-    amplitudes = [p.name for p in trial.candidate.effect.parameters if p.nests and not p.fixed]
+    amplitudes = _amplitudes(trial)
     if _strength(trial, amplitudes) * rules.vague < 1.0:
         said = ", ".join(
             f"{n} = {values[n]:.3g} ± {errors[f'{trial.candidate.name}.{n}']:.2g}" for n in amplitudes
         )
         return f"{said}: not determined by these records"
-    for p in trial.candidate.effect.parameters:
-        declared, value = p.at(port), values[p.name]
-        if declared.fixed or p.minor or (p.nests and len(amplitudes) > 1):
-            continue
-        std = errors[f"{trial.candidate.name}.{p.name}"]
+    for p, declared in _judged_alone(trial):
+        value, std = values[p.name], errors[f"{trial.candidate.name}.{p.name}"]
         if not math.isfinite(std) or (not p.nests and std > rules.vague * max(abs(value), declared.scale)):
             return f"{p.name} = {value:.4g} ± {std:.2g} {declared.unit} is not determined by these records"
+    return _degenerate(trial) or _collinear(trial, rules)
+
+
+def _degenerate(trial: Trial) -> str:
+    """Which of the effect's own parameters ends at its bound, where it is no longer that effect, if any."""
+    values = trial.own("values")
+    for p, declared in _judged_alone(trial):
+        value = values[p.name]
         span = 1e-3 * max(abs(value), 1e-3 * declared.scale)
         if value <= declared.lower + span or value >= declared.upper - span:
             return f"{p.name} = {value:.4g} {declared.unit} ends at its bound: the effect degenerates"
-    return _collinear(trial, rules)
+    return ""
+
+
+def _amplitudes(trial: Trial) -> list[str]:
+    return [p.name for p in trial.candidate.effect.parameters if p.nests and not p.fixed]
+
+
+def _judged_alone(trial: Trial) -> Iterator[tuple[EffectParameter, Parameter]]:
+    """The effect's own parameters that matter one by one, with their bounds at the port; several
+    amplitudes are judged together."""
+    assert trial.refit is not None
+    port = trial.refit.model.plant.port(trial.candidate.port)
+    several = len(_amplitudes(trial)) > 1
+    for p in trial.candidate.effect.parameters:
+        declared = p.at(port)
+        if not (declared.fixed or p.minor or (p.nests and several)):
+            yield p, declared
 
 
 def _strength(trial: Trial, amplitudes: Sequence[str]) -> float:
@@ -179,11 +201,14 @@ def overshadowing(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Tr
 
     Beside one of those a name is a guess. Declared look-alikes are excepted: they may be the same
     thing in finer words (a Stribeck friction whose velocity the record does not show, beside Coulomb's).
+    So is what ends at a bound: it has left its own form to mend another's (a free play of no gap).
     """
     assert best.refit is not None
     found = []
     for other in trials:
-        if other.status != UNIDENTIFIABLE or other.refit is None or look_alikes(best, other):
+        if other.status != UNIDENTIFIABLE or other.refit is None:
+            continue
+        if look_alikes(best, other) or _degenerate(other):
             continue
         advantage = compare(best.refit.score, other.refit.score)
         if advantage.gain >= rules.worth and advantage.p_value <= rules.alpha:

@@ -187,7 +187,7 @@ def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
 
 @pytest.mark.parametrize(
     ("effect", "less", "overshadows"),
-    [("cubic_stiffness", 0.2, True), ("cubic_stiffness", 0.04, False), ("asymmetric_coulomb", 0.2, False)],
+    [("input_gain", 0.2, True), ("input_gain", 0.04, False), ("asymmetric_coulomb", 0.2, False)],
 )
 def test_a_name_beside_which_something_undetermined_explains_more_is_a_guess(worn, effect, less, overshadows):
     """As if an effect that the records do not determine left ``less`` of the held-out RMSE than the accepted.
@@ -196,14 +196,26 @@ def test_a_name_beside_which_something_undetermined_explains_more_is_a_guess(wor
     """
     (one,) = worn.accepted
     other = next(t for t in worn.search.steps[0].trials if t.candidate.effect.id == effect)
-    better = replace(one.trial.refit, score=scaled(one.trial.refit.score, (1 - less) ** 2))
+    better = replace(other.refit, score=scaled(one.trial.refit.score, (1 - less) ** 2))
     other = replace(other, refit=better, status=UNIDENTIFIABLE)
     trials = [one.trial, other]
     assert overshadowing(one.trial, trials, Rules()) == ([other] if overshadows else [])
     lasting = _overshadowed(one.trial, trials, Rules(), lambda name: one.survivals)
-    assert lasting.startswith(f"carriage.{effect}, which these records do not determine") is overshadows
+    assert lasting.startswith(f"{other.candidate.name}, which these records do not determine") is overshadows
     lost = [replace(s, survives=False) for s in one.survivals]
     assert _overshadowed(one.trial, trials, Rules(), lambda name: lost) == ""
+
+
+@pytest.mark.parametrize("at_bound", [False, True])
+def test_what_ends_at_its_bound_overshadows_nothing(worn, at_bound):
+    """As if a spring, the place of its rest at its bound, left a fifth less of the held-out RMSE."""
+    (one,) = worn.accepted
+    spring = next(t for t in worn.search.steps[0].trials if t.candidate.effect.id == "cubic_stiffness")
+    rest = next(p for p in spring.refit.model.parameters if p.name == "carriage.cubic_stiffness.q_0")
+    values = {**spring.refit.values, rest.name: rest.upper if at_bound else rest.guess}
+    better = replace(spring.refit, values=values, score=scaled(one.trial.refit.score, 0.8**2))
+    spring = replace(spring, refit=better, status=UNIDENTIFIABLE)
+    assert overshadowing(one.trial, [one.trial, spring], Rules()) == ([] if at_bound else [spring])
 
 
 @pytest.mark.parametrize(("share", "trusted"), [(0.05, True), (0.3, False)])
