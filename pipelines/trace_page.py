@@ -68,7 +68,8 @@ def _scores(data: Data) -> tuple[Table, ...]:
     groups = list(zip(*models, strict=True))
     header = ("record", "", "view", "model", "RMSE", "change", "MSE", "R²", "data")
     notes = (
-        f"The gray box: {listed(data['declared'])}. Added: {listed([_name(a) for a in data['accepted']])}. "
+        f"Effects declared: {listed(data['declared'] or ['none'])}; added: "
+        f"{listed([_name(a) for a in data['accepted']] or ['none'])}. "
         f"Each with every parameter refitted over horizons of {data['horizon']:g} s of "
         f"{listed(data['fitted_records'])}.",
         *(("The network has seen only the fitted horizons.",) if data["completeness"] else ()),
