@@ -28,9 +28,9 @@ from hybridid.rigs.esea import F_C, F_S, F_V, SIGMA_0, SIGMA_1, V_S
 from hybridid.rigs.half_car_truth import HalfCarTruth
 from hybridid.signals.steps import apply_steps
 from hybridid_cli.config_files import conf_folder
-from pipelines.config import Settings
-from pipelines.modelling import fit_settings, model_of
-from pipelines.sources import sources_of
+from pipelines.shared.config import Settings
+from pipelines.shared.modelling import fit_settings, model_of
+from pipelines.shared.sources import sources_of
 
 Z95 = 1.96
 SCATTER = 1.5

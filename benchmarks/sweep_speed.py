@@ -160,10 +160,10 @@ def _bare_loop(seed: int, epochs: int) -> dict[str, float]:
 
     from hybridid.residuals import training
     from hybridid_cli.config_files import conf_folder
-    from pipelines.config import Settings
-    from pipelines.residual import gray_box
-    from pipelines.residual_narx import NARXRequest, errors_of
-    from pipelines.residual_scores import gray_runs
+    from pipelines.residual.narx import NARXRequest, errors_of
+    from pipelines.residual.scores import gray_runs
+    from pipelines.residual.stage import gray_box
+    from pipelines.shared.config import Settings
 
     own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seed}]", f"residual.epochs={epochs}"]
     with initialize_config_dir(str(conf_folder()), version_base="1.3"):

@@ -8,7 +8,7 @@ from pathlib import Path
 from hybridid_cli.commands import BY_NAME
 from hybridid_cli.config_files import groups, keys, options, user_folders
 from hybridid_cli.words import CFG, FLAGS
-from pipelines.errors import ConfigError, unknown
+from pipelines.shared.errors import ConfigError, unknown
 
 # Bash breaks words at = : @ too, and replaces only what follows the last break.
 BASH = r"""

@@ -14,7 +14,7 @@ from hydra.errors import (
 from omegaconf.errors import OmegaConfBaseException
 
 from hybridid_cli.config_files import groups, keys, options, user_folders
-from pipelines.errors import ConfigError, Incomplete, unknown
+from pipelines.shared.errors import ConfigError, Incomplete, unknown
 
 FAILED = 1
 WRONG_REQUEST = 2

@@ -12,13 +12,13 @@ from hydra._internal.core_plugins.basic_launcher import BasicLauncher
 from hydra.core.utils import JobReturn, JobStatus
 from joblib import cpu_count
 
-from pipelines.errors import ConfigError
-from pipelines.storage import json_text, read_json
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.storage import json_text, read_json
+from pipelines.shared.tree import write_text
+from pipelines.shared.watch import Watcher
 from pipelines.sweep.crew import Crew, Ended, Here, died, log_work
 from pipelines.sweep.point import spelt
 from pipelines.sweep.work import Failures, Work, said
-from pipelines.tree import write_text
-from pipelines.watch import Watcher
 
 BEGUN, OUTCOME = ".begun", ".outcome"
 

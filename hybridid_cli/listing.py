@@ -15,9 +15,9 @@ from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid_cli.config_files import conf_folder, options, user_folders
 from hybridid_cli.tables import rendered
-from pipelines.config import Settings
-from pipelines.errors import ConfigError, unknown
-from pipelines.imports import make_importable
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.imports import make_importable
 
 
 def cases(name: str, words: Sequence[str]) -> int:
@@ -77,7 +77,7 @@ def _arguments(words: Sequence[str]) -> tuple[list[Path], list[str]]:
 
 def _case(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> list[RenderableType]:
     """One case as text: what it is, its model, its records and where they come from."""
-    from pipelines.modelling import model_of
+    from pipelines.shared.modelling import model_of
 
     settings = _settings(name, folders, overrides)
     lines: list[RenderableType] = [Text(f"{name}: {settings.get('case.title', '')}", style="bold")]
@@ -97,7 +97,7 @@ def _case(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> list[
 
 def _records(settings: Settings) -> list[RenderableType]:
     from hybridid.records.record import RecordError
-    from pipelines.sources import Measured, sources_of
+    from pipelines.shared.sources import Measured, sources_of
 
     try:
         sources = sources_of(settings)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from hybridid_cli import helptexts, interrupt
 from hybridid_cli.commands import BY_NAME, COMMANDS
-from pipelines.errors import ConfigError, unknown
+from pipelines.shared.errors import ConfigError, unknown
 
 WRONG_REQUEST = 2
 INTERRUPTED = 130

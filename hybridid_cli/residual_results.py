@@ -11,7 +11,7 @@ from rich.text import Text
 
 from hybridid.plotting.units import engineering
 from hybridid_cli.tables import table
-from pipelines.findings import residual_of
+from pipelines.shared.findings import residual_of
 
 
 def residual_results(tree: Path) -> list[RenderableType]:

@@ -13,8 +13,8 @@ from hybridid.plotting.units import engineering
 from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import rendered, table
 from hybridid_cli.trace_results import trace_results
-from pipelines.findings import estimate_of, metric_rows, prepared_records
-from pipelines.stage import Outcome
+from pipelines.shared.findings import estimate_of, metric_rows, prepared_records
+from pipelines.shared.stage import Outcome
 
 
 def summary(outcome: Outcome, command: str) -> str:

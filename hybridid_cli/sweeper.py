@@ -20,14 +20,14 @@ from hybridid_cli.launching import crew_of
 from hybridid_cli.sweep_results import failed, summary
 from hybridid_cli.tasks import settings_from
 from hybridid_cli.terminal import Terminal
-from pipelines.config import Settings
-from pipelines.errors import ConfigError, Incomplete
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.tree import locked
 from pipelines.sweep.conduct import Sweep, SweepRequest, conduct, folder_of
 from pipelines.sweep.log import common, in_one_experiment
 from pipelines.sweep.point import Point, expanded
 from pipelines.sweep.report import write_report
-from pipelines.tracking import close_parent
-from pipelines.tree import locked
+from pipelines.tracking.runs import close_parent
 
 _NOT_A_MODEL = ("launcher", "sweep", "hydra", "mlflow", "force", "out")
 """Config keys and groups that say how, not what."""

@@ -14,9 +14,9 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 
 from hybridid_cli import interrupt
 from hybridid_cli.terminal import Terminal
-from pipelines.config import Settings
-from pipelines.errors import ConfigError, Incomplete
-from pipelines.imports import make_importable
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.imports import make_importable
 
 
 def settings_of(cfg: DictConfig) -> Settings:
@@ -37,7 +37,7 @@ def settings_from(cfg: DictConfig, hydra: Any, in_sweep: bool) -> Settings:
     assert isinstance(config, dict)
     plain = {str(k): v for k, v in config.items()}
     if plain.get("model") is not None:
-        from pipelines.augmented import taken_up
+        from pipelines.shared.augmented import taken_up
 
         plain = taken_up(plain)
     return Settings(case, plain, folders, in_sweep)
@@ -77,8 +77,8 @@ def stages(cfg: DictConfig) -> None:
     """Bring the stages of a command up to date, show what they found, and log the run."""
     from hybridid_cli.results import summary
     from pipelines.runner import run_stages
-    from pipelines.sources import sources_of
-    from pipelines.tracking import tracked
+    from pipelines.shared.sources import sources_of
+    from pipelines.tracking.runs import tracked
 
     settings = settings_of(cfg)
     hydra = HydraConfig.get()
@@ -157,7 +157,7 @@ def tune(cfg: DictConfig) -> None:
 @_said_by_us
 def log(cfg: DictConfig) -> None:
     """Send the runs that wait to MLflow."""
-    from pipelines.tracking_waiting import folder, send_waiting
+    from pipelines.tracking.waiting import folder, send_waiting
 
     settings = settings_of(cfg)
     left = []
@@ -176,7 +176,7 @@ def log(cfg: DictConfig) -> None:
 @_said_by_us
 def ui(cfg: DictConfig) -> None:
     """Serve MLflow's page on 127.0.0.1 until interrupted."""
-    from pipelines.serving import serve
+    from pipelines.tracking.serving import serve
 
     settings = settings_of(cfg)
     with Terminal() as terminal:

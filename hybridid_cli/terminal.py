@@ -19,7 +19,7 @@ _SECONDS_BETWEEN_LINES = 5.0
 
 
 class Terminal:
-    """A ``pipelines.watch.Watcher`` on this process' terminal; use it as a context.
+    """A ``pipelines.shared.watch.Watcher`` on this process' terminal; use it as a context.
 
     ``label`` goes before every line (a sweep's job number); ``bar`` False never draws one.
     """

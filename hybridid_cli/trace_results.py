@@ -9,8 +9,8 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from hybridid_cli.tables import table
-from pipelines.findings import trace_of
-from pipelines.trace_words import VERDICTS, estimated, outcome, probability, quantity, share
+from pipelines.shared.findings import trace_of
+from pipelines.trace.words import VERDICTS, estimated, outcome, probability, quantity, share
 
 _COLOURS = {"effect_found": "green", "ambiguous": "yellow", "nothing_missing": "green", "unexplained": "red"}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybridid_cli.config_files import options, user_folders
-from pipelines.errors import ConfigError, unknown
+from pipelines.shared.errors import ConfigError, unknown
 
 SWITCHES = ("-m", "--multirun", "--resolve", "--debug", "-r", "--run")
 WITH_VALUE = ("--config-dir", "-cd", "--cfg", "-c", "--package", "-p", "--info", "-i")

@@ -6,10 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from hybridid.fetch import archive_named, fetch
-from pipelines.config import Settings
-from pipelines.errors import ConfigError
-from pipelines.sources import roots_of
-from pipelines.watch import Watcher
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.sources import roots_of
+from pipelines.shared.watch import Watcher
 
 
 def fetch_case(settings: Settings, watcher: Watcher) -> list[Path]:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from hybridid.estimators.estimate import Progress
 from hybridid.estimators.fit import fit
 from hybridid.records.store import load_record
-from pipelines import modelling
-from pipelines.config import Settings
-from pipelines.findings import prepared_records
-from pipelines.fitted import describe_model
-from pipelines.modelling import fit_settings, model_of
-from pipelines.sources import chosen, sources_of
-from pipelines.stage import Job, Stage
-from pipelines.storage import write_json
-from pipelines.watch import Watcher
+from pipelines.shared import modelling
+from pipelines.shared.config import Settings
+from pipelines.shared.findings import prepared_records
+from pipelines.shared.fitted import describe_model
+from pipelines.shared.modelling import fit_settings, model_of
+from pipelines.shared.sources import chosen, sources_of
+from pipelines.shared.stage import Job, Stage
+from pipelines.shared.storage import write_json
+from pipelines.shared.watch import Watcher
 
 MODEL_NAME = "gray box"
 KEYS = (*modelling.KEYS, "estimator", "fit.records")

@@ -8,12 +8,12 @@ from hybridid.records.record import Record
 from hybridid.records.store import save_record
 from hybridid.signals.step import StepError
 from hybridid.signals.steps import apply_steps, parse_steps
-from pipelines import sources
-from pipelines.config import Settings
-from pipelines.errors import ConfigError
-from pipelines.sources import Source, sources_of
-from pipelines.stage import Job, Stage
-from pipelines.storage import write_json
+from pipelines.shared import sources
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.sources import Source, sources_of
+from pipelines.shared.stage import Job, Stage
+from pipelines.shared.storage import write_json
 
 KEYS = (*sources.KEYS, "preprocess")
 

@@ -13,16 +13,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipelines.board import Board
-from pipelines.config import Settings
-from pipelines.errors import ConfigError, Incomplete
-from pipelines.page import Page
 from pipelines.runner import run_stages
-from pipelines.side_by_side import Died, side_by_side
+from pipelines.shared.board import Board
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.page import Page
+from pipelines.shared.side_by_side import Died, side_by_side
+from pipelines.shared.tree import replacing, write_text
+from pipelines.shared.watch import Watcher
 from pipelines.thesis.look_up import Failed
-from pipelines.tracking import tracked
-from pipelines.tree import replacing, write_text
-from pipelines.watch import Watcher
+from pipelines.tracking.runs import tracked
 
 LAST_STAGE = "validate"
 """Experiments run up to here: the page draws the thesis' figures itself, ``hybridid plot`` all others."""

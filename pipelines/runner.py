@@ -10,19 +10,19 @@ from types import MappingProxyType
 
 import yaml
 
-from pipelines.config import Settings
-from pipelines.errors import ConfigError
 from pipelines.fit import FIT
-from pipelines.freshness import Fingerprint, fingerprint, folder_digest, why_stale, write_receipt
-from pipelines.plot import PLOT
+from pipelines.plot.stage import PLOT
 from pipelines.preprocess import PREPROCESS
-from pipelines.residual import RESIDUAL
-from pipelines.sources import sources_of
-from pipelines.stage import Job, Outcome, Stage
-from pipelines.trace import TRACE
-from pipelines.tree import locked, point_latest, remove, replacing, tree_of, write_text
+from pipelines.residual.stage import RESIDUAL
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.freshness import Fingerprint, fingerprint, folder_digest, why_stale, write_receipt
+from pipelines.shared.sources import sources_of
+from pipelines.shared.stage import Job, Outcome, Stage
+from pipelines.shared.tree import locked, point_latest, remove, replacing, tree_of, write_text
+from pipelines.shared.watch import Watcher
+from pipelines.trace.stage import TRACE
 from pipelines.validate import VALIDATE
-from pipelines.watch import Watcher
 
 RUN: tuple[Stage, ...] = (PREPROCESS, FIT, RESIDUAL, VALIDATE, PLOT)
 """What the command ``run`` brings up to date."""

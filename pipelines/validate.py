@@ -15,15 +15,15 @@ from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from hybridid.simulation.simulate import Diverged
 from hybridid.validation import VIEWS, Prediction, free_run, horizon_run, metrics, residual_tests
-from pipelines.config import Settings
-from pipelines.errors import ConfigError, unknown
-from pipelines.findings import estimate_of, prepared_records
-from pipelines.fitted import load
-from pipelines.hybrids import hybrid_of
-from pipelines.predictions import HYBRID, RESIDUALS, Tested, write_prediction, write_tests
-from pipelines.sources import chosen, sources_of
-from pipelines.stage import Job, Stage
-from pipelines.storage import write_json
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.findings import estimate_of, prepared_records
+from pipelines.shared.fitted import load
+from pipelines.shared.hybrids import hybrid_of
+from pipelines.shared.predictions import HYBRID, RESIDUALS, Tested, write_prediction, write_tests
+from pipelines.shared.sources import chosen, sources_of
+from pipelines.shared.stage import Job, Stage
+from pipelines.shared.storage import write_json
 
 INITIAL_STATES = ("estimated", "measured")
 _NO_SCORE = {"mse": None, "rmse": None, "r2": None, "fit_percent": None}

@@ -13,7 +13,7 @@ from benchmarks.league.ours import NAME
 from benchmarks.league.play import ORACLE, Line
 from benchmarks.league.scoring import EMPTY, Asked, Round, Tally, asked, rounds, tallies
 from hybridid.plotting.style import save
-from pipelines.page import Page, Picture, Section, Table
+from pipelines.shared.page import Page, Picture, Section, Table
 
 
 def write_report(lines: Sequence[Line], folder: Path) -> str:

@@ -16,7 +16,7 @@ from hydra.core.singleton import Singleton
 from hydra.core.utils import JobReturn, JobStatus, filter_overrides
 from hydra_plugins.hydra_submitit_launcher import submitit_launcher
 
-from pipelines.errors import Incomplete
+from pipelines.shared.errors import Incomplete
 
 if TYPE_CHECKING:  # Hydra looks for plugins at every start: it must stay light
     from submitit import Job

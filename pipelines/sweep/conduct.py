@@ -13,19 +13,19 @@ from pathlib import Path
 from typing import Any
 
 from hybridid.records.plain import build
-from pipelines.config import Settings
-from pipelines.errors import ConfigError
-from pipelines.freshness import RECEIPT
 from pipelines.runner import check_stages, is_fresh
-from pipelines.sources import sources_of
-from pipelines.storage import write_json
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.freshness import RECEIPT
+from pipelines.shared.sources import sources_of
+from pipelines.shared.storage import write_json
+from pipelines.shared.watch import Watcher
 from pipelines.sweep.crew import Crew, Ended, log_work
 from pipelines.sweep.log import common, log_failures, log_points
 from pipelines.sweep.plan import Plan, planned
 from pipelines.sweep.point import Point
 from pipelines.sweep.work import Failures, Work
-from pipelines.tracking import open_parent
-from pipelines.watch import Watcher
+from pipelines.tracking.runs import open_parent
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from pipelines.board import Board
-from pipelines.side_by_side import Died, side_by_side
+from pipelines.shared.board import Board
+from pipelines.shared.side_by_side import Died, side_by_side
+from pipelines.shared.watch import Watcher
 from pipelines.sweep.log import log_points
 from pipelines.sweep.work import Failures, Work, carry_out
-from pipelines.watch import Watcher
 
 Ended = Callable[[Work, Failures], None]
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from hybridid.residuals.choice import RULE as SMALLEST_NEAR_BEST
 from hybridid.residuals.choice import smallest_within
-from pipelines.residual_rbf import RULE as FEWEST_NODES
+from pipelines.residual.rbf import RULE as FEWEST_NODES
 from pipelines.sweep.point import SEEDS, Point, spelt
 from pipelines.sweep.rows import Row, rows_of
 

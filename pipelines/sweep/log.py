@@ -7,15 +7,15 @@ from dataclasses import replace
 from functools import reduce
 from typing import Any
 
-from pipelines.config import Settings
-from pipelines.findings import facts, metrics_of, provenance_of
-from pipelines.freshness import RECEIPT
-from pipelines.storage import read_json
+from pipelines.shared.config import Settings
+from pipelines.shared.findings import facts, metrics_of, provenance_of
+from pipelines.shared.freshness import RECEIPT
+from pipelines.shared.storage import read_json
+from pipelines.shared.watch import Watcher
 from pipelines.sweep.point import Point
-from pipelines.tracking import Point as Logged
-from pipelines.tracking import log_point
-from pipelines.tracking_facts import parameters
-from pipelines.watch import Watcher
+from pipelines.tracking.facts import parameters
+from pipelines.tracking.runs import Point as Logged
+from pipelines.tracking.runs import log_point
 
 
 def common(points: Sequence[Point]) -> Settings:

@@ -12,9 +12,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pipelines.config import Settings, digest
-from pipelines.sources import sources_of
-from pipelines.tree import tree_of
+from pipelines.shared.config import Settings, digest
+from pipelines.shared.sources import sources_of
+from pipelines.shared.tree import tree_of
 
 SEEDS = "residual.seeds"
 GRIDS: Mapping[str, tuple[str, ...]] = {"narx": ("depth", "width", "seeds"), "rbf": ("nodes", "horizons")}

@@ -9,8 +9,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipelines.page import Page, Picture, Section, Table
-from pipelines.storage import json_text
+from pipelines.shared.page import Page, Picture, Section, Table
+from pipelines.shared.storage import json_text
+from pipelines.shared.tree import replacing, write_text
 from pipelines.sweep.conduct import Swept, asked_for
 from pipelines.sweep.figures import heat_maps
 from pipelines.sweep.grid import Group, groups_of
@@ -18,7 +19,6 @@ from pipelines.sweep.point import SEEDS, Point, axes_of, spelt
 from pipelines.sweep.rows import Row
 from pipelines.sweep.thesis import thesis_tables
 from pipelines.sweep.words import choice, gray_note, header, line, run_words
-from pipelines.tree import replacing, write_text
 
 FIGURES = "figures"
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipelines.findings import estimate_of, metric_rows, residual_of
+from pipelines.shared.findings import estimate_of, metric_rows, residual_of
 from pipelines.sweep.point import Point
 
 

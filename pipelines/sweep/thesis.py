@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipelines.findings import prepared_records, residual_of
-from pipelines.page import Table
+from pipelines.shared.findings import prepared_records, residual_of
+from pipelines.shared.page import Table
 from pipelines.sweep.grid import Group
 from pipelines.sweep.point import SEEDS, Point, axes_of
 from pipelines.thesis import chapter4

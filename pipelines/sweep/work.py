@@ -10,18 +10,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines import residual
-from pipelines.errors import ConfigError
-from pipelines.freshness import RECEIPT
-from pipelines.imports import make_importable
-from pipelines.residual_narx import NARXRequest, errors_of, train_networks
-from pipelines.residual_request import GrayBox
-from pipelines.residual_scores import GrayRun, gray_runs
+from pipelines.residual import stage as residual
+from pipelines.residual.narx import NARXRequest, errors_of, train_networks
+from pipelines.residual.request import GrayBox
+from pipelines.residual.scores import GrayRun, gray_runs
 from pipelines.runner import run_stages
-from pipelines.stage import Job
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.freshness import RECEIPT
+from pipelines.shared.imports import make_importable
+from pipelines.shared.stage import Job
+from pipelines.shared.tree import replacing
+from pipelines.shared.watch import Watcher
 from pipelines.sweep.point import Point
-from pipelines.tree import replacing
-from pipelines.watch import Watcher
 
 if TYPE_CHECKING:
     from hybridid.residuals.training import Trained

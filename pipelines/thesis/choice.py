@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from hybridid.plotting.units import engineering
-from pipelines.findings import residual_of
+from pipelines.shared.findings import residual_of
 from pipelines.thesis import chapter4, chapter5, chapter6
 from pipelines.thesis.look_up import Missing, Outcomes, tree_of
 from pipelines.thesis.reference import NetworkOf, Printed, ScoreTable

@@ -13,7 +13,7 @@ from hybridid.plotting.raincloud import raincloud_plot
 from hybridid.plotting.record import record_plot
 from hybridid.plotting.style import Plot
 from hybridid.validation.port_efforts import port_efforts
-from pipelines.laws import friction_plots, laws_of
+from pipelines.plot.laws import friction_plots, laws_of
 from pipelines.thesis.chapter6 import DIRECTION, FREE, HORIZON, NODES, OUTPUT, PORT
 from pipelines.thesis.figure import Draw, Figure, plot_of
 from pipelines.thesis.look_up import Missing

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipelines.findings import estimate_of, metric_rows, prepared_records, residual_of
+from pipelines.shared.findings import estimate_of, metric_rows, prepared_records, residual_of
 from pipelines.thesis.reference import EveryEstimate, NetworkOf, ParameterOf, ScoreOf
 
 

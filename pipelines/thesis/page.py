@@ -8,8 +8,9 @@ from pathlib import Path
 
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import save
-from pipelines.findings import provenance_of
-from pipelines.page import Page, Picture, Section, Table
+from pipelines.shared.findings import provenance_of
+from pipelines.shared.page import Page, Picture, Section, Table
+from pipelines.shared.watch import Watcher
 from pipelines.thesis import chapter4, chapter5, chapter6, figures4, figures5, figures6
 from pipelines.thesis.choice import choices
 from pipelines.thesis.figure import Figure
@@ -17,7 +18,6 @@ from pipelines.thesis.look_up import Failed, Missing, NotRun
 from pipelines.thesis.reference import ThesisTable, experiments_of
 from pipelines.thesis.tables import table_of
 from pipelines.thesis.views import Runs
-from pipelines.watch import Watcher
 
 KIND = "svg"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipelines.page import Table
+from pipelines.shared.page import Table
 from pipelines.thesis import look_up
 from pipelines.thesis.look_up import FoundEstimate, FoundScore, Missing, Outcomes
 from pipelines.thesis.pattern import Improved, pattern, reduction

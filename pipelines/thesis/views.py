@@ -17,10 +17,10 @@ from hybridid.plotting.spectrum import amplitude_density
 from hybridid.plotting.units import per_root_hertz
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
-from pipelines.config import Settings
-from pipelines.findings import prepared_records
-from pipelines.predictions import Stored, predictions_in
-from pipelines.sources import sources_of
+from pipelines.shared.config import Settings
+from pipelines.shared.findings import prepared_records
+from pipelines.shared.predictions import Stored, predictions_in
+from pipelines.shared.sources import sources_of
 from pipelines.thesis.look_up import Missing, NotRun, Outcomes, tree_of
 
 Array = NDArray[np.float64]

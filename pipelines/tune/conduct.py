@@ -8,15 +8,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipelines.config import Settings
-from pipelines.errors import ConfigError
-from pipelines.findings import prepared_records, provenance_of
-from pipelines.modelling import model_of
 from pipelines.runner import run_stages
-from pipelines.side_by_side import Died, side_by_side
-from pipelines.storage import json_text, read_json
-from pipelines.tracking import close_parent, open_parent
-from pipelines.tree import write_text
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.findings import prepared_records, provenance_of
+from pipelines.shared.modelling import model_of
+from pipelines.shared.side_by_side import Died, side_by_side
+from pipelines.shared.storage import json_text, read_json
+from pipelines.shared.tree import write_text
+from pipelines.shared.watch import Watcher
+from pipelines.tracking.runs import close_parent, open_parent
 from pipelines.tune.findings import Findings, findings_of
 from pipelines.tune.log import log_trial
 from pipelines.tune.report import written
@@ -24,7 +25,6 @@ from pipelines.tune.request import TuneRequest, gray_settings, study_digest, wit
 from pipelines.tune.study import counts, opened
 from pipelines.tune.trial import narx_of
 from pipelines.tune.worker import Work, work
-from pipelines.watch import Watcher
 
 _NAME = "tune"
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from pipelines.config import Settings
-from pipelines.tracking import Point, log_point
-from pipelines.tracking_facts import parameters
+from pipelines.shared.config import Settings
+from pipelines.shared.watch import Watcher
+from pipelines.tracking.facts import parameters
+from pipelines.tracking.runs import Point, log_point
 from pipelines.tune.findings import Row, said
 from pipelines.tune.request import with_values
-from pipelines.watch import Watcher
 
 
 def log_trial(settings: Settings, row: Row, parent: str, watcher: Watcher) -> None:

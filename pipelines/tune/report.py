@@ -10,10 +10,10 @@ import yaml
 
 from hybridid.plotting.search_history import Tried, history_plot
 from hybridid.plotting.style import save
-from pipelines.config import MODELLING, Settings
-from pipelines.page import Page, Picture, Section, Table
-from pipelines.storage import json_text
-from pipelines.tree import write_text
+from pipelines.shared.config import MODELLING, Settings
+from pipelines.shared.page import Page, Picture, Section, Table
+from pipelines.shared.storage import json_text
+from pipelines.shared.tree import write_text
 from pipelines.tune.findings import RULE, Findings, Row, number
 from pipelines.tune.request import Value, with_values
 from pipelines.tune.trial import OBJECTIVE

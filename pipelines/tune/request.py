@@ -8,8 +8,8 @@ from copy import deepcopy
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from pipelines.config import Settings, digest
-from pipelines.errors import ConfigError, unknown
+from pipelines.shared.config import Settings, digest
+from pipelines.shared.errors import ConfigError, unknown
 
 if TYPE_CHECKING:
     from optuna.distributions import BaseDistribution

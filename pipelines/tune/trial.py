@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hybridid.estimators.estimate import Progress
-from pipelines.residual import request_of
-from pipelines.residual_narx import NARXRequest, errors_of
-from pipelines.residual_request import GrayBox
-from pipelines.residual_scores import GrayRun
+from pipelines.residual.narx import NARXRequest, errors_of
+from pipelines.residual.request import GrayBox
+from pipelines.residual.scores import GrayRun
+from pipelines.residual.stage import request_of
+from pipelines.shared.watch import Watcher
 from pipelines.tune.request import Value, with_values
-from pipelines.watch import Watcher
 
 if TYPE_CHECKING:
     from optuna import Trial
 
     from hybridid.residuals.training import Trained
-    from pipelines.config import Settings
+    from pipelines.shared.config import Settings
 
 OBJECTIVE = (
     "the network's free-run RMSE on the held-out blocks over that of no network, root mean square over "

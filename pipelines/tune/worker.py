@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.config import Settings
-from pipelines.imports import make_importable
-from pipelines.residual import gray_box
-from pipelines.residual_scores import gray_runs
+from pipelines.residual.scores import gray_runs
+from pipelines.residual.stage import gray_box
+from pipelines.shared.config import Settings
+from pipelines.shared.imports import make_importable
+from pipelines.shared.watch import Watcher
 from pipelines.tune.findings import row_of, said
 from pipelines.tune.log import log_trial
 from pipelines.tune.request import TuneRequest
 from pipelines.tune.study import ERROR, next_trial, opened, seated
 from pipelines.tune.trial import Bench, Found, carried_out, narx_of
-from pipelines.watch import Watcher
 
 if TYPE_CHECKING:
     from optuna import Study, Trial

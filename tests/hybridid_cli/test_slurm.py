@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hydra_plugins.hybridid_launcher import slurm
-from pipelines.storage import read_json
+from pipelines.shared.storage import read_json
 
 ROOT = Path(__file__).parents[2]
 

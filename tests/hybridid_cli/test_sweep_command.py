@@ -13,7 +13,7 @@ import pytest
 
 from hybridid_cli import hydra_app
 from hybridid_cli.config_files import conf_folder
-from pipelines import side_by_side
+from pipelines.shared import side_by_side
 
 NETWORKS = (
     "residual=narx", "residual.orders.error=2", "residual.orders.gray=1", "residual.every=5",

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from hybridid.rigs.emps import EMPSRig
-from pipelines.config import Settings
+from pipelines.shared.config import Settings
 
 CONFIG: dict[str, Any] = {
     "case": {"title": "a short carriage"},

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from hybridid.records.store import load_record
-from pipelines.errors import ConfigError
 from pipelines.preprocess import PREPROCESS
 from pipelines.runner import run_stages
+from pipelines.shared.errors import ConfigError
 
 
 @pytest.mark.parametrize("source", ["auto", "simulated"])

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from pipelines import reproduce as module
-from pipelines.errors import ConfigError, Incomplete
 from pipelines.reproduce import reproduce
-from pipelines.storage import read_json
+from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.storage import read_json
 
 FREE, HORIZON = "emps_free_run", "emps_horizon"
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from pipelines.config import Settings
+from pipelines.shared.config import Settings
+from pipelines.shared.tree import locked
+from pipelines.shared.watch import Watcher
 from pipelines.sweep.conduct import Sweep, folder_of
 from pipelines.sweep.crew import Ended
 from pipelines.sweep.point import Point, expanded
 from pipelines.sweep.work import Failures, Work, carry_out
-from pipelines.tree import locked
-from pipelines.watch import Watcher
 
 GRID: dict[str, Any] = {
     "kind": "narx",

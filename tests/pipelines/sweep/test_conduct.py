@@ -10,7 +10,7 @@ import pytest
 
 from hybridid.residuals.choice import NEAR
 from hybridid_cli.sweep_results import failed, summary
-from pipelines.errors import ConfigError
+from pipelines.shared.errors import ConfigError
 from pipelines.sweep.conduct import SweepRequest, conduct
 from pipelines.sweep.report import write_report
 
@@ -128,7 +128,7 @@ class TestAgain:
         done(points({"residual.seeds": 0}))
         _, own = done(points({"residual.seeds": 0, "residual.epochs": 3}))
         assert sum(len(work.points) for work in own.jobs) == 4
-        monkeypatch.setattr("pipelines.freshness.code_digest", lambda without=(): "other")
+        monkeypatch.setattr("pipelines.shared.freshness.code_digest", lambda without=(): "other")
         _, own = done(points({"residual.seeds": 0}))
         assert sum(len(work.points) for work in own.jobs) == 4
         assert len(own.grays) == 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipelines.runner import is_fresh, run_stages
-from pipelines.storage import read_json
+from pipelines.shared.storage import read_json
 from pipelines.sweep.work import Work, adopt, carry_out
 
 

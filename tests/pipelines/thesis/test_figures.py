@@ -11,8 +11,8 @@ import pytest
 from hybridid.records.record import Channel, Record
 from hybridid.records.store import save_record
 from hybridid.validation import Prediction
-from pipelines.predictions import write_prediction
-from pipelines.storage import write_json
+from pipelines.shared.predictions import write_prediction
+from pipelines.shared.storage import write_json
 from pipelines.thesis import figures4, figures5
 from pipelines.thesis.chapter5 import FRICTIONS
 from pipelines.thesis.look_up import Failed, Missing, NotRun

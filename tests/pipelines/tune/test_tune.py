@@ -11,11 +11,11 @@ from optuna import TrialPruned
 
 from hybridid.estimators.estimate import Progress
 from hybridid_cli.tune_results import shortfall, tune_results
-from pipelines.errors import ConfigError
 from pipelines.runner import run_stages
-from pipelines.storage import read_json
-from pipelines.tracking import client
-from pipelines.tracking_note import KEY
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.storage import read_json
+from pipelines.tracking.note import KEY
+from pipelines.tracking.runs import client
 from pipelines.tune import conduct, trial, worker
 from pipelines.tune.conduct import tune
 from pipelines.tune.request import TuneRequest

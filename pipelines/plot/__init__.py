@@ -1,0 +1,1 @@
+"""The stage ``plot``: the figures of a fitted and validated model."""

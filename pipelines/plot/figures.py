@@ -1,0 +1,78 @@
+"""The figures of a fitted and validated model, by the name of their file.
+
+Apart from the stage ``plot``, for matplotlib takes half a second to import and not every process draws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from hybridid.estimators.estimate import Estimate
+from hybridid.model import Model
+from hybridid.plotting.comparison import comparison_plot
+from hybridid.plotting.error import error_plot
+from hybridid.plotting.parameters import parameters_plot
+from hybridid.plotting.raincloud import raincloud_plot
+from hybridid.plotting.record import record_plot
+from hybridid.plotting.residual_correlation import residual_correlation_plot
+from hybridid.plotting.series import Response
+from hybridid.plotting.spectrum import spectrum_plot
+from hybridid.plotting.style import Plot
+from hybridid.records.record import Record
+from hybridid.records.store import load_record
+from pipelines.plot.laws import Law, friction_plots, laws_of
+from pipelines.shared.findings import estimate_of, prepared_records
+from pipelines.shared.fitted import load
+from pipelines.shared.predictions import Stored, Tested, predictions_in, residual_tests_in
+from pipelines.shared.stage import Job
+
+Named = Iterator[tuple[str, Plot]]
+
+
+def figures(job: Job) -> Named:
+    """All of them; files are to be called ``<record>.<output or port>.<figure>``."""
+    model, estimate = load(job.tree)
+    laws = laws_of(job.tree)
+    stored = predictions_in(job.tree)
+    tests = residual_tests_in(job.tree)
+    for prepared in prepared_records(job.tree):
+        record = load_record(prepared.file)
+        job.watcher.progress("plot", f"record {record.name}", None)
+        yield f"{record.name}.record", record_plot(record)
+        own = [s for s in stored if s.prediction.record == record.name]
+        yield from _of_record(laws, record, own, tests)
+    yield from _of_model(model, estimate, stored, estimate_of(job.tree))
+
+
+def _of_record(
+    laws: Sequence[Law], record: Record, stored: Sequence[Stored], tests: Sequence[Tested]
+) -> Named:
+    """Figures of one record: each output in every view, and each port."""
+    if not stored:
+        return
+    for output in (channel.name for channel in record.output_channels):
+        responses = [Response.of(s.model, s.prediction, output) for s in stored]
+        free = [r for s, r in zip(stored, responses, strict=True) if s.horizon is None]
+        stem = f"{record.name}.{output}"
+        yield f"{stem}.comparison", comparison_plot(responses)
+        yield f"{stem}.error", error_plot(responses)
+        yield f"{stem}.spectrum", spectrum_plot(free or responses)  # horizons' jumps are in every frequency
+        for test in tests:
+            if (test.found.record, test.found.output) == (record.name, output):
+                kind = "residual" if test.model == laws[0].name else "hybrid.residual"
+                yield f"{stem}.{kind}.{test.view}", residual_correlation_plot(test.model, test.found)
+    for port, plot in friction_plots(laws, record, stored):
+        yield f"{record.name}.{port.name}.friction", plot
+
+
+def _of_model(model: Model, estimate: Estimate, stored: Sequence[Stored], about: Mapping[str, Any]) -> Named:
+    """Figures over all records: the spread of errors, the estimates."""
+    for output in model.outputs if stored else ():
+        yield (
+            f"{output.name}.raincloud",
+            raincloud_plot([Response.of(s.model, s.prediction, output.name) for s in stored]),
+        )
+    fitted = ", ".join(about["records"])
+    estimates = {about["model"]: estimate}
+    yield "parameters", parameters_plot(estimates, model.parameters, fitted, about["provenance"])

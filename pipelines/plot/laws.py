@@ -1,0 +1,59 @@
+"""The frictions of a run tree, ready to be drawn: gray box and hybrid, their efforts along a prediction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hybridid.declarations import Port
+from hybridid.hybrid import PortHybrid
+from hybridid.model import Model
+from hybridid.plotting.friction import FrictionCurve, FrictionData, friction_plot
+from hybridid.plotting.style import Plot
+from hybridid.records.record import Record
+from hybridid.validation.port_efforts import port_efforts, resisting_effort
+from pipelines.shared.findings import estimate_of
+from pipelines.shared.fitted import load
+from pipelines.shared.hybrids import hybrid_of
+from pipelines.shared.predictions import Stored
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """A model whose efforts are drawn, by the name under which it was validated."""
+
+    name: str
+    model: Model
+    values: Mapping[str, float]
+
+
+def laws_of(tree: Path) -> list[Law]:
+    """The gray box, and the hybrid where its network stands inside the equations."""
+    model, estimate = load(tree)
+    laws = [Law(str(estimate_of(tree)["model"]), model, estimate.values)]
+    hybrid = hybrid_of(tree, model)
+    if isinstance(hybrid, PortHybrid):
+        laws.append(Law(hybrid.name, hybrid.model, hybrid.values))
+    return laws
+
+
+def friction_plots(
+    laws: Sequence[Law], record: Record, stored: Sequence[Stored]
+) -> Iterator[tuple[Port, Plot]]:
+    """The efforts at each port, of every law along the last of its own predictions."""
+    curves: dict[str, list[FrictionCurve]] = {}
+    ports: dict[str, Port] = {}
+    for law in laws:
+        own = [s for s in stored if s.model == law.name]
+        for at in port_efforts(law.model, law.values, record, own[-1].prediction) if own else ():
+            order = np.argsort(at.velocity) if at.static else np.arange(len(at.velocity))
+            efforts = {name.partition(".")[2]: effort[order] for name, effort in at.efforts.items()}
+            curves.setdefault(at.port.name, []).append(FrictionCurve(law.name, at.velocity[order], efforts))
+            ports[at.port.name] = at.port
+    for name, drawn in curves.items():
+        found = resisting_effort(laws[0].model, laws[0].values, record, ports[name])
+        data = None if found is None else FrictionData(*found)
+        yield ports[name], friction_plot(ports[name], drawn, record.name, record.provenance, data)

@@ -1,0 +1,47 @@
+"""``plot``: the figures of a fitted and validated model, each in every format of ``plot.formats``."""
+
+from __future__ import annotations
+
+from hybridid.plotting.looks import KINDS
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.stage import Job, Stage
+
+
+def run(job: Job) -> None:
+    """Draw everything."""
+    from hybridid.plotting.style import save
+    from pipelines.plot.figures import figures  # matplotlib takes half a second to import
+
+    kinds = _kinds(job.settings)
+    for name, plot in figures(job):
+        save(plot, job.folder, name, kinds)
+
+
+def check(settings: Settings) -> None:
+    """Whether the formats can be written.
+
+    Raises:
+        ConfigError: if not.
+    """
+    _kinds(settings)
+
+
+def _kinds(settings: Settings) -> tuple[str, ...]:
+    given = settings.get("plot.formats", list(KINDS))
+    if not isinstance(given, list) or not given:
+        raise ConfigError(f"plot.formats is {given!r}: give a list of {', '.join(KINDS)}")
+    for kind in given:
+        if kind not in KINDS:
+            raise ConfigError(unknown("format in plot.formats:", str(kind), KINDS))
+    return tuple(given)
+
+
+PLOT = Stage(
+    "plot",
+    ("plot",),
+    ("preprocess", "fit", "residual", "validate"),
+    run,
+    check=check,
+    ignores=("rigs", "fetch"),
+)

@@ -1,0 +1,1 @@
+"""The stage ``residual``: a network on what the gray box leaves."""

@@ -1,0 +1,84 @@
+"""The section ``residual`` of a config: which network, and how it is made."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from hybridid.estimators.estimate import Estimate
+from hybridid.hybrid import Hybrid
+from hybridid.model import Model
+from hybridid.records.plain import build
+from hybridid.records.record import Record
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.watch import Watcher
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class GrayBox:
+    """The fitted model, and the records that its network is fitted to.
+
+    ``unseen`` are the others: every choice made, networks are scored on them, never the other way round.
+    """
+
+    model: Model
+    estimate: Estimate
+    records: tuple[Record, ...]
+    unseen: tuple[Record, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """A hybrid, what ``residual.json`` says of how it came about, and what a reader must know."""
+
+    hybrid: Hybrid
+    report: Mapping[str, Any]
+    warnings: tuple[str, ...]
+    estimate: Estimate | None = None
+
+
+class Request(abc.ABC):
+    """One kind of residual network, as configured."""
+
+    @classmethod
+    @abc.abstractmethod
+    def of(cls, section: Mapping[str, Any]) -> Request:
+        """The request that the section makes.
+
+        Raises:
+            ConfigError: if a key or a value is not allowed.
+        """
+
+    @abc.abstractmethod
+    def check(self, model: Model) -> None:
+        """Whether it suits the model.
+
+        Raises:
+            ConfigError: if it names an output, input or port that the model lacks.
+        """
+
+    @abc.abstractmethod
+    def make(self, gray: GrayBox, watcher: Watcher) -> Made:
+        """Fit the network to what the gray box leaves of its records.
+
+        Raises:
+            ValueError: if it cannot be done.
+        """
+
+
+def section_of(cls: type[T], section: Mapping[str, Any]) -> T:
+    """``section``, less its ``kind``, as a dataclass ``cls``."""
+    return build(
+        cls, {key: value for key, value in section.items() if key != "kind"}, "residual", ConfigError
+    )
+
+
+def reporter(watcher: Watcher) -> Callable[[Any], None]:
+    """Hands a fit's or training's reports to the watcher."""
+    return lambda report: watcher.progress(
+        report.stage, f"{report.iteration} rounds, {report.cost:.4g}", report.fraction
+    )

@@ -1,0 +1,112 @@
+"""``residual``: a network on what the gray box leaves, and the hybrid that both make.
+
+Writes ``hybrid.json`` (with ``weights.npz`` for NARX), ``residual.json`` on how it came about, and for a
+network inside the equations its ``estimate.json``. Without a section ``residual`` in the config the stage
+is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from hybridid.hybrid import save_hybrid
+from hybridid.records.store import load_record
+from pipelines.residual.narx import NARXRequest
+from pipelines.residual.rbf import RBFRequest
+from pipelines.residual.request import GrayBox, Made, Request
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.findings import prepared_records
+from pipelines.shared.fitted import load
+from pipelines.shared.modelling import model_of
+from pipelines.shared.sources import chosen
+from pipelines.shared.stage import Job, Stage
+from pipelines.shared.storage import write_json
+
+NAME = "residual"
+KINDS: Mapping[str, type[Request]] = {"narx": NARXRequest, "rbf": RBFRequest}
+
+
+def run(job: Job) -> None:
+    """Make the hybrid from the records that the gray box was fitted to."""
+    gray = gray_box(job.settings, job.tree)
+    write(job, gray, request_of(job.settings).make(gray, job.watcher))
+
+
+def gray_box(settings: Settings, tree: Path) -> GrayBox:
+    """The fitted model of a tree, and which of its records it was fitted to."""
+    model, estimate = load(tree)
+    prepared = prepared_records(tree)
+    fitted = chosen(prepared, settings.get("fit.records"), "fit.records")
+    records, unseen = (
+        tuple(load_record(record.file) for record in prepared if (record in fitted) is wanted)
+        for wanted in (True, False)
+    )
+    return GrayBox(model, estimate, records, unseen)
+
+
+def write(job: Job, gray: GrayBox, made: Made) -> None:
+    """The stage's files."""
+    save_hybrid(made.hybrid, job.folder)
+    write_json(job.folder / "residual.json", _report(made, gray, job.settings.case))
+    if made.estimate is not None:
+        write_json(job.folder / "estimate.json", made.estimate.to_dict())
+
+
+def check(settings: Settings) -> None:
+    """Whether the network can be made as configured.
+
+    Raises:
+        ConfigError: if not.
+    """
+    request_of(settings).check(model_of(settings))
+
+
+def asked(settings: Settings) -> bool:
+    """Whether the config has a residual network."""
+    return settings.get(NAME) is not None
+
+
+def request_of(settings: Settings) -> Request:
+    """The section ``residual``.
+
+    Raises:
+        ConfigError: if its kind is unknown or a key or value is not allowed.
+    """
+    section = settings.get(NAME)
+    if not isinstance(section, Mapping) or "kind" not in section:
+        given = "no residual network is configured" if section is None else f"residual is {section!r}"
+        raise ConfigError(f"{given}: choose residual={' or residual='.join(KINDS)}")
+    if section["kind"] not in KINDS:
+        raise ConfigError(unknown("residual.kind", str(section["kind"]), KINDS))
+    return KINDS[section["kind"]].of(section)
+
+
+def _report(made: Made, gray: GrayBox, case: str) -> dict[str, Any]:
+    """How the network came about, and how much of it physics could have explained."""
+    integrator = gray.estimate.settings.integrator
+    explained = [made.hybrid.explained(record, integrator) for record in gray.records]
+    said = [e.warning for e in explained if e.warning]
+    return {
+        "case": case,
+        "model": made.hybrid.name,
+        "records": [record.name for record in gray.records],
+        "provenance": made.hybrid.provenance,
+        **made.report,
+        "explained": [asdict(e) for e in explained],
+        "warnings": [*made.warnings, *said],
+    }
+
+
+RESIDUAL = Stage(
+    NAME,
+    (NAME, "fit.records"),
+    ("preprocess", "fit"),
+    run,
+    check=check,
+    asked=asked,
+    ignores=("plotting", "rigs", "fetch", "trace"),
+)

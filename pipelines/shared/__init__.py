@@ -1,0 +1,1 @@
+"""What all stages share: config, run trees, storage, freshness, pages, progress."""

@@ -1,0 +1,76 @@
+"""A model as a file that any command takes up: ``model=.../trace/model.json`` for plant and effects."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from hybridid.estimators import Estimate
+from hybridid.model import Term
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.fitted import MAKES_A_MODEL
+from pipelines.shared.imports import make_importable
+from pipelines.shared.modelling import effect_entries
+from pipelines.shared.storage import read_json
+
+
+def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
+    """``config`` with plant, effects and parameters of the file that its key ``model`` names, if any.
+
+    Raises:
+        ConfigError: if there is no such file, or it holds no model.
+    """
+    if config.get("model") is None:
+        return dict(config)
+    path = Path(str(config["model"]))
+    if path.is_dir():
+        path = path / "model.json"
+    try:
+        described = read_json(path)
+        given = {key: described["config"][key] for key in MAKES_A_MODEL}
+        folders = [Path(folder) for folder in described["python_folders"]]
+    except FileNotFoundError as error:
+        raise ConfigError(f"model is {path}: no such file; fit and trace write one, model.json") from error
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ConfigError(f"model is {path}: no model.json as fit and trace write it") from error
+    make_importable(folders)
+    return {**config, **given}
+
+
+def augmented(
+    settings: Settings, terms: Sequence[Term], paths: Mapping[str, str], estimate: Estimate
+) -> Settings:
+    """The settings with ``terms`` among their effects, beginning where ``estimate`` ended.
+
+    ``paths`` gives the import path of each effect that is the user's own, by id. A known constant of
+    a term (the side of an end stop) stays what it was found to be.
+    """
+    names = [f"{paths.get(term.effect.id, term.effect.id)}@{term.port}" for term in terms]
+    parameters = _copied(settings.get("parameters", {}))
+    values = estimate.values
+    for term in terms:
+        own = parameters.setdefault(term.port, {}).setdefault(term.effect.id, {})
+        for p in term.effect.parameters:
+            setting = "fixed" if p.fixed else "guess"
+            own[p.name] = {**(own.get(p.name) or {}), setting: values[f"{term.name}.{p.name}"]}
+    config = {**settings.config, "effects": [*effect_entries(settings), *names], "parameters": parameters}
+    return replace(settings, config=config)
+
+
+def commands(settings: Settings, model: Path, samples: int) -> tuple[str, ...]:
+    """What to type to go on with the augmented model: by its file, or by its effects alone."""
+    own = "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
+    start = f"hybridid run case={settings.case}{own}"
+    effects = shlex.quote(f"effects=[{','.join(effect_entries(settings))}]")
+    return (
+        f"{start} model={shlex.quote(str(model))} estimator.horizon={samples}",
+        f"{start} {effects} estimator.horizon={samples}",
+    )
+
+
+def _copied(node: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: _copied(below) if isinstance(below, Mapping) else below for key, below in node.items()}

@@ -1,0 +1,80 @@
+"""Objects that a config names by import path, ``module:NAME``, and the code behind them."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import inspect
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import hybridid
+from pipelines.shared.errors import ConfigError, unknown
+
+
+def named(path: object, what: str) -> Any:
+    """The object at ``module:NAME``.
+
+    Raises:
+        ConfigError: if the path is malformed, the module cannot be imported or lacks the name.
+    """
+    module_name, _, attribute = str(path).partition(":")
+    if not module_name or not attribute:
+        raise ConfigError(f"{what} is {path!r}: give an import path, module:NAME")
+    try:
+        module = importlib.import_module(module_name)
+    except ImportError as error:
+        raise ConfigError(f"{what} {path}: {error}; Python files in --config-dir are found too") from error
+    except Exception as error:  # the user's own file: whatever it raises, say where
+        raise ConfigError(f"{what} {path}: {module_name} fails when imported: {_where(error)}") from error
+    if not hasattr(module, attribute):
+        raise ConfigError(f"{what} {path}: {unknown(f'name in {module_name}', attribute, _public(module))}")
+    return getattr(module, attribute)
+
+
+def make_importable(folders: Iterable[Path]) -> None:
+    """Let Python files in a user's folder, and beside its case files, be imported by name.
+
+    First in the path, as a script's own folder is: the user's ``pendulum.py`` wins over a package.
+    """
+    for folder in folders:
+        for place in (folder / "case", folder):
+            if place.is_dir() and str(place) not in sys.path:
+                sys.path.insert(0, str(place))
+
+
+def own_code_digests(paths: Iterable[str]) -> dict[str, str]:
+    """SHA-256 of the user's Python behind import paths, by folder: every file beside the module counts.
+
+    hybridid's own modules are left out; its code has a digest of its own.
+    """
+    package = Path(hybridid.__file__).parent
+    folders: dict[str, str] = {}
+    for path in paths:
+        module = importlib.import_module(path.partition(":")[0])
+        source = inspect.getsourcefile(module)
+        if source is None or package in Path(source).resolve().parents:
+            continue
+        folder = Path(source).resolve().parent
+        total = hashlib.sha256()
+        for file in sorted(folder.glob("*.py")):
+            total.update(file.name.encode() + b"\0" + file.read_bytes())
+        folders[f"code beside {Path(source).name}"] = total.hexdigest()
+    return folders
+
+
+def _public(module: ModuleType) -> list[str]:
+    return [
+        name
+        for name, value in vars(module).items()
+        if not name.startswith("_") and not inspect.ismodule(value)
+    ]
+
+
+def _where(error: Exception) -> str:
+    trace = inspect.getinnerframes(error.__traceback__) if error.__traceback__ else []
+    place = f" ({Path(trace[-1].filename).name}, line {trace[-1].lineno})" if trace else ""
+    return f"{type(error).__name__}: {error}{place}"

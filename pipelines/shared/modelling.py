@@ -1,0 +1,170 @@
+"""From config to model and fit settings: plant, effects, parameters, estimator."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from typing import Any, get_type_hints
+
+from hybridid.effects.effect import Effect
+from hybridid.effects.library import EFFECTS
+from hybridid.estimators.settings import FitSettings
+from hybridid.model import Model, compose
+from hybridid.model.compose import ADJUSTABLE
+from hybridid.plants.plant import Plant
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.imports import named, own_code_digests
+
+KEYS = ("plant", "effects", "parameters")
+
+
+def plant_of(settings: Settings) -> Plant:
+    """The plant at the import path ``plant``: an instance, or a class to make one of."""
+    found = named(settings["plant"], "plant")
+    if inspect.isclass(found) and issubclass(found, Plant):
+        try:
+            found = found()
+        except TypeError as error:
+            raise ConfigError(f"plant {settings['plant']}: {error}") from error
+    if not isinstance(found, Plant):
+        raise ConfigError(
+            f"plant {settings['plant']} is a {type(found).__name__}, not a hybridid.plants.plant.Plant"
+        )
+    return found
+
+
+def model_of(settings: Settings) -> Model:
+    """The case's plant with its effects and adjusted parameters.
+
+    Entries of ``parameters`` for effects that are not selected are kept for when they are.
+
+    Raises:
+        ConfigError: if an effect, port or parameter is unknown, or a number cannot be.
+    """
+    plant = plant_of(settings)
+    entries = effect_entries(settings)
+    for entry in entries:
+        if ":" in entry:
+            named(entry.partition("@")[0], "effect")
+    try:
+        bare = compose(plant, entries)
+        names = {p.name for p in bare.parameters}
+        given = adjustments(settings.get("parameters", {}))
+        ownable = names | _ownable(plant, [term.effect for term in bare.terms])
+        for name in given:
+            if name not in ownable:
+                raise ConfigError(unknown("parameter", name, ownable, allowed=names))
+        model = compose(plant, entries, {name: given[name] for name in given if name in names})
+        _ = model.parameters  # crossed bounds show here
+    except ConfigError:
+        raise
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+    return model
+
+
+def own_code(settings: Settings) -> dict[str, str]:
+    """Digests of the user's own Python that the model is made of."""
+    return own_code_digests(
+        [settings["plant"], *(e.partition("@")[0] for e in effect_entries(settings) if ":" in e)]
+    )
+
+
+def effect_entries(settings: Settings) -> list[str]:
+    """``effects`` as a list of names.
+
+    Raises:
+        ConfigError: if it is anything else.
+    """
+    given = settings.get("effects", [])
+    if not isinstance(given, list) or not all(isinstance(entry, str) for entry in given):
+        raise ConfigError(f"effects is {given!r}: give a list of names, as in effects=[viscous,coulomb]")
+    return given
+
+
+def adjustments(parameters: Mapping[str, Any]) -> dict[str, dict[str, float]]:
+    """Nested ``parameters`` as ``{"carriage.viscous.f_v": {"lower": 100.0}}``; nulls adjust nothing.
+
+    Raises:
+        ConfigError: if a setting is none of guess, lower, upper, fixed, or no number.
+    """
+    if not isinstance(parameters, Mapping):
+        raise ConfigError(f"parameters is {parameters!r}: give names with {', '.join(ADJUSTABLE)}")
+    return {name: settings for name, settings in _leaves(parameters, "") if settings}
+
+
+def fit_settings(settings: Settings) -> FitSettings:
+    """``estimator`` as ``FitSettings``.
+
+    Raises:
+        ConfigError: if a key or value is not allowed.
+    """
+    given = dict(settings.get("estimator", {}))
+    kinds = get_type_hints(FitSettings)
+    names = [field.name for field in fields(FitSettings)]
+    for key, value in given.items():
+        if key not in names:
+            raise ConfigError(unknown("config key below estimator", key, names))
+        given[key] = _typed(f"estimator.{key}", value, str(kinds[key]))
+    try:
+        return FitSettings(**given)
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+
+
+def _leaves(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, dict[str, float]]]:
+    if path and any(key in ADJUSTABLE for key in node):
+        for key in node:
+            if key not in ADJUSTABLE:
+                raise ConfigError(unknown(f"setting of parameter {path}", key, ADJUSTABLE))
+        yield path, {k: _number(f"parameters.{path}.{k}", v) for k, v in node.items() if v is not None}
+        return
+    for key, below in node.items():
+        name = f"{path}.{key}" if path else str(key)
+        if below is None:
+            continue
+        if isinstance(below, Mapping):
+            yield from _leaves(below, name)
+        elif path:
+            raise ConfigError(unknown(f"setting of parameter {path}", str(key), ADJUSTABLE))
+        else:
+            raise ConfigError(f"parameters.{name} is {below!r}: say which of {', '.join(ADJUSTABLE)} that is")
+
+
+def _ownable(plant: Plant, selected: list[Effect]) -> set[str]:
+    """Names that parameters would have, were any effect put at any port."""
+    names = {p.name for p in plant.parameters} | {
+        f"{p.name}.epsilon" for p in plant.ports if p.kind == "effort"
+    }
+    for effect in (*EFFECTS, *selected):
+        for port in plant.ports:
+            if port.kind == effect.kind:
+                names |= {f"{port.name}.{effect.id}.{p.name}" for p in effect.parameters}
+    return names
+
+
+def _number(key: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ConfigError(f"{key} is {value!r}: must be a number")
+    return float(value)
+
+
+def _typed(key: str, value: Any, kind: str) -> Any:
+    """``value`` as the annotated ``kind``; whole floats such as 1e3 count as integers."""
+    if value is None:
+        if "None" in kind:
+            return None
+        raise ConfigError(f"{key} is null: must be given")
+    if "tuple" in kind:
+        items = value if isinstance(value, list) else [value]
+        return tuple(_number(key, item) for item in items)
+    if "str" in kind:
+        return str(value)
+    number = _number(key, value)
+    if "int" in kind:
+        if number != int(number):
+            raise ConfigError(f"{key} is {value!r}: must be a whole number")
+        return int(number)
+    return number

@@ -1,0 +1,106 @@
+"""What ``validate`` hands on: predictions as Parquet, one a record and view, and tests of the residuals.
+
+Units and provenance stand in each file's metadata.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.validation import Prediction, ResidualTests
+from pipelines.shared.storage import read_json, read_table, write_json, write_table
+
+FOLDER = "validate"
+HYBRID = "hybrid"
+"""Folder, below ``FOLDER``, of what the hybrid predicts; the gray box' predictions lie beside it."""
+RESIDUALS = "residuals.json"
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A prediction as ``validate`` left it; ``horizon`` in s, None for a free run."""
+
+    model: str
+    horizon: float | None
+    prediction: Prediction
+
+
+@dataclass(frozen=True)
+class Tested:
+    """Residual tests of one model, record, output and view; ``horizon`` in s, None for a free run."""
+
+    model: str
+    view: str
+    horizon: float | None
+    found: ResidualTests
+
+
+def write_prediction(folder: Path, prediction: Prediction, model: str, horizon: float | None) -> Path:
+    """Columns ``time`` [s], ``<output>.measured``, ``<output>.predicted``, ``state.<name>``."""
+    columns = {"time": prediction.time}
+    for k, name in enumerate(prediction.output_names):
+        columns[f"{name}.measured"] = prediction.measured[:, k]
+        columns[f"{name}.predicted"] = prediction.predicted[:, k]
+    for k, name in enumerate(prediction.state_names):
+        columns[f"state.{name}"] = prediction.states[:, k]
+    words = ("record", "view", "provenance", "output_names", "output_units", "state_names", "breaks")
+    about: dict[str, Any] = {word: getattr(prediction, word) for word in words}
+    about |= {"initial_states": prediction.initial_states.tolist(), "model": model, "horizon": horizon}
+    folder.mkdir(exist_ok=True)
+    path = folder / f"{prediction.record}.{prediction.view}.parquet"
+    write_table(path, columns, {"hybridid": json.dumps(about, ensure_ascii=False)})
+    return path
+
+
+def read_prediction(path: Path) -> Stored:
+    """The prediction that ``write_prediction`` wrote."""
+    columns, notes = read_table(path)
+    about = json.loads(notes["hybridid"])
+    names = {key: tuple(about[key]) for key in ("output_names", "output_units", "state_names")}
+    prediction = Prediction(
+        record=about["record"],
+        view=about["view"],
+        provenance=about["provenance"],
+        time=columns["time"],
+        measured=_matrix(columns, [f"{name}.measured" for name in names["output_names"]]),
+        predicted=_matrix(columns, [f"{name}.predicted" for name in names["output_names"]]),
+        states=_matrix(columns, [f"state.{name}" for name in names["state_names"]]),
+        breaks=tuple(about["breaks"]),
+        initial_states=np.array(about["initial_states"], dtype=float),
+        **names,
+    )
+    return Stored(about["model"], about["horizon"], prediction)
+
+
+def predictions_in(tree: Path) -> list[Stored]:
+    """Every prediction of a run tree, by record and view; the gray box' first, then the hybrid's."""
+    gray, hybrid = ((tree / FOLDER / below).glob("*.parquet") for below in ("", HYBRID))
+    return [read_prediction(path) for path in (*sorted(gray), *sorted(hybrid))]
+
+
+def write_tests(path: Path, tests: Sequence[Tested]) -> None:
+    """Residual tests as JSON, one entry a model, record, output and view."""
+    write_json(path, [asdict(test) for test in tests])
+
+
+def residual_tests_in(tree: Path) -> list[Tested]:
+    """The residual tests of a run tree."""
+    entries = read_json(tree / FOLDER / RESIDUALS)
+    return [Tested(**{**entry, "found": _residual_tests(entry["found"])}) for entry in entries]
+
+
+def _residual_tests(data: dict[str, Any]) -> ResidualTests:
+    arrays = {key: np.array(data[key], dtype=float) for key in ("lags", "autocorrelation", "input_lags")}
+    cross = {name: np.array(values, dtype=float) for name, values in data["cross_correlation"].items()}
+    return ResidualTests(**{**data, **arrays, "cross_correlation": cross})
+
+
+def _matrix(columns: Mapping[str, NDArray[np.float64]], names: Sequence[str]) -> NDArray[np.float64]:
+    return np.column_stack([columns[name] for name in names])

@@ -1,0 +1,196 @@
+"""Where a case's records come from: measured files where they are found, else the case's virtual rig."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+from hybridid.records.mapping import RecordMap, build_record, record_map
+from hybridid.records.record import Record, RecordError
+from hybridid.records.sources import DataRoot, RecordNotFoundError, data_roots, digest_of, locate
+from hybridid.rigs.rig import Rig
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.rigs import rig_of
+
+KEYS = ("data", "records", "signals", "rig", "paths.data")
+CHOICES = ("auto", "measured", "simulated")
+ROLES = ("identification", "validation")
+_OWN = ("role", "run", "steps")
+_STANDS_IN = "no measured record found; the virtual rig stands in, all that follows is SIMULATED"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A record whose files are at hand."""
+
+    name: str
+    role: str
+    plan: RecordMap
+    files: tuple[Path, ...]
+    steps: tuple[Any, ...] = ()
+
+    @property
+    def digest(self) -> str:
+        return digest_of(self.files)
+
+    def record(self) -> Record:
+        plan = self.plan
+        return build_record(
+            self.name, self.files, plan.time, plan.inputs, plan.outputs, plan.auxiliary, plan.resample
+        )
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A record that the case's virtual rig makes."""
+
+    name: str
+    role: str
+    rig: Rig
+    run: str
+    seed: int
+    duration: float | None
+    steps: tuple[Any, ...] = ()
+
+    @property
+    def digest(self) -> str:
+        return self.rig.digest(self.run, self.seed, self.duration)
+
+    def record(self) -> Record:
+        return replace(self.rig.record(self.run, self.seed, self.duration), name=self.name, warnings=())
+
+
+Source = Measured | Simulated
+
+
+class HasRole(Protocol):
+    """A record's name and what it is for."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def role(self) -> str: ...
+
+
+Named = TypeVar("Named", bound=HasRole)
+
+
+@dataclass(frozen=True)
+class Sources:
+    """A case's records, and in words what is not as one would wish."""
+
+    found: tuple[Source, ...]
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def simulated(self) -> bool:
+        return any(isinstance(source, Simulated) for source in self.found)
+
+
+def sources_of(settings: Settings) -> Sources:
+    """The case's records under ``data``: measured, simulated, or ``auto``.
+
+    ``auto`` takes the measured records that are found; with none found the rig makes them all.
+
+    Raises:
+        ConfigError: if the config of records, signals or rig is wrong.
+        RecordNotFoundError: if a measured record is insisted on, or there is no rig to stand in.
+    """
+    choice = settings.get("data", "auto")
+    if choice not in CHOICES:
+        raise ConfigError(unknown("value of data", str(choice), CHOICES))
+    records = _records(settings)
+    if choice == "simulated":
+        return Sources(_simulated(settings, records), ("simulated records, as data=simulated asks",))
+    roots = roots_of(settings)
+    if not roots[0].path.is_dir() and settings.get("paths.data"):
+        raise ConfigError(f"paths.data is {roots[0].path}: no such folder")
+    found, missing = [], []
+    for name, entry in records.items():
+        try:
+            found.append(_measured(settings, name, entry, roots))
+        except RecordNotFoundError as error:
+            missing.append(f"record {name}: {error}")
+    if not missing:
+        return Sources(tuple(found))
+    if choice == "measured" or (not found and settings.get("rig") is None):
+        raise RecordNotFoundError(f"{missing[0]}{_fetch_hint(settings)}")
+    if found:
+        return Sources(tuple(found), tuple(missing))
+    return Sources(_simulated(settings, records), (missing[0], f"{_STANDS_IN}{_fetch_hint(settings)}"))
+
+
+def roots_of(settings: Settings) -> tuple[DataRoot, ...]:
+    """``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, then the user's own folders."""
+    own = [DataRoot(folder, "--config-dir") for folder in settings.folders]
+    return (*data_roots(settings.get("paths.data")), *own)
+
+
+def digests(settings: Settings) -> dict[str, str]:
+    """What tells the records from others, by name."""
+    return {f"record {s.name}": f"{type(s).__name__.lower()} {s.digest}" for s in sources_of(settings).found}
+
+
+def chosen(records: Sequence[Named], wanted: Any, key: str) -> list[Named]:
+    """The records whose name or role is in ``wanted``; all if it is null.
+
+    Raises:
+        ConfigError: if an entry matches none; ``key`` is the config key that holds them.
+    """
+    if wanted is None:
+        return list(records)
+    entries = [str(entry) for entry in wanted] if isinstance(wanted, list) else [str(wanted)]
+    known = {word for record in records for word in (record.name, record.role)}
+    for entry in entries:
+        if entry not in known:
+            raise ConfigError(unknown(f"record in {key}:", entry, known))
+    return [record for record in records if {record.name, record.role} & set(entries)]
+
+
+def _records(settings: Settings) -> dict[str, dict[str, Any]]:
+    given = settings.get("records")
+    if not isinstance(given, Mapping) or not all(isinstance(entry, Mapping) for entry in given.values()):
+        raise ConfigError(f"case {settings.case}: records must map names to files and role")
+    for name, entry in given.items():
+        if entry.get("role") not in ROLES:
+            raise ConfigError(unknown(f"role of record {name}:", str(entry.get("role")), ROLES))
+    return {str(name): dict(entry) for name, entry in given.items()}
+
+
+def _measured(
+    settings: Settings, name: str, entry: Mapping[str, Any], roots: tuple[DataRoot, ...]
+) -> Measured:
+    own = {key: value for key, value in entry.items() if key not in _OWN}
+    try:
+        plan = record_map({**settings.get("signals", {}), **own}, f"record {name}")
+    except RecordError as error:
+        raise ConfigError(str(error)) from error
+    files = tuple(locate(file, roots) for file in plan.files)
+    return Measured(name, entry["role"], plan, files, tuple(entry.get("steps") or ()))
+
+
+def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> tuple[Simulated, ...]:
+    given = settings.get("rig")
+    if given is None:
+        raise ConfigError(f"data=simulated: case {settings.case} has no virtual rig")
+    rig = rig_of(given)
+    made = []
+    for name, entry in records.items():
+        run = str(entry.get("run", name))
+        if run not in rig.runs:
+            raise ConfigError(unknown(f"run of rig {rig.name}, for record {name}:", run, rig.runs))
+        seed, duration, steps = given.get("seed") or 0, given.get("duration"), entry.get("steps") or ()
+        made.append(Simulated(name, entry["role"], rig, run, seed, duration, tuple(steps)))
+    return tuple(made)
+
+
+def _fetch_hint(settings: Settings) -> str:
+    return (
+        f"; hybridid fetch {settings.case} downloads the measured ones"
+        if settings.get("archive.name")
+        else ""
+    )

@@ -1,0 +1,104 @@
+"""A run's folder: where it lies, who may write in it, and stage folders that appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+from pipelines.shared.config import Settings, digest
+
+_UNFINISHED = ".unfinished-"
+_REPLACED = ".replaced-"
+
+
+def tree_of(settings: Settings, simulated: bool) -> Path:
+    """``out`` (in a sweep: ``out``/<digest>), else ``paths.outputs``/<case>/<digest>.
+
+    Results from a virtual rig never take the place of measured ones: their digest says ``-simulated``.
+    """
+    name = f"{digest(settings)}-simulated" if simulated else digest(settings)
+    out = settings.get("out")
+    if out is not None:
+        return Path(str(out)) / name if settings.in_sweep else Path(str(out))
+    return Path(str(settings["paths.outputs"])) / settings.case / name
+
+
+@contextmanager
+def locked(root: Path, waiting: Callable[[str], None]) -> Iterator[None]:
+    """Hold the tree for this process alone; says so once if another has it.
+
+    What an earlier process left unfinished (killed, machine off) is removed.
+    """
+    root.mkdir(parents=True, exist_ok=True)
+    lock = FileLock(str(root / ".lock"))
+    try:
+        lock.acquire(timeout=0.2)
+    except Timeout:
+        waiting(f"waiting: another hybridid works in {root}")
+        lock.acquire()
+    try:
+        _clear(root)
+        yield
+    finally:
+        _clear(root)  # an interrupt may strike between a folder's making and its guard
+        lock.release()
+
+
+def _clear(root: Path) -> None:
+    """Remove what was left unfinished; only who holds the lock may."""
+    for prefix in (_UNFINISHED, _REPLACED):
+        for left in root.glob(f"{prefix}*"):
+            shutil.rmtree(left, ignore_errors=True)
+
+
+@contextmanager
+def replacing(folder: Path) -> Iterator[Path]:
+    """A new folder to write in, that takes the place of ``folder`` if all goes well and vanishes if not."""
+    new = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=folder.parent))
+    new.chmod(0o755)
+    try:
+        yield new
+        remove(folder)
+        new.rename(folder)
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
+
+
+def remove(folder: Path) -> bool:
+    """Remove a stage's folder at once, never leaving half of it; False if there is none."""
+    if not folder.exists():
+        return False
+    old = Path(tempfile.mkdtemp(prefix=_REPLACED, dir=folder.parent))
+    folder.rename(old / folder.name)
+    shutil.rmtree(old, ignore_errors=True)
+    return True
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file that is whole at every moment."""
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        Path(name).chmod(0o644)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def point_latest(root: Path) -> None:
+    """Make ``latest`` beside ``root`` lead to it."""
+    link = root.parent / "latest"
+    new = root.parent / f".latest-{os.getpid()}"
+    if link.exists() and not link.is_symlink():
+        return  # somebody's own folder
+    new.unlink(missing_ok=True)
+    new.symlink_to(root.name, target_is_directory=True)
+    new.replace(link)

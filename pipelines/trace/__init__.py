@@ -1,0 +1,1 @@
+"""The stage ``trace``: what the model lacks, written to files and pages."""

@@ -1,0 +1,1 @@
+"""MLflow: every command is a run, kept until the server takes it."""

@@ -1,0 +1,125 @@
+"""Sends a note to MLflow. Sent twice, or again after it was cut off, it still makes one run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
+from itertools import islice
+from typing import TYPE_CHECKING, TypeVar
+
+from pipelines.shared.config import Settings
+from pipelines.tracking.note import KEY, Artifact, Note
+from pipelines.tracking.store import alone, client, experiment_id, tracking_uri
+
+if TYPE_CHECKING:
+    from mlflow.entities import Run
+    from mlflow.tracking import MlflowClient
+
+T = TypeVar("T")
+LOGGED = "hybridid.logged"
+"""The tag that is set last: the digest of the note that fills the run."""
+_METRICS_A_CALL = 1000
+_PARAMETERS_A_CALL = 100
+_PARENT = "mlflow.parentRunId"
+
+
+class Slow(RuntimeError):
+    """The store took longer than it may."""
+
+
+def send(note: Note, settings: Settings, patience: float | None = None) -> None:
+    """Fill the note's run, made if there is none.
+
+    A server may take ``patience`` seconds (None: any time).
+
+    Raises:
+        Slow: if it takes longer.
+        Exception: whatever MLflow says is wrong.
+    """
+    uri = note.uri or tracking_uri(settings)
+    remote = uri.startswith("http")
+    in_time = _clock(patience if remote else None)
+    store = client(settings, uri)
+    experiment = experiment_id(store, settings, note.experiment, remote)
+    in_time()
+    # the sqlite file takes one writer at a time; a server minds its own
+    with nullcontext() if remote else alone(settings):
+        run = _run_of(store, settings, experiment, note.key, note.name, note.began)
+        if run.data.tags.get(LOGGED) != note.digest:
+            _fill(store, settings, experiment, run, note, in_time)
+
+
+def _clock(patience: float | None) -> Callable[[], None]:
+    end = None if patience is None else time.monotonic() + patience
+
+    def in_time() -> None:
+        if end is not None and time.monotonic() > end:
+            raise Slow(f"it took more than {patience:g} s (mlflow.patience)")
+
+    return in_time
+
+
+def _run_of(store: MlflowClient, settings: Settings, experiment: str, key: str, name: str, began: int) -> Run:
+    """The run of ``key``; two processes that look at once must not make two."""
+    with alone(settings):
+        found = store.search_runs([experiment], f"tags.`{KEY}` = '{key}'", max_results=1)
+        if found:
+            return found[0]
+        return store.create_run(experiment, start_time=began, run_name=name, tags={KEY: key})
+
+
+def _fill(
+    store: MlflowClient,
+    settings: Settings,
+    experiment: str,
+    run: Run,
+    note: Note,
+    in_time: Callable[[], None],
+) -> None:
+    from mlflow.entities import Metric, Param, RunTag
+
+    identity = run.info.run_id
+    tags = {**note.tags, "mlflow.runName": note.name}
+    if note.parent is not None:  # a parent that is still waiting itself is named and filled when it comes
+        parent = _run_of(store, settings, experiment, note.parent, "sweep", note.began)
+        tags[_PARENT] = parent.info.run_id
+    for gone in {"error"} & (set(run.data.tags) - set(tags)):
+        store.delete_tag(identity, gone)
+    store.log_batch(identity, tags=[RunTag(k, str(v)) for k, v in tags.items()])
+    # a parameter cannot be changed: an earlier attempt's stays
+    params = [Param(k, v) for k, v in note.params.items() if k not in run.data.params]
+    when = note.began if note.ended is None else note.ended  # the same time again is the same point again
+    points = [Metric(m.name, m.value, when, m.step) for m in note.metrics]
+    for some in _parts(params, _PARAMETERS_A_CALL):
+        in_time()
+        store.log_batch(identity, params=some)
+    for part in _parts(points, _METRICS_A_CALL):
+        in_time()
+        store.log_batch(identity, metrics=part)
+    for artifact in note.artifacts:
+        _upload(store, identity, artifact, in_time)
+    in_time()
+    if note.ended is None:
+        store.update_run(identity, status=note.status)
+    else:
+        store.set_terminated(identity, note.status, note.ended)
+    store.set_tag(identity, LOGGED, note.digest)
+
+
+def _parts(items: Sequence[T], size: int) -> Iterator[list[T]]:
+    rest = iter(items)
+    while part := list(islice(rest, size)):
+        yield part
+
+
+def _upload(store: MlflowClient, identity: str, artifact: Artifact, in_time: Callable[[], None]) -> None:
+    """File by file: a folder's many must not outlast the patience together."""
+    if artifact.source.is_file():
+        store.log_artifact(identity, str(artifact.source), artifact.into or None)
+        return
+    for path in sorted(p for p in artifact.source.rglob("*") if p.is_file()):
+        in_time()
+        below = path.parent.relative_to(artifact.source).as_posix()
+        into = "/".join(part for part in (artifact.into, below) if part not in ("", "."))
+        store.log_artifact(identity, str(path), into or None)

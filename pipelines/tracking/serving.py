@@ -1,0 +1,88 @@
+"""MLflow's page of all runs, on this machine alone."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from types import FrameType
+from typing import NoReturn
+
+from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.watch import Watcher
+from pipelines.tracking.runs import client, tracking_uri
+
+HOST = "127.0.0.1"
+_PATIENCE = 5.0
+
+
+def serve(settings: Settings, watcher: Watcher) -> None:
+    """Serve the page until interrupted; no process of it outlives this one.
+
+    Raises:
+        ConfigError: if the port is taken or none, or the server ends by itself.
+    """
+    port = settings.get("port", 5000)
+    _check_free(port)
+    client(settings)  # the page must not race a first run to make the store
+    uri = tracking_uri(settings)
+    watcher.say(f"starting MLflow's page for {uri}")
+    # no job runner: it serves MLflow's language-model tools, with a dozen processes
+    environment = {**os.environ, "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
+    words = ["server", "--backend-store-uri", uri, "--host", HOST, "--port", str(port), "--workers", "1"]
+    with tempfile.TemporaryFile("w+") as said:
+        command = [sys.executable, "-m", "mlflow", *words]
+        server = subprocess.Popen(command, env=environment, process_group=0, stdout=said, stderr=said)
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, _leave)
+        try:
+            while server.poll() is None and not _answers(port):
+                time.sleep(0.2)
+            watcher.say(f"http://{HOST}:{port} is open on this machine; Ctrl-C ends it")
+            code = server.wait()
+        except KeyboardInterrupt:
+            return
+        finally:
+            _end(server)
+        said.seek(0)
+        last = [line for line in said.read().splitlines() if line.strip()][-1:]
+        raise ConfigError(f"MLflow's server ended by itself (exit code {code}): {''.join(last)}")
+
+
+def _answers(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex((HOST, port)) == 0
+
+
+def _check_free(port: object) -> None:
+    if isinstance(port, bool) or not isinstance(port, int) or not 0 < port < 65536:
+        raise ConfigError(f"port is {port!r}: must be a whole number from 1 to 65535")
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((HOST, port))
+        except OSError as error:
+            raise ConfigError(
+                f"port {port} on {HOST}: {error.strerror}; choose another, as in port=5001"
+            ) from error
+
+
+def _end(server: subprocess.Popen[bytes]) -> None:
+    """End the server with all its workers."""
+    for number in (signal.SIGTERM, signal.SIGKILL):
+        try:
+            os.killpg(server.pid, number)
+            server.wait(_PATIENCE)
+        except ProcessLookupError:
+            return
+        except subprocess.TimeoutExpired:
+            continue
+
+
+def _leave(number: int, frame: FrameType | None) -> NoReturn:
+    raise SystemExit(128 + number)

@@ -1,0 +1,93 @@
+"""The store of runs: the sqlite file beside the run trees, made by whoever comes first, or a server."""
+
+from __future__ import annotations
+
+import functools
+import logging
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from filelock import FileLock
+
+from pipelines.shared.config import Settings
+
+if TYPE_CHECKING:
+    from mlflow.tracking import MlflowClient
+
+# MLflow would wait minutes for a server that is down; a user's own values win
+_IMPATIENT = {
+    "MLFLOW_HTTP_REQUEST_MAX_RETRIES": "1",
+    "MLFLOW_HTTP_REQUEST_TIMEOUT": "10",
+    "MLFLOW_HTTP_REQUEST_BACKOFF_FACTOR": "1",
+    "MLFLOW_ARTIFACT_UPLOAD_DOWNLOAD_TIMEOUT": "30",
+}
+_SILENT = {
+    "MLFLOW_DISABLE_TELEMETRY": "true",
+    "DO_NOT_TRACK": "true",
+    "MLFLOW_SUPPRESS_PRINTING_URL_TO_STDOUT": "true",  # stdout is for results
+}
+_ANSWER_WITHIN = 5.0  # s
+_LONGEST_QUEUE = 120.0  # s, behind other processes that write to the sqlite file
+
+
+def tracking_uri(settings: Settings) -> str:
+    """``mlflow.tracking_uri``, else the sqlite file beside the run trees."""
+    return str(settings.get("mlflow.tracking_uri") or f"sqlite:///{store_folder(settings) / 'mlflow.db'}")
+
+
+def store_folder(settings: Settings) -> Path:
+    """``paths.outputs``."""
+    return Path(str(settings["paths.outputs"])).resolve()
+
+
+def client(settings: Settings, uri: str | None = None) -> MlflowClient:
+    """A client of the store (at ``uri``, if given), which exists from then on."""
+    for name, value in (_SILENT | _IMPATIENT).items():
+        os.environ.setdefault(name, value)
+    with alone(settings):
+        return _client(uri or tracking_uri(settings), os.getpid())
+
+
+@functools.lru_cache
+def _client(uri: str, process: int) -> MlflowClient:
+    """Made once in each ``process``: a connection must not be shared with a forked one."""
+    from mlflow.tracking import MlflowClient
+
+    for name in ("mlflow", "alembic", "urllib3"):
+        logging.getLogger(name).setLevel(logging.ERROR)
+    return MlflowClient(tracking_uri=uri)
+
+
+@contextmanager
+def alone(settings: Settings) -> Iterator[None]:
+    """Hold the store for this process: one after the other nobody meets a locked database."""
+    folder = store_folder(settings)
+    folder.mkdir(parents=True, exist_ok=True)
+    with FileLock(str(folder / ".mlflow.lock"), timeout=_LONGEST_QUEUE, is_singleton=True):
+        yield
+
+
+def answers(uri: str) -> bool:
+    """Whether the server at ``uri`` says anything at all; a file always does."""
+    if not uri.startswith("http"):
+        return True
+    import requests
+
+    try:
+        requests.get(uri, timeout=_ANSWER_WITHIN)
+    except requests.RequestException:
+        return False
+    return True
+
+
+def experiment_id(store: MlflowClient, settings: Settings, name: str, remote: bool) -> str:
+    """The experiment ``name``, made if there is none; a server decides itself where its artifacts lie."""
+    with alone(settings):
+        found = store.get_experiment_by_name(name)
+        if found is not None:
+            return str(found.experiment_id)
+        artifacts = None if remote else (store_folder(settings) / "mlflow-artifacts" / name).as_uri()
+        return str(store.create_experiment(name, artifact_location=artifacts))

@@ -1,0 +1,110 @@
+"""Runs that could not be sent, kept in ``<paths.outputs>/mlflow-waiting`` until ``hybridid log`` does."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from filelock import FileLock
+
+from pipelines.shared.config import Settings
+from pipelines.shared.storage import read_json, write_json
+from pipelines.shared.tree import remove
+from pipelines.shared.watch import Watcher
+from pipelines.tracking.note import Artifact, Note
+from pipelines.tracking.send import send
+from pipelines.tracking.store import answers, store_folder, tracking_uri
+
+SILENT = "the server does not answer"
+_UNFINISHED = ".unfinished-"
+_NOTE = "note.json"
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A run that waited: where it was to go, and why it still waits (empty: it is sent)."""
+
+    note: Note
+    uri: str
+    trouble: str = ""
+
+
+def folder(settings: Settings) -> Path:
+    """Where runs wait."""
+    return store_folder(settings) / "mlflow-waiting"
+
+
+def keep(note: Note, settings: Settings) -> Path:
+    """Keep the note with copies of its files; its folder appears whole or not at all."""
+    root = folder(settings)
+    root.mkdir(parents=True, exist_ok=True)
+    new = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=root))
+    new.chmod(0o755)
+    try:
+        copies = tuple(_copied(artifact, new, k) for k, artifact in enumerate(note.artifacts))
+        write_json(new / _NOTE, replace(note, artifacts=copies).plain())
+        # by time: a run's later note fills it after the earlier; by the random name: nobody's is replaced
+        final = root / f"{time.time_ns()}-{new.name.removeprefix(_UNFINISHED)}"
+        return new.rename(final)
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
+
+
+def _copied(artifact: Artifact, new: Path, number: int) -> Artifact:
+    """A copy of it below ``new``; its path in the note is relative, so that the folder may be moved."""
+    place = Path("files") / str(number) / artifact.source.name
+    (new / place).parent.mkdir(parents=True)
+    if artifact.source.is_dir():
+        shutil.copytree(artifact.source, new / place)
+    else:
+        shutil.copy2(artifact.source, new / place)
+    return Artifact(place, artifact.into)
+
+
+def waiting(settings: Settings) -> list[tuple[Path, Note]]:
+    """The notes that wait, the oldest first."""
+    found = []
+    for place in sorted(folder(settings).glob(f"[0-9]*/{_NOTE}")):
+        note = Note.of(read_json(place))
+        here = tuple(Artifact(place.parent / a.source, a.into) for a in note.artifacts)
+        found.append((place.parent, replace(note, artifacts=here)))
+    return found
+
+
+def send_waiting(settings: Settings, watcher: Watcher) -> Iterator[Attempt]:
+    """Send all that waits, each to where it was to go, or all to ``mlflow.tracking_uri`` if that is given.
+
+    What is sent is removed. A server that does not answer is not asked again for the others.
+    """
+    if not folder(settings).is_dir():
+        return
+    given = settings.get("mlflow.tracking_uri")
+    failed: dict[str, str] = {}
+    with FileLock(str(folder(settings) / ".lock")):
+        for place, note in waiting(settings):
+            watcher.carry_on()
+            uri = str(given or note.uri or tracking_uri(settings))
+            trouble = failed.get(uri, "") or _trouble(replace(note, uri=uri), settings)
+            if not trouble:
+                remove(place)
+            elif trouble == SILENT:
+                failed[uri] = trouble
+            yield Attempt(note, uri, trouble)
+
+
+def _trouble(note: Note, settings: Settings) -> str:
+    """Send it; why it could not be, if so."""
+    try:
+        send(note, settings)
+    except Exception as error:
+        return reason(error, note.uri or tracking_uri(settings))
+    return ""
+
+
+def reason(error: Exception, uri: str) -> str:
+    """Why a store did not take a run, in one short line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"[:200] if answers(uri) else SILENT

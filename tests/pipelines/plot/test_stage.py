@@ -1,0 +1,37 @@
+"""``plot`` writes the formats it is asked for, and says which there are."""
+
+from __future__ import annotations
+
+import pytest
+
+from pipelines.runner import run_stages
+from pipelines.shared.errors import ConfigError
+
+
+def written(tree):
+    return {path.suffix for path in (tree / "plot").iterdir()} - {".json"}
+
+
+def test_only_the_formats_asked_for_are_written(settings, data, heard):
+    short = settings({"validate.views": ["free_run"], "plot": {"formats": ["svg"]}})
+    assert written(run_stages(short, "run", heard).tree) == {".svg"}
+    heard.said.clear()
+    more = settings({"validate.views": ["free_run"], "plot": {"formats": ["svg", "png"]}})
+    assert written(run_stages(more, "run", heard).tree) == {".svg", ".png"}
+    assert sum("fresh, reused" in line for line in heard.said) == 3  # only the drawing was done again
+
+
+@pytest.mark.parametrize(
+    ("formats", "said"),
+    [
+        (["svgg"], "unknown format in plot.formats: 'svgg'"),
+        ([], "plot.formats is []"),
+        ("svg", "plot.formats is 'svg'"),
+    ],
+)
+def test_a_wrong_format_is_said_before_anything_is_done(settings, data, heard, formats, said):
+    with pytest.raises(ConfigError, match=r"plot\.formats") as raised:
+        run_stages(settings({"plot": {"formats": formats}}), "run", heard)
+    assert said in str(raised.value)
+    assert "svg" in str(raised.value)
+    assert heard.said == []

@@ -1,0 +1,126 @@
+"""The files a program reads: their form, their units, and that the fitted model comes back from them."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from hybridid.records.store import load_record
+from hybridid.validation import free_run, metrics
+from pipelines.runner import run_stages
+from pipelines.shared.findings import loaded_estimate, prepared_records
+from pipelines.shared.fitted import load
+from pipelines.shared.predictions import predictions_in, residual_tests_in
+from pipelines.shared.storage import read_json, write_json
+
+
+@pytest.fixture
+def tree(settings, heard, data):
+    return run_stages(settings(), "validate", heard).tree
+
+
+def test_estimate(tree):
+    estimate = json.loads((tree / "fit/estimate.json").read_text())
+    assert set(estimate["parameters"]) == {
+        "M", "carriage.viscous.f_v", "carriage.coulomb.f_c", "carriage.offset.offset"
+    }  # fmt: skip
+    for parameter in estimate["parameters"].values():
+        assert {"value", "std", "unit", "lower", "upper", "at_bound"} <= set(parameter)
+    assert estimate["parameters"]["M"]["unit"] == "kg"
+    assert estimate["parameters"]["M"]["lower"] == 30.0
+    assert estimate["parameters"]["carriage.viscous.f_v"]["upper"] is None, "no bound is null, not Infinity"
+    assert estimate["cost"] > 0
+    assert isinstance(estimate["status"], str)
+    assert estimate["iterations"] >= 1
+    assert set(estimate["seconds"]) >= {"build", "solve"}
+    assert (estimate["records"], estimate["provenance"]) == (["first"], "measured")
+
+
+def test_metrics(tree):
+    rows = json.loads((tree / "validate/metrics.json").read_text())
+    assert {(row["record"], row["view"]) for row in rows} == {
+        (record, view) for record in ("first", "second") for view in ("free_run", "horizon")
+    }
+    for row in rows:
+        assert {"model", "record", "output", "view", "mse", "rmse", "r2", "n", "unit", "provenance"} <= set(
+            row
+        )
+        assert row["output"] == "position"
+        assert row["unit"] == "m"
+        assert row["rmse"] == pytest.approx(math.sqrt(row["mse"]))
+        assert row["horizon"] == (0.3 if row["view"] == "horizon" else None)
+
+
+def test_fitted_model_comes_back(tree):
+    """From the files alone: model and numbers give the very scores that were written."""
+    model, estimate = load(tree)
+    record = load_record(prepared_records(tree)[1].file)
+    again = metrics(free_run(model, estimate.values, record), "gray box")[0]
+    rows = json.loads((tree / "validate/metrics.json").read_text())
+    written = next(r for r in rows if (r["record"], r["view"]) == ("second", "free_run"))
+    assert again.rmse == pytest.approx(written["rmse"], rel=1e-9)
+    assert loaded_estimate(tree).parameters[1].upper == math.inf
+
+
+def test_predictions_come_back_whole(tree):
+    stored = {(s.prediction.record, s.prediction.view): s for s in predictions_in(tree)}
+    assert len(stored) == 4
+    record = load_record(prepared_records(tree)[0].file)
+    prediction = stored["first", "horizon"].prediction
+    assert stored["first", "horizon"].horizon == 0.3
+    np.testing.assert_array_equal(prediction.measured[:, 0], record.outputs[: len(prediction.time), 0])
+    assert prediction.states.shape == (len(prediction.time), 2)
+    assert prediction.breaks[:3] == (0, 300, 600)
+    rows = json.loads((tree / "validate/metrics.json").read_text())
+    written = next(r for r in rows if (r["record"], r["view"]) == ("first", "horizon"))
+    assert metrics(prediction, "gray box")[0].rmse == pytest.approx(written["rmse"], rel=1e-12)
+    assert {(t.found.record, t.view) for t in residual_tests_in(tree)} == set(stored)
+    assert all(len(t.found.autocorrelation) == 21 for t in residual_tests_in(tree))
+
+
+def test_json_is_strict(tmp_path):
+    given = {"a": math.nan, "b": [math.inf, 1.5], "c": np.array([1.0, -np.inf]), "d": np.int64(3), "é": "μ"}
+    write_json(tmp_path / "x.json", given)
+    text = (tmp_path / "x.json").read_text()
+    assert json.loads(text, parse_constant=pytest.fail) == {
+        "a": None, "b": [None, 1.5], "c": [1.0, None], "d": 3, "é": "μ"
+    }  # fmt: skip
+    assert read_json(tmp_path / "x.json")["é"] == "μ"
+
+
+def test_every_json_of_a_tree_is_strict(tree):
+    for path in tree.rglob("*.json"):
+        json.loads(path.read_text(), parse_constant=pytest.fail)
+
+
+def test_model_that_diverges_is_a_finding_not_a_crash(settings, heard, data, monkeypatch):
+    """Scores are null, the reason stands beside them, the other views and records are there."""
+    from hybridid.simulation.simulate import Diverged
+    from pipelines import validate
+
+    def diverges(model, values, record, *rest):
+        raise Diverged(f"simulation of record {record.name} diverged at t = 1 s")
+
+    monkeypatch.setattr(validate, "free_run", diverges)
+    tree = run_stages(settings(), "validate", heard).tree
+    rows = json.loads((tree / "validate/metrics.json").read_text())
+    free = [row for row in rows if row["view"] == "free_run"]
+    assert [row["rmse"] for row in free] == [None, None]
+    assert "diverged at t = 1 s" in free[0]["remark"]
+    assert all(row["rmse"] > 0 for row in rows if row["view"] == "horizon")
+    assert any("diverged" in line for line in heard.warned)
+
+
+def test_figures_of_every_kind_are_drawn(settings, heard, data):
+    tree = run_stages(settings({"validate.records": ["first"]}), "run", heard).tree
+    names = {p.name for p in (tree / "plot").iterdir()}
+    for figure in (
+        "first.record", "first.position.comparison", "first.position.error", "first.position.spectrum",
+        "first.position.residual.free_run", "first.position.residual.horizon", "first.carriage.friction",
+        "position.raincloud", "parameters", "second.record",
+    ):  # fmt: skip
+        assert {f"{figure}.{kind}" for kind in ("svg", "pdf", "png")} <= names, figure
+    assert not any(name.startswith("second.position") for name in names), "was not validated"

@@ -1,0 +1,53 @@
+"""The horizon that a trace judges by, where the config leaves it open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pytest
+
+from hybridid.effects.library import EFFECTS
+from hybridid.trace.evidence import Rules
+from pipelines.shared.config import Settings
+from pipelines.trace.request import ENOUGH, Request, fitting_horizon
+
+ASKED = 1.0  # s
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A prepared record of ``n`` samples every ``dt`` s."""
+
+    name: str
+    role: str
+    n: int
+    dt: float = 0.01
+
+    @property
+    def row(self) -> dict[str, float]:
+        return {"n": self.n, "dt": self.dt}
+
+
+def horizon_of(records, horizon="auto", held_out="auto") -> float:
+    section = {"records": ["identification"], "held_out": held_out, "horizon": horizon}
+    settings = Settings("made", {"trace": section})
+    request = Request(EFFECTS, None, Rules(), ASKED, 1)
+    return fitting_horizon(request, records, settings).horizon
+
+
+@pytest.mark.parametrize(
+    ("fitted", "judged", "expected"),
+    [(3000, 3000, ASKED), (300, 200, 2.0 / ENOUGH), (200, 3000, 2.0 / ENOUGH)],
+)
+def test_short_records_get_short_horizons(fitted, judged, expected):
+    records = [Recorded("a", "identification", fitted), Recorded("b", "validation", judged)]
+    assert horizon_of(records) == pytest.approx(expected)
+
+
+def test_one_record_serves_both_sides():
+    assert horizon_of([Recorded("a", "identification", 600)]) == pytest.approx(3.0 / ENOUGH)
+
+
+def test_a_horizon_that_is_given_stays():
+    records = [Recorded("a", "identification", 300), Recorded("b", "validation", 200)]
+    assert horizon_of(records, horizon=1.0) == ASKED

@@ -1,0 +1,167 @@
+"""MLflow: what a run holds, that many processes may begin at once, and that a result outlives it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pipelines.runner import run_stages
+from pipelines.shared.errors import ConfigError
+from pipelines.tracking.note import KEY
+from pipelines.tracking.runs import client, tracked, tracking_uri
+from pipelines.tracking.waiting import waiting
+
+ROOT = Path(__file__).parents[3]
+
+
+def logged(settings, command, heard):
+    with tracked(settings, command, heard) as run:
+        outcome = run_stages(settings, command, heard)
+        run.finish(outcome)
+    store = client(settings)
+    experiment = store.get_experiment_by_name("short")
+    return store, store.search_runs([experiment.experiment_id])[0], outcome
+
+
+def commit() -> dict[str, str]:
+    """The tag that names the checkout's commit; none outside a checkout."""
+    done = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "HEAD"], capture_output=True, text=True)
+    return {} if done.returncode else {"mlflow.source.git.commit": done.stdout.strip()}
+
+
+def test_a_run_holds_all_that_is_known_of_it(settings, heard, data):
+    store, run, outcome = logged(settings(), "validate", heard)
+    assert run.info.status == "FINISHED"
+    assert run.info.run_name == "validate"
+    assert run.data.params["estimator.horizon"] == "300"
+    assert run.data.params["effects"] == "['viscous', 'coulomb', 'offset']"
+    assert run.data.metrics["parameter.M"] == pytest.approx(95, rel=0.05)
+    assert run.data.metrics["second.position.horizon.rmse"] > 0
+    costs = store.get_metric_history(run.info.run_id, "cost")
+    assert len(costs) >= 2
+    assert costs[-1].value <= costs[0].value
+    tags = run.data.tags
+    assert tags["provenance"] == "measured"
+    assert len(tags["data.first"]) == 64
+    assert tags["stages.ran"] == "preprocess, fit, validate"
+    assert tags["tree"] == str(outcome.tree.resolve())
+    assert tags["fit.converged"] == "true"
+    assert {key: tags[key] for key in commit()} == commit()
+    kept = {f.path for f in store.list_artifacts(run.info.run_id)}
+    assert kept == {"config.yaml", "fit", "validate"}
+    assert (Path("outputs/mlflow-artifacts/short") / run.info.run_id / "artifacts/fit/estimate.json").exists()
+    assert sorted(p.name for p in Path("outputs").iterdir() if not p.name.startswith(".")) == [
+        "mlflow-artifacts", "mlflow.db", "short"
+    ]  # fmt: skip
+
+
+def test_failed_command_is_a_failed_run(settings, heard, data):
+    with pytest.raises(RuntimeError), tracked(settings(), "fit", heard):
+        raise RuntimeError("the solver\nbroke")
+    store = client(settings())
+    run = store.search_runs([store.get_experiment_by_name("short").experiment_id])[0]
+    assert run.info.status == "FAILED"
+    assert run.data.tags["error"] == "RuntimeError: the solver broke"
+
+
+@pytest.mark.parametrize("error", [ConfigError("wrong"), KeyboardInterrupt()])
+def test_wrong_or_interrupted_request_is_no_run(settings, heard, error):
+    with pytest.raises(type(error)), tracked(settings(), "fit", heard):
+        raise error
+    assert not Path("outputs").exists()
+
+
+@pytest.mark.parametrize("patience", ["long", -1, True])
+def test_patience_that_is_no_time_is_said_before_anything_is_done(settings, heard, patience):
+    with (
+        pytest.raises(ConfigError, match=r"mlflow\.patience"),
+        tracked(settings({"mlflow.patience": patience}), "fit", heard),
+    ):
+        pytest.fail("it began")
+
+
+def test_switched_off(settings, heard, data):
+    off = settings({"mlflow.enabled": False})
+    with tracked(off, "preprocess", heard) as run:
+        run.finish(run_stages(off, "preprocess", heard))
+    assert [p.name for p in Path("outputs").iterdir()] == ["short"]
+
+
+def test_broken_store_costs_one_line_and_no_result(settings, heard, data):
+    Path("outputs").mkdir()
+    Path("outputs/mlflow.db").write_text("this is no database, but it is long enough to be read as one" * 20)
+    with tracked(settings(), "fit", heard) as run:
+        outcome = run_stages(settings(), "fit", heard)
+        run.finish(outcome)
+    assert (outcome.tree / "fit" / "estimate.json").exists()
+    (warning,) = heard.warned
+    assert warning.startswith("not logged to MLflow")
+    assert "hybridid log" in warning
+    assert "\n" not in warning
+    ((place, note),) = waiting(settings())
+    assert note.name == "fit"
+    assert (place / "files" / "1" / "fit" / "estimate.json").exists()
+
+
+def test_where_the_store_is(settings):
+    assert tracking_uri(settings()) == f"sqlite:///{Path.cwd()}/outputs/mlflow.db"
+    assert tracking_uri(settings({"mlflow.tracking_uri": "http://server:80"})) == "http://server:80"
+
+
+BEGIN = """
+import os, sys
+import mlflow.store.tracking.sqlalchemy_store, mlflow.tracking
+from pipelines.shared.config import Settings
+from pipelines.tracking.runs import tracked
+
+class Heard:
+    def say(self, line): print(line)
+    def warn(self, line): print("WARNED", line)
+    def carry_on(self): pass
+    def progress(self, *report): pass
+
+def job(number):
+    settings = Settings("short", {"paths": {"outputs": "outputs"}, "mlflow": {"enabled": True}})
+    try:
+        with tracked(settings, "fit", Heard(), parent="sweep", key=f"point {number}"):
+            raise RuntimeError(f"job {number}")
+    except RuntimeError:
+        pass
+
+wait, begin = os.pipe()
+for number in range(16):
+    if os.fork() == 0:
+        os.close(begin)
+        os.read(wait, 1)  # all begin when the parent closes its end
+        job(number)
+        sys.exit()
+os.close(begin)
+sys.exit(max(os.wait()[1] for _ in range(16)))
+"""
+
+
+def test_sixteen_processes_begin_at_once_on_a_store_that_is_not_there(settings, monkeypatch):
+    """Whoever is first makes database, experiment and the sweep's run; none dies of the others."""
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    done = subprocess.run([sys.executable, "-c", BEGIN], capture_output=True, text=True, timeout=240)
+    assert done.returncode == 0, done.stderr
+    assert "WARNED" not in done.stdout, done.stdout
+    store = client(settings())
+    runs = store.search_runs([store.get_experiment_by_name("short").experiment_id])
+    (sweep,) = [run for run in runs if run.data.tags[KEY] == "sweep"]
+    runs.remove(sweep)
+    assert {run.data.tags["mlflow.parentRunId"] for run in runs} == {sweep.info.run_id}
+    said = sorted(run.data.tags["error"] for run in runs)
+    assert said == sorted(f"RuntimeError: job {k}" for k in range(16))
+
+
+def test_nothing_is_sent_to_mlflows_maker(settings, monkeypatch):
+    for name in ("MLFLOW_DISABLE_TELEMETRY", "DO_NOT_TRACK"):
+        monkeypatch.delenv(name, raising=False)
+    client(settings())
+    assert os.environ["MLFLOW_DISABLE_TELEMETRY"] == "true"
+    assert os.environ["DO_NOT_TRACK"] == "true"
