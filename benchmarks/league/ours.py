@@ -18,8 +18,9 @@ from hybridid.effects.library import EFFECTS
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.evidence import compare
 from hybridid.trace.refit import CONTINUATION, Refit, refit
+from hybridid.trace.rules import Rules
 from hybridid.trace.score import Score
 from hybridid.trace.split import Split, by_record
 from hybridid.trace.trial import Trial

@@ -29,36 +29,6 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Rules:
-    """What a verdict needs.
-
-    ``alpha`` bounds the probability of one false effect among all tried in a step (Holm);
-    ``worth`` is the smallest decrease of held-out RMSE worth having; ``tie`` the relative
-    difference of RMSE below which two effects explain the record equally well; ``vague``
-    the standard error, as a share of the value, above which a parameter is not determined,
-    and ``collinear`` the correlation with another parameter above which the two are one;
-    ``steady`` the share of its value that a parameter may move when the numerics change, and
-    ``kept`` the least share of what an effect explains that must outlive the change; ``refuted``
-    how many times the error a change may leave before it counts as refuted by the records;
-    ``near_floor`` how close to the noise floor nothing more can be found; ``stands_in`` the share of
-    what an effect takes from the squared error, and a learned effort beyond it, that may be the learned
-    effort's: above, the effect only stands in for something else.
-    """
-
-    alpha: float = 0.01
-    worth: float = 0.05
-    tie: float = 0.02
-    vague: float = 0.5
-    collinear: float = 0.999
-    steady: float = 0.5
-    kept: float = 0.5
-    refuted: float = 1.5
-    near_floor: float = 1.05
-    stands_in: float = 0.1
-    most_effects: int = 6
-
-
-@dataclass(frozen=True)
 class Comparison:
     """``gain`` = 1 - loss(richer) / loss(poorer) held out; ``p_value`` one-sided, richer not
     better; ``likelihood_gain`` the summed log-likelihood ratio of the whitened errors."""

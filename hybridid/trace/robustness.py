@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 
 from hybridid.model import Model
 from hybridid.records.record import HOLDS, Record
-from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.evidence import compare
 from hybridid.trace.mapper import Mapper
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import FAILURES, NEVER, Refit, TooStiff, refit, refit_if_possible
+from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 
 OTHER_INTEGRATOR = {"rk4": "rodas3", "rodas3": "rk4"}

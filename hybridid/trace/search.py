@@ -10,11 +10,12 @@ from functools import cache
 from hybridid.effects.effect import Effect
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
-from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.evidence import compare
 from hybridid.trace.mapper import Mapper, serial
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
 from hybridid.trace.robustness import Survival, doubt, survival, variations
+from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.trial import (
     PASSED,

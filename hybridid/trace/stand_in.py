@@ -24,10 +24,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hybridid.trace.ceiling import Ceiling
-from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.evidence import compare
 from hybridid.trace.mapper import Mapper
 from hybridid.trace.refit import refit_if_possible
 from hybridid.trace.robustness import lasting
+from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step, less
 from hybridid.trace.split import Split
 from hybridid.trace.trial import REJECTED

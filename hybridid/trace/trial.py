@@ -12,8 +12,9 @@ from hybridid.declarations import Parameter
 from hybridid.effects.effect import EffectParameter
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.evidence import Comparison, Rules, compare, holm
+from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.refit import CONTINUATION, Refit, refit
+from hybridid.trace.rules import Rules
 from hybridid.trace.sought import sought
 from hybridid.trace.split import Split
 

@@ -12,12 +12,12 @@ from hybridid.effects.effect import Effect
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
 from hybridid.trace.ceiling import OVERS, Ceiling, Path, ceiling
-from hybridid.trace.evidence import Rules
 from hybridid.trace.mapper import Mapper, serial
 from hybridid.trace.noise import noise_level
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import Refit
 from hybridid.trace.robustness import lasting
+from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Report, Search, recheck, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import unless_outdone, without_stand_ins

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hybridid.trace.ceiling import BUMPS, Ceiling
-from hybridid.trace.evidence import Rules
 from hybridid.trace.mapper import Mapper
+from hybridid.trace.rules import Rules
 from hybridid.trace.search import Report
 from pipelines.trace.proof import WITH_NETWORK, Ask, Proof, scored
 

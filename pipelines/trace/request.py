@@ -13,7 +13,7 @@ from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
-from hybridid.trace.evidence import Rules
+from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split, by_blocks, by_record
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown

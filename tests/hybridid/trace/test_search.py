@@ -11,11 +11,11 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace import stand_in
 from hybridid.trace.ceiling import OVERS, ceiling, learned_effort
-from hybridid.trace.evidence import Rules
 from hybridid.trace.mapper import serial
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
 from hybridid.trace.robustness import doubt, survival, variations
+from hybridid.trace.rules import Rules
 from hybridid.trace.search import _overshadowed, search
 from hybridid.trace.trial import UNIDENTIFIABLE, overshadowing
 from hybridid.trace.verdict import trace

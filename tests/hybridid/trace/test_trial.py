@@ -10,8 +10,9 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.plants.emps import EMPS
 from hybridid.trace.candidates import Candidate, admissible
-from hybridid.trace.evidence import Rules, compare
+from hybridid.trace.evidence import compare
 from hybridid.trace.refit import Refit
+from hybridid.trace.rules import Rules
 from hybridid.trace.score import Score
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, equivalents, judge
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pytest
 
 from hybridid.effects.library import EFFECTS
-from hybridid.trace.evidence import Rules
+from hybridid.trace.rules import Rules
 from pipelines.shared.config import Settings
 from pipelines.trace.request import ENOUGH, Request, fitting_horizon
 
