@@ -5,40 +5,44 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from hybridid.declarations import Parameter, State
 from hybridid.effects.effect import Local
-from hybridid.plants.plant import Motion
-
-if TYPE_CHECKING:
-    from hybridid.model.model import Model, Term
+from hybridid.model.term import Term
+from hybridid.plants.plant import Motion, Plant
 
 
-def assemble(model: Model) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
-    """The model's ``f``, ``h``, ``efforts`` and ``motions``, as functions of (t, x, u, p)."""
+def assemble(
+    plant: Plant, terms: Sequence[Term], states: Sequence[State], parameters: Sequence[Parameter]
+) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
+    """A model's ``f``, ``h``, ``efforts`` and ``motions``, as functions of (t, x, u, p).
+
+    ``states`` (n_x) and ``parameters`` (n_p) are the plant's and the terms', under their qualified names
+    and in the order of x and p.
+    """
     t = ca.SX.sym("t")
-    x, x_by = _symbols([s.name for s in model.states])
-    u, u_by = _symbols([s.name for s in model.inputs])
-    p, p_by = _symbols([q.name for q in model.parameters])
-    plant_p = SimpleNamespace(**{q.name: p_by[q.name] for q in model.plant.parameters})
-    plant_x = SimpleNamespace(**{s.name: x_by[s.name] for s in model.plant.states})
-    local = _Locals(model, t, x_by, p_by)
+    x, x_by = _symbols([s.name for s in states])
+    u, u_by = _symbols([s.name for s in plant.inputs])
+    p, p_by = _symbols([q.name for q in parameters])
+    plant_p = SimpleNamespace(**{q.name: p_by[q.name] for q in plant.parameters})
+    plant_x = SimpleNamespace(**{s.name: x_by[s.name] for s in plant.states})
+    local = _Locals(terms, t, x_by, p_by)
 
     plant_u, input_rates = local.through("input", u_by)
-    motion = model.plant.motion(plant_x, plant_u, plant_p)
-    efforts, effort_rates, rates = _resolve_acceleration(model, local, motion, plant_x, plant_u, plant_p)
+    motion = plant.motion(plant_x, plant_u, plant_p)
+    efforts, effort_rates, rates = _resolve_acceleration(plant, local, motion, plant_x, plant_u, plant_p)
     plain = {
-        s.name: v for s, v in zip(model.outputs, _outputs(model, plant_x, plant_u, plant_p), strict=True)
+        s.name: v for s, v in zip(plant.outputs, _outputs(plant, plant_x, plant_u, plant_p), strict=True)
     }
     measured, output_rates = local.through("output", plain)
 
     term_rates = {**input_rates, **effort_rates, **output_rates}
-    x_dot = ca.vertcat(*[rates[s.name] if s.name in rates else term_rates[s.name] for s in model.states])
-    y = ca.vertcat(*[getattr(measured, s.name) for s in model.outputs])
+    x_dot = ca.vertcat(*[rates[s.name] if s.name in rates else term_rates[s.name] for s in states])
+    y = ca.vertcat(*[getattr(measured, s.name) for s in plant.outputs])
     moved = ca.vertcat(
-        *[ca.horzcat(motion[q.name].position, motion[q.name].velocity) for q in model.effort_ports]
+        *[ca.horzcat(motion[q.name].position, motion[q.name].velocity) for q in plant.effort_ports]
     )
     args, names = [t, x, u, p], ["t", "x", "u", "p"]
     return (
@@ -54,16 +58,16 @@ def _symbols(names: Sequence[str]) -> tuple[ca.SX, dict[str, ca.SX]]:
     return ca.vertcat(*symbols), dict(zip(names, symbols, strict=True))
 
 
-def _outputs(model: Model, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> list[ca.SX]:
-    given = model.plant.output(x, u, p)
-    return [given[s.name] for s in model.outputs]
+def _outputs(plant: Plant, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> list[ca.SX]:
+    given = plant.output(x, u, p)
+    return [given[s.name] for s in plant.outputs]
 
 
 @dataclass(frozen=True)
 class _Locals:
     """Gives each term what it sees, and sums what the terms at a port do."""
 
-    model: Model
+    terms: Sequence[Term]
     t: ca.SX
     x: Mapping[str, ca.SX]
     p: Mapping[str, ca.SX]
@@ -81,7 +85,7 @@ class _Locals:
     def through(self, kind: str, signals: Mapping[str, ca.SX]) -> tuple[SimpleNamespace, dict[str, ca.SX]]:
         """Signals after the terms on their path, and the rates of those terms' states."""
         passed, rates = dict(signals), {}
-        for term in self.model.terms:
+        for term in self.terms:
             if term.effect.kind == kind:
                 local = self.see(term, signal=passed[term.port])
                 passed[term.port] = passed[term.port] + term.effect.law(local)
@@ -90,7 +94,7 @@ class _Locals:
 
 
 def _resolve_acceleration(
-    model: Model,
+    plant: Plant,
     local: _Locals,
     motion: Mapping[str, Motion],
     x: SimpleNamespace,
@@ -105,12 +109,12 @@ def _resolve_acceleration(
     Raises:
         ValueError: if an effect uses the acceleration otherwise than linearly.
     """
-    ports = model.effort_ports
+    ports = plant.effort_ports
     a = ca.vertcat(*[ca.SX.sym(f"a_{port.name}") for port in ports])
     efforts: dict[str, ca.SX] = {}
     term_rates: dict[str, ca.SX] = {}
     total = {port.name: ca.SX(0) for port in ports}
-    for term in model.terms:
+    for term in local.terms:
         if term.effect.kind != "effort":
             continue
         at, index = motion[term.port], [port.name for port in ports].index(term.port)
@@ -121,17 +125,17 @@ def _resolve_acceleration(
         efforts[term.name] = term.effect.law(seen)
         term_rates.update(local.rates(term, seen))
         total[term.port] += efforts[term.name]
-    rates = model.plant.derivative(x, u, p, total)
+    rates = plant.derivative(x, u, p, total)
     used = ca.vertcat(*efforts.values(), *term_rates.values())
     if not ports or not ca.depends_on(used, a):
         return efforts, term_rates, rates
-    names = [s.name for s in model.plant.states]
+    names = [s.name for s in plant.states]
     state = ca.vertcat(*[getattr(x, name) for name in names])
     velocity = ca.vertcat(*[motion[port.name].velocity for port in ports])
     gap = a - ca.jtimes(velocity, state, ca.vertcat(*[rates[name] for name in names]))
     if not ca.is_linear(gap, a):
         bent = [name for name, value in efforts.items() if not ca.is_linear(ca.SX(value), a)]
-        raise ValueError(f"{', '.join(bent) or model.plant.name}: the acceleration must enter linearly")
+        raise ValueError(f"{', '.join(bent) or plant.name}: the acceleration must enter linearly")
     zero = ca.substitute(gap, a, ca.SX.zeros(a.shape))
     solved = -ca.solve(ca.jacobian(gap, a), zero)
     insert = lambda value: ca.substitute(ca.SX(value), a, solved)  # noqa: E731

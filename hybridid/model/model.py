@@ -17,20 +17,9 @@ import numpy as np
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.effects.effect import Effect
 from hybridid.model.assembly import assemble
+from hybridid.model.term import Term
 from hybridid.naming import unknown
 from hybridid.plants.plant import Plant
-
-
-@dataclass(frozen=True)
-class Term:
-    """An effect at a port."""
-
-    effect: Effect
-    port: str
-
-    @property
-    def name(self) -> str:
-        return f"{self.port}.{self.effect.id}"
 
 
 @dataclass(frozen=True)
@@ -115,7 +104,7 @@ class Model:
 
     @property
     def effort_ports(self) -> tuple[Port, ...]:
-        return tuple(port for port in self.plant.ports if port.kind == "effort")
+        return self.plant.effort_ports
 
     @property
     def free(self) -> tuple[Parameter, ...]:
@@ -162,7 +151,7 @@ class Model:
 
     @cached_property
     def _functions(self) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
-        return assemble(self)
+        return assemble(self.plant, self.terms, self.states, self.parameters)
 
 
 def first_port(plant: Plant, effect: Effect) -> Port:

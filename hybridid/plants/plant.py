@@ -53,6 +53,11 @@ class Plant(abc.ABC):
     def output(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, ca.SX]:
         """Every output, by name."""
 
+    @property
+    def effort_ports(self) -> tuple[Port, ...]:
+        """The ports where a force or torque acts."""
+        return tuple(port for port in self.ports if port.kind == "effort")
+
     def port(self, name: str) -> Port:
         """The port called ``name``.
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from hybridid.records.channel import Array, Channel, RecordError, Signals
 from hybridid.records.clipping import clipped_runs
-from hybridid.records.record import Array, Channel, RecordError
-
-if TYPE_CHECKING:
-    from hybridid.records.record import Record
 
 MINIMUM_SAMPLES = 10
 # Time stamps printed with too few digits stray less than this; a lost or late sample strays more.
@@ -21,24 +17,24 @@ GRID_TOLERANCE = 0.5  # of the sampling time
 EVEN_REMEDY = "set resample to interpolate onto an even grid, or give dt if only the stamps are rounded"
 
 
-def check_record(record: Record) -> tuple[str, ...]:
-    """Warnings about ``record``, each one line.
+def check_samples(name: str, time: Array, signals: Sequence[Signals]) -> tuple[str, ...]:
+    """Warnings about the samples of record ``name``, each one line; ``time`` is (n,) in s.
 
     Raises:
-        RecordError: if lengths or shapes disagree, names repeat, the record is shorter than
-            ``MINIMUM_SAMPLES``, a value is not finite, or time is not even and increasing.
+        RecordError: if lengths or shapes disagree, there is no output, names repeat, there are fewer
+            samples than ``MINIMUM_SAMPLES``, a value is not finite, or time is not even and increasing.
     """
-    where = f"record {record.name}"
-    _check_shapes(record, where)
-    _check_names(record, where)
-    if record.n < MINIMUM_SAMPLES:
-        raise RecordError(f"{where}: {record.n} samples are too few, at least {MINIMUM_SAMPLES} are needed")
-    check_finite(record.time, "time", "s", where)
-    check_increasing(record.time, where)
-    for role, channel, values in _signals(record):
-        check_finite(values, f"{role} {channel.name!r}", channel.unit, where, record.time)
-    check_even(record.time, where)
-    return tuple(_warnings(record, where))
+    where = f"record {name}"
+    _check_shapes(time, signals, where)
+    _check_names(signals, where)
+    if len(time) < MINIMUM_SAMPLES:
+        raise RecordError(f"{where}: {len(time)} samples are too few, at least {MINIMUM_SAMPLES} are needed")
+    check_finite(time, "time", "s", where)
+    check_increasing(time, where)
+    for role, channel, values in _each(signals):
+        check_finite(values, f"{role} {channel.name!r}", channel.unit, where, time)
+    check_even(time, where)
+    return tuple(_warnings(time, signals, where))
 
 
 def check_finite(values: Array, what: str, unit: str, where: str, time: Array | None = None) -> None:
@@ -104,42 +100,35 @@ def check_even(time: Array, where: str) -> None:
         )
 
 
-def _check_shapes(record: Record, where: str) -> None:
-    if record.time.ndim != 1:
-        raise RecordError(f"{where}: time has shape {record.time.shape}, expected (n,)")
-    for role, values, channels in _roles(record):
+def _check_shapes(time: Array, signals: Sequence[Signals], where: str) -> None:
+    if time.ndim != 1:
+        raise RecordError(f"{where}: time has shape {time.shape}, expected (n,)")
+    for role, values, channels in signals:
         if values.ndim != 2 or values.shape[1] != len(channels):
             expected = f"(n, {len(channels)}), one column for each of its channels"
             raise RecordError(f"{where}: {role} have shape {values.shape}, expected {expected}")
-        if len(values) != record.n:
-            raise RecordError(f"{where}: lengths differ: time has {record.n} samples, {role} {len(values)}")
-    if not record.output_channels:
+        if len(values) != len(time):
+            raise RecordError(f"{where}: lengths differ: time has {len(time)} samples, {role} {len(values)}")
+    if not any(role == "outputs" and channels for role, _, channels in signals):
         raise RecordError(f"{where}: it has no output; at least one is needed")
 
 
-def _check_names(record: Record, where: str) -> None:
-    names = ["time", *(channel.name for channel in record.channels)]
+def _check_names(signals: Sequence[Signals], where: str) -> None:
+    names = ["time", *(channel.name for group in signals for channel in group.channels)]
     repeated = sorted({name for name in names if names.count(name) > 1})
     if repeated:
         raise RecordError(f"{where}: the name {repeated[0]!r} is taken twice (time is one of them)")
 
 
-def _roles(record: Record) -> Iterator[tuple[str, Array, tuple[Channel, ...]]]:
-    yield "inputs", record.inputs, record.input_channels
-    yield "outputs", record.outputs, record.output_channels
-    if record.auxiliary is not None or record.auxiliary_channels:
-        values = np.empty((record.n, 0)) if record.auxiliary is None else record.auxiliary
-        yield "auxiliary signals", values, record.auxiliary_channels
-
-
-def _signals(record: Record) -> Iterator[tuple[str, Channel, Array]]:
-    for role, values, channels in _roles(record):
+def _each(signals: Sequence[Signals]) -> Iterator[tuple[str, Channel, Array]]:
+    """Every signal's role in the singular, its channel and its values (n,)."""
+    for role, values, channels in signals:
         for j, channel in enumerate(channels):
             yield role.removesuffix("s").removesuffix(" signal"), channel, values[:, j]
 
 
-def _warnings(record: Record, where: str) -> Iterator[str]:
-    for role, channel, values in _signals(record):
+def _warnings(time: Array, signals: Sequence[Signals], where: str) -> Iterator[str]:
+    for role, channel, values in _each(signals):
         if role == "auxiliary":  # no model uses it
             continue
         if values.min() == values.max():
@@ -151,5 +140,5 @@ def _warnings(record: Record, where: str) -> Iterator[str]:
             yield (
                 f"{where}: {role} {channel.name!r} looks clipped: {len(runs)} times it stops at its extreme, "
                 f"first at {values[start]:g} {channel.unit} for {stop - start} samples "
-                f"from t = {record.time[start]:g} s; fine if that is how it was commanded"
+                f"from t = {time[start]:g} s; fine if that is how it was commanded"
             )

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from hybridid.records.record import Array
+from hybridid.records.channel import Array
 
 MINIMUM_RUN = 3  # samples; a peak of a coarse signal may well repeat once
 RUN_RATIO = 3.0  # how much longer than a signal's usual runs of equal values

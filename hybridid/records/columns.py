@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import final
 
 from hybridid.naming import unknown
-from hybridid.records.record import Array, RecordError
+from hybridid.records.channel import Array, RecordError
 
 
 @final

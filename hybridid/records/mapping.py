@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from hybridid.naming import unknown
+from hybridid.records.channel import Array, Channel, Hold, RecordError
 from hybridid.records.checks import check_finite
 from hybridid.records.columns import Columns, find_column
 from hybridid.records.plain import build
 from hybridid.records.readers import read_columns
-from hybridid.records.record import Array, Channel, Hold, Record, RecordError
+from hybridid.records.record import Record
 from hybridid.records.resample import Resample, resampled
 from hybridid.records.sources import DataRoot, digest_of, locate
 

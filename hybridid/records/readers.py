@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from hybridid.records.channel import Array, RecordError
 from hybridid.records.columns import Columns
-from hybridid.records.record import Array, RecordError
 
 
 def read_columns(path: Path | str) -> Columns:

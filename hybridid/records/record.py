@@ -3,39 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hybridid.naming import unknown
+from hybridid.records.channel import HOLDS, Array, Channel, Hold, RecordError, Signals
+from hybridid.records.checks import check_samples
 
-Hold = Literal["zoh", "foh", "bandlimited"]
-HOLDS: tuple[Hold, ...] = ("zoh", "foh", "bandlimited")
-Array = NDArray[np.float64]
-
-
-class RecordError(ValueError):
-    """A recording that cannot be used: the message says what, where and what is allowed."""
-
-
-@dataclass(frozen=True)
-class Channel:
-    """One recorded signal.
-
-    ``hold`` says how the signal runs between its samples: ``zoh`` held (a digital
-    controller's command), ``foh`` linear, ``bandlimited`` (itself measured through an
-    anti-alias filter). Only inputs use it.
-    """
-
-    name: str
-    unit: str
-    hold: Hold = "zoh"
-    meaning: str = ""
-
-    def __post_init__(self) -> None:
-        if self.hold not in HOLDS:
-            raise RecordError(f"channel {self.name}: hold is {self.hold!r}, allowed: {', '.join(HOLDS)}")
+__all__ = ["HOLDS", "Array", "Channel", "Hold", "Record", "RecordError"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +43,11 @@ class Record:
     _seen_by_check: tuple[str, ...] = field(init=False, repr=False, default=())
 
     def __post_init__(self) -> None:
-        from hybridid.records.checks import check_record
-
         for name in ("time", "inputs", "outputs", "auxiliary"):
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, self._frozen(name, value))
-        object.__setattr__(self, "_seen_by_check", check_record(self))
+        object.__setattr__(self, "_seen_by_check", check_samples(self.name, self.time, self._signals()))
         # a copy brings its warnings along, and its check repeats them
         found = dict.fromkeys((*self.warnings, *self._seen_by_check))
         object.__setattr__(self, "warnings", tuple(found))
@@ -86,6 +59,17 @@ class Record:
             raise RecordError(f"record {self.name}: {name} is not an array of numbers: {wrong}") from wrong
         frozen.flags.writeable = False
         return frozen
+
+    def _signals(self) -> tuple[Signals, ...]:
+        """Inputs, outputs and, if there are any, auxiliary signals."""
+        own = (
+            Signals("inputs", self.inputs, self.input_channels),
+            Signals("outputs", self.outputs, self.output_channels),
+        )
+        if self.auxiliary is None and not self.auxiliary_channels:
+            return own
+        auxiliary = np.empty((self.time.size, 0)) if self.auxiliary is None else self.auxiliary
+        return (*own, Signals("auxiliary signals", auxiliary, self.auxiliary_channels))
 
     @property
     def n(self) -> int:

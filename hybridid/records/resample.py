@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
+from hybridid.records.channel import Array, Hold, RecordError
 from hybridid.records.checks import check_increasing
-from hybridid.records.record import Array, Hold, RecordError
 
 GAP = 3.0  # of the usual step: longer ones are worth a word, for what fills them was not measured
 COARSER = 1.5  # of the usual step: beyond it, resampling without a filter folds high frequencies down

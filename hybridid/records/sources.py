@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from hybridid.records.record import RecordError
+from hybridid.records.channel import RecordError
 
 DATA_VARIABLE = "HYBRIDID_DATA"
 DEFAULT_ROOT = Path("data/raw")

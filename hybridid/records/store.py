@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from hybridid.records.record import Array, Channel, Record, RecordError
+from hybridid.records.channel import Array, Channel, RecordError
+from hybridid.records.record import Record
 from hybridid.records.tables import column, read_table
 
 KEY = b"hybridid"

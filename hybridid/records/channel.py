@@ -1,0 +1,44 @@
+"""``Channel``: one recorded signal, and ``RecordError``: what a recording that cannot be used raises."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Hold = Literal["zoh", "foh", "bandlimited"]
+HOLDS: tuple[Hold, ...] = ("zoh", "foh", "bandlimited")
+Array = NDArray[np.float64]
+
+
+class RecordError(ValueError):
+    """A recording that cannot be used: the message says what, where and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One recorded signal.
+
+    ``hold`` says how the signal runs between its samples: ``zoh`` held (a digital
+    controller's command), ``foh`` linear, ``bandlimited`` (itself measured through an
+    anti-alias filter). Only inputs use it.
+    """
+
+    name: str
+    unit: str
+    hold: Hold = "zoh"
+    meaning: str = ""
+
+    def __post_init__(self) -> None:
+        if self.hold not in HOLDS:
+            raise RecordError(f"channel {self.name}: hold is {self.hold!r}, allowed: {', '.join(HOLDS)}")
+
+
+class Signals(NamedTuple):
+    """All signals of one role: inputs, outputs or auxiliary signals; ``values`` is (n, n_channels)."""
+
+    role: str
+    values: Array
+    channels: tuple[Channel, ...]
