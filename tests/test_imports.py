@@ -21,6 +21,7 @@ PACKAGES = ("hybridid", "pipelines", "hybridid_cli")
 # a room of hybridid may import its own modules and the rooms of the layers before its own
 LAYERS = (
     ("naming", "declarations"),
+    ("plain",),
     ("records", "plants", "effects"),
     ("signals", "rigs", "model", "fetch"),
     ("simulation",),

@@ -19,7 +19,7 @@ from hybridid.hybrid.hybrid import Hybrid
 from hybridid.hybrid.output_error import OutputErrorHybrid
 from hybridid.hybrid.port import PortHybrid
 from hybridid.model import Model
-from hybridid.records.plain import build
+from hybridid.plain import build
 from hybridid.residuals.narx import NARX, Weights
 from hybridid.residuals.rbf import RBFNetwork
 from hybridid.residuals.regressors import Scaling

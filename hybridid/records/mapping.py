@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from hybridid.naming import unknown
+from hybridid.plain import build
 from hybridid.records.channel import Array, Channel, Hold, RecordError
 from hybridid.records.checks import check_finite
 from hybridid.records.columns import Columns, find_column
-from hybridid.records.plain import build
 from hybridid.records.readers import read_columns
 from hybridid.records.record import Record
 from hybridid.records.resample import Resample, resampled

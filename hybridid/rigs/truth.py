@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any, TypeVar
 
 from hybridid.naming import unknown
-from hybridid.records.plain import build
+from hybridid.plain import build
 from hybridid.rigs.law_library import law_named, plant
 from hybridid.rigs.laws import Planted, RigError
 

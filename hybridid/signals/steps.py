@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from hybridid.naming import unknown
-from hybridid.records.plain import build
+from hybridid.plain import build
 from hybridid.records.record import Record, RecordError
 from hybridid.signals.butterworth import Butterworth
 from hybridid.signals.calculus import Differentiate, Integrate, SavitzkyGolay

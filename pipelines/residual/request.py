@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from hybridid.estimators.estimate import Estimate
 from hybridid.hybrid import Hybrid
 from hybridid.model import Model
-from hybridid.records.plain import build
+from hybridid.plain import build
 from hybridid.records.record import Record
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.watch import Watcher

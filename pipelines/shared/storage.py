@@ -3,30 +3,43 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.plain import plain, restored
 from hybridid.records import tables
+from pipelines.shared.errors import ConfigError
+
+T = TypeVar("T")
 
 
 def write_json(path: Path, data: Any) -> None:
-    """Strict JSON: what is not finite becomes null."""
+    """Strict JSON of what ``plain`` understands: dataclasses, arrays; what is not finite becomes null."""
     path.write_text(json_text(data), encoding="utf-8")
 
 
 def json_text(data: Any) -> str:
     """What ``write_json`` writes."""
-    return json.dumps(_strict(data), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(plain(data), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def read_json(path: Path) -> Any:
-    """What ``write_json`` wrote."""
+    """What ``write_json`` wrote, as plain data."""
     return json.loads(path.read_text(encoding="utf-8"))
+
+
+def read_as(cls: type[T], path: Path) -> T:
+    """What ``write_json`` wrote of a ``cls``: a dataclass, or a tuple or mapping of some.
+
+    Raises:
+        FileNotFoundError: if there is no such file.
+        ConfigError: if the file is no such result, in one line that names the file and the key.
+    """
+    return restored(cls, read_json(path), str(path), ConfigError)
 
 
 def write_table(path: Path, columns: Mapping[str, NDArray[Any]], about: Mapping[str, str]) -> None:
@@ -43,15 +56,3 @@ def read_table(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, st
     table = tables.read_table(path)
     about = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
     return {name: tables.column(table, name) for name in table.column_names}, about
-
-
-def _strict(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _strict(below) for key, below in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_strict(item) for item in value]
-    if isinstance(value, np.generic):
-        return _strict(value.item())
-    if isinstance(value, np.ndarray):
-        return _strict(value.tolist())
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from hybridid.records.plain import build
+from hybridid.plain import build
 from pipelines.runner import check_stages, is_fresh
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError

@@ -8,7 +8,7 @@ from typing import Literal
 import pytest
 
 from hybridid.naming import unknown
-from hybridid.records.plain import build
+from hybridid.plain import build
 
 
 class OwnError(ValueError):

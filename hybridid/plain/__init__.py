@@ -1,0 +1,6 @@
+"""Between frozen dataclasses and plain data: dicts, lists, numbers and text, as in JSON and configs."""
+
+from hybridid.plain.restore import build, restored
+from hybridid.plain.store import plain
+
+__all__ = ["build", "plain", "restored"]
