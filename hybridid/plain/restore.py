@@ -17,6 +17,7 @@ from typing import Any, Literal, TypeVar, Union
 import numpy as np
 
 from hybridid.naming import unknown
+from hybridid.plain.store import key_of
 
 T = TypeVar("T")
 
@@ -71,7 +72,8 @@ def _dataclass(values: Any, cls: Any, where: str, rules: _Rules) -> Any:
     for name, f in fields.items():
         required = f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING
         if required and (name not in values or (values[name] is None and not rules.stored)):
-            raise rules.error(f"{where}: key {name!r} is missing; keys: {', '.join(fields)}")
+            keys = ", ".join(map(key_of, fields.values()))
+            raise rules.error(f"{where}: key {key_of(f)!r} is missing; keys: {keys}")
     converted = {
         name: fields[name].metadata["null"]
         if value is None and "null" in fields[name].metadata
@@ -90,14 +92,14 @@ def _hints(cls: Any) -> dict[str, Any]:
 
 
 def _is_there(values: Mapping[str, Any], f: dataclasses.Field[Any]) -> bool:
-    return f.metadata.get("stored", True) and (f.name in values or "inline" in f.metadata)
+    return f.metadata.get("stored", True) and (key_of(f) in values or "inline" in f.metadata)
 
 
 def _as_stored(values: Mapping[str, Any], f: dataclasses.Field[Any]) -> Any:
     """A field's value, out of the forms in which ``plain`` stores some."""
     if f.metadata.get("inline"):
         return values
-    value = values[f.name]
+    value = values[key_of(f)]
     if "by" in f.metadata and isinstance(value, Mapping):
         return [{f.metadata["by"]: key, **below} for key, below in value.items()]
     return value

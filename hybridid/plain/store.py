@@ -4,6 +4,8 @@ What a field says in its ``metadata`` changes how it is stored:
 
 ``{"stored": False}``
     is left out; ``restored`` gives it its default.
+``{"key": "class"}``
+    has this key instead of its own name.
 ``{"null": value}``
     null is read back as ``value``; without it a null number is read back as nan.
 ``{"by": "name"}``
@@ -51,6 +53,11 @@ def plain(value: Any) -> Any:
     raise TypeError(f"a {type(value).__name__} cannot be written as plain data: {value!r}")
 
 
+def key_of(f: dataclasses.Field[Any]) -> str:
+    """The key of a field in a file."""
+    return str(f.metadata.get("key", f.name))
+
+
 def _fields(value: Any) -> dict[str, Any]:
     """The stored fields of a dataclass."""
     found: dict[str, Any] = {}
@@ -61,9 +68,9 @@ def _fields(value: Any) -> dict[str, Any]:
         if f.metadata.get("inline"):
             found |= plain(below)
         elif "by" in f.metadata:
-            found[f.name] = _by(below, f.metadata["by"])
+            found[key_of(f)] = _by(below, f.metadata["by"])
         else:
-            found[f.name] = plain(below)
+            found[key_of(f)] = plain(below)
     return found
 
 

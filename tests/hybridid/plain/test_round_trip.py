@@ -49,6 +49,7 @@ class Result:
     horizon: float | None
     at: Mapping[str, Any]
     converged: bool
+    alike: tuple[str, ...] = field(metadata={"key": "class"})
     made: object = field(default=None, metadata={"stored": False})
 
 
@@ -83,6 +84,7 @@ def a_result(seed: int) -> Result:
         horizon=number(random) if some == 2 else None,
         at={"residual.depth": [1, None, {"a": "b"}]},
         converged=bool(some),
+        alike=("a", "b"),
         made=object(),
     )
 
@@ -100,6 +102,7 @@ def test_a_result_comes_back_through_json(seed: int) -> None:
     assert json.dumps(plain(found), allow_nan=False) == text
     assert (found.about, found.kind, found.file, found.at) == (made.about, made.kind, made.file, made.at)
     assert (found.pair, found.converged) == (made.pair, made.converged)
+    assert found.alike == made.alike
     np.testing.assert_array_equal(found.matrix.ravel(), made.matrix.ravel())
     np.testing.assert_array_equal(found.history, [as_finite(v) for v in made.history])
     np.testing.assert_array_equal(found.counts, made.counts)
@@ -121,6 +124,7 @@ def test_the_forms_that_metadata_name():
     assert made["case"] == "emps"
     assert "about" not in made
     assert "made" not in made
+    assert made["class"] == ["a", "b"]
     assert set(plain(a_result(3))["parameters"]) == {p.name for p in a_result(3).parameters}
 
 

@@ -1,0 +1,128 @@
+"""What a file of results looks like, for whoever reads it with other tools: JSON Schema, draft 2020-12."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import types
+import typing
+from collections.abc import Mapping
+from pathlib import PurePath
+from typing import Any, Literal, Union
+
+import numpy as np
+
+from hybridid.plain.store import key_of
+
+Schema = dict[str, Any]
+
+
+def schema(cls: Any) -> Schema:
+    """The schema of the file that ``plain(value)`` makes of a ``cls``: a dataclass, or a tuple of some.
+
+    Descriptions are the docstrings of the dataclasses; a field adds its own by ``metadata``:
+    ``{"meaning": "...", "unit": "..."}``. Every key that is written is required, and no other is allowed.
+
+    Raises:
+        TypeError: for an annotation that ``plain`` writes nothing of.
+    """
+    below: dict[str, Schema] = {}
+    found = _of(cls, below)
+    if "$ref" in found:
+        found = below.pop(cls.__name__)
+    about: Schema = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    return {**about, **found, **({"$defs": dict(sorted(below.items()))} if below else {})}
+
+
+def _of(hint: Any, below: dict[str, Schema]) -> Schema:
+    """The schema of one annotation; those of dataclasses go to ``below``, by their names."""
+    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    if hint in _SCALARS:
+        return dict(_SCALARS[hint])
+    if origin in (Union, types.UnionType):
+        return _union([_of(one, below) for one in arguments])
+    if origin is Literal:
+        return {"enum": list(arguments)}
+    if origin is tuple:
+        return _tuple(arguments, below)
+    if origin is np.ndarray:
+        return {"type": "array", "description": "numbers, or lists of them by row"}
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return {"type": "object", "additionalProperties": _of(arguments[1], below)}
+    if isinstance(hint, type) and issubclass(hint, PurePath):
+        return {"type": "string"}
+    if isinstance(hint, type) and dataclasses.is_dataclass(hint):
+        if hint.__name__ not in below:
+            below[hint.__name__] = {}  # a dataclass may hold more of itself
+            below[hint.__name__] = _object(hint, below)
+        return {"$ref": f"#/$defs/{hint.__name__}"}
+    raise TypeError(f"no schema for {hint!r}")
+
+
+def _union(options: list[Schema]) -> Schema:
+    """Types of scalars in one list, everything else one of several."""
+    if all(set(one) == {"type"} for one in options):
+        names = [name for one in options for name in _listed(one["type"])]
+        return {"type": list(dict.fromkeys(names))}
+    return {"anyOf": options}
+
+
+def _listed(names: str | list[str]) -> list[str]:
+    return [names] if isinstance(names, str) else names
+
+
+def _tuple(items: tuple[Any, ...], below: dict[str, Schema]) -> Schema:
+    if items[-1] is Ellipsis:
+        return {"type": "array", "items": _of(items[0], below)}
+    each = [_of(item, below) for item in items]
+    return {"type": "array", "prefixItems": each, "minItems": len(each), "maxItems": len(each)}
+
+
+def _object(cls: Any, below: dict[str, Schema]) -> Schema:
+    hints = typing.get_type_hints(cls)
+    properties: dict[str, Schema] = {}
+    for f in dataclasses.fields(cls):
+        if not f.metadata.get("stored", True):
+            continue
+        if f.metadata.get("inline"):
+            properties |= _object(hints[f.name], below)["properties"]
+        elif "by" in f.metadata:
+            properties[key_of(f)] = _by(typing.get_args(hints[f.name])[0], f.metadata["by"], below)
+        else:
+            properties[key_of(f)] = _of(hints[f.name], below) | _said(f.metadata)
+    return {
+        "title": cls.__name__,
+        "description": inspect.getdoc(cls) or "",
+        "type": "object",
+        "properties": properties,
+        "required": list(properties),
+        "additionalProperties": False,
+    }
+
+
+def _by(cls: Any, name: str, below: dict[str, Schema]) -> Schema:
+    """A mapping from the field ``name`` of ``cls`` to the others."""
+    one = _object(cls, below)
+    others = {key: value for key, value in one["properties"].items() if key != name}
+    return {
+        "type": "object",
+        "description": f"by {name}",
+        "additionalProperties": {**one, "properties": others, "required": list(others)},
+    }
+
+
+def _said(metadata: Mapping[str, Any]) -> Schema:
+    words = [str(metadata[key]) for key in ("meaning", "unit") if key in metadata]
+    return {"description": ", in ".join(words)} if words else {}
+
+
+_SCALARS: Mapping[Any, Schema] = {
+    Any: {},
+    object: {},
+    # what is not finite is written as null
+    float: {"type": ["number", "null"]},
+    int: {"type": "integer"},
+    bool: {"type": "boolean"},
+    str: {"type": "string"},
+    type(None): {"type": "null"},
+}
