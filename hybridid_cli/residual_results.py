@@ -9,7 +9,7 @@ from typing import Any
 from rich.console import RenderableType
 from rich.text import Text
 
-from hybridid.plotting.units import engineering
+from hybridid.quantities import percent, quantity
 from hybridid_cli.tables import table
 from pipelines.shared.findings import residual_of
 
@@ -59,13 +59,13 @@ def _networks(found: Mapping[str, Any], fitted: str) -> RenderableType:
     columns += [(f"{name}{'' if seen else ', unseen'}", "right") for name, seen in records] + [("", "")]
     made = table(f"Networks running free, on held-out blocks of {fitted}; then the hybrid's RMSE", columns)
     for row in _best_seeds(found["networks"]):
-        blocks = (_size(row[key], row["unit"]) for key in ("held_out", "without"))
-        scores = (_size(one["rmse"], row["unit"], "ran away") for one in row["hybrid"])
+        blocks = (quantity(row[key], row["unit"], missing="failed") for key in ("held_out", "without"))
+        scores = (quantity(one["rmse"], row["unit"]) for one in row["hybrid"])
         size, note = f"{row['depth']} x {row['width']}", "kept" if row["chosen"] else ""
         made.add_row(row["output"], size, str(row["seed"]), str(row["weights"]), *blocks, *scores, note)
     for output in dict.fromkeys(row["output"] for row in found["gray"]):
         rows = [row for row in found["gray"] if row["output"] == output]
-        scores = (_size(row["rmse"], row.get("unit", ""), "ran away") for row in rows)
+        scores = (quantity(row["rmse"], row.get("unit", "")) for row in rows)
         made.add_row(output, "gray box", "", "", "", "", *scores, "")
     return made
 
@@ -86,17 +86,11 @@ def _rank(row: Mapping[str, Any]) -> tuple[bool, float]:
 
 def _explained(row: Mapping[str, Any]) -> RenderableType:
     return Text(
-        f"the model's own parameters could have explained {row['share']:.0%} of the network's output "
+        f"the model's own parameters could have explained {percent(row['share'], 0)} of the network's output "
         f"on {row['record']} ({row['provenance']})"
     )
 
 
 def _sizes(values: list[float | None], units: list[str]) -> str:
-    return ", ".join(_size(value, unit) for value, unit in zip(values, units, strict=True))
-
-
-def _size(value: float | None, unit: str, otherwise: str = "failed") -> str:
-    if value is None:
-        return otherwise
-    factor, shown = engineering(value, unit)
-    return f"{value * factor:.4g} {shown}"
+    pairs = zip(values, units, strict=True)
+    return ", ".join(quantity(value, unit, missing="failed") for value, unit in pairs)

@@ -9,7 +9,7 @@ from typing import Any
 from rich.console import RenderableType
 from rich.text import Text
 
-from hybridid.plotting.units import engineering
+from hybridid.quantities import fixed, mean_square, number, quantity, r_squared
 from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import rendered, table
 from hybridid_cli.trace_results import trace_results
@@ -55,12 +55,12 @@ def _estimates(tree: Path) -> list[RenderableType]:
     ]
     made = table(f"Estimates from {fitted} ({estimate['provenance']})", columns)
     for name, p in estimate["parameters"].items():
-        bounds = f"[{_number(p['lower'], '-inf')}, {_number(p['upper'], 'inf')}]"
-        made.add_row(name, _number(p["value"]), _number(p["std"], "?", 2), p["unit"], bounds, _flags(p))
+        bounds = f"[{number(p['lower'], 6, '−∞')}, {number(p['upper'], 6, '∞')}]"
+        made.add_row(name, number(p["value"], 6), number(p["std"], 2), p["unit"], bounds, _flags(p))
     seconds = estimate["seconds"]
     line = (
         f"{estimate['status']} after {estimate['iterations']} iterations on {estimate['provenance']} data, "
-        f"cost {_number(estimate['cost'])}, build {seconds['build']:.2f} s, solve {seconds['solve']:.2f} s"
+        f"cost {number(estimate['cost'], 6)}, build {seconds['build']:.2f} s, solve {seconds['solve']:.2f} s"
     )
     lines: list[RenderableType] = [made, Text(line)]
     if not estimate["converged"]:
@@ -89,17 +89,15 @@ def _scores(tree: Path) -> list[RenderableType]:
     scores = [(name, "right") for name in ("RMSE", "MSE", "R²", "fit %", "n")]
     made = table("Scores", [*names, *scores, ("data", "")])
     for row in rows:
-        factor, unit = engineering(row["rmse"] or 0.0, row["unit"])
-        rmse = None if row["rmse"] is None else row["rmse"] * factor
         made.add_row(
             *((row["model"],) if several else ()),
             row["record"],
             row["output"],
             _view(row),
-            f"{_number(rmse, digits=4)} {unit}",
-            f"{_number(row['mse'], digits=4)} {_squared(row['unit'])}",
-            _fixed(row["r2"], 6),
-            _fixed(row["fit_percent"], 2),
+            quantity(row["rmse"], row["unit"]),
+            mean_square(row["mse"], row["unit"]),
+            r_squared(row["r2"]),
+            fixed(row["fit_percent"], 2, missing=""),
             str(row["n"]),
             _provenance(row),
         )
@@ -108,10 +106,6 @@ def _scores(tree: Path) -> list[RenderableType]:
 
 def _view(row: dict[str, Any]) -> str:
     return f"horizon {row['horizon']:g} s" if row["view"] == "horizon" else "free run"
-
-
-def _squared(unit: str) -> str:
-    return f"{unit}²" if unit.isalpha() else f"({unit})²"
 
 
 def _figures(tree: Path) -> list[RenderableType]:
@@ -123,14 +117,6 @@ def _figures(tree: Path) -> list[RenderableType]:
 
 def _provenance(row: Mapping[str, Any]) -> Text:
     return Text(row["provenance"], style="bold magenta" if row["provenance"] == "simulated" else "")
-
-
-def _number(value: float | None, missing: str = "?", digits: int = 6) -> str:
-    return missing if value is None else f"{value:.{digits}g}"
-
-
-def _fixed(value: float | None, places: int) -> str:
-    return "?" if value is None else f"{value:.{places}f}"
 
 
 _SECTIONS: dict[str, Callable[[Path], list[RenderableType]]] = {

@@ -8,9 +8,10 @@ from typing import Any
 from rich.console import RenderableType
 from rich.text import Text
 
+from hybridid.quantities import change, probability, quantity, r_squared, share
 from hybridid_cli.tables import table
 from pipelines.shared.findings import trace_of
-from pipelines.trace.words import VERDICTS, estimated, outcome, probability, quantity, share
+from pipelines.trace.words import VERDICTS, estimates, outcome
 
 _COLOURS = {"effect_found": "green", "ambiguous": "yellow", "nothing_missing": "green", "unexplained": "red"}
 
@@ -50,7 +51,7 @@ def _accepted(data: dict[str, Any]) -> RenderableType:
         made.add_row(
             entry["effect"],
             entry["port"],
-            ", ".join(f"{name} = {estimated(p)}" for name, p in entry["parameters"].items()),
+            ", ".join(estimates(entry["parameters"])),
             share(entry["gain"]),
             probability(entry["p_value"]),
             ", ".join(name for name in entry["class"] if name != entry["effect"]) or "–",
@@ -74,9 +75,9 @@ def _before_after(data: dict[str, Any]) -> RenderableType:
             "with" if before["network"] else "–",
             quantity(before["rmse"], before["unit"]),
             quantity(after["rmse"], after["unit"]),
-            _change(before["rmse"], after["rmse"]),
-            _fixed(before["r2"]),
-            _fixed(after["r2"]),
+            change(before["rmse"], after["rmse"]),
+            r_squared(before["r2"]),
+            r_squared(after["r2"]),
             Text(before["provenance"], style="bold magenta" if before["provenance"] == "simulated" else ""),
         )
     return made
@@ -89,11 +90,3 @@ def _completeness(data: dict[str, Any]) -> Text:
         f"completeness: a network ({check['network']}) takes {takes} from the held-out error that is left, "
         f"{took} from that before: {outcome(data)}"
     )
-
-
-def _change(before: float | None, after: float | None) -> str:
-    return f"{100 * (after / before - 1):+.1f} %" if before and after is not None else ""
-
-
-def _fixed(value: float | None) -> str:
-    return "?" if value is None else f"{value:.6f}"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hybridid.declarations import Port
+from hybridid.quantities import superscript
 
-_DIGITS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NAMED = {"N·s²/m": "kg", "N·m·s²/rad": "kg·m²", "Nm·s²/rad": "kg·m²"}
 """Units that have a name of their own (rad counts as 1)."""
 
@@ -48,7 +48,7 @@ class Dimension:
 
 def _power(name: str, exponent: int) -> str:
     base = f"({name})" if exponent > 1 and set(name) & set("/·²³") else name
-    return base if exponent == 1 else base + str(exponent).translate(_DIGITS)
+    return base if exponent == 1 else base + superscript(exponent)
 
 
 ONE = Dimension()

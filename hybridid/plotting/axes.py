@@ -13,11 +13,16 @@ from numpy.typing import NDArray
 
 from hybridid.plotting.looks import Look
 from hybridid.plotting.thinning import broken, thin
-from hybridid.plotting.units import axis_label, engineering
+from hybridid.quantities import engineering, minus, with_unit
 
 Array = NDArray[np.float64]
 BLOCKS = 600  # extremes per line: finer than a printed dot at 180 mm and 200 dpi
 LINE = 24  # characters of a y label beside a panel of 25 mm
+
+
+def axis_label(name: str, unit: str) -> str:
+    """``name [unit]``, as an axis carries it; ``unit`` is already in print."""
+    return f"{name} [{unit}]"
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,7 @@ class Scale:
             return "not finite"
         scaled = value * self.factor
         number = f"{scaled:.0f}" if abs(scaled) >= 1000 else f"{scaled:#.3g}".rstrip(".")
-        return number.replace("-", "−") + ("" if self.unit == "–" else f" {self.unit}")
+        return with_unit(minus(number), self.unit)
 
 
 def scale_for(name: str, unit: str, *values: Array) -> Scale:

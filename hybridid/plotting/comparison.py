@@ -13,6 +13,7 @@ from hybridid.plotting.lettering import shorten
 from hybridid.plotting.looks import DATA, FOCUS, SOFT_INK, look
 from hybridid.plotting.series import Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
+from hybridid.quantities import number, with_unit
 
 ZOOM = 0.08  # part of the record that the lower panel enlarges
 Limits = tuple[float, float]
@@ -44,7 +45,7 @@ def comparison_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN)
     zoom.set_ylim(*_zoom_limits(responses, window, limits, scale.factor))
     zoom.axvline(moment * time.factor, color=SOFT_INK, linewidth=0.6, linestyle=(0, (1, 1.5)), zorder=1)
     largest = scale_for("error", whole.unit, np.array([size])).text(size)
-    where = f"{largest} at {moment * time.factor:.4g} {time.unit}"
+    where = f"{largest} at {with_unit(number(moment * time.factor), time.unit)}"
     shorten(zoom.set_title(worst.model), USABLE, f": largest error, {where} (dotted line)")
     zoom.set_xlabel(time.label)
     figure.align_ylabels()

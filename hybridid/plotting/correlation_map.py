@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from hybridid.plotting.axes import Array
 from hybridid.plotting.lettering import root, shorten
 from hybridid.plotting.looks import INK
+from hybridid.quantities import fixed
 
 WRITTEN = 8  # parameters up to which the numbers stand in the cells
 
@@ -30,9 +31,8 @@ def correlation_map(axes: Axes, names: Sequence[str], correlation: Array, title:
         for row in places:
             for column in places:
                 value = float(correlation[row, column])
-                text = f"{value:.2f}".replace("-", "−")
                 colour = "white" if abs(value) > 0.6 else INK
-                axes.text(column, row, text, ha="center", va="center", fontsize=6, color=colour)
+                axes.text(column, row, fixed(value, 2), ha="center", va="center", fontsize=6, color=colour)
     shorten(axes.set_title(title), room)
     beside = axes.inset_axes((1.05, 0.0, 0.045, 1.0))
     bar = root(axes).colorbar(image, cax=beside, label="correlation [–]", ticks=(-1, 0, 1))

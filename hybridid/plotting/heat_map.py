@@ -16,7 +16,7 @@ from hybridid.plotting.lettering import cut
 from hybridid.plotting.looks import GRID_GREY, INK, VERMILION
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
-from hybridid.plotting.units import engineering
+from hybridid.quantities import NONE, engineering, number
 
 ROW, ABOVE = 8.0, 16.0  # mm, of a cell, and of a panel's title and axis
 MOST = 12  # panels that are drawn
@@ -77,7 +77,7 @@ def heat_map_plot(
     bar = figure.colorbar(
         grid[0].images[0], ax=list(grid), label=f"{measure[0]} [{unit}]", fraction=0.03, aspect=12
     )
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
     bar.ax.yaxis.set_minor_formatter(NullFormatter())
     bar.outline.set_visible(False)
     left_out = f"; {MOST} panels of {len(panels)}" if len(panels) > MOST else ""
@@ -131,6 +131,5 @@ def _draw(
 
 
 def _text(value: float, spread: float) -> str:
-    if not np.isfinite(value):
-        return "–"
-    return f"{value:.3g}" if not np.isfinite(spread) else f"{value:.3g}\n± {spread:.2g}"
+    below = f"\n± {number(spread, 2)}" if np.isfinite(value) and np.isfinite(spread) else ""
+    return number(value, 3, missing=NONE) + below

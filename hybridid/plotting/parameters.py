@@ -18,9 +18,8 @@ from hybridid.plotting.legends import legend_on_top
 from hybridid.plotting.looks import INK, SOFT_INK, look
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
-from hybridid.plotting.units import typeset
+from hybridid.quantities import Z95, estimated
 
-Z95 = 1.959964  # 97.5 % quantile of the normal distribution
 ROW, MAP, FRAME = 8.0, 46.0, 20.0  # mm: one parameter, one correlation map, header and axes
 SPREAD = 0.62  # part of a row over which several models' estimates are spread
 MARKERS = "osD^vP"
@@ -159,14 +158,8 @@ def _draw(panels: _Panels, entry: _Entry) -> None:
 
 def _text(entry: _Entry) -> str:
     """``190.2 ± 0.4 N·s/m``: the interval with two significant digits, and what is wrong."""
-    parameter, half = entry.parameter, entry.half_width
-    number = f"{parameter.value:.4g}"
-    if half > 0:
-        digits = max(0, 1 - math.floor(math.log10(half)))
-        readable = digits <= 5 and abs(parameter.value) < 1e6
-        number = f"{parameter.value:.{digits}f} ± {half:.{digits}f}" if readable else f"{number} ± {half:.2g}"
-    unit = typeset(parameter.unit)
-    text = number.replace("-", "−") + ("" if unit == "–" else f" {unit}")
+    parameter = entry.parameter
+    text = estimated(parameter.value, parameter.std, parameter.unit)
     flags = {"at bound": parameter.at_bound, "not identifiable": not parameter.identifiable}
     return ", ".join([text, *(flag for flag, raised in flags.items() if raised)])
 

@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy import signal
 
-from hybridid.plotting.axes import Array, draw, name_y, scale_for
+from hybridid.plotting.axes import Array, axis_label, draw, name_y, scale_for
 from hybridid.plotting.legends import legend_on_top
 from hybridid.plotting.looks import DATA, look
 from hybridid.plotting.series import PlotError, Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
-from hybridid.plotting.units import axis_label, per_root_hertz
+from hybridid.quantities import per_root_hertz
 
 SEGMENTS = 4  # segment lengths in a record; half overlapping they give 7 averages
 LEAST_SAMPLES = 64

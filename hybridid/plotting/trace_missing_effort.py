@@ -15,6 +15,7 @@ from hybridid.plotting.legends import legend_on_top
 from hybridid.plotting.looks import SOFT_INK, Look, look
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
+from hybridid.quantities import Z95
 from hybridid.trace.missing_effort import MissingEffort
 
 BINS = 30  # of equal width over the middle 99 % of each variable
@@ -92,7 +93,7 @@ def _over_time(axes: Axes, index: int, name: str, found: MissingEffort, scale: S
     """Samples, their means over short blocks and the band of a sample; returns the line for the legend."""
     time, style = time_scale(found.time), look(index)
     x, means, spread = (_block_means(v, BLOCKS) for v in (found.time, found.effort, found.std))
-    low, high = ((means + side * 1.96 * spread) * scale.factor for side in (-1, 1))
+    low, high = ((means + side * Z95 * spread) * scale.factor for side in (-1, 1))
     axes.fill_between(x * time.factor, low, high, color=style.colour, alpha=0.15, linewidth=0)
     raw = Look(style.colour, width=0.3, above=2)
     draw(axes, found.time * time.factor, found.effort * scale.factor, raw, "").set_alpha(0.45)

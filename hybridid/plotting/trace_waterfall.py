@@ -14,6 +14,7 @@ from hybridid.plotting.lettering import cut
 from hybridid.plotting.looks import BLUE, DATA_GREY, GREEN, INK, SOFT_INK
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
+from hybridid.quantities import change
 
 ROW = 7.5  # mm
 THICK = 0.62  # of a row
@@ -83,11 +84,9 @@ def _bar(axes: Axes, row: int, low: float, high: float, scale: Scale, colour: st
 
 def _fall(axes: Axes, row: int, before: float, after: float, scale: Scale) -> None:
     """What a change takes away, drawn from where the error stood, and what is left of it."""
-    change = 100 * (after / before - 1)
-    share = f"{change:+.0f} %".replace("-", "−")
     axes.barh(row, after * scale.factor, THICK, color=DATA_GREY, alpha=0.35, linewidth=0, zorder=1)
     low, high = sorted((before, after))
-    _bar(axes, row, low, high, scale, BLUE, f"{scale.text(after)}  ({share})")
+    _bar(axes, row, low, high, scale, BLUE, f"{scale.text(after)}  ({change(before, after, 0)})")
     axes.plot(
         [before * scale.factor] * 2,
         [row - 1 + THICK / 2, row - THICK / 2],

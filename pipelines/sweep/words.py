@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hybridid.plotting.units import engineering
+from hybridid.quantities import DIVERGES, NONE, mean_and_deviation, quantity
 from pipelines.sweep.grid import Cell, Group, Spread
 from pipelines.sweep.point import Point, spelt
 
@@ -22,22 +22,12 @@ def axis_name(key: str) -> str:
     return _SHORT.get(key, key.removeprefix("residual."))
 
 
-def size_of(value: float | None, unit: str, otherwise: str = "ran away") -> str:
-    """A number with its unit, in the prefix that reads best."""
-    if value is None:
-        return otherwise
-    factor, printed = engineering(value, unit)
-    return f"{value * factor:.4g} {printed}"
-
-
 def spread_of(spread: Spread, unit: str) -> str:
     """``12.3 ± 0.4 mm``, and how many seeds have no number."""
     if spread.mean is None:
-        return "ran away" if spread.lost else "–"
-    factor, printed = engineering(spread.mean, unit)
-    deviation = "" if spread.deviation is None else f" ± {spread.deviation * factor:.2g}"
-    lost = f" ({spread.lost} ran away)" if spread.lost else ""
-    return f"{spread.mean * factor:.4g}{deviation} {printed}{lost}"
+        return DIVERGES if spread.lost else NONE
+    lost = f" ({spread.lost} diverged)" if spread.lost else ""
+    return mean_and_deviation(spread.mean, spread.deviation, unit) + lost
 
 
 def header(group: Group, axes: Sequence[str]) -> list[str]:
@@ -61,7 +51,7 @@ def gray_note(group: Group) -> str:
     if not group.without:
         return ""
     ends = dict.fromkeys((group.without[0], group.without[-1]))
-    said = " to ".join(size_of(value, group.one.unit) for value in ends)
+    said = " to ".join(quantity(value, group.one.unit) for value in ends)
     return f"the gray box alone leaves {said} on the same blocks"
 
 
@@ -70,10 +60,10 @@ def choice(group: Group) -> str:
     if group.chosen is None:
         return f"{group.title}: nothing is held out, nothing is chosen"
     row = group.chosen
-    gray = "" if row.without is None else f", the gray box {size_of(row.without, row.unit)}"
+    gray = "" if row.without is None else f", the gray box {quantity(row.without, row.unit)}"
     return (
         f"{group.title}: {row.point.name} ({row.size} {counted(row.point)}), held-out RMSE "
-        f"{size_of(row.held_out, row.unit)}{gray} ({group.provenance})"
+        f"{quantity(row.held_out, row.unit)}{gray} ({group.provenance})"
     )
 
 

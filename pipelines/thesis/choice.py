@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from hybridid.plotting.units import engineering
+from hybridid.quantities import quantity
 from pipelines.shared.findings import residual_of
 from pipelines.thesis import chapter4, chapter5, chapter6
 from pipelines.thesis.look_up import Missing, Outcomes, tree_of
@@ -75,8 +75,7 @@ def _blocks(rmse: Sequence[float | None], row: Mapping[str, Any]) -> str:
     (value,), (unit,) = rmse, row["units"]
     if value is None or not math.isfinite(value):
         return f"failed ({'; '.join(row['failures'])})"
-    factor, printed = engineering(value, unit)
-    return f"{value * factor:.3g} {printed}"
+    return quantity(value, unit, 3)
 
 
 def _chosen(report: Mapping[str, Any], output: str) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from hybridid.quantities import percent
+
 LISTED = 5
 """Rows up to which all are named in order; of more only the first."""
 
@@ -44,7 +46,7 @@ def _ranked(rows: Sequence[Improved], key: Callable[[Improved], float]) -> list[
 
 
 def _listed(ranked: Sequence[Improved], key: Callable[[Improved], float]) -> str:
-    shown = [f"{row.label} {key(row):.1f} %".replace("-", "−") for row in ranked[:LISTED]]
+    shown = [f"{row.label} {percent(key(row) / 100, 1)}" for row in ranked[:LISTED]]
     rest = f", and {len(ranked) - LISTED} more" if len(ranked) > LISTED else ""
     return ", ".join(shown) + rest
 

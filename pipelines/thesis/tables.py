@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hybridid.quantities import NONE, estimated, fixed, number, percent, r_squared
 from pipelines.shared.page import Table
 from pipelines.thesis import look_up
 from pipelines.thesis.look_up import FoundEstimate, FoundScore, Missing, Outcomes
@@ -19,8 +20,6 @@ from pipelines.thesis.reference import (
 
 ESTIMATES = ("", "thesis", "ours", "unit", "data")
 ILLEGIBLE = "not legible"
-NONE = "–"
-"""Where the thesis has no number, or a reduction has nothing to be measured against."""
 Row = tuple[str, ...]
 
 
@@ -49,7 +48,7 @@ def _estimates(spec: Estimates | EveryEstimate, outcomes: Outcomes) -> list[Row]
             ]
         except Missing as missing:
             return [(spec.label, ILLEGIBLE, str(missing), "", "")]
-    thesis = NONE if spec.thesis is None else _five(spec.thesis)
+    thesis = NONE if spec.thesis is None else number(spec.thesis, 7)
     try:
         return [_estimate(spec.label, thesis, look_up.estimate(spec.ours, outcomes))]
     except Missing as missing:
@@ -57,10 +56,8 @@ def _estimates(spec: Estimates | EveryEstimate, outcomes: Outcomes) -> list[Row]
 
 
 def _estimate(label: str, thesis: str, found: FoundEstimate) -> Row:
-    ours = "?" if found.value is None else _five(found.value)
-    ours += "" if found.std is None else f" ± {_two(1.96 * found.std)}"
     remarks = f" ({', '.join(found.remarks)})" if found.remarks else ""
-    return (label, thesis, ours + remarks, found.unit, found.provenance)
+    return (label, thesis, estimated(found.value, found.std, "") + remarks, found.unit, found.provenance)
 
 
 def _found(row: Scores, outcomes: Outcomes) -> FoundScore | Missing:
@@ -71,15 +68,19 @@ def _found(row: Scores, outcomes: Outcomes) -> FoundScore | Missing:
 
 
 def _scores(row: Scores, table: ScoreTable, found: dict[str, FoundScore | Missing]) -> Row:
-    thesis = (NONE, NONE) if row.thesis is None else (f"{row.thesis.error:.4f}", f"{row.thesis.r2:.4f}")
+    thesis = (NONE, NONE) if row.thesis is None else (fixed(row.thesis.error, 4), fixed(row.thesis.r2, 4))
     ours = found[row.label]
     printed = _percent(_thesis_reduction(row, table))
     if isinstance(ours, Missing):
         return (row.label, thesis[0], str(ours), thesis[1], NONE, printed, NONE, "")
     label = f"{row.label} (chosen)" if ours.chosen else row.label
-    error = f"{_error(ours, table.measure) * table.factor:.4g}"
+    error = number(_error(ours, table.measure) * table.factor)
     of_ours = _percent(_our_reduction(row, table.measure, found))
-    return (label, thesis[0], error, thesis[1], _r2(ours.r2), printed, of_ours, ours.provenance)
+    return (label, thesis[0], error, thesis[1], r_squared(ours.r2), printed, of_ours, ours.provenance)
+
+
+def _percent(reduction_in_percent: float | None) -> str:
+    return NONE if reduction_in_percent is None else percent(reduction_in_percent / 100, 1)
 
 
 def _thesis_reduction(row: Scores, table: ScoreTable) -> float | None:
@@ -113,22 +114,3 @@ def _patterns(table: ScoreTable, found: dict[str, FoundScore | Missing]) -> tupl
 
 def _error(found: FoundScore, measure: Measure) -> float:
     return found.mse if measure == "mse" else found.rmse
-
-
-def _five(value: float) -> str:
-    digits = 5 if abs(value) < 1e5 else 7
-    return f"{value:.{digits}g}".replace("-", "−")
-
-
-def _two(value: float) -> str:
-    """Two digits, without an exponent where one can do without."""
-    return f"{float(f'{value:.2g}'):g}"
-
-
-def _r2(value: float) -> str:
-    """More digits where the first four are nines."""
-    return (f"{value:.4f}" if value < 0.9995 else f"{value:.6f}").replace("-", "−")
-
-
-def _percent(value: float | None) -> str:
-    return NONE if value is None else f"{value:.1f} %".replace("-", "−")

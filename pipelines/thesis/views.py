@@ -14,7 +14,7 @@ from hybridid.plotting.looks import DATA, Look, look
 from hybridid.plotting.panels import Line, Panel
 from hybridid.plotting.series import Response
 from hybridid.plotting.spectrum import amplitude_density
-from hybridid.plotting.units import per_root_hertz
+from hybridid.quantities import per_root_hertz
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from pipelines.shared.config import Settings

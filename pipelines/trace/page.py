@@ -6,21 +6,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipelines.shared.page import Page, Picture, Section, Table
-from pipelines.trace.proof import AFTER, BEFORE
-from pipelines.trace.words import (
-    VERDICTS,
-    estimated,
-    listed,
-    outcome,
+from hybridid.naming import listed
+from hybridid.quantities import (
+    DIVERGES,
+    NONE,
+    UNKNOWN,
+    change,
+    mean_square,
+    number,
     percent,
-    power,
     probability,
     quantity,
-    sentence,
+    r_squared,
     share,
-    squared,
 )
+from pipelines.shared.page import Page, Picture, Section, Table
+from pipelines.trace.proof import AFTER, BEFORE
+from pipelines.trace.words import VERDICTS, estimates, outcome, sentence
 
 Data = Mapping[str, Any]
 
@@ -86,15 +88,14 @@ def _scores(data: Data) -> tuple[Table, ...]:
 def _score(row: Data, first: Data) -> tuple[str, ...]:
     leading = row is first
     where = (row["record"], row["role"], _view(row)) if leading else ("", "", "")
-    change = "" if leading else _change(first["rmse"], row["rmse"])
-    mse = f"{power(row['mse'])} {squared(row['unit'])}" if row["mse"] is not None else ""
+    changed = "" if leading else change(first["rmse"], row["rmse"])
     return (
         *where,
         row["model"],
         quantity(row["rmse"], row["unit"]),
-        change,
-        mse,
-        _r2(row),
+        changed,
+        mean_square(row["mse"], row["unit"]),
+        r_squared(row["r2"]),
         row["provenance"],
     )
 
@@ -109,9 +110,9 @@ def _accepted(data: Data) -> Section | None:
     header = ("effect", "port", "estimate ± 95 %", "gain", "p", "cannot be told from", "step")
     rows = tuple(
         (
-            a["effect"], a["port"], "; ".join(f"{n} = {estimated(p)}" for n, p in a["parameters"].items()),
+            a["effect"], a["port"], "; ".join(estimates(a["parameters"])),
             share(a["gain"]), probability(a["p_value"]),
-            ", ".join(i for i in a["class"] if i != a["effect"]) or "–", str(a["step"]),
+            ", ".join(i for i in a["class"] if i != a["effect"]) or NONE, str(a["step"]),
         )
         for a in data["accepted"]
     )  # fmt: skip
@@ -133,7 +134,7 @@ def _survival(entry: Data) -> Table:
     rows = [("as declared", *declared, *_values(entry["at_step"], names), "")]
     rows += [
         (
-            s["variation"], share(s["gain"]), f"{100 * s['kept']:.0f} %", probability(s["p_value"]),
+            s["variation"], share(s["gain"]), percent(s["kept"], 0), probability(s["p_value"]),
             *_values(s["parameters"], names), _outcome(s),
         )
         for s in entry["survivals"]
@@ -154,14 +155,14 @@ def _survival(entry: Data) -> Table:
 
 def _outcome(survival: Data) -> str:
     if not survival["simulated"]:
-        return "too stiff to be tried" if survival["survives"] else "diverges"
+        return "too stiff to be tried" if survival["survives"] else DIVERGES
     if survival["refuted"]:
         return "refuted by the records"
     return "survives" if survival["survives"] else "lost"
 
 
 def _values(parameters: Mapping[str, float], names: Sequence[str]) -> tuple[str, ...]:
-    return tuple(f"{parameters[n]:.4g}".replace("-", "−") if n in parameters else "" for n in names)
+    return tuple(number(parameters.get(n), missing="") for n in names)
 
 
 def _parameters(data: Data) -> Table:
@@ -181,13 +182,13 @@ def _parameters(data: Data) -> Table:
 
 def _interval(parameter: Data | None) -> tuple[str, str]:
     if parameter is None:
-        return "–", ""
+        return NONE, ""
     low, high = parameter["interval_95"]
-    interval = "unknown" if low is None or high is None else f"{low:.5g} to {high:.5g}"
+    interval = UNKNOWN if low is None or high is None else f"{number(low, 5)} to {number(high, 5)}"
     flags = (
         " (at bound)" if parameter["at_bound"] else "" if parameter["identifiable"] else " (not identifiable)"
     )
-    return f"{parameter['value']:.5g}".replace("-", "−"), interval.replace("-", "−") + flags
+    return number(parameter["value"], 5), interval + flags
 
 
 def _refused(data: Data) -> tuple[Table, ...]:
@@ -281,16 +282,6 @@ def _use(data: Data) -> Section | None:
 
 def _view(row: Data) -> str:
     return f"{row['horizon']:g} s horizons" if row["view"] == "horizon" else "free run"
-
-
-def _change(before: float | None, after: float | None) -> str:
-    if not before or after is None:
-        return ""
-    return f"{100 * (after / before - 1):+.1f} %".replace("-", "−")
-
-
-def _r2(row: Data) -> str:
-    return "" if row["r2"] is None else f"{row['r2']:.6f}".replace("-", "−")
 
 
 def _up_to(gain: float) -> str:

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.split import Split
 from hybridid.trace.verdict import Trace
@@ -25,7 +26,7 @@ from pipelines.trace.findings import (
 )
 from pipelines.trace.proof import Proof
 from pipelines.trace.request import Request, own_effects
-from pipelines.trace.words import listed, sentence
+from pipelines.trace.words import sentence
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
-from hybridid.plotting.units import engineering
+from hybridid.naming import listed
+from hybridid.quantities import estimated, percent, quantity, share
 
 Data = Mapping[str, Any]
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 VERDICTS = {
     "effect_found": "effect found",
     "ambiguous": "ambiguous",
@@ -42,56 +42,9 @@ def outcome(data: Data) -> str:
     return "it finds what no effect in the library names"
 
 
-def listed(items: Sequence[str]) -> str:
-    """``a, b and c``."""
-    return ", ".join(items[:-1]) + (" and " if len(items) > 1 else "") + items[-1] if items else "nothing"
-
-
-def quantity(value: float | None, unit: str, digits: int = 4) -> str:
-    """``0.585 mm`` for 5.85e-4 m."""
-    if value is None:
-        return "diverges"
-    factor, printed = engineering(abs(value), unit)
-    return f"{value * factor:.{digits}g} {printed}".replace("-", "−")
-
-
-def probability(p: float, equals: str = "") -> str:
-    """A p-value to two digits, behind ``equals``; below what its normal theory can mean, only that."""
-    if p < 1e-15:
-        return "< 10⁻¹⁵"
-    return equals + (f"{p:.2g}" if p >= 1e-3 else power(p))
-
-
-def estimated(parameter: Data) -> str:
-    """``73.4 ± 3.2 N·s/m``: the value and half its 95 % interval."""
-    value, std, unit = parameter["value"], parameter["std"], parameter["unit"]
-    unit = "" if unit == "1" else f" {unit}"
-    if std is None:
-        return f"{value:.5g}{unit} ± ?".replace("-", "−")
-    return f"{value:.5g} ± {1.96 * std:.2g}{unit}".replace("-", "−")
-
-
-def percent(share_of_one: float) -> str:
-    """``5 %`` for 0.05."""
-    return f"{100 * share_of_one:g} %"
-
-
-def power(value: float | None) -> str:
-    """``2.09·10⁻⁷``: three digits and a power of ten."""
-    if value is None:
-        return ""
-    digits, _, exponent = f"{value:.2e}".partition("e")
-    return f"{digits}·10{str(int(exponent)).translate(_SUPERSCRIPT)}"
-
-
-def squared(unit: str) -> str:
-    """``m²`` for m, ``(m/s)²`` for m/s."""
-    return f"{unit}²" if unit.isalpha() else f"({unit})²"
-
-
-def share(gain: float) -> str:
-    """``36.1 %`` less, or how much more."""
-    return "diverges" if gain <= -1 else f"{100 * gain:.1f} %".replace("-", "−")
+def estimates(parameters: Mapping[str, Data]) -> list[str]:
+    """``f_v = 73.4 ± 3.2 N·s/m`` for each parameter."""
+    return [f"{name} = {estimated(p['value'], p['std'], p['unit'])}" for name, p in parameters.items()]
 
 
 def _none_passes(data: Data, where: str) -> str:
@@ -111,7 +64,7 @@ def _none_passes(data: Data, where: str) -> str:
 
 def _named(entry: Data) -> str:
     """An accepted effect with its parameters, or the class that it stands for."""
-    values = ", ".join(f"{name} = {estimated(p)}" for name, p in entry["parameters"].items())
+    values = ", ".join(estimates(entry["parameters"]))
     if len(entry["class"]) > 1:
         members = ", ".join(entry["class"])
         return f"one of {{{members}}} at {entry['port']}, which these records cannot tell apart"
@@ -124,7 +77,7 @@ def _fall(data: Data) -> str:
     falls = []
     for name, before in first.items():
         unit, after = data["noise_floor"][name]["unit"], last[name]
-        change = f"{100 * abs(1 - after / before):.0f} % {'less' if after <= before else 'more'}"
+        change = f"{percent(abs(1 - after / before), 0)} {'less' if after <= before else 'more'}"
         falls.append(f"from {quantity(before, unit, 3)} to {quantity(after, unit, 3)} ({change}) in {name}")
     return listed(falls)
 

@@ -8,8 +8,10 @@ from typing import Any
 
 import yaml
 
+from hybridid import quantities
 from hybridid.plotting.search_history import Tried, history_plot
 from hybridid.plotting.style import save
+from hybridid.quantities import fixed, percent, quantity
 from pipelines.shared.config import MODELLING, Settings
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.storage import json_text
@@ -71,7 +73,7 @@ def page_of(
         values = ", ".join(f"{key} {number(value)}" for key, value in _short(chosen).items())
         lead = (
             f"Chosen: trial {chosen.number} with {values}. Of the {provenance} error on the held-out blocks "
-            f"{chosen.share:.1%} is left, by {chosen.weights} weights."
+            f"{percent(chosen.share, 1)} is left, by {chosen.weights} weights."
         )
         commands = (command(folder),)
     sections = [
@@ -96,9 +98,10 @@ def columns(findings: Findings) -> tuple[list[str], list[str]]:
 def cells(row: Row, keys: list[str], outputs: list[str]) -> list[str]:
     """A finished trial as text: number, share, weights, values, RMSE by output, seconds."""
     found = [row.outputs.get(name) for name in outputs]
-    errors = [f"{one['held_out']:.4g} {one['unit']}" if one else "" for one in found]
+    errors = [quantity(one["held_out"], one["unit"]) if one else "" for one in found]
     values = [number(_short(row)[key]) if key in _short(row) else "" for key in keys]
-    return [str(row.number), f"{row.share:.4g}", str(row.weights), *values, *errors, f"{row.seconds:.1f}"]
+    share, seconds = quantities.number(row.share), fixed(row.seconds, 1)
+    return [str(row.number), share, str(row.weights), *values, *errors, seconds]
 
 
 def _trials(findings: Findings) -> Table:
@@ -121,7 +124,7 @@ def _trials(findings: Findings) -> Table:
 
 def _importance(findings: Findings) -> Table:
     rows = tuple(
-        (key.removeprefix("residual."), f"{100 * share:.0f} %") for key, share in findings.importance.items()
+        (key.removeprefix("residual."), percent(share, 0)) for key, share in findings.importance.items()
     )
     note = "share of what tells the better trials from the rest (PED-ANOVA); over few trials a hint, no more"
     return Table("Importance of each key", ("key", "importance"), rows, (note,))

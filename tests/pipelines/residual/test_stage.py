@@ -137,7 +137,8 @@ def test_a_network_that_runs_away_is_caught_and_reported(made, heard, data):
     assert "ran away" in free["hybrid, NARX 1 x 4"]["remark"]
     assert any("ran away on record second" in line for line in heard.warned)
     said = rendered(residual_results(tree))
-    assert said.count("ran away") == 2, "the row's cell and the warning"
+    assert "diverges" in said, "the row's cell"
+    assert "ran away on record second" in said, "the warning"
 
 
 class TestRBF:
