@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from hybridid.quantities import estimated
 from pipelines import reproduce as module
 from pipelines.reproduce import reproduce
 from pipelines.shared.errors import ConfigError, Incomplete
@@ -55,9 +56,9 @@ def test_the_page_is_written_twice_with_numbers_errata_and_figures(experiments, 
 def test_the_numbers_are_those_of_the_run_trees(experiments, heard):
     reproduce(experiments, Path("outputs"), heard, processes=1)
     _, markdown = pages()
-    tables = {read_json(tree / "fit/estimate.json")["parameters"]["M"]["value"] for tree in trees()}
+    masses = [read_json(tree / "fit/estimate.json")["parameters"]["M"] for tree in trees()]
     shown = {row(markdown, "M")[2], row(markdown, "M, fitted over 1 s")[2]}
-    assert {cell.split(" ")[0] for cell in shown} == {f"{value:.5g}" for value in tables}
+    assert shown == {estimated(mass["value"], mass["std"], "") for mass in masses}
 
 
 def trees():
