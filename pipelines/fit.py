@@ -57,7 +57,6 @@ FIT = Stage(
     KEYS,
     ("preprocess",),
     run,
-    inputs=modelling.own_code,
+    inputs=modelling.named_code,
     check=check,
-    ignores=("plotting", "rigs", "validation", "fetch", "residuals", "hybrid"),
 )

@@ -68,7 +68,4 @@ def check(settings: Settings) -> None:
         raise ConfigError(str(error)) from error
 
 
-PREPROCESS = Stage(
-    "preprocess", KEYS, (), run, inputs=sources.digests, check=check,
-    ignores=("plotting", "effects", "plants", "estimators", "validation", "simulation", "fetch"),
-)  # fmt: skip
+PREPROCESS = Stage("preprocess", KEYS, (), run, inputs=sources.digests, check=check)

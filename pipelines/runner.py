@@ -137,7 +137,8 @@ def _changed_by(
 
 def _made_from(stage: Stage, settings: Settings, root: Path) -> Fingerprint:
     inputs = {f"the result of {name}": folder_digest(root / name) for name in stage.reads}
-    return fingerprint(settings.part(stage.keys), {**inputs, **stage.inputs(settings)}, stage.ignores)
+    inputs |= stage.inputs(settings)
+    return fingerprint(settings.part(stage.keys), inputs, f"pipelines.{stage.name}")
 
 
 def _because(reasons: list[str]) -> str:

@@ -20,6 +20,7 @@ from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.findings import estimate_of, prepared_records
 from pipelines.shared.fitted import load
 from pipelines.shared.hybrids import hybrid_of
+from pipelines.shared.modelling import named_code
 from pipelines.shared.predictions import HYBRID, RESIDUALS, Tested, write_prediction, write_tests
 from pipelines.shared.sources import chosen, sources_of
 from pipelines.shared.stage import Job, Stage
@@ -148,6 +149,6 @@ VALIDATE = Stage(
     ("validate",),
     ("preprocess", "fit", "residual"),
     run,
+    inputs=named_code,
     check=check,
-    ignores=("plotting", "rigs", "fetch"),
 )

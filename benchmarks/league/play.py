@@ -6,7 +6,6 @@ that decides the answer. A line of another version is not used.
 
 from __future__ import annotations
 
-import functools
 import hashlib
 import json
 import traceback
@@ -14,33 +13,20 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import hybridid
 from benchmarks.league import ours, rivals
 from benchmarks.league.machines import records_of
 from benchmarks.league.scenario import CATEGORIES, Scenario
+from pipelines.shared.source_code import code_of
 
-HERE, PACKAGE = Path(__file__).parent, Path(hybridid.__file__).parent
 ORACLE = "oracle"
 PLAYERS = (ORACLE, ours.NAME, "regression", "regression_own_cutoff", "regression_memory", "pysindy")
-_RECORDS = ("bench.py", "laws.py", "machines.py", "planting.py", "rigs")
-_DECIDES = {
-    ORACLE: ("ours.py", "effects", "estimators", "model", "plants", "simulation", "trace"),
-    ours.NAME: ("ours.py", "effects", "estimators", "model", "plants", "simulation", "trace"),
-    "": ("rivals.py", "columns.py", "signals.py", "memory.py", "effects", "plants"),
-}
 Line = Mapping[str, Any]
 
 
-@functools.cache
 def version(player: str) -> str:
-    """SHA-256 of the code that decides what ``player`` answers."""
-    parts = (*_RECORDS, *_DECIDES.get(player, _DECIDES[""]))
-    found = sorted(
-        path
-        for part in parts
-        for path in ([HERE / part] if part.endswith(".py") else (PACKAGE / part).glob("*.py"))
-    )
-    return hashlib.sha256(b"\0".join(path.read_bytes() for path in found)).hexdigest()[:16]
+    """SHA-256 of the code that decides what ``player`` answers, its scenarios' records included."""
+    code = code_of((ours if player in (ORACLE, ours.NAME) else rivals).__name__)
+    return hashlib.sha256(json.dumps(code).encode()).hexdigest()[:16]
 
 
 def chosen(

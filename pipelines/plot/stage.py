@@ -5,6 +5,7 @@ from __future__ import annotations
 from hybridid.plotting.looks import KINDS
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.modelling import named_code
 from pipelines.shared.stage import Job, Stage
 
 
@@ -42,6 +43,6 @@ PLOT = Stage(
     ("plot",),
     ("preprocess", "fit", "residual", "validate"),
     run,
+    inputs=named_code,
     check=check,
-    ignores=("rigs", "fetch"),
 )

@@ -21,7 +21,7 @@ from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.findings import prepared_records
 from pipelines.shared.fitted import load
-from pipelines.shared.modelling import model_of
+from pipelines.shared.modelling import model_of, named_code
 from pipelines.shared.sources import chosen
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
@@ -106,7 +106,7 @@ RESIDUAL = Stage(
     (NAME, "fit.records"),
     ("preprocess", "fit"),
     run,
+    inputs=named_code,
     check=check,
     asked=asked,
-    ignores=("plotting", "rigs", "fetch", "trace"),
 )

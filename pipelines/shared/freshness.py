@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
-from functools import cache
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import hybridid
+from pipelines.shared.source_code import code_of
 
 RECEIPT = "stage.json"
 Fingerprint = dict[str, dict[str, Any]]
 
 
-def fingerprint(
-    config: Mapping[str, Any], inputs: Mapping[str, str], without: Iterable[str] = ()
-) -> Fingerprint:
-    """What results depend on: flat config keys, digests of what is read, and hybridid's own code.
-
-    ``without`` names subpackages of hybridid that do not matter to the stage.
-    """
-    code = {"hybridid": hybridid.__version__, "code": code_digest(tuple(without))}
+def fingerprint(config: Mapping[str, Any], inputs: Mapping[str, str], module: str) -> Fingerprint:
+    """What results depend on: flat config keys, digests of what is read, and the code that ``module`` runs
+    with the versions of the numerical libraries below it."""
+    code = {"hybridid": hybridid.__version__, **code_of(module)}
     return {"config": dict(config), "inputs": dict(inputs), "code": code}
 
 
@@ -62,21 +58,11 @@ def file_digest(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-@cache
-def code_digest(without: tuple[str, ...] = ()) -> str:
-    """SHA-256 over hybridid's Python files, less the subpackages named."""
-    root = Path(hybridid.__file__).parent
-    total = hashlib.sha256()
-    for path in sorted(root.rglob("*.py")):
-        where = path.relative_to(root)
-        if where.parts[0] not in without:
-            total.update(where.as_posix().encode() + b"\0" + path.read_bytes())
-    return total.hexdigest()
-
-
 def _reason(section: str, key: str, before: Any, now: Any) -> str:
     if section == "code":
-        return "hybridid's version changed" if key == "hybridid" else "hybridid's code changed"
+        if "." in key:
+            return f"the code of {key} changed"
+        return f"{key} changed ({before} -> {now})" if before and now else f"{key} changed"
     if section == "inputs":
         kinds = [str(digest).partition(" ")[0] for digest in (before, now) if digest]
         return f"{key} changed" + (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 import inspect
 import sys
@@ -11,8 +10,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import hybridid
 from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.source_code import PACKAGES, PROJECT, digest, files_of, with_imports
 
 
 def named(path: object, what: str) -> Any:
@@ -46,24 +45,27 @@ def make_importable(folders: Iterable[Path]) -> None:
                 sys.path.insert(0, str(place))
 
 
-def own_code_digests(paths: Iterable[str]) -> dict[str, str]:
-    """SHA-256 of the user's Python behind import paths, by folder: every file beside the module counts.
+def code_digests(paths: Iterable[str]) -> dict[str, str]:
+    """SHA-256 of the code behind import paths, by what it is.
 
-    hybridid's own modules are left out; its code has a digest of its own.
+    Of a user's module every Python file beside it counts, and what these import of hybridid; of a module of
+    hybridid's, all that it runs.
     """
-    package = Path(hybridid.__file__).parent
-    folders: dict[str, str] = {}
+    found: dict[str, str] = {}
     for path in paths:
         module = importlib.import_module(path.partition(":")[0])
         source = inspect.getsourcefile(module)
-        if source is None or package in Path(source).resolve().parents:
+        if source is None:
             continue
-        folder = Path(source).resolve().parent
-        total = hashlib.sha256()
-        for file in sorted(folder.glob("*.py")):
-            total.update(file.name.encode() + b"\0" + file.read_bytes())
-        folders[f"code beside {Path(source).name}"] = total.hexdigest()
-    return folders
+        file = Path(source).resolve()
+        if file.is_relative_to(PROJECT) and module.__name__.partition(".")[0] in PACKAGES:
+            found[f"the code of {module.__name__}"] = digest(files_of(module.__name__))
+            continue
+        reached = with_imports(str(own) for own in file.parent.glob("*.py"))
+        theirs = [name for name in reached if Path(name).is_absolute()]
+        found[f"code beside {file.name}"] = digest(theirs)
+        found[f"hybridid's code for {file.name}"] = digest(name for name in reached if name not in theirs)
+    return found
 
 
 def _public(module: ModuleType) -> list[str]:

@@ -15,7 +15,7 @@ from hybridid.model.compose import ADJUSTABLE
 from hybridid.plants.plant import Plant
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
-from pipelines.shared.imports import named, own_code_digests
+from pipelines.shared.imports import code_digests, named
 
 KEYS = ("plant", "effects", "parameters")
 
@@ -65,9 +65,9 @@ def model_of(settings: Settings) -> Model:
     return model
 
 
-def own_code(settings: Settings) -> dict[str, str]:
-    """Digests of the user's own Python that the model is made of."""
-    return own_code_digests(
+def named_code(settings: Settings) -> dict[str, str]:
+    """Digests of the code that the config names: the plant's and the effects' import paths."""
+    return code_digests(
         [settings["plant"], *(e.partition("@")[0] for e in effect_entries(settings) if ":" in e)]
     )
 

@@ -13,6 +13,7 @@ from hybridid.records.sources import DataRoot, RecordNotFoundError, data_roots, 
 from hybridid.rigs.rig import Rig
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.imports import code_digests
 from pipelines.shared.rigs import rig_of
 
 KEYS = ("data", "records", "signals", "rig", "paths.data")
@@ -131,8 +132,10 @@ def roots_of(settings: Settings) -> tuple[DataRoot, ...]:
 
 
 def digests(settings: Settings) -> dict[str, str]:
-    """What tells the records from others, by name."""
-    return {f"record {s.name}": f"{type(s).__name__.lower()} {s.digest}" for s in sources_of(settings).found}
+    """What tells the records from others, by name; of simulated ones also the code of their rig."""
+    sources = sources_of(settings)
+    rig = code_digests([str(settings["rig"]["path"])]) if sources.simulated else {}
+    return {f"record {s.name}": f"{type(s).__name__.lower()} {s.digest}" for s in sources.found} | rig
 
 
 def chosen(records: Sequence[Named], wanted: Any, key: str) -> list[Named]:

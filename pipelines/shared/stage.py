@@ -26,9 +26,9 @@ class Stage:
 
     ``keys`` are the config keys its results depend on, ``reads`` the stages whose files it
     reads, ``inputs`` digests of whatever else it reads. ``check`` raises a ``ConfigError``,
-    before anything is done, if the config cannot be carried out. ``ignores`` names
-    subpackages of hybridid whose code does not touch its results. A stage that is not ``asked``
-    for by the config is left out, and an older result of it removed.
+    before anything is done, if the config cannot be carried out. A stage that is not ``asked``
+    for by the config is left out, and an older result of it removed. The code of a stage is the module
+    or room of its name, ``pipelines.<name>``, and all that this imports.
     """
 
     name: str
@@ -37,7 +37,6 @@ class Stage:
     run: Callable[[Job], None]
     inputs: Callable[[Settings], Mapping[str, str]] = lambda settings: {}
     check: Callable[[Settings], None] = lambda settings: None
-    ignores: tuple[str, ...] = ("plotting",)
     asked: Callable[[Settings], bool] = lambda settings: True
 
 

@@ -20,8 +20,8 @@ from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.findings import loaded_estimate, prepared_records
 from pipelines.shared.fitted import describe_model
-from pipelines.shared.imports import own_code_digests
-from pipelines.shared.modelling import fit_settings, model_of, own_code
+from pipelines.shared.imports import code_digests
+from pipelines.shared.modelling import fit_settings, model_of, named_code
 from pipelines.shared.page import Picture
 from pipelines.shared.sources import sources_of
 from pipelines.shared.stage import Job, Stage
@@ -173,8 +173,10 @@ def check(settings: Settings) -> None:
         raise ConfigError(f"trace.effects: plant {model.plant.name} has no port where any of them acts")
 
 
-def _own_code(settings: Settings) -> dict[str, str]:
-    return {**own_code(settings), **own_code_digests(own_effects(settings))}
+def _named_code(settings: Settings) -> dict[str, str]:
+    library = [str(name) for name in settings.get("trace.effects") or ()]
+    own = [name for name in (*library, *own_effects(settings)) if ":" in name]
+    return {**named_code(settings), **code_digests(own)}
 
 
 TRACE = Stage(
@@ -182,7 +184,6 @@ TRACE = Stage(
     (*modelling.KEYS, "estimator", "trace", "validate.initial_state"),
     ("preprocess", "fit"),
     run,
-    inputs=_own_code,
+    inputs=_named_code,
     check=check,
-    ignores=("rigs", "fetch"),
 )

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import os
 import time
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
 from hybridid.records.record import RecordError
 from pipelines.runner import run_stages
-from pipelines.shared import freshness
+from pipelines.shared import freshness, imports
 
 OUT = {"out": "tree"}
 TREE = Path("tree")
@@ -78,10 +79,40 @@ def test_touching_a_file_changes_nothing(settings, heard, data):
 
 def test_changed_code_is_noticed(settings, heard, data, monkeypatch):
     run_stages(settings(OUT), "preprocess", heard)
-    monkeypatch.setattr(freshness, "code_digest", lambda without: "other")
+    code = freshness.code_of("pipelines.preprocess")
+    monkeypatch.setattr(freshness, "code_of", lambda module: {**code, "hybridid.records": "other"})
     heard.said.clear()
     run_stages(settings(OUT), "preprocess", heard)
-    assert heard.said[0] == "preprocess: stale, hybridid's code changed"
+    assert heard.said[0] == "preprocess: stale, the code of hybridid.records changed"
+
+
+def test_another_version_of_a_library_is_noticed(settings, heard, data, monkeypatch):
+    run_stages(settings(OUT), "preprocess", heard)
+    code = freshness.code_of("pipelines.preprocess")
+    monkeypatch.setattr(freshness, "code_of", lambda module: {**code, "numpy": "9.0"})
+    heard.said.clear()
+    run_stages(settings(OUT), "preprocess", heard)
+    assert heard.said[0] == f"preprocess: stale, numpy changed ({version('numpy')} -> 9.0)"
+
+
+def test_a_changed_plant_is_noticed_where_the_config_names_it(settings, heard, data, monkeypatch):
+    """No stage imports a plant: the config names it."""
+    run_stages(settings(OUT), "validate", heard)
+    files = imports.files_of("hybridid.plants.emps")
+    monkeypatch.setattr(imports, "files_of", lambda module: [*files, "hybridid/naming.py"])
+    heard.said.clear()
+    assert run_stages(settings(OUT), "validate", heard).ran == ("fit", "validate")
+    assert heard.said[1] == "fit: stale, the code of hybridid.plants.emps changed"
+
+
+def test_a_changed_rig_makes_its_records_stale(settings, heard, data, monkeypatch):
+    simulated = {**OUT, "data": "simulated"}
+    run_stages(settings(simulated), "preprocess", heard)
+    files = imports.files_of("hybridid.rigs.emps")
+    monkeypatch.setattr(imports, "files_of", lambda module: [*files, "hybridid/declarations.py"])
+    heard.said.clear()
+    run_stages(settings(simulated), "preprocess", heard)
+    assert "preprocess: stale, the code of hybridid.rigs.emps changed" in heard.said
 
 
 def test_results_of_an_earlier_fit_do_not_stay_beside_a_new_one(settings, heard, data):
@@ -128,4 +159,5 @@ def test_receipt_says_what_it_was_made_from(settings, heard, data):
     receipt = json.loads((TREE / "preprocess" / "stage.json").read_text())["fingerprint"]
     assert receipt["inputs"]["record first"].startswith("measured ")
     assert receipt["config"]["signals.inputs.force.column"] == "force"
-    assert len(receipt["code"]["code"]) == 64
+    assert len(receipt["code"]["hybridid.records"]) == 64
+    assert receipt["code"]["numpy"] == version("numpy")

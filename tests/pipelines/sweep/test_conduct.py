@@ -128,7 +128,7 @@ class TestAgain:
         done(points({"residual.seeds": 0}))
         _, own = done(points({"residual.seeds": 0, "residual.epochs": 3}))
         assert sum(len(work.points) for work in own.jobs) == 4
-        monkeypatch.setattr("pipelines.shared.freshness.code_digest", lambda without=(): "other")
+        monkeypatch.setattr("pipelines.shared.freshness.code_of", lambda module: {"hybridid.model": "other"})
         _, own = done(points({"residual.seeds": 0}))
         assert sum(len(work.points) for work in own.jobs) == 4
         assert len(own.grays) == 1

@@ -1,0 +1,145 @@
+"""The source code that a result is made by: which files, their digests, the versions of the libraries below.
+
+It is found from the imports: a module's own file, every module of the project that it imports, directly or
+through others, at its top or inside a function, the ``__init__`` of the packages that hold them, and files of
+another kind that lie beside one of these and are named in its text (``shoot.c``). Imports are read from the
+text: nothing is run, and there is no list to keep.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+import hybridid
+
+PROJECT = str(Path(hybridid.__file__).resolve().parents[1])
+PACKAGES = ("hybridid", "pipelines", "benchmarks")
+NUMERICAL = ("casadi", "numba", "numpy", "pandas", "scipy", "torch")
+"""Libraries whose version can change a number."""
+
+_IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|.*)|import[ \t]+(.*))", re.M)
+_COMMENT = re.compile(r"#.*")
+
+
+@cache
+def code_of(module: str, root: str = PROJECT) -> dict[str, str]:
+    """What ``module`` runs: SHA-256 of the source files by room, ``hybridid.model``, and the version of each
+    numerical library. The name of a package stands for all modules in it.
+
+    Raises:
+        ValueError: if there is no such module below ``root``.
+    """
+    files = files_of(module, root)
+    rooms: dict[str, list[str]] = {}
+    for file in files:
+        rooms.setdefault(".".join(file.removesuffix(".py").split("/")[:2]), []).append(file)
+    libraries = {library for file in files for library in _source(file, root).libraries}
+    return {
+        **{room: digest(rooms[room], root) for room in sorted(rooms)},
+        **{library: _version(library) for library in sorted(libraries)},
+    }
+
+
+def files_of(module: str, root: str = PROJECT) -> list[str]:
+    """Every source file that ``module`` runs, its own included, as names below ``root``, sorted; see
+    ``code_of``."""
+    place = module.replace(".", "/")
+    own = [name for name in _tree(root) if name == f"{place}.py" or name.startswith(f"{place}/")]
+    if not own:
+        raise ValueError(f"{module}: no such module in {root}")
+    return with_imports([*(name for name in own if name.endswith(".py")), *_run_by(module, root)], root)
+
+
+def with_imports(files: Iterable[str], root: str = PROJECT) -> list[str]:
+    """``files`` and all that they reach below ``root`` by imports, sorted."""
+    found: set[str] = set()
+    todo = list(files)
+    while todo:
+        file = todo.pop()
+        if file not in found:
+            found.add(file)
+            todo += _source(file, root).uses
+    return sorted(found)
+
+
+def digest(files: Iterable[str], root: str = PROJECT) -> str:
+    """SHA-256 over the names and contents of ``files``; a user's own have absolute names, of which the last
+    part counts."""
+    said = [(Path(f).name if f.startswith("/") else f, _source(f, root).digest) for f in files]
+    return hashlib.sha256(repr(said).encode()).hexdigest()
+
+
+def imported(text: str) -> set[str]:
+    """Every name that the Python ``text`` imports, dotted in full: ``from a import b`` gives ``a.b``."""
+    found = set()
+    for module, names, modules in _IMPORT.findall(text):
+        for entry in _COMMENT.sub("", names or modules).strip("() \t").split(","):
+            if entry.strip():
+                name = entry.split()[0]
+                found.add(f"{module}.{name}" if module else name)
+    return found
+
+
+@dataclass(frozen=True)
+class _Source:
+    """A file's SHA-256, the files that it uses at first hand and the numerical libraries that it imports."""
+
+    digest: str
+    uses: tuple[str, ...] = ()
+    libraries: frozenset[str] = frozenset()
+
+
+@cache
+def _source(file: str, root: str) -> _Source:
+    path = Path(root, file)  # an absolute name stays as it is
+    content = path.read_bytes()
+    sha256 = hashlib.sha256(content).hexdigest()
+    if not file.endswith(".py"):
+        return _Source(sha256)
+    text = content.decode("utf-8", errors="replace")
+    names = imported(text)
+    uses = [below for name in names for below in _run_by(name, root)]
+    uses += [f"{file.removesuffix(path.name)}{name}" for name in _not_python(path.parent) if name in text]
+    tops = {name.partition(".")[0] for name in names}
+    return _Source(sha256, tuple(uses), frozenset(tops & {*NUMERICAL}))
+
+
+def _run_by(name: str, root: str) -> list[str]:
+    """The files that importing ``name`` runs, its module and the packages that hold it; none if not below
+    ``root``."""
+    found = []
+    parts = name.split(".")
+    for k in range(1, len(parts) + 1):
+        place = "/".join(parts[:k])
+        found += [file for file in (f"{place}/__init__.py", f"{place}.py") if file in _tree(root)]
+    return found
+
+
+@cache
+def _tree(root: str) -> frozenset[str]:
+    """Every file of the project's packages, as names below ``root``."""
+    walks = (walk for package in PACKAGES for walk in os.walk(f"{root}/{package}"))
+    return frozenset(
+        f"{folder}/{file}".removeprefix(f"{root}/")
+        for folder, _, files in walks
+        for file in files
+        if not folder.endswith("__pycache__")
+    )
+
+
+@cache
+def _not_python(folder: Path) -> tuple[str, ...]:
+    """The names of the files in ``folder`` that are no Python."""
+    return tuple(e.name for e in os.scandir(folder) if e.is_file() and not e.name.endswith(".py"))
+
+
+@cache
+def _version(library: str) -> str:
+    return metadata.version(library)
