@@ -9,14 +9,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators import gauss_newton, multiple_shooting
 from hybridid.estimators.carried import carries_nothing, carry
 from hybridid.estimators.estimate import Estimate, Progress, Solution
 from hybridid.estimators.findings import SAME_OPTIMUM, estimate_of
+from hybridid.estimators.ipopt import Ipopt
+from hybridid.estimators.method import GAUSS_NEWTON, Method
+from hybridid.estimators.multiple_shooting import MultipleShooting
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.settings import FitSettings
 from hybridid.estimators.short_horizons import short_horizon_problem, short_horizon_start
 from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates
+from hybridid.estimators.stop import Stop, Watch
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
 from hybridid.records.record import Record
@@ -192,11 +195,14 @@ def _descend(
     x0: Array,
     settings: FitSettings,
     factors: Sequence[float],
-    watch: Callable[[int, float], None],
+    watch: Watch,
 ) -> Solution:
-    most, tolerance = settings.max_iterations, settings.tolerance
+    stop = Stop(settings.max_iterations, settings.tolerance)
+    return method_of(settings).solve(problem, p, x0, factors, stop, watch)
+
+
+def method_of(settings: FitSettings) -> Method:
+    """Transcription and solver that ``estimator.method`` names."""
     if settings.method == "gauss_newton":
-        return gauss_newton.solve(problem, p, x0, factors, most, tolerance, watch)
-    return multiple_shooting.solve(
-        problem, p, x0, settings.interval, factors, settings.hessian, most, tolerance, watch
-    )
+        return GAUSS_NEWTON
+    return Method(MultipleShooting(settings.interval), Ipopt(settings.hessian))

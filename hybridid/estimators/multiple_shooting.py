@@ -1,17 +1,16 @@
-"""Multiple shooting with CasADi and IPOPT, the thesis' gray-box method.
+"""The multiple-shooting transcription, the thesis' own: a node every so many samples.
 
-Each horizon is cut into intervals that start from a state of their own, a variable of
-the optimisation; equality constraints close the gaps (thesis Eq. 3-3). A horizon of one
-interval is N-step prediction, one horizon of one interval single shooting. Source: Bock,
-Plitt (1984), IFAC Proceedings 17(2), 1603-1608; Wächter, Biegler (2006), Math. Program. 106.
+Each horizon is cut into intervals. The state s_k in which one begins is a decision variable, and equality
+constraints close the gaps (thesis Eq. 3-3):
 
-The Gauss-Newton Hessian leaves out the curvature of the gaps, which a residual that is not
-small makes matter: it then circles about the optimum where the exact one arrives.
+    min over p, s of 1/2 sum |(y - y_hat(p, s)) / scale|^2    subject to    x(end of k - 1; s_(k-1), p) = s_k.
+
+A horizon of one interval is N-step prediction, one horizon of one interval single shooting. Source: Bock,
+Plitt (1984), IFAC Proceedings 17(2), 1603-1608.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +18,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators.estimate import Solution
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.initial import measured_states
 from hybridid.simulation.integrators import sample_step
@@ -28,6 +26,17 @@ Array = NDArray[np.float64]
 EXPANDABLE = 60_000
 """Operations of an unrolled interval above which it stays a loop: unrolling is quicker to
 run but its size grows with the interval."""
+
+
+@dataclass(frozen=True)
+class MultipleShooting:
+    """Transcribes a problem into parameters and the state at the start of every ``interval`` samples."""
+
+    interval: int
+
+    def program(self, problem: Problem, p: Array, x0: Array) -> Program:
+        """The problem as a nonlinear program, to be begun at ``p`` (n_p,), ``x0`` (w, n_x)."""
+        return Program(problem, split(problem, self.interval, x0, p))
 
 
 @dataclass(frozen=True)
@@ -78,98 +87,9 @@ def split(problem: Problem, interval: int, x0: Array, p: Array) -> Intervals:
     return Intervals(time, stages, inputs, outputs, used, np.array(first), nodes)
 
 
-def solve(
-    problem: Problem,
-    p: Array,
-    x0: Array,
-    interval: int,
-    factors: Sequence[float] = (1.0,),
-    hessian: str = "gauss_newton",
-    max_iterations: int = 100,
-    tolerance: float = 1e-6,
-    watch: Callable[[int, float], None] | None = None,
-) -> Solution:
-    """Minimise the problem's cost by multiple shooting from ``p`` (n_p,), ``x0`` (w, n_x).
-
-    ``factors`` multiply the smoothing velocities, one solve each, from the nodes of the last.
-    """
-    program = _Program(problem, split(problem, interval, x0, p))
-    nlp, gauss_newton = program.nlp()
-    callback = _Watch(nlp["x"].shape[0], len(program.gap_rows), watch) if watch else None
-    options = _options(max_iterations, tolerance, callback)
-    if hessian == "gauss_newton":
-        options["hess_lag"] = gauss_newton
-    solver = ca.nlpsol("fit", "ipopt", nlp, options)
-    lower, upper, variables = program.bounds(p)
-    iterations, history = 0, []
-    for factor in factors:
-        result = solver(x0=variables, p=problem.smoothed(p, factor), lbx=lower, ubx=upper, lbg=0, ubg=0)
-        variables = np.asarray(result["x"]).ravel()
-        stats = solver.stats()
-        iterations += int(stats["iter_count"])
-        history = stats.get("iterations", {}).get("obj", [])
-    q, nodes = program.unpack(variables, problem.smoothed(p, factors[-1]))
-    begin = nodes[program.intervals.first]
-    cost = problem.cost(problem.shooter(begin, q))
-    status = _status(stats["return_status"])
-    return Solution(q, begin, cost, status, bool(stats["success"]), iterations, tuple(map(float, history)))
-
-
-def _status(returned: str) -> str:
-    plain = {"Solve_Succeeded": "converged", "Solved_To_Acceptable_Level": "converged (acceptable level)"}
-    return plain.get(returned, returned.replace("_", " ").lower())
-
-
-def _options(max_iterations: int, tolerance: float, callback: ca.Callback | None) -> dict[str, object]:
-    options: dict[str, object] = {
-        "print_time": False,
-        "ipopt.print_level": 0,
-        "ipopt.sb": "yes",
-        "ipopt.linear_solver": "mumps",
-        "ipopt.max_iter": max_iterations,
-        "ipopt.tol": tolerance,
-        "ipopt.nlp_scaling_method": "none",
-        "ipopt.mu_strategy": "monotone",
-        # closed gaps and a cost that stands still are the optimum, whatever rounding leaves of its gradient
-        "ipopt.acceptable_tol": 1e-2,
-        "ipopt.acceptable_dual_inf_tol": 1e-2,
-        "ipopt.acceptable_compl_inf_tol": 1e-4,
-        "ipopt.acceptable_constr_viol_tol": 1e-6,
-        "ipopt.acceptable_obj_change_tol": tolerance,
-        "ipopt.acceptable_iter": 2,
-    }
-    if callback is not None:
-        options["iteration_callback"] = callback
-    return options
-
-
-class _Watch(ca.Callback):
-    """Hands IPOPT's iterations on to ``watch(iteration, cost)``."""
-
-    def __init__(self, n: int, m: int, watch: Callable[[int, float], None]) -> None:
-        ca.Callback.__init__(self)
-        self.n, self.m, self.watch, self.iteration = n, m, watch, 0
-        self.construct("watch", {})
-
-    def get_n_in(self) -> int:
-        return int(ca.nlpsol_n_out())
-
-    def get_n_out(self) -> int:
-        return 1
-
-    def get_sparsity_in(self, i: int) -> ca.Sparsity:
-        sizes = {"x": self.n, "lam_x": self.n, "g": self.m, "lam_g": self.m, "f": 1}
-        return ca.Sparsity.dense(sizes.get(ca.nlpsol_out(i), 0), 1)
-
-    def eval(self, arg: list[ca.DM]) -> list[int]:
-        self.iteration += 1
-        self.watch(self.iteration, float(arg[ca.nlpsol_out().index("f")]))
-        return [0]
-
-
 @dataclass(frozen=True)
-class _Program:
-    """The nonlinear program: variables are scaled free parameters, then scaled nodes."""
+class Program:
+    """The nonlinear program: variables are scaled free parameters (n,), then scaled nodes (m n_x,)."""
 
     problem: Problem
     intervals: Intervals

@@ -8,21 +8,21 @@ Aguirre (2020), "On the smoothness of nonlinear system identification", Automati
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators import gauss_newton
+from hybridid.estimators.method import GAUSS_NEWTON, Method
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
+from hybridid.estimators.stop import Stop, Watch
 from hybridid.simulation.windows import cut
 
 Array = NDArray[np.float64]
 SHORT = 100
 """Samples of a short horizon."""
-MOST_ITERATIONS, LOOSE = 30, 1e-3
+LOOSE = Stop(30, 1e-3)
 """It only leads to the fit proper."""
 
 
@@ -38,10 +38,10 @@ def short_horizon_problem(problem: Problem) -> Problem | None:
 
 
 def short_horizon_start(
-    problem: Problem, p: Array, factor: float, watch: Callable[[int, float], None] | None = None
+    problem: Problem, p: Array, factor: float, watch: Watch | None = None, method: Method = GAUSS_NEWTON
 ) -> Array:
     """Parameters (n_p,) from the short-horizon ``problem``, started at ``p`` with sign(v) smoothed by
     ``factor``; ``p`` itself if that diverges."""
     x0 = best_initial_states(problem, p, x0_candidates(problem, p))
-    found = gauss_newton.solve(problem, p, x0, (factor,), MOST_ITERATIONS, LOOSE, watch)
+    found = method.solve(problem, p, x0, (factor,), LOOSE, watch)
     return problem.smoothed(found.p, 1.0) if np.isfinite(found.cost) else p

@@ -13,11 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators import gauss_newton
 from hybridid.estimators.carried import carries_nothing, carry, run_on
 from hybridid.estimators.estimate import Solution
+from hybridid.estimators.method import GAUSS_NEWTON as METHOD
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
+from hybridid.estimators.stop import Stop
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
 from hybridid.simulation.simulate import Diverged
@@ -27,12 +28,11 @@ from hybridid.trace.score import Score, score_of
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
-GLANCE = 5
+GLANCE = Stop(5, 1e-3)
 """Iterations spent on each start at the widest smoothing, and as many at the narrowest, before the best is
 carried to convergence."""
-GLANCE_TOLERANCE = 1e-3
 MOST_ITERATIONS, TOLERANCE = 40, 1e-6
-JUDGED = 30, 1e-5
+JUDGED = Stop(30, 1e-5)
 """Iterations and tolerance of the initial states of held-out horizons, at given parameters."""
 CONTINUATION = (10.0, 3.0, 1.0)
 """Smoothings of sign(v), one after the other: sharp, the cost is rough with stick and slip."""
@@ -97,7 +97,7 @@ def refit(
     """Fit ``model`` from the best of ``starts`` (values by name over guesses) and score it.
 
     ``before`` lends its initial states. ``factors`` is the continuation in epsilon; ``tolerance``
-    as ``gauss_newton.solve`` has it. Standard errors are stated if the held-out loss is at most ``doubted``.
+    as ``Stop`` has it. Standard errors are stated if the held-out loss is at most ``doubted``.
 
     Raises:
         TooStiff: if the model is, at every start.
@@ -210,7 +210,7 @@ def _best_starts(
         if len(starts) == 1:
             return [begun]
         ends = sorted({*smoothing[:1], *smoothing[-1:]}, reverse=True)
-        glance = gauss_newton.solve(problem.on(rows), begun.p, begun.x0[rows], ends, GLANCE, GLANCE_TOLERANCE)
+        glance = METHOD.solve(problem.on(rows), begun.p, begun.x0[rows], ends, GLANCE)
         found.append((glance.cost, replace(begun, p=glance.p, x0=_with(begun.x0, rows, glance.x0))))
     return [begun for _, begun in sorted(found, key=lambda one: one[0])]
 
@@ -244,14 +244,14 @@ def _settled(
     def handed_on(p: Array, x0: Array) -> Array:
         """Inner states from horizon to horizon, the held-out ones' own states fitted at ``p``."""
         x0 = carry(problem, p, x0)
-        return _with(x0, theirs, gauss_newton.solve(judged, p, x0[theirs], smoothing[-1:], *JUDGED).x0)
+        return _with(x0, theirs, METHOD.solve(judged, p, x0[theirs], smoothing[-1:], JUDGED).x0)
 
-    solution = gauss_newton.solve(fitted, begun.p, x0[ours], smoothing, MOST_ITERATIONS, tolerance)
+    solution = METHOD.solve(fitted, begun.p, x0[ours], smoothing, Stop(MOST_ITERATIONS, tolerance))
     alone = carries_nothing(problem) or fitted.windows.complete or solution.cost > hopeless
     for _ in range(0 if alone else HANDOVERS):
         x0, before = handed_on(solution.p, _with(x0, ours, solution.x0)), solution.cost
-        solution = gauss_newton.solve(
-            fitted, solution.p, x0[ours], smoothing[-1:], HANDOVER_ITERATIONS, tolerance
+        solution = METHOD.solve(
+            fitted, solution.p, x0[ours], smoothing[-1:], Stop(HANDOVER_ITERATIONS, tolerance)
         )
         if abs(before - solution.cost) <= SETTLED * solution.cost:
             break

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from hybridid.effects.effect import EffectParameter
 from hybridid.estimators.carried import carries_nothing
-from hybridid.estimators.gauss_newton import promise
 from hybridid.estimators.problem import Problem
+from hybridid.estimators.reduced import promise
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Path

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators import gauss_newton
 from hybridid.estimators.carried import carries_nothing
+from hybridid.estimators.method import GAUSS_NEWTON, Method
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.model import Model
@@ -132,9 +132,9 @@ def _predict(
     )
 
 
-def initial_states(problem: Problem, p: Array) -> Array:
+def initial_states(problem: Problem, p: Array, method: Method = GAUSS_NEWTON) -> Array:
     """The initial state of each horizon that fits it best at fixed parameters, (w, n_x)."""
     candidates = x0_candidates(problem, p)
     start = best_initial_states(problem, p, candidates)
-    found = gauss_newton.solve(problem, p, start).x0
+    found = method.solve(problem, p, start).x0
     return best_initial_states(problem, p, [found, *candidates]) if carries_nothing(problem) else found

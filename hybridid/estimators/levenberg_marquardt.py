@@ -1,0 +1,127 @@
+"""Levenberg-Marquardt on the reduced least squares, parameters and initial states together.
+
+Each step d solves ``(J' J + lambda diag(J' J)) d = J' r``, with lambda adapted by how much of the promised
+decrease of the cost came true. Source: Björck (1996), Numerical Methods for Least Squares Problems, sec. 9.2;
+damping by Nielsen (1999), IMM-REP-1999-05.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators.carried import carry
+from hybridid.estimators.coupled import Coupled
+from hybridid.estimators.estimate import Solution
+from hybridid.estimators.normal_equations import Normal
+from hybridid.estimators.problem import Problem
+from hybridid.estimators.reduced import LeastSquares, Reduced
+from hybridid.estimators.stop import Stop, Watch
+
+Array = NDArray[np.float64]
+MOST_DAMPING = 1e12
+LOOSE = 1e-4
+"""Tolerance of the descents at coarser smoothing, which only lead to the next."""
+SLOW_STEPS, SLOW_SHARE, SLOW_GAIN = 10, 1e3, 1e-3
+"""Stick and slip make the cost of long horizons rough: descent then creeps from kink to kink. It
+ends when ten steps gain less than a thousand times the tolerance, and less than a thousandth."""
+ROUGH = "converged (slowly: rough cost)"
+EXACT = 1e-10
+"""Residual over the output's standard deviation that is the arithmetic's own."""
+
+
+@dataclass(frozen=True)
+class LevenbergMarquardt:
+    """Damped Gauss-Newton steps.
+
+    Converged means that a full Gauss-Newton step promises a relative decrease of the cost below the
+    tolerance, that nothing but rounding is left, or that the cost is rough: the last ``SLOW_STEPS`` steps
+    together gained hardly more, or no step lowers it and none promised more.
+    """
+
+    solves: ClassVar[tuple[type, ...]] = (Reduced,)
+    hands_on: ClassVar[bool] = True
+    """Whether inner states run on from horizon to horizon during the descent."""
+
+    def solve(
+        self,
+        transcription: Reduced,
+        problem: Problem,
+        p: Array,
+        x0: Array,
+        factors: Sequence[float],
+        stop: Stop,
+        watch: Watch | None,
+    ) -> Solution:
+        """Minimise the cost from ``p`` (n_p,), ``x0`` (w, n_x); one descent for each of ``factors``."""
+        variables = transcription.least_squares(problem)
+        begun = 0
+        for factor in factors[:-1] if problem.widths else ():
+            coarse, smoothed = replace(stop, tolerance=LOOSE), problem.smoothed(p, factor)
+            found = _descend(variables, smoothed, x0, coarse, _from(watch, begun))
+            p, x0, begun = found.p, found.x0, begun + found.iterations
+        found = _descend(variables, problem.smoothed(p, factors[-1]), x0, stop, _from(watch, begun))
+        return replace(found, x0=carry(problem, found.p, found.x0), iterations=begun + found.iterations)
+
+
+def _from(watch: Watch | None, begun: int) -> Watch:
+    """``watch`` counting on from ``begun`` iterations."""
+    return lambda iteration, cost: watch(begun + iteration, cost) if watch else None
+
+
+def _descend(variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Watch) -> Solution:
+    """One Levenberg-Marquardt descent at one smoothing."""
+    problem, tolerance = variables.problem, stop.tolerance
+    p, x0 = variables.inside(p, x0)
+    shot = problem.shooter(x0, p, sensitivities=True)
+    cost = problem.cost(shot)
+    if not np.isfinite(cost):
+        return Solution(p, x0, np.inf, "the simulation diverges at the start", False, 0)
+    damping, growth, history = 1e-4, 2.0, [cost]
+    rounding = 0.5 * EXACT**2 * problem.windows.samples * len(problem.scale)
+    slow = min(SLOW_SHARE * tolerance, SLOW_GAIN)
+    eager = True  # the last step was taken at its first trial: so may the next be, and then slopes are needed
+    for iteration in range(1, stop.iterations + 1):
+        normal = variables.linearised(shot if shot.sensitive else problem.shooter(x0, p, True))
+        if not normal.finite:
+            blown = "the sensitivities diverge: the integrator needs shorter steps"
+            return Solution(p, x0, cost, blown, False, iteration, tuple(history))
+        held = variables.held(p, normal.gp)
+        normal = normal.holding(variables.held_states(x0, normal.gx))
+        if cost <= rounding or _promises_little(normal, held, cost, tolerance):
+            return Solution(p, x0, cost, "converged", True, iteration - 1, tuple(history))
+        while True:
+            dp, dx = normal.step(damping, held)
+            trial_p, trial_x = variables.moved(p, x0, dp, dx)
+            promised = normal.predicted(*variables.between(p, x0, trial_p, trial_x))
+            shot = problem.shooter(trial_x, trial_p, sensitivities=eager and iteration < stop.iterations)
+            trial = problem.cost(shot)
+            ratio = (cost - trial) / promised if promised > 0 else -1.0
+            if np.isfinite(trial) and ratio > 0:
+                break
+            damping, growth, eager = damping * growth, growth * 2, False
+            if damping > MOST_DAMPING:
+                there = _promises_little(normal, held, cost, slow)
+                status = ROUGH if there else "stalled: no step lowers the cost"
+                return Solution(p, x0, cost, status, there, iteration, tuple(history))
+        damping *= max(1 / 10, 1 - (2 * ratio - 1) ** 3)
+        damping, growth, eager = max(damping, 1e-12), 2.0, growth == 2.0
+        p, x0, cost = trial_p, trial_x, trial
+        history.append(cost)
+        watch(iteration, cost)
+        if len(history) > SLOW_STEPS and history[-SLOW_STEPS - 1] - cost < slow * cost:
+            return Solution(p, x0, cost, ROUGH, True, iteration, tuple(history))
+    most = stop.iterations
+    return Solution(p, x0, cost, f"stopped after {most} iterations", False, most, tuple(history))
+
+
+def _promises_little(
+    normal: Normal | Coupled, held: NDArray[np.bool_], cost: float, tolerance: float
+) -> bool:
+    """Whether even the undamped step would hardly lower the cost."""
+    promised = normal.predicted(*normal.step(1e-10, held))
+    return promised <= tolerance * max(cost, np.finfo(float).tiny)

@@ -1,0 +1,137 @@
+"""The reduced transcription: the decision variables are parameters and initial states, nothing else.
+
+Each horizon is simulated from its initial state x_k, so that the states within it are eliminated and
+
+    min over p, x_1 .. x_w of 1/2 sum_k |r_k(p, x_k)|^2,    r = (y - y_hat) / s,    inside bounds
+
+has no constraints left. Its Jacobian comes from the sensitivities of the simulation. A Gauss-Newton step
+eliminates the initial states horizon by horizon (``normal_equations``); where horizons hand inner states on,
+all are solved together (``coupled``). Source: Bock (1987), Randwertproblemmethoden zur
+Parameteridentifizierung; Golub, Pereyra (1973), SIAM J. Numer. Anal. 10(2), 413-432.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators.carried import by_parameter
+from hybridid.estimators.coupled import Coupled, couples
+from hybridid.estimators.multiple_shooting import MultipleShooting, Program
+from hybridid.estimators.normal_equations import Normal
+from hybridid.estimators.problem import Problem
+from hybridid.simulation.shooter import Shot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """Transcribes a problem into parameters and the initial state of each horizon."""
+
+    def least_squares(self, problem: Problem) -> LeastSquares:
+        """The problem in scaled variables, for a solver of least squares."""
+        return LeastSquares.of(problem)
+
+    def program(self, problem: Problem, p: Array, x0: Array) -> Program:
+        """The problem as a nonlinear program: each horizon one interval, which leaves no gap to close."""
+        return MultipleShooting(problem.windows.length).program(problem, p, x0)
+
+
+@dataclass(frozen=True)
+class LeastSquares:
+    """Free parameters and initial states in multiples of their scales ``p`` (n,) and ``x`` (n_x,), inside
+    their bounds."""
+
+    problem: Problem
+    positions: list[int]
+    p: Array
+    x: Array
+    lower: Array
+    upper: Array
+    x_lower: Array
+    x_upper: Array
+
+    @classmethod
+    def of(cls, problem: Problem) -> LeastSquares:
+        """The variables of ``problem``."""
+        chosen = [problem.model.parameters[k] for k in problem.positions]
+        states = problem.model.states
+        return cls(
+            problem=problem,
+            positions=problem.positions,
+            p=np.array([q.scale for q in chosen]),
+            x=np.array([s.scale for s in states]),
+            lower=np.array([q.lower for q in chosen]),
+            upper=np.array([q.upper for q in chosen]),
+            x_lower=np.array([s.lower for s in states]),
+            x_upper=np.array([s.upper for s in states]),
+        )
+
+    def linearised(self, shot: Shot) -> Normal | Coupled:
+        """The normal equations at a shot with sensitivities."""
+        problem = self.problem
+        if couples(problem):
+            with np.errstate(over="ignore", invalid="ignore"):
+                return Coupled.of(problem, shot, self.p, self.x)
+        r = problem.residuals(shot)
+        # what lies beyond a record's end may have left the range of numbers
+        used = problem.windows.used[..., None, None]
+        with np.errstate(over="ignore"):
+            by_p = np.where(used, by_parameter(problem, shot) / problem.scale[:, None], 0.0) * self.p
+            by_x = np.where(used, shot.by_state / problem.scale[:, None], 0.0) * self.x
+        by_x = np.where(problem.moving[:, None, None, :], by_x, 0.0)
+        w, rows = len(r), r[0].size
+        jp = by_p.reshape(w, rows, -1) if by_p.size else np.zeros((w, rows, 0))
+        jx = by_x.reshape(w, rows, -1)
+        error = r.reshape(w, rows)
+        flat = jp.reshape(w * rows, jp.shape[-1])
+        with np.errstate(over="ignore", invalid="ignore"):
+            return Normal(
+                pp=flat.T @ flat,
+                xx=jx.swapaxes(1, 2) @ jx,
+                xp=jx.swapaxes(1, 2) @ jp,
+                gp=-flat.T @ error.ravel(),
+                gx=-np.einsum("wkm,wk->wm", jx, error),
+            )
+
+    def inside(self, p: Array, x0: Array) -> tuple[Array, Array]:
+        """``p`` (n_p,) and ``x0`` (w, n_x) clipped at the bounds."""
+        q = np.array(p)
+        q[self.positions] = np.clip(q[self.positions], self.lower, self.upper)
+        return q, np.clip(x0, self.x_lower, self.x_upper)
+
+    def held(self, p: Array, gradient: Array) -> NDArray[np.bool_]:
+        """Parameters (n,) at a bound that the gradient pushes outwards."""
+        return _pushed(p[self.positions], gradient, self.lower, self.upper)
+
+    def held_states(self, x0: Array, gradient: Array) -> NDArray[np.bool_]:
+        """Initial states (w, n_x) at a bound that the gradient pushes outwards."""
+        return _pushed(x0, gradient, self.x_lower, self.x_upper)
+
+    def moved(self, p: Array, x0: Array, dp: Array, dx: Array) -> tuple[Array, Array]:
+        """Parameters and initial states after a scaled step, clipped at the bounds."""
+        q = np.array(p)
+        q[self.positions] += dp * self.p
+        return self.inside(q, x0 + dx * self.x)
+
+    def between(self, p: Array, x0: Array, q: Array, x1: Array) -> tuple[Array, Array]:
+        """The scaled step really taken after clipping at the bounds."""
+        return (q - p)[self.positions] / self.p, (x1 - x0) / self.x
+
+
+def _pushed(now: Array, gradient: Array, lower: Array, upper: Array) -> NDArray[np.bool_]:
+    return ((now <= lower) & (gradient > 0)) | ((now >= upper) & (gradient < 0))
+
+
+def promise(problem: Problem, p: Array, x0: Array) -> float:
+    """Decrease of the cost that a full Gauss-Newton step from ``p``, ``x0`` promises: a score test's answer,
+    good for telling which of many starts is worth a descent. 0 where the sensitivities diverge."""
+    variables = LeastSquares.of(problem)
+    normal = variables.linearised(problem.shooter(x0, p, sensitivities=True))
+    if not normal.finite:
+        return 0.0
+    held = variables.held(p, normal.gp)
+    return normal.predicted(*normal.step(1e-8, held))

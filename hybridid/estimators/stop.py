@@ -1,0 +1,18 @@
+"""When a solver ends, and whom it tells how far it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+Watch = Callable[[int, float], None]
+"""``watch(iteration, cost)``, called after every iteration."""
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Most ``iterations`` at one smoothing of sign(v), and the ``tolerance`` below which a relative decrease
+    of the cost counts as none."""
+
+    iterations: int = 100
+    tolerance: float = 1e-6
