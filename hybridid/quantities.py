@@ -103,13 +103,13 @@ def fixed(value: float | None, places: int, missing: str = UNKNOWN) -> str:
     return missing if value is None or not math.isfinite(value) else minus(f"{value:.{places}f}")
 
 
-def power(value: float | None, missing: str = "") -> str:
-    """``2.09·10⁻⁷``: three digits and a power of ten."""
+def power(value: float | None, digits: int = 3, missing: str = "") -> str:
+    """``2.09·10⁻⁷``: so many digits and a power of ten."""
     if value is None or not math.isfinite(value):
         return missing
     if value == 0.0:
         return "0"
-    mantissa, _, exponent = f"{value:.2e}".partition("e")
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     return minus(f"{mantissa}·10{superscript(int(exponent))}")
 
 
@@ -122,8 +122,9 @@ def quantity(value: float | None, unit: str, digits: int = 4, missing: str = DIV
 
 
 def mean_square(value: float | None, unit: str, missing: str = "") -> str:
-    """``2.09·10⁻⁷ m²``: a mean squared error of a signal in ``unit``."""
-    return f"{power(value)} {squared(unit)}".strip() if power(value) else missing
+    """``2.091·10⁻⁷ m²``: a mean squared error of a signal in ``unit``."""
+    printed = power(value, 4)
+    return f"{printed} {squared(unit)}".strip() if printed else missing
 
 
 def r_squared(value: float | None, missing: str = "") -> str:

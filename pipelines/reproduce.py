@@ -53,17 +53,15 @@ def reproduce(
     outcomes = _run(experiments, processes or os.cpu_count() or 1, watcher)
     folder = outputs / "thesis"
     folder.mkdir(parents=True, exist_ok=True)
-    page = _page(experiments, outcomes, folder, watcher)
-    write_text(folder / "index.md", page.markdown(folder))
-    write_text(folder / "index.html", page.html())
+    page = _page(experiments, outcomes, folder, watcher).write(folder)
     failed = {name: outcome.reason for name, outcome in outcomes.items() if isinstance(outcome, Failed)}
     if failed:
         listed = "; ".join(f"{name} ({reason})" for name, reason in failed.items())
         raise Incomplete(
             f"{len(failed)} of {len(outcomes)} experiments failed: {listed}; "
-            f"the page holds the others: {folder / 'index.html'}"
+            f"the page holds the others: {page}"
         )
-    return folder / "index.html"
+    return page
 
 
 def attempt(settings: Settings, watcher: Watcher) -> Done | Failed:

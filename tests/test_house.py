@@ -129,6 +129,9 @@ def test_wheel_carries_conf_and_editable_does_not(tmp_path):
         name.removeprefix("hybridid_cli/conf/") for name in contents["standard"] if name.endswith(".yaml")
     }
     assert "hybridid_cli/main.py" in contents["standard"]
+    templates = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pipelines").rglob("templates/*")}
+    assert templates
+    assert templates <= contents["standard"]
     assert not any("conf/" in name for name in contents["editable"])
     outsiders = {name.split("/")[0] for name in contents["standard"]} - set(PACKAGES)
     assert all(name.endswith(".dist-info") for name in outsiders), outsiders

@@ -29,9 +29,7 @@ def write_report(lines: Sequence[Line], folder: Path) -> str:
         pictures.append(Picture(save(plot, folder)[0], plot.caption))
     plot = gains(found, oracle)
     pictures.append(Picture(save(plot, folder)[0], plot.caption))
-    page = _page(found, oracle, targets, table, pictures)
-    (folder / "index.html").write_text(page.html(), encoding="utf-8")
-    (folder / "index.md").write_text(page.markdown(folder), encoding="utf-8")
+    page = _page(found, oracle, targets, table, pictures).write(folder)
     data = {
         "provenance": "simulated",
         "asked": [asdict(line) for line in targets],
@@ -39,7 +37,7 @@ def write_report(lines: Sequence[Line], folder: Path) -> str:
         "scenarios": sorted({r.key for r in found}),
     }
     (folder / "league.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-    return f"{_printed(targets, table)}\n{folder / 'index.html'}"
+    return f"{_printed(targets, table)}\n{page}"
 
 
 def _page(

@@ -30,9 +30,7 @@ def write_report(swept: Swept) -> list[Group]:
     with replacing(folder / FIGURES) as new:
         captions = heat_maps(groups, axes_of(swept.sweep.points), new)
     pictures = {name: Picture(folder / FIGURES / name, text) for name, text in captions.items()}
-    page = _page(swept, groups, tuple(pictures.values()))
-    write_text(folder / "index.md", page.markdown(folder))
-    write_text(folder / "index.html", page.html())
+    _page(swept, groups, tuple(pictures.values())).write(folder)
     write_text(folder / "networks.csv", _csv(groups, folder))
     write_text(folder / "sweep.json", json_text(_data(swept, groups)))
     return groups

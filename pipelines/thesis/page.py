@@ -82,7 +82,6 @@ def thesis_page(runs: Runs, captions: Mapping[str, str], figures: Path, seconds:
         "The thesis, reproduced",
         f"Tables and figures of Chapters 4 to 6 beside ours. Data: {data}; each row and figure says which.",
         (_what_was_run(runs, seconds), *chapters),
-        contents=True,
     )
 
 

@@ -154,9 +154,7 @@ def _write(job: Job, story: Story, missing: Missing, began: float) -> None:
     pictures = [
         Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption) for name, plot in gallery.figures()
     ]
-    page = trace_page(data, pictures)
-    (job.folder / "report.html").write_text(page.html(), encoding="utf-8")
-    (job.folder / "report.md").write_text(page.markdown(job.folder), encoding="utf-8")
+    trace_page(data, pictures).write(job.folder, "report")
 
 
 def check(settings: Settings) -> None:

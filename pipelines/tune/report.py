@@ -36,11 +36,10 @@ def written(findings: Findings, settings: Settings, folder: Path, provenance: st
         pictures.append(Picture(svg, plot.caption))
     if findings.chosen is not None:
         files[f"experiment/{EXPERIMENT}.yaml"] = experiment(settings, findings.chosen, provenance)
-    page = page_of(findings, settings, folder, provenance, pictures)
-    files |= {"index.html": page.html(), "index.md": page.markdown(folder)}
     for name, text in files.items():
         write_text(folder / name, text)
-    return [folder / name for name in files] + [picture.path for picture in pictures]
+    page = page_of(findings, settings, folder, provenance, pictures).write(folder)
+    return [*(folder / name for name in files), page, page.with_suffix(".md"), *(p.path for p in pictures)]
 
 
 def command(folder: Path) -> str:

@@ -171,9 +171,9 @@ def test_shares_and_changes():
 
 
 def test_mean_squares_and_coefficients_of_determination():
-    assert mean_square(2.09e-7, "m/s") == "2.09·10⁻⁷ (m/s)²"
+    assert mean_square(2.09e-7, "m/s") == "2.090·10⁻⁷ (m/s)²"
     assert mean_square(0.0, "m") == "0 m²"
-    assert mean_square(0.5, "1") == "5.00·10⁻¹"
+    assert mean_square(0.5, "1") == "5.000·10⁻¹"
     assert (r_squared(0.99987654), r_squared(-3.0)) == ("0.999877", "−3.000000")
     assert (squared("m"), squared("N·m"), squared("")) == ("m²", "(N·m)²", "")
 
