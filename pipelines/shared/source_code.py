@@ -1,9 +1,9 @@
 """The source code that a result is made by: which files, their digests, the versions of the libraries below.
 
 It is found from the imports: a module's own file, every module of the project that it imports, directly or
-through others, at its top or inside a function, the ``__init__`` of the packages that hold them, and files of
-another kind that lie beside one of these and are named in its text (``shoot.c``). Imports are read from the
-text: nothing is run, and there is no list to keep.
+through others, at its top or inside a function, and the ``__init__`` of the packages that hold them. Files of
+another kind (``shoot.c``) count where a module of their folder, or of one above, names them in its text.
+Imports are read from the text: nothing is run, and there is no list to keep.
 """
 
 from __future__ import annotations
@@ -106,7 +106,8 @@ def _source(file: str, root: str) -> _Source:
     text = content.decode("utf-8", errors="replace")
     names = imported(text)
     uses = [below for name in names for below in _run_by(name, root)]
-    uses += [f"{file.removesuffix(path.name)}{name}" for name in _not_python(path.parent) if name in text]
+    folder = file.removesuffix(path.name)
+    uses += [other for other in _not_python(folder, root) if other.rpartition("/")[2] in text]
     tops = {name.partition(".")[0] for name in names}
     return _Source(sha256, tuple(uses), frozenset(tops & {*NUMERICAL}))
 
@@ -135,9 +136,13 @@ def _tree(root: str) -> frozenset[str]:
 
 
 @cache
-def _not_python(folder: Path) -> tuple[str, ...]:
-    """The names of the files in ``folder`` that are no Python."""
-    return tuple(e.name for e in os.scandir(folder) if e.is_file() and not e.name.endswith(".py"))
+def _not_python(folder: str, root: str) -> tuple[str, ...]:
+    """The files that are no Python: below a ``folder`` of the project, in a user's own."""
+    if folder.startswith("/"):
+        names = [entry.path for entry in os.scandir(folder) if entry.is_file()]
+    else:
+        names = [name for name in _tree(root) if name.startswith(folder)]
+    return tuple(name for name in names if not name.endswith(".py"))
 
 
 @cache
