@@ -84,7 +84,7 @@ class Page:
     @property
     def has_contents(self) -> bool:
         """Whether links to the sections stand above them."""
-        return len(self.sections) > 2
+        return len(self.sections) > 1
 
     def html(self) -> str:
         """One HTML document with its pictures inside."""

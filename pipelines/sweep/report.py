@@ -30,13 +30,14 @@ def write_report(swept: Swept) -> list[Group]:
     with replacing(folder / FIGURES) as new:
         captions = heat_maps(groups, axes_of(swept.sweep.points), new)
     pictures = {name: Picture(folder / FIGURES / name, text) for name, text in captions.items()}
-    _page(swept, groups, tuple(pictures.values())).write(folder)
+    page_of(swept, groups, tuple(pictures.values())).write(folder)
     write_text(folder / "networks.csv", _csv(groups, folder))
     write_text(folder / "sweep.json", json_text(_data(swept, groups)))
     return groups
 
 
-def _page(swept: Swept, groups: Sequence[Group], pictures: tuple[Picture, ...]) -> Page:
+def page_of(swept: Swept, groups: Sequence[Group], pictures: tuple[Picture, ...]) -> Page:
+    """The page of the sweep: what was chosen, the grid, what failed, how the work was planned."""
     sweep, axes = swept.sweep, [key for key in axes_of(swept.sweep.points) if key != SEEDS]
     tables = tuple(
         Table(
