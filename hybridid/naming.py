@@ -19,8 +19,12 @@ def unknown(what: str, name: object, known: Iterable[str], allowed: Iterable[str
     ``allowed`` are the names to print where ``known``, which are compared, would be too many.
     """
     names = list(known)
-    by_lower = {n.lower(): n for n in reversed(names)}
-    near = difflib.get_close_matches(str(name).lower(), by_lower, n=1, cutoff=0.5)
-    hint = f"did you mean {by_lower[near[0]]!r}? " if near else ""
     printed = names if allowed is None else list(allowed)
-    return f"unknown {what} {str(name)!r}: {hint}allowed: {', '.join(printed) or 'none'}"
+    return f"unknown {what} {str(name)!r}: {nearest(name, names)}allowed: {', '.join(printed) or 'none'}"
+
+
+def nearest(name: object, known: Iterable[str]) -> str:
+    """``did you mean '<nearest>'? ``, or nothing if none of ``known`` is near."""
+    by_lower = {n.lower(): n for n in reversed(list(known))}
+    near = difflib.get_close_matches(str(name).lower(), by_lower, n=1, cutoff=0.5)
+    return f"did you mean {by_lower[near[0]]!r}? " if near else ""

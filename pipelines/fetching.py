@@ -8,6 +8,7 @@ from pathlib import Path
 from hybridid.fetch import archive_named, fetch
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
+from pipelines.shared.sections.stages import ArchiveSection
 from pipelines.shared.sources import roots_of
 from pipelines.shared.watch import Watcher
 
@@ -19,12 +20,12 @@ def fetch_case(settings: Settings, watcher: Watcher) -> list[Path]:
         ConfigError: if the case has no public archive.
         FetchError: if it cannot be had; the message gives the page to visit.
     """
-    name = settings.get("archive.name")
-    if name is None:
+    section = settings.section("archive", ArchiveSection)
+    if section.name is None:
         raise ConfigError(f"case {settings.case} has no public archive to fetch")
-    archive = archive_named(str(name))
-    if settings.get("archive.url"):
-        archive = replace(archive, url=str(settings["archive.url"]))
+    archive = archive_named(section.name)
+    if section.url:
+        archive = replace(archive, url=section.url)
     root = roots_of(settings)[0]
     watcher.say(f"{archive.name}: to {root.path / archive.name}; licence: {archive.licence}")
     watcher.say(f"please cite: {archive.citation}")

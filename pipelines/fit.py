@@ -10,7 +10,7 @@ from pipelines.shared.config import Settings
 from pipelines.shared.findings import prepared_records
 from pipelines.shared.fitted import describe_model
 from pipelines.shared.modelling import fit_settings, model_of
-from pipelines.shared.sources import chosen, sources_of
+from pipelines.shared.sources import chosen, fitted_records, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
 from pipelines.shared.watch import Watcher
@@ -21,7 +21,7 @@ KEYS = (*modelling.KEYS, "estimator", "fit.records")
 
 def run(job: Job) -> None:
     """Estimate the model's parameters on the records of ``fit.records``."""
-    fitted = chosen(prepared_records(job.tree), job.settings.get("fit.records"), "fit.records")
+    fitted = chosen(prepared_records(job.tree), fitted_records(job.settings), "fit.records")
     records = [load_record(record.file) for record in fitted]
     model = model_of(job.settings)
     estimate = fit(model, records, fit_settings(job.settings), lambda report: _show(report, job.watcher))
@@ -45,7 +45,7 @@ def check(settings: Settings) -> None:
         ConfigError: if not.
     """
     model_of(settings), fit_settings(settings)
-    chosen(sources_of(settings).found, settings.get("fit.records"), "fit.records")
+    chosen(sources_of(settings).found, fitted_records(settings), "fit.records")
 
 
 def _show(report: Progress, watcher: Watcher) -> None:

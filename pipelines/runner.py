@@ -107,7 +107,7 @@ def _bring_up_to_date(
         reasons = why_stale(root / stage.name, now)
         if stage.name in outdated:
             reasons = [f"the result of {name} changed" for name in stage.reads if name in ran]
-        if not reasons and not settings.get("force", False):
+        if not reasons and not settings.lone.force:
             watcher.say(f"{stage.name}: fresh, reused")
             continue
         watcher.say(f"{stage.name}: {_because(reasons)}")

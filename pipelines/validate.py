@@ -7,26 +7,24 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from hybridid.estimators.estimate import Estimate
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from hybridid.simulation.simulate import Diverged
-from hybridid.validation import VIEWS, Prediction, free_run, horizon_run, metrics, residual_tests
+from hybridid.validation import Prediction, free_run, horizon_run, metrics, residual_tests
 from pipelines.shared.config import Settings
-from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.errors import ConfigError
 from pipelines.shared.findings import estimate_of, prepared_records
 from pipelines.shared.fitted import load
 from pipelines.shared.hybrids import hybrid_of
 from pipelines.shared.modelling import named_code
 from pipelines.shared.predictions import HYBRID, RESIDUALS, Tested, write_prediction, write_tests
+from pipelines.shared.sections.stages import ValidateSection
 from pipelines.shared.sources import chosen, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
 
-INITIAL_STATES = ("estimated", "measured")
 _NO_SCORE = {"mse": None, "rmse": None, "r2": None, "fit_percent": None}
 
 
@@ -48,10 +46,11 @@ def run(job: Job) -> None:
     candidates = _candidates(job, model, estimate)
     rows: list[dict[str, Any]] = []
     tests: list[Tested] = []
-    for prepared in chosen(prepared_records(job.tree), settings.get("validate.records"), "validate.records"):
+    section = _section(settings)
+    for prepared in chosen(prepared_records(job.tree), section.records, "validate.records"):
         record = load_record(prepared.file)
         for candidate in candidates:
-            for view in settings["validate.views"]:
+            for view in section.views:
                 what = f"{candidate.name}, record {record.name}, {view.replace('_', ' ')}"
                 job.watcher.progress("validate", what, None)
                 new_rows, new_tests = _validated(job, candidate, model, record, view)
@@ -67,18 +66,11 @@ def check(settings: Settings) -> None:
     Raises:
         ConfigError: if it cannot.
     """
-    chosen(sources_of(settings).found, settings.get("validate.records"), "validate.records")
-    views = settings.get("validate.views", [])
-    if not isinstance(views, list) or not views:
-        raise ConfigError(f"validate.views is {views!r}: give a list of {', '.join(VIEWS)}")
-    for view in views:
-        if view not in VIEWS:
-            raise ConfigError(unknown("view in validate.views:", str(view), VIEWS))
-    if settings["validate.initial_state"] not in INITIAL_STATES:
-        given = str(settings["validate.initial_state"])
-        raise ConfigError(unknown("value of validate.initial_state", given, INITIAL_STATES))
-    _positive(settings, "validate.horizon", "s")
-    _positive(settings, "validate.lags", "samples")
+    chosen(sources_of(settings).found, _section(settings).records, "validate.records")
+
+
+def _section(settings: Settings) -> ValidateSection:
+    return settings.section("validate", ValidateSection)
 
 
 def _candidates(job: Job, model: Model, estimate: Estimate) -> list[_Candidate]:
@@ -110,9 +102,10 @@ def _validated(
 ) -> tuple[list[dict[str, Any]], list[Tested]]:
     """One model on one record in one view: its prediction is written, its scores and tests are returned."""
     name = candidate.name
-    seconds = float(job.settings["validate.horizon"]) if view == "horizon" else None
+    section = _section(job.settings)
+    seconds = section.horizon if view == "horizon" else None
     try:
-        prediction = _predicted(job.settings, candidate, record, seconds)
+        prediction = _predicted(section, candidate, record, seconds)
     except Diverged as error:
         job.watcher.warn(str(error))
         about = {"model": name, "record": record.name, "view": view, "horizon": seconds, "remark": str(error)}
@@ -120,15 +113,15 @@ def _validated(
         return [{**about, "output": y.name, **scores, "unit": y.unit} for y in model.outputs], []
     write_prediction(candidate.folder, prediction, name, seconds)
     rows = [{**asdict(row), "horizon": seconds} for row in metrics(prediction, name)]
-    found = residual_tests(prediction, record, int(job.settings["validate.lags"]))
+    found = residual_tests(prediction, record, section.lags)
     return rows, [Tested(name, view, seconds, test) for test in found]
 
 
 def _predicted(
-    settings: Settings, candidate: _Candidate, record: Record, seconds: float | None
+    section: ValidateSection, candidate: _Candidate, record: Record, seconds: float | None
 ) -> Prediction:
     if seconds is None:
-        return candidate.free_run(record, settings["validate.initial_state"])
+        return candidate.free_run(record, section.initial_state)
     samples = round(seconds / record.dt)
     if samples < 2:
         raise ConfigError(
@@ -136,12 +129,6 @@ def _predicted(
             "a horizon needs 2 samples"
         )
     return candidate.horizon_run(record, samples)
-
-
-def _positive(settings: Settings, key: str, unit: str) -> None:
-    value = settings[key]
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < np.inf:
-        raise ConfigError(f"{key} is {value!r}: must be a positive number of {unit}")
 
 
 VALIDATE = Stage(

@@ -2,6 +2,6 @@
 
 from hybridid.estimators.estimate import Estimate, EstimatedParameter, Progress
 from hybridid.estimators.fit import fit
-from hybridid.estimators.settings import FitSettings
+from hybridid.settings.fit import FitSettings
 
 __all__ = ["Estimate", "EstimatedParameter", "FitSettings", "Progress", "fit"]

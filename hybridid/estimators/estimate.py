@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators.settings import FitSettings
+from hybridid.settings.fit import FitSettings
 
 Array = NDArray[np.float64]
 

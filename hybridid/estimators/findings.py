@@ -9,8 +9,8 @@ import numpy as np
 from hybridid.declarations import Parameter
 from hybridid.estimators.estimate import Estimate, EstimatedParameter, Solution
 from hybridid.estimators.problem import Problem
-from hybridid.estimators.settings import FitSettings
 from hybridid.estimators.uncertainty import Uncertainty
+from hybridid.settings.fit import FitSettings
 from hybridid.simulation.stability import MOST, substeps_wanted
 
 VAGUE = 0.5

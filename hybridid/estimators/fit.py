@@ -16,13 +16,13 @@ from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import GAUSS_NEWTON, Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
 from hybridid.estimators.problem import Problem, build_problem
-from hybridid.estimators.settings import FitSettings
 from hybridid.estimators.short_horizons import short_horizon_problem, short_horizon_start
 from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates
 from hybridid.estimators.stop import Stop, Watch
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.settings.fit import FitSettings
 from hybridid.simulation.matching import check_records
 from hybridid.simulation.stability import MOST, first_substeps, substeps_wanted
 

@@ -10,14 +10,16 @@ import dataclasses
 import types
 import typing
 from collections.abc import Mapping, Sequence
-from functools import cache
 from pathlib import PurePath
 from typing import Any, Literal, TypeVar, Union
 
 import numpy as np
 
-from hybridid.naming import unknown
+from hybridid.naming import nearest, unknown
+from hybridid.plain.section import is_section, section
 from hybridid.plain.store import key_of
+from hybridid.settings.bounds import kind
+from hybridid.settings.declare import hints_of
 
 T = TypeVar("T")
 
@@ -35,8 +37,10 @@ def build(cls: type[T], values: Mapping[str, Any], where: str, error: type[Value
     """A dataclass ``cls`` from a plain mapping, converted by its field types.
 
     Understood are numbers, text, booleans, ``Literal``, optional values, tuples (a lone value
-    stands for a tuple of one) and dataclasses. A tuple of dataclasses may also be written as
-    a mapping from their ``name`` to the rest, which is easier to override from a command line.
+    stands for a tuple of one), mappings and dataclasses; 1e3 is a whole number. A tuple of dataclasses
+    may also be written as a mapping from their ``name`` to the rest, which is easier to override from a
+    command line. Where the fields of ``cls`` are declared as settings, only those are keys, their bounds
+    are checked, and a message names a key by its dotted name below ``where``.
 
     Raises:
         error: for an unknown or missing key or a value of the wrong kind, in one line that
@@ -60,10 +64,12 @@ def restored(cls: type[T], data: Any, where: str, error: type[ValueError] = Valu
 
 
 def _dataclass(values: Any, cls: Any, where: str, rules: _Rules) -> Any:
+    if not rules.stored and is_section(cls):
+        return section(cls, values, where, rules.error, lambda v, hint, at: _convert(v, hint, at, rules))
     if not isinstance(values, Mapping):
         raise rules.error(f"{where}: expected a mapping of keys to values, got {values!r}")
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
-    hints = _hints(cls)
+    hints = hints_of(cls)
     if rules.stored:
         values = {name: _as_stored(values, f) for name, f in fields.items() if _is_there(values, f)}
     for key in values:
@@ -84,11 +90,6 @@ def _dataclass(values: Any, cls: Any, where: str, rules: _Rules) -> Any:
         return cls(**converted)
     except ValueError as wrong:
         raise rules.error(f"{where}: {wrong}") from wrong
-
-
-@cache
-def _hints(cls: Any) -> dict[str, Any]:
-    return typing.get_type_hints(cls)
 
 
 def _is_there(values: Mapping[str, Any], f: dataclasses.Field[Any]) -> bool:
@@ -112,50 +113,56 @@ def _convert(value: Any, hint: Any, where: str, rules: _Rules) -> Any:
         return _union(value, arguments, where, rules)
     if origin is Literal:
         if value not in arguments:
-            raise rules.error(f"{where} is {value!r}: allowed: {', '.join(map(str, arguments))}")
+            allowed = [str(word) for word in arguments]
+            near = nearest(value, allowed)
+            raise rules.error(f"{where} is {value!r}: {near}allowed: {', '.join(allowed)}")
         return value
     if origin is tuple:
         return _tuple(value, arguments, where, rules)
     if dataclasses.is_dataclass(hint) and isinstance(hint, type):
         return value if isinstance(value, hint) else _dataclass(value, hint, where, rules)
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return _mapping(value, arguments, where, rules)
     if rules.stored:
         return _stored(value, hint, where, rules)
     return _scalar(value, hint, where, rules)
 
 
+def _mapping(value: Any, arguments: tuple[Any, ...], where: str, rules: _Rules) -> dict[Any, Any]:
+    if not isinstance(value, Mapping):
+        raise rules.error(f"{where}: expected a mapping of keys to values, got {value!r}")
+    key = int if arguments[0] is int else str
+    return {key(k): _convert(v, arguments[1], f"{where}: {k}", rules) for k, v in value.items()}
+
+
 def _stored(value: Any, hint: Any, where: str, rules: _Rules) -> Any:
-    """What a config never holds: null for a number, arrays, mappings of any keys, paths."""
+    """What a config never holds: null for a number, arrays, paths."""
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if hint is float and value is None:
         return float("nan")
     if origin is np.ndarray:
         return _array(value, typing.get_args(arguments[1])[0], where, rules)
-    if isinstance(origin, type) and issubclass(origin, Mapping):
-        if not isinstance(value, Mapping):
-            raise rules.error(f"{where}: expected a mapping of keys to values, got {value!r}")
-        key = int if arguments[0] is int else str
-        return {key(k): _convert(v, arguments[1], f"{where}: {k}", rules) for k, v in value.items()}
     if isinstance(hint, type) and issubclass(hint, PurePath):
         return hint(_scalar(value, str, where, rules))
     return _scalar(value, hint, where, rules)
 
 
-def _array(value: Any, kind: Any, where: str, rules: _Rules) -> Any:
+def _array(value: Any, number: Any, where: str, rules: _Rules) -> Any:
     """An array of numbers; null in it becomes nan."""
     try:
-        return np.array(value, dtype=None if kind is Any else kind)
+        return np.array(value, dtype=None if number is Any else number)
     except (TypeError, ValueError):
         raise rules.error(f"{where}: expected an array of numbers") from None
 
 
 def _scalar(value: Any, hint: Any, where: str, rules: _Rules) -> Any:
     if hint in _SCALARS and not _SCALARS[hint](value):
-        raise rules.error(f"{where} is {value!r}: expected {_WORDS[hint]}")
-    return float(value) if hint is float else value
+        raise rules.error(f"{where} is {value!r}: expected {kind(hint)}")
+    return hint(value) if hint in (float, int) else value
 
 
 def _union(value: Any, options: tuple[Any, ...], where: str, rules: _Rules) -> Any:
-    """The first of ``options`` that fits; the complaint of the first if none does."""
+    """The first of ``options`` that fits; if none does, what all of them expect, or the first's complaint."""
     if value is None and type(None) in options:
         return None
     complaints: list[ValueError] = []
@@ -165,6 +172,9 @@ def _union(value: Any, options: tuple[Any, ...], where: str, rules: _Rules) -> A
                 return _convert(value, option, where, rules)
             except rules.error as wrong:
                 complaints.append(wrong)
+    simple = not any(dataclasses.is_dataclass(option) for option in options)
+    if len(complaints) > 1 and simple:
+        raise rules.error(f"{where} is {value!r}: expected {' or '.join(map(kind, options))}")
     raise complaints[0]
 
 
@@ -190,8 +200,7 @@ def _is_number(value: Any) -> bool:
 
 _SCALARS: Mapping[Any, Any] = {
     float: _is_number,
-    int: lambda value: isinstance(value, int) and not isinstance(value, bool),
+    int: lambda value: _is_number(value) and value == value // 1,
     bool: lambda value: isinstance(value, bool),
     str: lambda value: isinstance(value, str),
 }
-_WORDS: Mapping[Any, str] = {float: "a number", int: "a whole number", bool: "true or false", str: "text"}

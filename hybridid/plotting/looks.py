@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 # Okabe and Ito (2008), "Color universal design": told apart with any colour vision.
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
@@ -10,7 +11,8 @@ PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
 INK, SOFT_INK, DATA_GREY, GRID_GREY = "#222222", "#666666", "#A0A0A0", "#E4E4E4"
 FOCUS = "#FFF6DC"  # background of the part that another panel enlarges
 
-KINDS = ("svg", "pdf", "png")
+Kind = Literal["svg", "pdf", "png"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 """Files that a figure is written as."""
 
 Dashes = tuple[float, tuple[float, ...] | None]

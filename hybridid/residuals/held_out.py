@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators.fit import fit
-from hybridid.estimators.settings import FitSettings
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.residuals.choice import smallest_within
 from hybridid.residuals.rbf_fit import RBFPlan, fit_rbf
+from hybridid.settings.fit import FitSettings
 from hybridid.simulation.simulate import Diverged
 from hybridid.validation.predict import free_run
 

@@ -10,11 +10,11 @@ import casadi as ca
 
 from hybridid.estimators.estimate import Estimate, Progress
 from hybridid.estimators.fit import fit
-from hybridid.estimators.settings import FitSettings
 from hybridid.model import Model
 from hybridid.naming import unknown
 from hybridid.records.record import Record
 from hybridid.residuals.rbf import Over, RBFBounds, RBFNetwork
+from hybridid.settings.fit import FitSettings
 from hybridid.validation.predict import free_run
 
 Physics = Literal["refitted", "fixed"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +20,13 @@ from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.settings.choices import View
 from hybridid.simulation.matching import check_records
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import substeps_for
 
 Array = NDArray[np.float64]
-VIEWS = ("free_run", "horizon")
+VIEWS: tuple[View, ...] = get_args(View)
 
 
 @dataclass(frozen=True)

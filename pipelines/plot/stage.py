@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from hybridid.plotting.looks import KINDS
 from pipelines.shared.config import Settings
-from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.modelling import named_code
+from pipelines.shared.sections.stages import PlotSection
 from pipelines.shared.stage import Job, Stage
 
 
@@ -29,13 +28,7 @@ def check(settings: Settings) -> None:
 
 
 def _kinds(settings: Settings) -> tuple[str, ...]:
-    given = settings.get("plot.formats", list(KINDS))
-    if not isinstance(given, list) or not given:
-        raise ConfigError(f"plot.formats is {given!r}: give a list of {', '.join(KINDS)}")
-    for kind in given:
-        if kind not in KINDS:
-            raise ConfigError(unknown("format in plot.formats:", str(kind), KINDS))
-    return tuple(given)
+    return settings.section("plot", PlotSection).formats
 
 
 PLOT = Stage(

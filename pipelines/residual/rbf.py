@@ -10,12 +10,12 @@ from typing import Any
 
 from joblib import cpu_count
 
-from hybridid.estimators.settings import FitSettings
 from hybridid.hybrid import PortHybrid
 from hybridid.model import Model
 from hybridid.residuals.held_out import Candidate, Mapper, Scored, choose, compare
 from hybridid.residuals.rbf import Over, RBFBounds
 from hybridid.residuals.rbf_fit import Physics, RBFPlan, fit_rbf, port_of
+from hybridid.settings.fit import FitSettings
 from pipelines.residual.request import GrayBox, Made, Request, reporter, section_of
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.watch import Watcher

@@ -22,7 +22,7 @@ from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.findings import prepared_records
 from pipelines.shared.fitted import load
 from pipelines.shared.modelling import model_of, named_code
-from pipelines.shared.sources import chosen
+from pipelines.shared.sources import chosen, fitted_records
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
 
@@ -40,7 +40,7 @@ def gray_box(settings: Settings, tree: Path) -> GrayBox:
     """The fitted model of a tree, and which of its records it was fitted to."""
     model, estimate = load(tree)
     prepared = prepared_records(tree)
-    fitted = chosen(prepared, settings.get("fit.records"), "fit.records")
+    fitted = chosen(prepared, fitted_records(settings), "fit.records")
     records, unseen = (
         tuple(load_record(record.file) for record in prepared if (record in fitted) is wanted)
         for wanted in (True, False)

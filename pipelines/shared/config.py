@@ -7,50 +7,16 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from hybridid.plain import build
+from hybridid.plain.section import check_keys
+from hybridid.settings import keys
 from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.sections.known import KEYS, SECTIONS
+from pipelines.shared.sections.stages import CaseSection, LoneKeys, MLflowSection
 
-# What may stand in a config, section by section; None: the case decides what stands below.
-SECTIONS: Mapping[str, tuple[str, ...] | None] = {
-    "case": ("title", "source"),
-    "archive": ("name", "url"),
-    "plant": None,
-    "rig": None,
-    "data": None,
-    "records": None,
-    "signals": None,
-    "effects": None,
-    "parameters": None,
-    "preprocess": ("steps",),
-    "estimator": None,
-    "fit": ("records",),
-    "residual": None,
-    "validate": ("records", "views", "horizon", "initial_state", "lags"),
-    "plot": ("formats",),
-    "trace": (
-        "records",
-        "held_out",
-        "horizon",
-        "effects",
-        "extra_effects",
-        "ports",
-        "alpha",
-        "worth",
-        "tie",
-        "stands_in",
-        "most_effects",
-        "processes",
-    ),
-    "sweep": ("stack", "processes", "job"),
-    "tune": None,
-    "model": None,
-    "paths": ("data", "outputs"),
-    "out": None,
-    "force": None,
-    "mlflow": ("enabled", "tracking_uri", "experiment", "patience"),
-    "port": None,
-}
+T = TypeVar("T")
 
 # What makes a model what it is: runs that agree in these share a tree.
 MODELLING = (
@@ -64,7 +30,8 @@ class Settings:
     """A case's name, its resolved config as plain containers, and the user's own folders.
 
     Raises:
-        ConfigError: if a key is none of those in ``SECTIONS``.
+        ConfigError: if a key is none of ``KEYS``, or below a section none of its own; if a key that every
+            command reads has a value that is not allowed.
     """
 
     case: str
@@ -74,11 +41,32 @@ class Settings:
 
     def __post_init__(self) -> None:
         for key, value in self.config.items():
-            if key == "case" and isinstance(value, Mapping) and set(value) - set(SECTIONS["case"] or ()):
+            if key == "case" and isinstance(value, Mapping) and set(value) - set(keys(CaseSection)):
                 raise ConfigError(_case_key(self.case, value))
-            if key not in SECTIONS:
-                raise ConfigError(unknown("config key", key, SECTIONS))
-            _check_section(key, value, SECTIONS[key])
+            if key not in KEYS:
+                raise ConfigError(unknown("config key", key, KEYS))
+            if key in SECTIONS and value is not None:
+                check_keys(SECTIONS[key], value, key, ConfigError)
+        _ = self.lone, self.mlflow
+
+    @property
+    def lone(self) -> LoneKeys:
+        """The keys that stand in no section."""
+        given = {key: self.config[key] for key in keys(LoneKeys) if key in self.config}
+        return build(LoneKeys, given, "", ConfigError)
+
+    @property
+    def mlflow(self) -> MLflowSection:
+        """Whether and where runs are logged."""
+        return self.section("mlflow", MLflowSection)
+
+    def section(self, name: str, cls: type[T]) -> T:
+        """The section ``name`` as ``cls``, which declares its keys.
+
+        Raises:
+            ConfigError: in one line for a key or a value that is not allowed.
+        """
+        return build(cls, self.get(name, {}), name, ConfigError)
 
     def __getitem__(self, key: str) -> Any:
         """The value at a dotted key.
@@ -124,20 +112,10 @@ def flat(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return result
 
 
-def _check_section(name: str, value: Any, allowed: tuple[str, ...] | None) -> None:
-    if allowed is None:
-        return
-    if not isinstance(value, Mapping):
-        raise ConfigError(f"{name} must hold {', '.join(allowed)}; it is {value!r}")
-    for key in value:
-        if key not in allowed:
-            raise ConfigError(unknown(f"config key below {name}", key, allowed))
-
-
 def _case_key(case: str, value: Mapping[str, Any]) -> str:
-    strange = sorted(set(value) - set(SECTIONS["case"] or ()))[0]
-    if strange in SECTIONS:
+    strange = sorted(set(value) - set(keys(CaseSection)))[0]
+    if strange in KEYS:
         return (
             f"case {case}: its file must begin with '# @package _global_', or {strange} is no key of its own"
         )
-    return unknown("config key below case", strange, SECTIONS["case"] or ())
+    return unknown("config key below case", strange, keys(CaseSection))

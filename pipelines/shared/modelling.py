@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
-from typing import Any, get_type_hints
+from typing import Any
 
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS
-from hybridid.estimators.settings import FitSettings
 from hybridid.model import Model, compose
 from hybridid.model.compose import ADJUSTABLE
 from hybridid.plants.plant import Plant
+from hybridid.settings.fit import FitSettings
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import code_digests, named
@@ -101,17 +100,7 @@ def fit_settings(settings: Settings) -> FitSettings:
     Raises:
         ConfigError: if a key or value is not allowed.
     """
-    given = dict(settings.get("estimator", {}))
-    kinds = get_type_hints(FitSettings)
-    names = [field.name for field in fields(FitSettings)]
-    for key, value in given.items():
-        if key not in names:
-            raise ConfigError(unknown("config key below estimator", key, names))
-        given[key] = _typed(f"estimator.{key}", value, str(kinds[key]))
-    try:
-        return FitSettings(**given)
-    except ValueError as error:
-        raise ConfigError(str(error)) from error
+    return settings.section("estimator", FitSettings)
 
 
 def _leaves(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, dict[str, float]]]:
@@ -149,22 +138,3 @@ def _number(key: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ConfigError(f"{key} is {value!r}: must be a number")
     return float(value)
-
-
-def _typed(key: str, value: Any, kind: str) -> Any:
-    """``value`` as the annotated ``kind``; whole floats such as 1e3 count as integers."""
-    if value is None:
-        if "None" in kind:
-            return None
-        raise ConfigError(f"{key} is null: must be given")
-    if "tuple" in kind:
-        items = value if isinstance(value, list) else [value]
-        return tuple(_number(key, item) for item in items)
-    if "str" in kind:
-        return str(value)
-    number = _number(key, value)
-    if "int" in kind:
-        if number != int(number):
-            raise ConfigError(f"{key} is {value!r}: must be a whole number")
-        return int(number)
-    return number

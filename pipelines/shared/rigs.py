@@ -6,34 +6,30 @@ import inspect
 from collections.abc import Mapping
 from typing import Any
 
+from hybridid.plain import build
 from hybridid.rigs.laws import RigError
 from hybridid.rigs.rig import Rig
 from hybridid.rigs.truth import planted_laws
-from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.errors import ConfigError
 from pipelines.shared.imports import named
+from pipelines.shared.sections.stages import RigSection
 
-KEYS = ("path", "seed", "duration", "truth", "planted")
 
+def rig_of(given: Mapping[str, Any]) -> Rig:
+    """The rig of the section ``rig``: at the import path ``path``, an instance or a class to make one of.
 
-def rig_of(given: Any) -> Rig:
-    """The rig at the import path ``path``, an instance or a class to make one of, with another truth if
-    ``truth`` (numbers by name) or ``planted`` (a list of laws) says so; null leaves each as the rig has it.
+    ``truth`` (numbers by name) and ``planted`` (a list of laws) give it another truth; null leaves each as
+    the rig has it.
 
     Raises:
         ConfigError: in one line for an unknown key, rig, number, law, port or parameter.
     """
-    if not isinstance(given, Mapping):
-        raise ConfigError(f"rig is {given!r}: give {', '.join(KEYS)}")
-    for key in given:
-        if key not in KEYS:
-            raise ConfigError(unknown("config key below rig", key, KEYS))
-    rig = named(given.get("path"), "rig.path")
+    section = build(RigSection, given, "rig", ConfigError)
+    rig = named(section.path, "rig.path")
     rig = rig() if inspect.isclass(rig) else rig
     if not isinstance(rig, Rig):
-        raise ConfigError(
-            f"rig.path {given.get('path')} is a {type(rig).__name__}, not a hybridid.rigs.rig.Rig"
-        )
-    truth, planted = given.get("truth"), given.get("planted")
+        raise ConfigError(f"rig.path {section.path} is a {type(rig).__name__}, not a hybridid.rigs.rig.Rig")
+    truth, planted = section.truth, section.planted
     if truth is None and planted is None:
         return rig
     try:

@@ -15,9 +15,9 @@ from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import code_digests
 from pipelines.shared.rigs import rig_of
+from pipelines.shared.sections.stages import ArchiveSection, FitSection, PathsSection, RigSection
 
 KEYS = ("data", "records", "signals", "rig", "paths.data")
-CHOICES = ("auto", "measured", "simulated")
 ROLES = ("identification", "validation")
 _OWN = ("role", "run", "steps")
 _STANDS_IN = "no measured record found; the virtual rig stands in, all that follows is SIMULATED"
@@ -101,14 +101,12 @@ def sources_of(settings: Settings) -> Sources:
         ConfigError: if the config of records, signals or rig is wrong.
         RecordNotFoundError: if a measured record is insisted on, or there is no rig to stand in.
     """
-    choice = settings.get("data", "auto")
-    if choice not in CHOICES:
-        raise ConfigError(unknown("value of data", str(choice), CHOICES))
+    choice = settings.lone.data
     records = _records(settings)
     if choice == "simulated":
         return Sources(_simulated(settings, records), ("simulated records, as data=simulated asks",))
     roots = roots_of(settings)
-    if not roots[0].path.is_dir() and settings.get("paths.data"):
+    if not roots[0].path.is_dir() and _data_folder(settings):
         raise ConfigError(f"paths.data is {roots[0].path}: no such folder")
     found, missing = [], []
     for name, entry in records.items():
@@ -128,7 +126,11 @@ def sources_of(settings: Settings) -> Sources:
 def roots_of(settings: Settings) -> tuple[DataRoot, ...]:
     """``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, then the user's own folders."""
     own = [DataRoot(folder, "--config-dir") for folder in settings.folders]
-    return (*data_roots(settings.get("paths.data")), *own)
+    return (*data_roots(_data_folder(settings)), *own)
+
+
+def _data_folder(settings: Settings) -> str | None:
+    return settings.section("paths", PathsSection).data
 
 
 def digests(settings: Settings) -> dict[str, str]:
@@ -138,7 +140,7 @@ def digests(settings: Settings) -> dict[str, str]:
     return {f"record {s.name}": f"{type(s).__name__.lower()} {s.digest}" for s in sources.found} | rig
 
 
-def chosen(records: Sequence[Named], wanted: Any, key: str) -> list[Named]:
+def chosen(records: Sequence[Named], wanted: Sequence[str] | None, key: str) -> list[Named]:
     """The records whose name or role is in ``wanted``; all if it is null.
 
     Raises:
@@ -146,12 +148,16 @@ def chosen(records: Sequence[Named], wanted: Any, key: str) -> list[Named]:
     """
     if wanted is None:
         return list(records)
-    entries = [str(entry) for entry in wanted] if isinstance(wanted, list) else [str(wanted)]
     known = {word for record in records for word in (record.name, record.role)}
-    for entry in entries:
+    for entry in wanted:
         if entry not in known:
             raise ConfigError(unknown(f"record in {key}:", entry, known))
-    return [record for record in records if {record.name, record.role} & set(entries)]
+    return [record for record in records if {record.name, record.role} & set(wanted)]
+
+
+def fitted_records(settings: Settings) -> tuple[str, ...] | None:
+    """The key ``fit.records``: what ``chosen`` takes of the records that the model is fitted to."""
+    return settings.section("fit", FitSection).records
 
 
 def _records(settings: Settings) -> dict[str, dict[str, Any]]:
@@ -177,23 +183,19 @@ def _measured(
 
 
 def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> tuple[Simulated, ...]:
-    given = settings.get("rig")
-    if given is None:
+    if settings.get("rig") is None:
         raise ConfigError(f"data=simulated: case {settings.case} has no virtual rig")
-    rig = rig_of(given)
+    section, rig = settings.section("rig", RigSection), rig_of(settings["rig"])
     made = []
     for name, entry in records.items():
         run = str(entry.get("run", name))
         if run not in rig.runs:
             raise ConfigError(unknown(f"run of rig {rig.name}, for record {name}:", run, rig.runs))
-        seed, duration, steps = given.get("seed") or 0, given.get("duration"), entry.get("steps") or ()
-        made.append(Simulated(name, entry["role"], rig, run, seed, duration, tuple(steps)))
+        steps = tuple(entry.get("steps") or ())
+        made.append(Simulated(name, entry["role"], rig, run, section.seed or 0, section.duration, steps))
     return tuple(made)
 
 
 def _fetch_hint(settings: Settings) -> str:
-    return (
-        f"; hybridid fetch {settings.case} downloads the measured ones"
-        if settings.get("archive.name")
-        else ""
-    )
+    public = settings.section("archive", ArchiveSection).name
+    return f"; hybridid fetch {settings.case} downloads the measured ones" if public else ""

@@ -159,7 +159,7 @@ def _refused(points: Sequence[Point], watcher: Watcher) -> dict[Point, str]:
 
 
 def _planned(points: Sequence[Point], crew: Crew, request: SweepRequest, key: str) -> Plan:
-    fresh = [p for p in points if not p.settings.get("force", False) and _fresh(p)]
+    fresh = [p for p in points if not p.settings.lone.force and _fresh(p)]
     grays = {p.gray_tree: p for p in points if p not in fresh and p.kind is not None}
     there = [p for p in grays.values() if is_fresh(p.gray, "fit", p.gray_tree)]
     plan = planned(points, fresh, there, crew.cores, request.stack)

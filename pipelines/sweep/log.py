@@ -51,7 +51,7 @@ def _in_experiment(point: Point, name: str) -> Point:
 def log_points(points: Sequence[Point], sweep: str, watcher: Watcher) -> None:
     """Log finished points as runs of ``sweep``, the key of their parent. Again is the same again."""
     for point in points:
-        if point.settings.get("mlflow.enabled", True):
+        if point.settings.mlflow.enabled:
             log_point(point.settings, _logged(point, sweep), sweep, watcher)
 
 

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
-
-import numpy as np
 
 from hybridid.declarations import Port
 from hybridid.effects.effect import Effect
@@ -19,14 +16,12 @@ from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.findings import Prepared
 from pipelines.shared.modelling import plant_of
+from pipelines.shared.sections.searches import TraceSection
+from pipelines.shared.sections.stages import ValidateSection
 from pipelines.shared.sources import Named, chosen
 
-AUTO = "auto"
 ENOUGH = 10
 """Horizons to fit, and to judge by, that the automatic horizon leaves."""
-RULES = ("alpha", "worth", "tie", "stands_in", "most_effects")
-KEYS = ("records", "held_out", "horizon", "effects", "extra_effects", "ports", *RULES, "processes")
-_SHARES = ("alpha", "worth", "tie", "stands_in")
 
 
 @dataclass(frozen=True)
@@ -46,18 +41,27 @@ def request_of(settings: Settings) -> Request:
     Raises:
         ConfigError: if an effect or port is unknown or a number cannot be.
     """
-    effects = (*_library(settings), *_own(settings))
+    section = section_of(settings)
+    effects = (*_library(section), *_own(section))
     for effect in effects:
         if [e.id for e in effects].count(effect.id) > 1:
             raise ConfigError(f"trace.extra_effects: two effects to try are called {effect.id}")
-    return Request(
-        effects, _ports(settings, effects), _rules(settings), _horizon(settings), _processes(settings)
-    )
+    ports = _ports(settings, section, effects)
+    return Request(effects, ports, section.rules, _horizon(settings, section), _processes(settings, section))
+
+
+def section_of(settings: Settings) -> TraceSection:
+    """The section ``trace``, its keys and values checked.
+
+    Raises:
+        ConfigError: if one is not allowed.
+    """
+    return settings.section("trace", TraceSection)
 
 
 def own_effects(settings: Settings) -> list[str]:
     """Import paths of the user's own effects that are tried beside the library."""
-    return [str(entry) for entry in _list(settings, "trace.extra_effects", [])]
+    return list(section_of(settings).extra_effects)
 
 
 def division(records: Sequence[Named], settings: Settings) -> tuple[list[Named], list[Named]]:
@@ -66,11 +70,12 @@ def division(records: Sequence[Named], settings: Settings) -> tuple[list[Named],
     Raises:
         ConfigError: if a name matches no record, or one record were to serve both ways.
     """
-    fitted = chosen(records, settings.get("trace.records"), "trace.records")
-    wanted = settings["trace.held_out"]
+    section = section_of(settings)
+    fitted = chosen(records, section.records, "trace.records")
+    wanted = section.held_out
     if wanted is None:
         return fitted, []
-    if wanted == AUTO:
+    if isinstance(wanted, str):  # auto
         return fitted, [r for r in records if r.role == "validation" and r not in fitted]
     held_out = chosen(records, wanted, "trace.held_out")
     twice = [r.name for r in held_out if r in fitted]
@@ -84,7 +89,7 @@ def division(records: Sequence[Named], settings: Settings) -> tuple[list[Named],
 
 def fitting_horizon(request: Request, prepared: Sequence[Prepared], settings: Settings) -> Request:
     """``request``, its horizon short enough for ``ENOUGH`` of them on either side if it is automatic."""
-    if settings["trace.horizon"] != AUTO:
+    if not isinstance(section_of(settings).horizon, str):  # auto
         return request
     fitted, held_out = ([r.row["n"] * r.row["dt"] for r in part] for part in division(prepared, settings))
     least = min(sum(fitted), sum(held_out)) if held_out else sum(fitted) / 2
@@ -112,82 +117,47 @@ def _loaded(prepared: Sequence[Prepared]) -> list[Record]:
     return [load_record(record.file) for record in prepared]
 
 
-def _library(settings: Settings) -> tuple[Effect, ...]:
-    names = settings.get("trace.effects")
-    return (
-        EFFECTS
-        if names is None
-        else tuple(_named(n, "trace.effects") for n in _list(settings, "trace.effects", []))
-    )
+def _library(section: TraceSection) -> tuple[Effect, ...]:
+    if section.effects is None:
+        return EFFECTS
+    return tuple(_named(name, "trace.effects") for name in section.effects)
 
 
-def _own(settings: Settings) -> list[Effect]:
-    for entry in own_effects(settings):
+def _own(section: TraceSection) -> list[Effect]:
+    for entry in section.extra_effects:
         if ":" not in entry:
             raise ConfigError(f"trace.extra_effects: {entry!r} is no import path, as in mymodule:MY_EFFECT")
-    return [_named(entry, "trace.extra_effects") for entry in own_effects(settings)]
+    return [_named(entry, "trace.extra_effects") for entry in section.extra_effects]
 
 
-def _named(name: object, key: str) -> Effect:
+def _named(name: str, key: str) -> Effect:
     try:
-        return effect_named(str(name))
+        return effect_named(name)
     except ValueError as error:
         raise ConfigError(f"{key}: {error}") from error
 
 
-def _ports(settings: Settings, effects: Sequence[Effect]) -> tuple[str, ...] | None:
-    if settings.get("trace.ports") is None:
+def _ports(settings: Settings, section: TraceSection, effects: Sequence[Effect]) -> tuple[str, ...] | None:
+    if section.ports is None:
         return None
     ports: dict[str, Port] = {port.name: port for port in plant_of(settings).ports}
-    wanted = tuple(str(name) for name in _list(settings, "trace.ports", []))
-    for name in wanted:
+    for name in section.ports:
         if name not in ports:
             raise ConfigError(unknown("port in trace.ports:", name, ports))
-    if not any(effect.kind == ports[name].kind for effect in effects for name in wanted):
-        raise ConfigError(f"trace.ports is {list(wanted)}: none of the effects to try acts there")
-    return wanted
+    if not any(effect.kind == ports[name].kind for effect in effects for name in section.ports):
+        raise ConfigError(f"trace.ports is {list(section.ports)}: none of the effects to try acts there")
+    return section.ports
 
 
-def _rules(settings: Settings) -> Rules:
-    given: dict[str, Any] = {key: _number(settings, f"trace.{key}") for key in RULES}
-    for key in _SHARES:
-        if not 0 < given[key] < 1:
-            raise ConfigError(f"trace.{key} is {given[key]:g}: must lie between 0 and 1")
-    return Rules(**{**given, "most_effects": _whole(settings, "trace.most_effects", 1)})
+def _horizon(settings: Settings, section: TraceSection) -> float:
+    if isinstance(section.horizon, str):  # auto
+        return settings.section("validate", ValidateSection).horizon
+    return section.horizon
 
 
-def _horizon(settings: Settings) -> float:
-    key = "validate.horizon" if settings["trace.horizon"] == AUTO else "trace.horizon"
-    seconds = _number(settings, key)
-    if not 0 < seconds < np.inf:
-        raise ConfigError(f"{key} is {seconds:g}: must be a positive number of s")
-    return seconds
-
-
-def _processes(settings: Settings) -> int:
-    if settings.get("trace.processes") is not None:
-        return _whole(settings, "trace.processes", 1)
+def _processes(settings: Settings, section: TraceSection) -> int:
+    if section.processes is not None:
+        return section.processes
     from joblib import cpu_count
 
     return 1 if settings.in_sweep else int(cpu_count())
-
-
-def _number(settings: Settings, key: str) -> float:
-    value = settings[key]
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ConfigError(f"{key} is {value!r}: must be a number")
-    return float(value)
-
-
-def _whole(settings: Settings, key: str, least: int) -> int:
-    number = _number(settings, key)
-    if number != int(number) or number < least:
-        raise ConfigError(f"{key} is {settings[key]!r}: must be a whole number, {least} or more")
-    return int(number)
-
-
-def _list(settings: Settings, key: str, default: list[Any]) -> list[Any]:
-    given = settings.get(key, default)
-    if not isinstance(given, list):
-        raise ConfigError(f"{key} is {given!r}: give a list, as in {key}=[a,b]")
-    return given

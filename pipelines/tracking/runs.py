@@ -29,7 +29,6 @@ from pipelines.tracking.waiting import SILENT, keep, reason, waiting
 
 __all__ = ["Point", "Run", "client", "close_parent", "log_point", "open_parent", "tracked", "tracking_uri"]
 
-_PATIENCE = 30.0  # s
 _PAUSE = 60.0  # s for which a store that failed is not tried again
 _failed: dict[str, float] = {}
 _warned: set[str] = set()
@@ -74,7 +73,6 @@ def tracked(
     A wrong request (``ConfigError``) never began and leaves no run. ``parent`` is the key of the sweep it
     belongs to; ``key`` its own, if the same run again is not to be a second.
     """
-    _patience(settings)
     run = Run(settings, command)
     key = key or uuid4().hex
     try:
@@ -89,7 +87,6 @@ def tracked(
 
 def open_parent(settings: Settings, name: str, key: str, tags: Mapping[str, str], watcher: Watcher) -> None:
     """Begin the run of a sweep; it is the same again for the same ``key``."""
-    _patience(settings)
 
     def note() -> Note:
         known = {**about(settings, name), **tags}
@@ -152,7 +149,7 @@ def close_parent(
 
 def _log(settings: Settings, note_of: Callable[[], Note], watcher: Watcher) -> None:
     """Send a note or, failing that, keep it: whatever is wrong with the store, the results stand."""
-    if not settings.get("mlflow.enabled", True):
+    if not settings.mlflow.enabled:
         return
     try:
         note = note_of()
@@ -171,24 +168,13 @@ def _sent(note: Note, settings: Settings) -> str:
     if time.monotonic() < _failed.get(uri, 0.0):
         return "it did not answer in time, less than a minute ago"
     try:
-        send(note, settings, _patience(settings))
+        send(note, settings, settings.mlflow.patience)
     except Exception as error:
         trouble = reason(error, uri)
         if trouble == SILENT or isinstance(error, (Slow, Timeout)):
             _failed[uri] = time.monotonic() + _PAUSE
         return trouble
     return ""
-
-
-def _patience(settings: Settings) -> float:
-    """
-    Raises:
-        ConfigError: if it is no time.
-    """
-    given = settings.get("mlflow.patience", _PATIENCE)
-    if isinstance(given, bool) or not isinstance(given, int | float) or not given >= 0:
-        raise ConfigError(f"mlflow.patience is {given!r}: must be a number of seconds, 0 or more")
-    return float(given)
 
 
 def _warn_once(settings: Settings, watcher: Watcher, trouble: str) -> None:
@@ -240,12 +226,11 @@ def _note(
     **rest: Any,
 ) -> Note:
     """A note for the store and experiment of ``settings``; times in s."""
-    uri = settings.get("mlflow.tracking_uri")
     return Note(
         key=key,
         name=name,
-        experiment=str(settings.get("mlflow.experiment") or settings.case),
-        uri=None if uri is None else str(uri),
+        experiment=settings.mlflow.experiment or settings.case,
+        uri=settings.mlflow.tracking_uri,
         began=round(began * 1000),
         ended=None if ended is None else round(ended * 1000),
         status=status,

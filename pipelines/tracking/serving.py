@@ -12,8 +12,10 @@ import time
 from types import FrameType
 from typing import NoReturn
 
+from hybridid.plain import build
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
+from pipelines.shared.sections.stages import UiKeys
 from pipelines.shared.watch import Watcher
 from pipelines.tracking.runs import client, tracking_uri
 
@@ -27,7 +29,7 @@ def serve(settings: Settings, watcher: Watcher) -> None:
     Raises:
         ConfigError: if the port is taken or none, or the server ends by itself.
     """
-    port = settings.get("port", 5000)
+    port = build(UiKeys, {"port": settings.get("port", 5000)}, "", ConfigError).port
     _check_free(port)
     client(settings)  # the page must not race a first run to make the store
     uri = tracking_uri(settings)
@@ -59,9 +61,7 @@ def _answers(port: int) -> bool:
         return probe.connect_ex((HOST, port)) == 0
 
 
-def _check_free(port: object) -> None:
-    if isinstance(port, bool) or not isinstance(port, int) or not 0 < port < 65536:
-        raise ConfigError(f"port is {port!r}: must be a whole number from 1 to 65535")
+def _check_free(port: int) -> None:
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

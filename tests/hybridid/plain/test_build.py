@@ -65,7 +65,7 @@ def test_a_tuple_of_dataclasses_may_be_a_mapping_by_name():
         ({"size": -1}, "here: size is negative"),
         ({"ratio": "much"}, "here: ratio is 'much': expected a number"),
         ({"on": "yes"}, "here: on is 'yes': expected true or false"),
-        ({"kind": "hihg"}, "here: kind is 'hihg': allowed: low, high"),
+        ({"kind": "hihg"}, "here: kind is 'hihg': did you mean 'high'? allowed: low, high"),
         ({"title": None}, "here: key 'title' is missing"),
         ({"tags": ["a", 2]}, "here: tags[1] is 2: expected text"),
         ({"span": [1.0]}, "here: span has 1 values, expected 2"),

@@ -9,7 +9,6 @@ import pytest
 
 from hybridid.declarations import Parameter, Port
 from hybridid.estimators.estimate import Estimate, EstimatedParameter
-from hybridid.estimators.settings import FitSettings
 from hybridid.plotting.comparison import comparison_plot
 from hybridid.plotting.error import error_plot
 from hybridid.plotting.friction import FrictionCurve, FrictionData, friction_plot
@@ -24,6 +23,7 @@ from hybridid.plotting.series import Response
 from hybridid.plotting.spectrum import amplitude_density, spectrum_plot
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot
 from hybridid.records.record import Channel, Record
+from hybridid.settings.fit import FitSettings
 from hybridid.validation import Prediction, residual_tests
 
 N, DT, HORIZON = 24841, 1e-3, 1000

@@ -61,7 +61,7 @@ def test_whole_floats_are_integers(settings):
         ({"horzion": 3}, "did you mean 'horizon'"),
         ({"interval": None}, "estimator.interval is null"),
         ({"horizon": 1}, "at least 2"),
-        ({"starts": True}, "must be a number"),
+        ({"starts": True}, "estimator.starts is True: expected a whole number"),
         ({"continuation": [3, 2]}, "must end with 1"),
     ],
 )

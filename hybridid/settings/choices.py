@@ -1,0 +1,12 @@
+"""Words to choose from that several rooms know."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+Integrator = Literal["rk4", "rodas3"]
+"""How one step is integrated."""
+InitialState = Literal["estimated", "measured"]
+"""Where a free run starts: at a state that fits the record best, or at the measured one."""
+View = Literal["free_run", "horizon"]
+"""The whole record in one go, or many short runs."""

@@ -1,0 +1,45 @@
+"""What may stand in a config, section by section."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from hybridid.settings import keys
+from hybridid.settings.fit import FitSettings
+from pipelines.shared.sections.searches import SweepSection, TraceSection, TuneSection
+from pipelines.shared.sections.stages import (
+    ArchiveSection,
+    CaseSection,
+    FitSection,
+    LoneKeys,
+    MLflowSection,
+    PathsSection,
+    PlotSection,
+    PreprocessSection,
+    RigSection,
+    UiKeys,
+    ValidateSection,
+)
+
+SECTIONS: Mapping[str, type] = {
+    "case": CaseSection,
+    "archive": ArchiveSection,
+    "preprocess": PreprocessSection,
+    "estimator": FitSettings,
+    "fit": FitSection,
+    "validate": ValidateSection,
+    "plot": PlotSection,
+    "trace": TraceSection,
+    "sweep": SweepSection,
+    "tune": TuneSection,
+    "rig": RigSection,
+    "paths": PathsSection,
+    "mlflow": MLflowSection,
+}
+"""Sections whose keys are always the same."""
+FREE = ("plant", "records", "signals", "effects", "parameters", "residual")
+"""Keys below which the case, or the kind of network, decides what may stand."""
+LONE: tuple[type, ...] = (LoneKeys, UiKeys)
+"""Keys that stand in no section."""
+KEYS: tuple[str, ...] = (*SECTIONS, *FREE, *(key for cls in LONE for key in keys(cls)))
+"""All that may stand at the top of a config."""

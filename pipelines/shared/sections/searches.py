@@ -1,0 +1,86 @@
+"""Sections of the commands that compare many models: trace, sweep and tune."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from hybridid.settings import inlined, setting
+from hybridid.trace.rules import Rules
+
+_CORES = "one a core"
+
+
+@dataclass(frozen=True)
+class TraceSection:
+    """What is tried where, on which horizons, and by which rules."""
+
+    horizon: Literal["auto"] | float = setting(
+        "auto",
+        "length of each horizon; auto: validate.horizon, or shorter where the records would not give "
+        "ten of them to judge by",
+        unit="s",
+        above=0,
+        below=float("inf"),
+    )
+    records: tuple[str, ...] | None = setting(
+        ("identification",),
+        "roles or names of the records to fit",
+        null="every record of the case",
+        follows="fit.records",
+    )
+    held_out: Literal["auto"] | tuple[str, ...] | None = setting(
+        "auto",
+        "roles or names of the records that judge; auto: the validation records that are not fitted, "
+        "or null if there are none",
+        null="alternate horizons of the fitted records",
+    )
+    effects: tuple[str, ...] | None = setting(
+        None, "ids of the effects to try (hybridid effects)", null="the whole library"
+    )
+    extra_effects: tuple[str, ...] = setting(
+        (), "effects of your own, tried beside them", shown="[MODULE:NAME,...]"
+    )
+    ports: tuple[str, ...] | None = setting(None, "names of the ports to try", null="all")
+    rules: Rules = inlined(Rules())
+    processes: int | None = setting(None, "trials side by side", least=1, null=_CORES)
+
+
+@dataclass(frozen=True)
+class SweepSection:
+    """How the points of a sweep are carried out."""
+
+    stack: int | None = setting(
+        None,
+        "points that train together at most; 1: every point is a job of its own",
+        least=1,
+        null="as the machine suggests",
+    )
+    processes: int | None = setting(None, "side by side on this machine", least=1, null=_CORES)
+    job: str | None = setting(
+        None, "file of one job, given by the sweep to the process that does it", shown="FILE", null="none"
+    )
+
+
+@dataclass(frozen=True)
+class TuneSection:
+    """What an adaptive search varies, and how long it goes on."""
+
+    space: Mapping[str, Any] | None = setting(
+        None,
+        "config keys to vary, such as residual.width: {low: 1, high: 8}, with log: true or a step, or "
+        "[a, b] to choose from; null: the key is not varied",
+        shown="{...}",
+    )
+    trials: int = setting(60, "in all, of every process, node and earlier command", least=1)
+    seconds: float | None = setting(
+        None, "after that time this command begins no trial", unit="s", above=0, null="no limit"
+    )
+    processes: int | None = setting(None, "trials side by side on this machine", least=1, null=_CORES)
+    startup: int = setting(10, "random trials before the search adapts", least=1)
+    pruner: Literal["median", "hyperband", "none"] = setting(
+        "median",
+        "which trials are ended early; median: those worse than the others at the same share of training",
+    )
+    seed: int = setting(0, "of the search", least=0)

@@ -1,0 +1,163 @@
+"""Sections of the stages from records to figures, and of what all commands share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from hybridid.plotting.looks import KINDS, Kind
+from hybridid.settings import REQUIRED, setting
+from hybridid.settings.choices import InitialState, View
+
+AllRecords = tuple[str, ...] | None
+_RECORDS = "every record of the case"
+_CORES = "one a core"
+
+
+@dataclass(frozen=True)
+class LoneKeys:
+    """The keys that stand in no section."""
+
+    model: str | None = setting(
+        None,
+        "model.json of fit or trace, in place of plant, effects and parameters",
+        null="the case's own",
+        shown="FILE",
+    )
+    out: str | None = setting(
+        None, "folder for the whole run tree", null="<paths.outputs>/<case>/<hash of the config>", shown="DIR"
+    )
+    data: Literal["auto", "measured", "simulated"] = setting(
+        "auto", "auto: measured records where they are found, else the case's virtual rig"
+    )
+    force: bool = setting(False, "make stages again whose results are fresh")
+
+
+@dataclass(frozen=True)
+class UiKeys:
+    """The key of ``hybridid ui`` alone."""
+
+    port: int = setting(5000, "the page is at http://127.0.0.1:<port>", least=1, most=65535)
+
+
+@dataclass(frozen=True)
+class ReproduceKeys:
+    """The keys of ``hybridid reproduce`` alone."""
+
+    experiments: tuple[str, ...] = setting(REQUIRED, "files of conf/experiment, in order", some=True)
+    processes: int | None = setting(None, "experiments side by side", least=1, null=_CORES)
+
+
+@dataclass(frozen=True)
+class CaseSection:
+    """What the machine is."""
+
+    title: str = setting("", "the machine in one line")
+    source: str = setting("", "where it is described")
+
+
+@dataclass(frozen=True)
+class ArchiveSection:
+    """The public records of a case."""
+
+    name: str | None = setting(None, "the archive that hybridid fetch downloads", null="there is none")
+    url: str | None = setting(None, "a mirror of the archive", null="the publisher's")
+
+
+@dataclass(frozen=True)
+class RigSection:
+    """The virtual rig that stands in for records that are not at hand."""
+
+    path: str = setting(
+        REQUIRED, "import path of the rig, as in hybridid.rigs.emps:EMPSRig", shown="MODULE:NAME"
+    )
+    seed: int | None = setting(0, "of the noise", least=0, null="0")
+    duration: float | None = setting(
+        None, "length of the simulated records", unit="s", above=0, null="as long as the measured ones"
+    )
+    truth: Any = setting(
+        None, "numbers of the truth by name, as in {M: 96.0}; null: the rig's own", shown="{...}"
+    )
+    planted: Any = setting(
+        None,
+        "laws that act on the rig, as in [{law: stribeck, amplitude: 5.0, velocity: 0.01}]; null: the rig's "
+        "own",
+        shown="[...]",
+    )
+
+
+@dataclass(frozen=True)
+class PreprocessSection:
+    """What is done to every record after it is read."""
+
+    steps: Any = setting(
+        (), "in order, as in [{step: decimate, factor: 10}]; hybridid preprocess --help", shown="[...]"
+    )
+
+
+@dataclass(frozen=True)
+class FitSection:
+    """What the model is fitted to."""
+
+    records: AllRecords = setting(("identification",), "roles or names of the records to fit", null=_RECORDS)
+
+
+@dataclass(frozen=True)
+class ValidateSection:
+    """How the fitted model is scored."""
+
+    records: AllRecords = setting(None, "roles or names of the records to validate on", null=_RECORDS)
+    views: tuple[View, ...] = setting(
+        ("free_run", "horizon"), "free_run: the whole record in one go; horizon: many short runs", some=True
+    )
+    horizon: float = setting(
+        1.0,
+        "length of each short run, which starts from an estimated state of its own",
+        unit="s",
+        above=0,
+        below=float("inf"),
+    )
+    initial_state: InitialState = setting("estimated", "the state in which the free run starts")
+    lags: int = setting(200, "lags of the residual's correlations", unit="samples", least=1)
+
+
+@dataclass(frozen=True)
+class PlotSection:
+    """How figures are drawn."""
+
+    formats: tuple[Kind, ...] = setting(
+        KINDS, "files of each figure; svg alone takes less than half the time", some=True
+    )
+
+
+@dataclass(frozen=True)
+class PathsSection:
+    """Where files lie."""
+
+    data: str | None = setting(
+        None,
+        "where measured records lie, and where fetch puts them",
+        null="$HYBRIDID_DATA, else data/raw",
+        shown="DIR",
+    )
+    outputs: str = setting("outputs", "where run trees are written", shown="DIR")
+
+
+@dataclass(frozen=True)
+class MLflowSection:
+    """Whether and where runs are logged."""
+
+    enabled: bool = setting(True, "log each command as a run")
+    tracking_uri: str | None = setting(
+        None,
+        "the store or the server, as in http://HOST:PORT",
+        null="sqlite:///<paths.outputs>/mlflow.db",
+        shown="URI",
+    )
+    experiment: str | None = setting(None, "name of the experiment in MLflow", null="the case's name")
+    patience: float = setting(
+        30.0,
+        "how long a tracking server may take for a run; then the run is kept for hybridid log",
+        unit="s",
+        least=0,
+    )
