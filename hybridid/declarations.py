@@ -29,8 +29,8 @@ class State:
     """One state of a plant or of an effect.
 
     ``scale`` is a typical magnitude; the optimiser works with ``x / scale``.
-    ``observed_by`` names the output whose ``derivative``-th time derivative this
-    state is, when there is one; it gives the state a start from the data.
+    ``observed_by`` names an output: the state is its ``derivative``-th time derivative.
+    A fit takes the state's initial value from that output. Without it, the initial value is zero.
     """
 
     name: str
@@ -43,6 +43,7 @@ class State:
     meaning: str = ""
 
     def renamed(self, name: str) -> State:
+        """The same state under another name."""
         return replace(self, name=name)
 
 
@@ -82,6 +83,7 @@ class Parameter:
             object.__setattr__(self, "scale", abs(self.guess) or 1.0)
 
     def renamed(self, name: str) -> Parameter:
+        """The same parameter under another name."""
         return replace(self, name=name)
 
     def fixed_at(self, value: float) -> Parameter:

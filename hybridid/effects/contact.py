@@ -1,4 +1,4 @@
-"""Contacts that can only push."""
+"""One-sided contacts: they can push but not pull."""
 
 from __future__ import annotations
 

@@ -1,16 +1,16 @@
-"""A delay as a Padé approximant of fixed poles, smooth in the delay and exactly nothing at zero.
+"""A delay as a Padé approximant with fixed poles: smooth in the delay, and no change of the signal at zero.
 
-The textbook's approximant has poles at a few over the delay: they run away as it falls to zero. Here the
-denominator belongs to a fixed ``window`` W, ``D(x) = Σ d_k x^k`` of the [4/4] approximant of exp(-x) at
-``x = W s``, and only the numerator knows the delay ``ρ W``: it is the Taylor series of
-``D(x) exp(-ρ x)``, cut after x⁴. At ρ = 1 this is the textbook's approximant, at ρ = 0 it is 1, in
-between the numerator is a polynomial in ρ.
+The poles of the textbook's approximant are proportional to 1 / delay and grow without bound as the delay
+goes to zero. Here the denominator belongs to a fixed ``window`` W: ``D(x) = Σ d_k x^k`` of the [4/4]
+approximant of exp(-x) at ``x = W s``. Only the numerator depends on the delay ``ρ W``: it is the Taylor
+series of ``D(x) exp(-ρ x)``, truncated after x⁴. At ρ = 1 this is the textbook's approximant, at ρ = 0 it
+is 1. In between, the numerator is a polynomial in ρ.
 
-The states are the terms of the denominator, ``ζ_k = d_k W^k w^(k)`` with ``Σ ζ_k = u``: all of the size
-of u, whatever the window; for a constant u only ζ_0 is not zero.
+The states are the terms of the denominator, ``ζ_k = d_k W^k w^(k)`` with ``Σ ζ_k = u``. They have the
+magnitude of u for any window. For a constant u only ζ_0 is not zero.
 
-Valid to 0.7 % of the amplitude for 0 ≤ delay ≤ W up to 3 / W rad/s (48 Hz for 10 ms), to 9 % up to 5 / W.
-Choose W of some five to ten sampling times, and above the delay.
+For 0 ≤ delay ≤ W the error is below 0.7 % of the amplitude up to 3 / W rad/s (48 Hz for 10 ms) and below
+9 % up to 5 / W. Choose W larger than the delay, at five to ten sampling times.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ D = tuple(_denominator(k) for k in range(ORDER + 1))
 
 
 def _terms(at: Local) -> list[ca.SX]:
-    """ζ_0 to ζ_4; the last is what the others leave of u."""
+    """ζ_0 to ζ_4; the last is u minus the others."""
     zeta = [getattr(at.z, f"zeta_{k}") for k in range(ORDER)]
     return [*zeta, at.signal - sum(zeta)]
 
 
-def _delayed_less_now(at: Local) -> ca.SX:
-    """``Σ_k ζ_k Σ_{j<k} (d_j/d_k) (-ρ)^(k-j) / (k-j)!``, the approximant less 1."""
+def _delayed_minus_signal(at: Local) -> ca.SX:
+    """``Σ_k ζ_k Σ_{j<k} (d_j/d_k) (-ρ)^(k-j) / (k-j)!``, the approximant minus 1."""
     rho = at.p.delay / at.p.window
     total = ca.SX(0)
     for k, term in enumerate(_terms(at)):
@@ -60,7 +60,7 @@ INPUT_DELAY = Effect(
     kind="input",
     title="delay of the drive",
     equation="u → u(t - delay), as a Padé approximant [4/4] with the poles of the window",
-    law=_delayed_less_now,
+    law=_delayed_minus_signal,
     dynamics=_rates,
     parameters=(
         EffectParameter(

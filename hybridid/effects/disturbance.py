@@ -1,4 +1,4 @@
-"""Efforts that repeat: over position or over time."""
+"""Periodic efforts: over position or over time."""
 
 from __future__ import annotations
 

@@ -21,18 +21,19 @@ class EffectParameter:
     """A constant of an effect. Numbers are multiples of its dimension's scale at the port.
 
     ``absolute`` numbers are in SI units instead: the time constant of an amplifier does not
-    follow from how fast the machine moves. ``nests`` marks a parameter whose zero gives the
-    model without the effect.
+    depend on how fast the machine moves. ``nests`` marks a parameter that removes the effect
+    from the model when it is zero.
 
-    ``starts`` are further starting values for a shape parameter whose cost has several
-    valleys (a Stribeck velocity, a pitch). ``sought`` says that better ones are to be found in
-    the record: a ``"period"`` over the positions that the port visits, a ``"place"`` among
-    them, or the ``"frequency"`` of what a model leaves over time.
+    ``starts`` are further starting values for a shape parameter whose cost has several local
+    minima (a Stribeck velocity, a pitch). ``sought`` says that starting values are estimated from
+    the record as well: a ``"period"`` over the positions of the port, a ``"place"`` (one of these
+    positions), or a ``"frequency"`` of the model's residual over time.
 
-    A ``minor`` one may be undetermined or end at a bound: with any value of it the effect is itself.
+    A ``minor`` parameter does not decide whether the effect is present. A fit may leave it
+    undetermined or at a bound.
 
-    A ``fixed`` parameter belongs to how the law is written (a smoothing width, the window of
-    a delay line) and is not estimated; its ``starts`` are alternatives to try, each fixed.
+    A ``fixed`` parameter belongs to the form of the law (a smoothing width, the window of a
+    delay). It is not estimated. Its ``starts`` are alternative values, each kept fixed in a fit.
 
     Raises:
         ValueError: if the guess or a start lies outside the bounds.
@@ -59,7 +60,7 @@ class EffectParameter:
                 )
 
     def scale_at(self, port: Port) -> float:
-        """What one means at ``port``, in SI units."""
+        """The scale that multiplies ``guess``, the bounds and ``starts`` at ``port``, in SI units."""
         return 1.0 if self.absolute else self.dimension.scale(port)
 
     def starts_at(self, port: Port) -> tuple[float, ...]:
@@ -67,7 +68,7 @@ class EffectParameter:
         return tuple(value * self.scale_at(port) for value in self.starts)
 
     def at(self, port: Port) -> Parameter:
-        """The parameter in the units of ``port``, under its short name."""
+        """This parameter declared in the units of ``port``, under its short name."""
         s = self.scale_at(port)
         return Parameter(
             name=self.name,
@@ -83,10 +84,10 @@ class EffectParameter:
 
 @dataclass(frozen=True)
 class EffectState:
-    """An inner state of an effect (bristle deflection, load position), zero at the start.
+    """An internal state of an effect (bristle deflection, load position); its initial value is zero.
 
     ``scale``, ``lower`` and ``upper`` are multiples of its dimension's scale at the port. A
-    state that ``follows`` the signal of an output port starts from the record instead.
+    state that ``follows`` the signal of an output port takes its initial value from the record.
     """
 
     name: str
@@ -98,6 +99,7 @@ class EffectState:
     follows: bool = False
 
     def at(self, port: Port) -> State:
+        """This state declared in the units of ``port``, under its short name."""
         s = self.dimension.scale(port)
         return State(
             self.name,
@@ -112,7 +114,7 @@ class EffectState:
 
 @dataclass(frozen=True)
 class Local:
-    """What an effect sees at its port, as CasADi scalars.
+    """The quantities at a port that an effect may use, as CasADi scalars.
 
     ``position``, ``velocity``, ``acceleration`` of an effort port, or ``signal`` of an
     input or output port; ``p`` its parameters and ``z`` its states by name; ``time`` in s.
@@ -145,17 +147,22 @@ Law = Callable[[Local], ca.SX]
 class Effect:
     """One phenomenon as an increment at a port.
 
-    At an effort port ``law`` gives the effort F that resists the motion; at an input or
-    output port it gives what is added to the signal. With every ``nests`` parameter at
-    zero it gives nothing, so models nest. ``dynamics`` gives the time derivative of each
-    state. ``pattern`` says what tells the effect from its ``look_alikes`` (ids of effects
-    that a record easily confuses it with), ``separating_experiment`` what to record so that
-    they come apart.
+    At an effort port, ``law`` gives the effort F that resists the motion. At an input or
+    output port, it gives the term that is added to the signal. With every ``nests`` parameter at
+    zero, the law is zero: the model without the effect is a special case of the model with it.
+    ``dynamics`` gives the time derivative of each state, by name.
 
-    ``position_units`` (empty: any) and ``ports``, patterns of port names (empty: any), say
-    where the effect makes sense; a search keeps to it, a user who names the port need not.
+    ``look_alikes`` are ids of effects that a record may not distinguish from this one. ``pattern``
+    says how they differ, ``separating_experiment`` which recording would tell them apart.
 
-    Effects travel to other processes by name: see ``hybridid.effects.pickling``.
+    ``position_units`` and ``ports`` (patterns of port names) say where the effect makes physical
+    sense; empty means anywhere. A search respects them. A user may name any port of the same kind.
+
+    An effect is sent to another process by its name: see ``hybridid.effects.pickling``.
+
+    Raises:
+        ValueError: if states come without dynamics or dynamics without states, no parameter nests
+            the effect, or two of its parameters and states share a name.
     """
 
     id: str

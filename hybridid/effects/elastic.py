@@ -1,4 +1,4 @@
-"""Springs and what is like them: efforts of position, with or without relaxation."""
+"""Springs and other efforts that depend on position, with or without relaxation."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ MAXWELL = Effect(
     ),
 )
 
-# sin and cos want an angle: at ports in rad only.
+# sin and cos need an angle: only at ports in rad
 GRAVITY = Effect(
     id="gravity",
     kind="effort",

@@ -1,7 +1,7 @@
-"""Bodies that move with the port: rigidly, behind a spring, behind a play.
+"""Bodies that move with the port: rigidly, behind a spring, or behind a backlash.
 
-A hidden body is described by its displacement r and velocity w relative to the port. In these
-coordinates it starts near zero wherever the machine is, and the port's acceleration a drives it.
+A hidden body has the displacement r and the velocity w relative to the port. In these coordinates it
+starts near zero at any position of the machine, and the port's acceleration a excites it.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ LOAD_STATES = (
 
 
 def _spring_pull(at: Local) -> ca.SX:
-    """Effort of the spring and damper on the load, over the load's inertia."""
+    """Effort of the spring and damper on the load, divided by the load's inertia."""
     omega = 2 * math.pi * at.p.frequency
     return omega**2 * at.z.r + 2 * at.p.zeta * omega * at.z.w
 
@@ -87,7 +87,7 @@ FLEXIBLE_MODE = Effect(
 
 
 def _contact_pull(at: Local) -> ca.SX:
-    """Effort of the contact on the load over the load's inertia: none within the play."""
+    """Effort of the contact on the load, divided by the load's inertia; zero inside the play."""
     omega = 2 * math.pi * at.p.frequency
     touching = engagement(at.z.r, at.p.g, at.p.width)
     return omega**2 * dead_zone(at.z.r, at.p.g, at.p.width) + 2 * at.p.zeta * omega * touching * at.z.w

@@ -57,10 +57,10 @@ EFFECTS: tuple[Effect, ...] = (
 
 
 def effect_named(name: str) -> Effect:
-    """The effect called ``name``: a library id, or ``module.path:NAME`` of a user's own.
+    """The effect called ``name``: an id of the library, or ``module.path:NAME`` of a user's own effect.
 
     Raises:
-        ValueError: if there is none; the message gives the nearest name.
+        ValueError: if there is no such effect; the message gives the nearest name.
     """
     if ":" in name:
         return _imported(name)

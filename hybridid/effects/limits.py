@@ -1,4 +1,4 @@
-"""A drive that does not pass the largest or the smallest inputs."""
+"""Saturation and dead zone of a drive."""
 
 from __future__ import annotations
 

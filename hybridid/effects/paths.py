@@ -1,9 +1,9 @@
-"""What happens to a signal on its way into the machine or out to the sensor.
+"""Gain, lag and offset of a signal between the command and the machine, or the machine and the sensor.
 
-A lag's pole runs away as its time constant falls to zero. Here it stops at a floor: with
-``T_e = √(T² + floor²)`` the increment ``(T/T_e) (z - u)``, ``T_e z' = u - z`` is smooth in T, exactly
-nothing at T = 0, has the lag's slow behaviour (a delay of T) at every T, and for T well above the floor
-is the lag ``1/(1 + T s)``.
+The pole of a lag grows without bound as its time constant T goes to zero. Here the pole has a limit: the
+increment is ``(T/T_e) (z - u)`` with ``T_e z' = u - z`` and ``T_e = √(T² + floor²)``. It is smooth in T and
+exactly zero at T = 0. At low frequency it is a delay of T for every T. For T well above the floor it is
+the lag ``1/(1 + T s)``.
 """
 
 from __future__ import annotations

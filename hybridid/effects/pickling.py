@@ -1,8 +1,8 @@
-"""How an effect travels to another process: by where it can be imported from.
+"""How an effect is sent to another process: by the name under which it can be imported.
 
-Laws are mostly lambdas, which do not pickle. An effect that stands in a module, of the library
-or of a user, is sent as ``module:NAME`` and imported on arrival. One that stands nowhere (made
-inside a function, say) travels with its content if its law and dynamics are plain functions.
+Most laws are lambdas, which cannot be pickled. An effect that is defined at the top of a module is sent
+as ``module:NAME``; the other process imports it. An effect that is made inside a function is pickled by
+its content, which needs a law and dynamics that are plain functions.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from typing import Any
 
 
 class EffectNotSendable(pickle.PicklingError, ValueError):
-    """An effect that no other process could find; the message says what to do."""
+    """Raised for an effect that no other process could import; the message says what to do."""
 
 
 def reduced(effect: Any) -> tuple[Callable[..., Any], tuple[str, str]] | None:
-    """``effect`` as "import this name from that module"; None if it may travel with its content.
+    """``effect`` as "import this name from that module"; None if it can be pickled by its content.
 
     Raises:
-        EffectNotSendable: if it can do neither.
+        EffectNotSendable: if neither is possible.
     """
     functions = [function for function in (effect.law, effect.dynamics) if function is not None]
     where = _home(effect, functions)

@@ -1,8 +1,8 @@
 """Friction with memory: bristles that bend before they slip.
 
-The state is the bristles' deflection over its largest, so it is dimensionless and stays within
-bounds. With the exact ``|v|`` (it is Lipschitz) a bristle neither creeps at rest nor exceeds its
-limit; a smoothed one would do either.
+The state is the deflection of the bristles divided by its largest value: it is dimensionless and bounded.
+The laws use the exact ``|v|``, which is Lipschitz. With a smoothed one, a bristle would creep at rest or
+exceed its limit.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ TINY = 1e-12
 """Keeps the derivative of ``|z|^n`` finite at z = 0 for every n."""
 
 
-# Small against the stroke: a longer memory is a spring, and its unknown start a free effort in every horizon.
+# Small against the stroke: a bristle with a longer memory acts as a spring, and its unknown initial state
+# as a free effort in every horizon.
 LENGTH = EffectParameter(
     "s",
     POSITION,

@@ -1,7 +1,7 @@
-"""Kinks made smooth over a small declared width, by hyperbolas.
+"""Laws with a kink, smoothed by hyperbolas over a small declared width.
 
-``width`` is a scale, not an exact edge: at a distance of ten widths from a kink the difference to the sharp
-law is a fortieth of the width, and it falls off with the inverse distance.
+``width`` is a scale, not an exact edge. At ten widths from the kink, the difference to the sharp law is 1/40
+of the width; it decays with the inverse of the distance.
 """
 
 from __future__ import annotations

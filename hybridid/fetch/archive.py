@@ -1,4 +1,4 @@
-"""``PublicArchive``: where a public record can be had, and how to know that it is the one."""
+"""``PublicArchive``: the address of a public record and the hashes of its files."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ SHA256 = re.compile(r"[0-9a-f]{64}")
 
 
 class FetchError(ValueError):
-    """A public record that could not be had: the message says why and which page to visit."""
+    """Raised if a public record cannot be fetched: the message says why and which page to visit."""
 
 
 @dataclass(frozen=True)
 class PublicArchive:
     """A zip archive on the web.
 
-    ``members`` maps the files wanted, as relative paths, to their SHA-256; in the archive they
-    may lie in a folder deeper. ``sha256`` is that of the archive, if known. ``page`` is where
+    ``members`` maps the wanted files, as relative paths, to their SHA-256; in the archive they
+    may lie in a subfolder. ``sha256`` is that of the archive, if known. ``page`` is the page from which
     a person can download it by hand.
 
     Raises:
-        FetchError: if a member's path leaves its folder, or a hash or address is none.
+        FetchError: if a member's path leaves its folder, or a hash or the address is not valid.
     """
 
     name: str
@@ -46,7 +46,7 @@ class PublicArchive:
                 raise FetchError(f"archive {self.name}: {digest!r} is no SHA-256 in hexadecimal")
 
     def by_hand(self, folder: Path) -> str:
-        """What a person can do instead."""
+        """A sentence that says how to download the files into ``folder`` by hand."""
         return f"download it from {self.page} by hand and put {', '.join(self.members)} into {folder}"
 
 

@@ -16,14 +16,14 @@ MAXIMUM_CUTS = 20  # of one download, each after some progress
 
 
 class DownloadError(Exception):
-    """A download that did not finish; what came is kept for the next attempt."""
+    """Raised if a download does not finish; the bytes received are kept for the next attempt."""
 
 
 def download(url: str, part: Path, progress: Progress | None = None) -> None:
-    """The file at ``url`` as ``part``; if ``part`` exists, only what it lacks is asked for.
+    """Download the file at ``url`` to ``part``; if ``part`` exists, only the missing bytes are requested.
 
-    A cut connection is taken up again as long as each attempt brings something. A server that
-    does not know ranges sends the whole, which replaces ``part``.
+    After a broken connection it tries again, as long as each attempt receives something. A server that
+    does not support ranges sends the whole file, which replaces ``part``.
 
     Raises:
         DownloadError: with the reason, if there is no answer, a refusal, or no more progress.
@@ -42,7 +42,7 @@ def download(url: str, part: Path, progress: Progress | None = None) -> None:
 
 
 def _attempt(url: str, part: Path, progress: Progress | None) -> bool:
-    """One request for what ``part`` lacks; whether ``part`` is whole afterwards."""
+    """One request for the missing bytes of ``part``; returns whether it is complete afterwards."""
     have = _size(part)
     headers = {"Accept-Encoding": "identity"}  # lengths and ranges count the file's own bytes
     if have:
@@ -51,7 +51,7 @@ def _attempt(url: str, part: Path, progress: Progress | None) -> bool:
         if answer.status_code == requests.codes.requested_range_not_satisfiable and have:
             if answer.headers.get("Content-Range", "").endswith(f"/{have}"):
                 return True
-            part.unlink()  # longer than the file on the server: not a beginning of it
+            part.unlink()  # longer than the file on the server, so not its beginning
             return _attempt(url, part, progress)
         answer.raise_for_status()
         start = _start(answer)
@@ -76,7 +76,7 @@ def _write(
 
 
 def _start(answer: requests.Response) -> int:
-    """The first byte that the answer brings."""
+    """Offset of the first byte of the answer."""
     if answer.status_code != requests.codes.partial_content:
         return 0
     found = re.match(r"bytes (\d+)-", answer.headers.get("Content-Range", ""))

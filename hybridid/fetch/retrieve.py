@@ -1,4 +1,4 @@
-"""``fetch``: a public archive's members on this machine, downloaded if they are not yet."""
+"""``fetch``: the files of a public archive, downloaded unless they are on this machine."""
 
 from __future__ import annotations
 
@@ -13,16 +13,15 @@ from hybridid.fetch.unpack import CorruptArchiveError, unpack
 
 
 def fetch(source: PublicArchive, cache: Path, progress: Progress | None = None) -> list[Path]:
-    """The members of ``source`` as ``cache/<its name>/<member>``, each the published one bit for bit.
+    """The paths ``cache/<name of source>/<member>`` of all members, each the published file bit for bit.
 
-    What is there already is checked and not downloaded again. A download that was cut off goes on
-    where it ended, in this call or the next. Files appear under their names only when all are
-    checked; a wrong download is deleted. ``progress`` hears bytes done and, if known, in all.
+    Files that exist are checked and not downloaded again. An interrupted download continues where it
+    ended, in this call or the next. Files get their names only after all are checked. A wrong download is
+    deleted. ``progress`` is called with the bytes received and, if known, the total.
 
     Raises:
-        FetchError: in one line, with the page to visit, if the archive cannot be had or is not
-            the published one; also if another file stands where a member belongs, which is
-            left as it is.
+        FetchError: in one line, with the page to visit, if the archive cannot be downloaded or is not
+            the published one, or if another file has the name of a member; that file is not changed.
     """
     folder = Path(cache) / source.name
     paths = [folder / member for member in source.members]
@@ -31,7 +30,7 @@ def fetch(source: PublicArchive, cache: Path, progress: Progress | None = None) 
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with FileLock(folder / ".lock"):
-            if not _present(source, folder):  # another process may have been faster
+            if not _present(source, folder):  # another process may have fetched them meanwhile
                 _obtain(source, folder, progress)
     except OSError as wrong:
         raise FetchError(f"{source.name}: cannot write to {folder}: {wrong.strerror or wrong}") from wrong
@@ -42,7 +41,7 @@ def _present(source: PublicArchive, folder: Path) -> bool:
     """Whether all members are there.
 
     Raises:
-        FetchError: if one is there with other bytes: it may be someone's own, and is not replaced.
+        FetchError: if one has other content; it may be a user's own file and is not replaced.
     """
     missing = 0
     for member, published in source.members.items():
@@ -72,6 +71,6 @@ def _obtain(source: PublicArchive, folder: Path, progress: Progress | None) -> N
             part.unlink(missing_ok=True)
             if fresh:
                 raise FetchError(f"{source.name}: {wrong}; deleted; {source.by_hand(folder)}") from wrong
-            continue  # the beginning kept from an earlier call may be of another file: once more, from none
+            continue  # the bytes kept from an earlier call may be of another file: try once more without them
         part.unlink()
         return

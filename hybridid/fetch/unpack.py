@@ -1,4 +1,4 @@
-"""The wanted members out of a zip archive, each checked before any is put in place."""
+"""Extracts the wanted members of a zip archive, and checks all before any gets its name."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ CHUNK = 1 << 20  # bytes
 
 
 class CorruptArchiveError(Exception):
-    """Bytes that are not the published ones."""
+    """Raised if a file is not the published one."""
 
 
 def unpack(source: PublicArchive, archive: Path, folder: Path) -> None:
-    """The members of ``source`` from the zip file ``archive`` into ``folder``: all of them, or none.
+    """Extract the members of ``source`` from the zip file ``archive`` into ``folder``: all of them or none.
 
-    Nothing is written under a name that the archive gives: members go where ``source`` says.
+    The paths are those of ``source``, never those that the archive gives.
 
     Raises:
-        CorruptArchiveError: if the file is no zip, has a path that leaves its folder, lacks a
-            member, or a SHA-256 is not the published one.
+        CorruptArchiveError: if the file is not a zip archive, has a path that leaves its folder, lacks
+            a member, or has a SHA-256 that is not the published one.
     """
     if not zipfile.is_zipfile(archive):
         raise CorruptArchiveError(f"the server sent no zip archive{_beginning(archive)}")
@@ -45,7 +45,7 @@ def unpack(source: PublicArchive, archive: Path, folder: Path) -> None:
 
 
 def _unpacked(source: PublicArchive, zipped: zipfile.ZipFile, scratch: Path) -> dict[str, Path]:
-    """Member to a checked temporary file, for all members."""
+    """A checked temporary file for each member."""
     names = [info.filename for info in zipped.infolist() if not info.is_dir()]
     unsafe = [name for name in names if not is_safe(name)]
     if unsafe:
@@ -69,7 +69,7 @@ def _entry(names: list[str], member: str) -> str:
 
 
 def _extract(zipped: zipfile.ZipFile, entry: str, path: Path) -> str:
-    """Write one entry to ``path``; its SHA-256."""
+    """Write one entry to ``path`` and return its SHA-256."""
     digest = hashlib.sha256()
     with zipped.open(entry) as content, path.open("wb") as file:
         while chunk := content.read(CHUNK):

@@ -1,6 +1,6 @@
-"""A hybrid's network as files, and back: ``hybrid.json``, and ``weights.npz`` for NARX; no pickles.
+"""Writes and reads a hybrid's network: ``hybrid.json``, and ``weights.npz`` for NARX; no pickles.
 
-The gray box is not among them: who loads a hybrid gives its model, and the values come with the file.
+The files contain the values of the gray box but not its model: the caller of ``load_hybrid`` gives that.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ DESCRIPTION, WEIGHTS = "hybrid.json", "weights.npz"
 
 
 class HybridFileError(ValueError):
-    """Files that are no hybrid of this model; the message says why."""
+    """Raised for files that are not a hybrid of this model; the message says why."""
 
 
 def save_hybrid(hybrid: Hybrid, folder: Path | str) -> Path:
@@ -53,7 +53,7 @@ def load_hybrid(folder: Path | str, gray: Model) -> Hybrid:
     """The hybrid that ``save_hybrid`` wrote into ``folder``, around the model ``gray``.
 
     Raises:
-        HybridFileError: if there is none, or it was made with another model.
+        HybridFileError: if there is no hybrid, or it was made with another model.
     """
     path = Path(folder) / DESCRIPTION
     try:

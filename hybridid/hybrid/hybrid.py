@@ -1,4 +1,4 @@
-"""``Hybrid``: what every gray box with a residual model can do."""
+"""``Hybrid``: the interface of every gray box with a residual model."""
 
 from __future__ import annotations
 
@@ -10,17 +10,16 @@ from hybridid.validation.predict import Prediction
 
 
 class Hybrid(abc.ABC):
-    """A gray box plus a network on what it leaves.
+    """A gray box plus a network for its error.
 
-    Its predictions have the shape of the gray box' own, so that metrics, tests and figures take
-    them alike. Nothing measured enters a simulation but the inputs and, where it is estimated,
-    the initial state.
+    Its predictions have the type of the gray box' own, so that metrics, tests and figures accept both. A
+    simulation uses no measured signal except the inputs, and the outputs to estimate the initial state.
     """
 
     @property
     @abc.abstractmethod
     def name(self) -> str:
-        """What it is, in few words, such as ``hybrid, RBF with 8 nodes``."""
+        """A short description such as ``hybrid, RBF with 8 nodes``."""
 
     @property
     @abc.abstractmethod

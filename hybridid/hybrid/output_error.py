@@ -25,16 +25,17 @@ Array = NDArray[np.float64]
 def _gray_run(
     model: Same[Model], values: tuple[tuple[str, float], ...], record: Record, integrator: str
 ) -> Prediction:
-    """The gray box' free run, kept for the next network around it."""
+    """The gray box' free run, kept for further networks on the same gray box."""
     return free_run(model.value, dict(values), record, integrator=integrator)
 
 
 @dataclass(frozen=True, eq=False)
 class OutputErrorHybrid(Hybrid):
-    """``model`` at ``values``, and one network for each output that has one.
+    """``model`` at ``values``, with at most one network for each output.
 
     Raises:
-        ValueError: if there is no network, or one is for no output of the model or for the same as another.
+        ValueError: if there is no network, a network's output is not one of the model's, or two networks
+            have the same output.
     """
 
     model: Model
@@ -74,7 +75,7 @@ class OutputErrorHybrid(Hybrid):
         """The networks' errors along a gray box' prediction, (n, n_y); zero for an output without one.
 
         Raises:
-            Diverged: if a network runs away.
+            Diverged: if a network diverges.
         """
         found = np.zeros_like(prediction.predicted)
         for network in self.networks:

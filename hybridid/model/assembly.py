@@ -19,8 +19,8 @@ def assemble(
 ) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
     """A model's ``f``, ``h``, ``efforts`` and ``motions``, as functions of (t, x, u, p).
 
-    ``states`` (n_x) and ``parameters`` (n_p) are the plant's and the terms', under their qualified names
-    and in the order of x and p.
+    ``states`` (n_x) and ``parameters`` (n_p) are those of the plant and of the terms, under their
+    qualified names, in the order of x and p.
     """
     t = ca.SX.sym("t")
     x, x_by = _symbols([s.name for s in states])
@@ -65,7 +65,7 @@ def _outputs(plant: Plant, x: SimpleNamespace, u: SimpleNamespace, p: SimpleName
 
 @dataclass(frozen=True)
 class _Locals:
-    """Gives each term what it sees, and sums what the terms at a port do."""
+    """Gives each term the quantities at its port, and sums the efforts of the terms at a port."""
 
     terms: Sequence[Term]
     t: ca.SX
@@ -103,11 +103,11 @@ def _resolve_acceleration(
 ) -> tuple[dict[str, ca.SX], dict[str, ca.SX], Mapping[str, ca.SX]]:
     """Efforts, term rates and plant rates, with port accelerations eliminated.
 
-    An effect may use the port's acceleration a (added inertia). The equations of motion
-    are affine in the efforts and so in a: ``a = g(a)`` is solved by one exact Newton step.
+    An effect may use the port's acceleration a (added inertia). The equations of motion are
+    affine in the efforts and therefore in a: one Newton step solves ``a = g(a)`` exactly.
 
     Raises:
-        ValueError: if an effect uses the acceleration otherwise than linearly.
+        ValueError: if an effect is not linear in the acceleration.
     """
     ports = plant.effort_ports
     a = ca.vertcat(*[ca.SX.sym(f"a_{port.name}") for port in ports])

@@ -1,4 +1,4 @@
-"""A model from names, as a config gives them."""
+"""Makes a model from the names in a config."""
 
 from __future__ import annotations
 

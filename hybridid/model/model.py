@@ -26,11 +26,11 @@ from hybridid.plants.plant import Plant
 class Model:
     """A plant and its terms. ``adjustments`` overrides declared guesses and bounds.
 
-    ``plus`` and ``without`` return new models; with its nesting parameters at zero a
-    term changes nothing, so ``model`` lies inside ``model.plus(effect)``.
+    ``plus`` and ``without`` return new models. With its nesting parameters at zero, a term changes
+    nothing, so ``model`` is a special case of ``model.plus(effect)``.
 
     Raises:
-        ValueError: if a term stands twice, or at no port or one of another kind.
+        ValueError: if a term occurs twice, its port does not exist, or its port is of another kind.
     """
 
     plant: Plant
@@ -50,7 +50,7 @@ class Model:
                 )
 
     def __getstate__(self) -> dict[str, object]:
-        """Only what declares the model: built CasADi functions do not travel."""
+        """The declaration of the model only: the CasADi functions are built again after unpickling."""
         return {"plant": self.plant, "terms": self.terms, "adjustments": dict(self.adjustments)}
 
     def plus(self, effect: Effect, port: str | None = None) -> Model:
@@ -59,7 +59,7 @@ class Model:
         return replace(self, terms=(*self.terms, Term(effect, where)))
 
     def without(self, term_name: str) -> Model:
-        """This model less one term.
+        """This model without the term ``name``.
 
         Raises:
             ValueError: if it has no such term.
@@ -71,7 +71,7 @@ class Model:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Every constant under its qualified name, adjusted; the last are the ports' epsilons."""
+        """Every constant under its qualified name, with the adjustments; the ports' epsilons come last."""
         own = list(self.plant.parameters)
         for term in self.terms:
             port = self.plant.port(term.port)
@@ -96,14 +96,17 @@ class Model:
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
+        """The plant's inputs, in the order of u (n_u,)."""
         return self.plant.inputs
 
     @property
     def outputs(self) -> tuple[Signal, ...]:
+        """The plant's outputs, in the order of y (n_y,)."""
         return self.plant.outputs
 
     @property
     def effort_ports(self) -> tuple[Port, ...]:
+        """The plant's ports where a force or torque acts, in the order of ``motions``."""
         return self.plant.effort_ports
 
     @property
@@ -173,7 +176,7 @@ def _epsilon(port: Port) -> Parameter:
 
 
 def _adjusted(parameter: Parameter, changes: Mapping[str, float]) -> Parameter:
-    """The declared parameter with a user's guess, bounds or fixed value; bounds free a known one."""
+    """The declared parameter with a user's guess, bounds or fixed value; bounds make a fixed one free."""
     changes = {key: float(value) for key, value in changes.items() if value is not None}
     if not changes:
         return parameter

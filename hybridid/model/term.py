@@ -16,4 +16,5 @@ class Term:
 
     @property
     def name(self) -> str:
+        """``port.effect``, the prefix of the qualified names of its parameters and states."""
         return f"{self.port}.{self.effect.id}"

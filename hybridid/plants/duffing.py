@@ -1,4 +1,4 @@
-"""An oscillator driven by a signal, as the electronic "Silverbox" imitates it."""
+"""An oscillator driven by a voltage: the model of the electronic "Silverbox"."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ class Duffing(Plant):
 
         V2 = y + V2_0
 
-    All is measured in volts, so m is in s², d in s and k a number; 1/k is the gain at rest and
-    sqrt(k/m) the resonance in rad/s. A hardening spring, F = k_3 y³, makes it a Duffing oscillator and is
-    composed onto the port. V2_0 is the offset of the recording's output; one of the input is the
+    All signals are in volts, so m is in s², d in s, and k is dimensionless; 1/k is the static gain and
+    sqrt(k/m) the resonance in rad/s. With a hardening spring, F = k_3 y³, it is a Duffing oscillator; that
+    spring is an effect at the port. V2_0 is the offset of the recorded output. An offset of the input is the
     effect ``offset``.
 
     Source: Wigren, Schoukens (2013), "Three free data sets for development and benchmarking in

@@ -9,7 +9,7 @@ from hybridid.plants.plant import Motion, Plant
 class EMPS(Plant):
     """``M q'' = force - F``: one mass, driven by a motor's force, resisted at ``carriage``.
 
-    The thesis' friction (viscous, Coulomb, offset) is composed onto the port.
+    The friction of the thesis (viscous, Coulomb, offset) consists of effects at that port.
 
     Source: Janot, Gautier, Brunot (2019), "Data set and reference models of EMPS",
     Workshop on Nonlinear System Identification Benchmarks, Eq. (3); thesis Eq. 6-1.

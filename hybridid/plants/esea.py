@@ -15,10 +15,11 @@ class ESEA(Plant):
         J delta'' = torque - K_e (delta - theta) - F_motor - F_elastomer
         I theta'' = K_e (delta - theta) + F_elastomer - F_link
 
-    delta is the motor's angle, theta the link's. The friction of the thesis, F_f(delta'), is composed
-    onto ``motor``. F_elastomer resists the twist delta - theta, and so brakes the motor and drives the link:
-    a joint that stiffens, dissipates or has play is composed there. The inertias and the spring are known
-    (fixed); bounds, as in ``parameters: {K_e: {lower: 4, upper: 16}}``, free one.
+    delta is the motor's angle, theta the link's. The friction of the thesis, F_f(delta'), is an effect at
+    ``motor``. F_elastomer resists the twist delta - theta: it brakes the motor and drives the link. A joint
+    that stiffens, dissipates or has play is an effect at ``elastomer``. The inertias and the spring are
+    known (fixed). A config that gives bounds, as ``parameters: {K_e: {lower: 4, upper: 16}}``, makes one
+    free.
 
     Source: thesis Eqs. 5-1 to 5-4 and Table 5.1, whose I and J are in kg·m² (printed m⁴).
     """
@@ -60,7 +61,7 @@ class ESEA(Plant):
             position_scale=0.01,
             velocity_scale=0.3,
             epsilon=0.02,
-            meaning="twist of the joint, motor less link",
+            meaning="twist of the joint, motor angle minus link angle",
         ),
         Port(
             "link",

@@ -10,16 +10,16 @@ from hybridid.plants.plant import Motion, Plant
 
 @final
 class FlexibleLink(Plant):
-    """Servo angle theta and beam deflection alpha (tip angle less servo angle), driven by a voltage.
+    """Servo angle theta and beam deflection alpha (tip angle minus servo angle), driven by a voltage.
 
         J_eq theta''            = tau + K_s alpha - F_servo + F_link
         J_l (theta'' + alpha'') = -K_s alpha - F_link
         tau = eta_g eta_m K_g k_t (V - K_g k_m theta') / R_m
 
-    The beam is one mode: a rigid link of inertia J_l on a spring K_s. F_link resists the deflection and
-    drives the servo, F_servo resists the servo. The motor's constants are the maker's and fixed: with
-    them the inertias and the stiffness come out in SI units. Its back-EMF brakes like a viscous friction of
-    eta_g eta_m K_g² k_t k_m / R_m = 0.056 N·m·s/rad.
+    The beam has one mode: a rigid link of inertia J_l on a spring K_s. F_link resists the deflection and
+    drives the servo. F_servo resists the servo. The motor's constants are the manufacturer's and fixed, so
+    the inertias and the stiffness are estimated in SI units. The back-EMF brakes as a viscous friction of
+    eta_g eta_m K_g² k_t k_m / R_m = 0.056 N·m·s/rad does.
 
     Source: Quanser, manuals of the Rotary Flexible Link and of its servo, the SRV02.
     """

@@ -32,12 +32,12 @@ class HalfCar(Plant):
         F_f = k_f d_f + c_f d_f' + effort(front_suspension),  d_f = z_f - (z_c - l_f theta)
         F_r = k_r d_r + c_r d_r' + effort(rear_suspension),   d_r = z_r - (z_c + l_r theta)
 
-    Heights are measured upwards from the static equilibrium on a level road, where the springs already
-    carry the weight: gravity drops out of Eq. 4-14, and a car on a level road starts at rest at zero.
-    theta > 0 lifts the rear. A suspension's or tyre's deflection is positive in compression, and an effort
-    there pushes its ends apart in compression, beside the spring and damper that are the plant's own.
-    The road's rate is no input, so a tyre's velocity is unknown and taken as zero: effects of
-    position (a stiffening tyre, a wheel that lifts off) act there, effects of velocity do nothing.
+    Heights are measured upwards from the static equilibrium on a level road, where the springs
+    carry the weight: gravity cancels in Eq. 4-14, and a car on a level road starts at rest at zero.
+    theta > 0 lifts the rear. The deflection of a suspension or tyre is positive in compression. A positive
+    effort there pushes its two ends apart and adds to the plant's own spring and damper.
+    The rate of the road is not an input, so a tyre's velocity is unknown and taken as zero. Effects of
+    position (a stiffening tyre, a wheel that lifts off) act there. Effects of velocity give zero.
 
     Source: thesis Eqs. 4-1 to 4-14, Tables 4.1 and 4.2; k_p of the equations and k_t of the tables are
     one tyre stiffness, I_yy is in kg·m² (printed kg·m⁴).

@@ -1,4 +1,4 @@
-"""``Plant``: a machine's rigid skeleton, to which effects are added at named ports."""
+"""``Plant``: the equations of motion of a machine, to which effects are added at named ports."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ class Motion:
 class Plant(abc.ABC):
     """The equations of motion of a machine, without friction or any other effect.
 
-    A subclass declares its parts as class attributes and writes three methods. In
-    them ``x``, ``u`` and ``p`` hold CasADi scalars by name (``x.q``, ``u.force``,
-    ``p.M``), and ``effort`` maps each effort port to the summed effort of the effects
-    there, which *resists* the port's motion.
+    A subclass declares its parts as class attributes and writes three methods: ``motion``,
+    ``derivative`` and ``output``. Their arguments ``x``, ``u`` and ``p`` hold CasADi scalars by
+    name (``x.q``, ``u.force``, ``p.M``). ``effort`` maps the name of each effort port to the sum
+    of the efforts of the effects there, which *resists* the port's motion.
     """
 
     name: str
@@ -41,17 +41,17 @@ class Plant(abc.ABC):
 
     @abc.abstractmethod
     def motion(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, Motion]:
-        """Position and velocity of every effort port."""
+        """Position and velocity of every effort port, by its name."""
 
     @abc.abstractmethod
     def derivative(
         self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace, effort: Mapping[str, ca.SX]
     ) -> Mapping[str, ca.SX]:
-        """Time derivative of every state, by name."""
+        """Time derivative of every state, by the state's name, in the state's unit per second."""
 
     @abc.abstractmethod
     def output(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, ca.SX]:
-        """Every output, by name."""
+        """Every output, by its name, in its declared unit."""
 
     @property
     def effort_ports(self) -> tuple[Port, ...]:

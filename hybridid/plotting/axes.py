@@ -1,4 +1,4 @@
-"""What the figures share on their axes: scaled units, thinned lines and limits."""
+"""Axes of all figures: scaled units, thinned lines and limits."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from hybridid.plotting.thinning import broken, thin
 from hybridid.quantities import engineering, minus, with_unit
 
 Array = NDArray[np.float64]
-BLOCKS = 600  # extremes per line: finer than a printed dot at 180 mm and 200 dpi
+BLOCKS = 600  # blocks of a line, each drawn by its extremes; finer than a printed dot at 180 mm and 200 dpi
 LINE = 24  # characters of a y label beside a panel of 25 mm
 
 
 def axis_label(name: str, unit: str) -> str:
-    """``name [unit]``, as an axis carries it; ``unit`` is already in print."""
+    """The label ``name [unit]`` of an axis; ``unit`` is already in its printed form."""
     return f"{name} [{unit}]"
 
 
 @dataclass(frozen=True)
 class Scale:
-    """A quantity's name, the factor that its values take and the unit that they then have."""
+    """A quantity's name, the factor of its values, and the unit of the scaled values."""
 
     name: str
     factor: float
@@ -35,6 +35,7 @@ class Scale:
 
     @property
     def label(self) -> str:
+        """The axis label: name and unit."""
         return axis_label(self.name, self.unit)
 
     def text(self, value: float) -> str:
@@ -47,7 +48,7 @@ class Scale:
 
 
 def scale_for(name: str, unit: str, *values: Array) -> Scale:
-    """The scale on which the largest finite magnitude of ``values`` reads best."""
+    """The scale with the SI prefix that suits the largest finite magnitude of ``values``."""
     largest = max((np.abs(v[np.isfinite(v)]).max(initial=0.0) for v in values), default=0.0)
     return Scale(name.replace("_", " "), *engineering(float(largest), unit))
 
@@ -89,9 +90,9 @@ def frame(values: Iterable[Array], margin: float = 0.06) -> tuple[float, float]:
 
 
 def frame_data(data: Array, models: Sequence[Array], reach: float = 0.6) -> tuple[float, float]:
-    """Limits around ``data`` that follow the models at most ``reach`` data spans further out.
+    """Limits around ``data`` that include the models up to ``reach`` data spans beyond it.
 
-    A model that runs away must not flatten the measurement into a line.
+    A model that diverges must not compress the measurement into a flat line.
     """
     low, high = frame([data], 0.0)
     room = reach * ((high - low) or abs(high) or 1.0)
@@ -105,5 +106,5 @@ def leaves(values: Array, limits: tuple[float, float]) -> bool:
 
 
 def name_y(axes: Axes, scale: Scale) -> None:
-    """Label the y axis, on as many lines as keep it beside its own panel."""
+    """Label the y axis, in as many lines as its panel's height needs."""
     axes.set_ylabel("\n".join(textwrap.wrap(scale.label, LINE)))

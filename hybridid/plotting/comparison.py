@@ -15,13 +15,13 @@ from hybridid.plotting.series import Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 from hybridid.quantities import number, with_unit
 
-ZOOM = 0.08  # part of the record that the lower panel enlarges
+ZOOM = 0.08  # part of the record in the lower, enlarged panel
 Limits = tuple[float, float]
 
 
 @styled
 def comparison_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
-    """The measured output with every model's response on it; below, the worst moment enlarged.
+    """The measured output with every model's response; below, the largest error enlarged.
 
     Raises:
         PlotError: if there is no response, or they show different outputs or records.
@@ -84,13 +84,13 @@ def _label(response: Response, error: Scale, outside: bool) -> str:
 
 
 def _readable(values: Sequence[float]) -> float:
-    """The largest value within three decades of the smallest: a model that ran away does not count."""
+    """The largest value within three decades of the smallest, so that a diverged model does not count."""
     found = [v for v in values if np.isfinite(v) and v > 0]
     return max((v for v in found if v < 1e3 * min(found)), default=0.0)
 
 
 def _worst(responses: Sequence[Response]) -> tuple[Response, float, float]:
-    """The response with the largest finite error, when that is and how large."""
+    """The response with the largest finite error, its time and its size."""
     sizes = [np.nan_to_num(np.abs(r.error), nan=0.0, posinf=0.0) for r in responses]
     worst = max(range(len(responses)), key=lambda k: float(sizes[k].max()))
     at = int(sizes[worst].argmax())

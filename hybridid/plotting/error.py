@@ -16,7 +16,7 @@ from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 
 @styled
 def error_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
-    """Recorded minus model over time. A model keeps its look from panel to panel.
+    """Recorded minus model over time. A model has the same look in every panel.
 
     Raises:
         PlotError: if there is no response, or they show different outputs or records.

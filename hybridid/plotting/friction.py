@@ -22,15 +22,15 @@ from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, st
 
 BINS = 30  # of equal width over the middle 99 % of the velocities
 LEAST_IN_BIN = 20  # samples, for a median and its spread
-DOTS = 6000  # of the data's cloud; more only makes it opaque
+DOTS = 6000  # of the data's cloud; more points make it opaque
 
 
 @dataclass(frozen=True)
 class FrictionCurve:
     """Efforts of one model's effects at a port, by name, each (n,) over ``velocity`` (n,).
 
-    A sorted velocity gives curves; the velocity of a trajectory gives the loops of effects
-    that have memory.
+    A sorted velocity gives curves. The velocity of a trajectory gives the hysteresis loops of effects with
+    memory.
     """
 
     model: str
@@ -68,9 +68,9 @@ def friction_plot(
     data: FrictionData | None = None,
     width: float = DOUBLE_COLUMN,
 ) -> Plot:
-    """Every model's total effort over velocity, on the data; and by effect, a panel a model.
+    """Every model's total effort over velocity with the data; and the effort by effect, one panel a model.
 
-    ``record`` and ``provenance`` say what the models were fitted on and the data come from.
+    ``record`` and ``provenance`` are those of the fitted record and of the data.
 
     Raises:
         PlotError: if there is no curve.
@@ -123,7 +123,7 @@ def _layout(figure: Figure, count: int, wide: bool) -> tuple[Axes, list[Axes]]:
 
 
 def _effect_looks(curves: Sequence[FrictionCurve]) -> dict[str, Look]:
-    """A look for each effect, the same in every panel and none of the models'."""
+    """A look for each effect: the same in every panel, and different from those of the models."""
     names = dict.fromkeys(name for curve in curves for name in curve.efforts)
     return {name: look(len(curves) + order) for order, name in enumerate(names)}
 
@@ -136,9 +136,9 @@ def _cross(axes: Axes) -> None:
 def _cloud(
     axes: Axes, data: FrictionData, velocity: Scale, effort: Scale, provenance: str
 ) -> tuple[Artist | ErrorbarContainer, Array]:
-    """A thinned cloud and, in bins of velocity, the median with the middle 80 % of the efforts.
+    """Draw a thinned cloud and, in bins of velocity, the median with the middle 80 % of the efforts.
 
-    Returns the legend's handle and the efforts that the axes should hold.
+    Returns the legend's handle and the efforts that the axes must include.
     """
     step = max(1, len(data.velocity) // DOTS)
     axes.plot(

@@ -1,4 +1,4 @@
-"""Figure: a number over a grid of two settings, a panel for each of the rest."""
+"""Figure: a number over a grid of two settings, one panel for each value of the others."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from hybridid.quantities import NONE, engineering, number
 ROW, ABOVE = 8.0, 16.0  # mm, of a cell, and of a panel's title and axis
 MOST = 12  # panels that are drawn
 WRITTEN = 12  # columns up to which the numbers stand in the cells
-_SPAN = 8.0  # of largest and smallest number, beyond which colours go by decades
+_SPAN = 8.0  # ratio of the largest to the smallest number above which the colours are logarithmic
 _DARK = 0.45  # below this lightness the numbers are white
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """``values`` (rows, columns), nan where there is none; their ``spread`` alike, nan if unknown.
+    """``values`` and their ``spread``, both (rows, columns); nan for an empty cell or an unknown spread.
 
-    ``chosen`` is the row and column of the cell to be framed.
+    ``chosen`` is the row and column of the framed cell.
     """
 
     title: str
@@ -48,7 +48,7 @@ def heat_map_plot(
     provenance: str,
     width: float = DOUBLE_COLUMN,
 ) -> Plot:
-    """``rows`` and ``columns`` are what is varied and its values, ``measure`` the number's name and unit.
+    """``rows`` and ``columns`` give a setting's name and its values, ``measure`` the number's name and unit.
 
     Darker is smaller. At most ``MOST`` panels.
 
@@ -90,7 +90,7 @@ def heat_map_plot(
 
 
 def _norm(low: float, high: float) -> Normalize:
-    """Colours in proportion, or in decades where the numbers span one or more."""
+    """Linear colours, or logarithmic ones if the numbers span a decade or more."""
     if high > _SPAN * low:
         return LogNorm(low, high)
     return Normalize(low, high if high > low else 1.001 * low)

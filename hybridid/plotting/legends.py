@@ -1,4 +1,4 @@
-"""Legends that cover no data: above their axes or the figure, which grows to hold them."""
+"""Legends outside the data: above their axes or above the figure, which grows to contain them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Words that fit: measured as drawn, and cut where they would not."""
+"""Text that fits its space: its drawn size is measured, and longer text is cut."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def part_of_width(artist: Artist) -> float:
 
 
 def cut(words: str, characters: int) -> str:
-    """Both ends of ``words``: what tells names apart is often their last part."""
+    """``words`` shortened in the middle, because names often differ in their last part."""
     if len(words) <= characters:
         return words
     tail = (characters - 1) // 2

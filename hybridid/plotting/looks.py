@@ -1,11 +1,11 @@
-"""Colours and line styles that also read without colour, or with any colour vision; kinds of files."""
+"""Colours and line styles that are distinct without colour and for any colour vision; kinds of files."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-# Okabe and Ito (2008), "Color universal design": told apart with any colour vision.
+# Okabe and Ito (2008), "Color universal design": distinct for any colour vision
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
 INK, SOFT_INK, DATA_GREY, GRID_GREY = "#222222", "#666666", "#A0A0A0", "#E4E4E4"
@@ -25,7 +25,7 @@ LONG_DOTTED: Dashes = (0.0, (8.0, 1.2, 1.0, 1.2, 1.0, 1.2))
 
 @dataclass(frozen=True)
 class Look:
-    """How one series is drawn; ``above`` is its drawing order."""
+    """The look of one series; ``above`` is its drawing order."""
 
     colour: str
     dashes: Dashes = SOLID
@@ -39,5 +39,5 @@ _DASHES = (SOLID, DASHED, DASH_DOTTED, DOTTED, LONG_DOTTED)
 
 
 def look(index: int) -> Look:
-    """The look of series ``index``: 6 colours against 5 dashes, so that 30 series differ twice."""
+    """The look of series ``index``: 6 colours and 5 dash patterns give 30 different looks."""
     return Look(_COLOURS[index % len(_COLOURS)], _DASHES[index % len(_DASHES)])

@@ -1,4 +1,4 @@
-"""Figure: one comparison many times over, a panel each: models, errors, spectra, scatter."""
+"""Figure: the same comparison in many panels: responses, errors, spectra or scatter."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, st
 
 ROW = 34.0  # mm
 BLOCKS = 350  # extremes per line: panels are narrower than a figure
-DOTS = 700  # of a scatter; more only makes it opaque
+DOTS = 700  # of a scatter; more points make it opaque
 DECADES = 5.0  # of a logarithmic panel shown below its highest value
 
 Kind = Literal["series", "spectrum", "scatter"]
@@ -39,9 +39,9 @@ class Line:
 class Panel:
     """Lines over one quantity; the first is the data, which the limits follow.
 
-    ``x`` and ``y`` are names and units. ``focus`` is the part of x that a second panel beside
-    this one enlarges. ``spectrum`` has logarithmic axes; ``scatter`` has dots, equal axes and
-    the diagonal on which a perfect model would lie.
+    ``x`` and ``y`` are names and units. ``focus`` is the range of x that a second panel beside this one
+    enlarges. ``spectrum`` has logarithmic axes. ``scatter`` has dots, equal axes and the diagonal of a
+    perfect model.
     """
 
     title: str
@@ -104,7 +104,7 @@ def panels_plot(
 
 
 def _panel(axes: Axes, panel: Panel, room: float) -> tuple[dict[str, Line2D], tuple[Scale, Scale]]:
-    """The lines in their own units; returns the legend's handles and the scales."""
+    """Draw the lines of one panel; returns the legend's handles and the scales."""
     first = panel.lines[0]
     y = scale_for(*panel.y, first.y, *([] if panel.kind == "series" else [line.y for line in panel.lines]))
     x = Scale(panel.x[0], 1.0, panel.x[1]) if panel.kind == "spectrum" else scale_for(*panel.x, first.x)
@@ -166,7 +166,7 @@ _LIMITS = {"series": _limit_series, "spectrum": _limit_spectrum, "scatter": _lim
 
 
 def _enlarged(axes: Axes, whole: Axes, panel: Panel, scales: tuple[Scale, Scale]) -> None:
-    """The part ``panel.focus`` of the panel, thinned for itself."""
+    """The range ``panel.focus`` of the panel, with thinning of its own."""
     assert panel.focus is not None
     x, y = scales
     seen = []

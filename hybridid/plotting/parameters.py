@@ -1,4 +1,4 @@
-"""Figure: estimates with their 95 % intervals, how sharp they are, and how they correlate."""
+"""Figure: estimates with their 95 % intervals, relative precision and correlations."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, st
 from hybridid.quantities import Z95, estimated
 
 ROW, MAP, FRAME = 8.0, 46.0, 20.0  # mm: one parameter, one correlation map, header and axes
-SPREAD = 0.62  # part of a row over which several models' estimates are spread
+SPREAD = 0.62  # part of a row that the estimates of several models share
 MARKERS = "osD^vP"
 
 
@@ -35,7 +35,7 @@ class _Panels:
 
 @dataclass(frozen=True)
 class _Entry:
-    """One estimate and where it stands: its height, what its value is divided by, its look."""
+    """One estimate with its height in the panel, the scale of its value, and its look."""
 
     parameter: EstimatedParameter
     y: float
@@ -45,7 +45,7 @@ class _Entry:
 
     @property
     def half_width(self) -> float:
-        """Of the 95 % interval; zero if there is none."""
+        """Half-width of the 95 % interval; zero if there is none."""
         half = Z95 * self.parameter.std
         return half if math.isfinite(half) else 0.0
 
@@ -66,8 +66,8 @@ def parameters_plot(
 ) -> Plot:
     """Estimates by model name: value over declared scale, relative interval, correlation.
 
-    ``declared`` (the models' parameters) gives each one's scale and guess. A hollow marker
-    is not identifiable; what lies at a bound is said beside its number.
+    ``declared`` (the models' parameters) gives each one's scale and guess. A hollow marker is a parameter
+    that is not identifiable. A parameter at a bound is marked beside its number.
 
     Raises:
         PlotError: if nothing was estimated.
@@ -106,7 +106,7 @@ def parameters_plot(
 
 
 def _panels(width: float, rows: int, maps: int, title: str, provenance: str) -> _Panels:
-    """Values, precision and correlation maps: in one row if they fit, else one below the other."""
+    """Panels for values, precision and correlation: in one row if they fit, else one below the other."""
     forest = FRAME + ROW * rows * (1 + 0.45 * (maps - 1))
     if is_wide(width) and maps == 1:
         figure = new_figure(width, max(forest, FRAME + MAP), title, provenance)
@@ -175,7 +175,7 @@ def _dress_values(axes: Axes, names: Sequence[str]) -> None:
 
 
 def _dress_precision(axes: Axes, entries: Sequence[_Entry], wide: bool, several: bool) -> None:
-    """Whole decades on the axis, and each estimate written out at the right."""
+    """Set whole decades on the axis, and print each estimate at the right."""
     axes.set_xscale("log")
     percents = [e.percent for e in entries if math.isfinite(e.percent)] or [1.0]
     low, high = math.floor(math.log10(min(percents) / 1.4)), math.ceil(math.log10(max(percents) * 1.4))

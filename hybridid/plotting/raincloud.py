@@ -15,7 +15,7 @@ from hybridid.plotting.series import PlotError, Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 
 ROW = 15.0  # mm
-KERNEL_SAMPLES = 3000  # evenly over the record; more does not change the density
+KERNEL_SAMPLES = 3000  # samples at equal intervals over the record; more do not change the density
 DROPS = 350
 NAME = 30  # characters of a row's name that are printed
 CLOUD, BOX, RAIN = 0.42, 0.09, 0.30  # heights as parts of a row: above, on and below its line
@@ -23,7 +23,7 @@ CLOUD, BOX, RAIN = 0.42, 0.09, 0.30  # heights as parts of a row: above, on and 
 
 @styled
 def raincloud_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> Plot:
-    """A row a response: half violin (kernel density), box (5, 25, 50, 75, 95 %), thinned scatter.
+    """One row for each response: half violin (kernel density), box (5, 25, 50, 75, 95 %), thinned scatter.
 
     Source: Allen et al. (2019), "Raincloud plots", Wellcome Open Research 4:63.
 
@@ -54,7 +54,7 @@ def raincloud_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) 
 
 
 def _provenance(responses: Sequence[Response]) -> str:
-    """``measured`` only if everything is."""
+    """``measured`` only if all records are."""
     kinds = dict.fromkeys(r.provenance for r in responses)
     return " and ".join(sorted(kinds))
 

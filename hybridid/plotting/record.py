@@ -1,4 +1,4 @@
-"""Figure: everything that a record holds, over time."""
+"""Figure: all signals of a record over time."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 from hybridid.records.record import Channel, Record
 
 ALONE = Look(BLUE, width=0.8)
-# Signals that share a panel often lie on each other (a position and its reference), so the
-# first is broad and light and shows beside the thin dark ones on top of it.
+# Signals that share a panel often coincide (a position and its reference), so the first is a
+# broad, light line under the thin, dark ones.
 SHARED = (
     Look(SKY, width=2.0),
     Look(VERMILION, DASHED, width=0.8, above=4),
     Look(INK, DOTTED, width=0.8, above=5),
 )
-COMPARABLE = 10.0  # ratio of spans up to which two signals share a panel
-STEPS_VISIBLE = 400  # a held input is drawn as steps while they can be seen
+COMPARABLE = 10.0  # largest ratio of the spans of two signals in one panel
+STEPS_VISIBLE = 400  # a held input is drawn as steps if they are visible
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def record_plot(record: Record, width: float = DOUBLE_COLUMN) -> Plot:
 
 
 def _panels(record: Record) -> list[list[_Signal]]:
-    """The signals by panel: an auxiliary joins the output whose unit and size it shares."""
+    """The signals by panel: an auxiliary signal joins an output with the same unit and a similar span."""
     roles = [("input", record.input_channels, record.inputs)]
     roles.append(("output", record.output_channels, record.outputs))
     if record.auxiliary is not None:

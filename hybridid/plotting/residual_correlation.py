@@ -1,4 +1,4 @@
-"""Figure: what is left in the residual: its autocorrelation and its correlation with the inputs."""
+"""Figure: autocorrelation of the residual and its cross-correlation with the inputs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hybridid.plotting.looks import BLUE, SKY, SOFT_INK, Look
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
 from hybridid.validation.residual_tests import LEVEL, ResidualTests
 
-STEMS = 80  # lags up to which each is drawn as a stem of its own
+STEMS = 80  # largest number of lags that are drawn as stems
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class _Correlation:
 
     @property
     def outside(self) -> float:
-        """Percent of the values outside the band; an autocorrelation's 1 at lag zero does not count."""
+        """Percentage of the values outside the band, without the autocorrelation's 1 at lag zero."""
         counted = self.values if self.lags[0] < 0 else self.values[1:]
         return 100 * float(np.mean(np.abs(counted) > self.band)) if len(counted) else 0.0
 
@@ -37,8 +37,8 @@ class _Correlation:
 def residual_correlation_plot(model: str, tests: ResidualTests, width: float = DOUBLE_COLUMN) -> Plot:
     """Autocorrelation of ``model``'s residual, and its cross-correlation with each input.
 
-    A residual that holds nothing more to model is white (its autocorrelation stays in the
-    band) and unrelated to the inputs. Source: Ljung (1999), System Identification, sec. 16.6.
+    The residual of a complete model is white (its autocorrelation is within the band) and
+    uncorrelated with the inputs. Source: Ljung (1999), System Identification, sec. 16.6.
     """
     shown = [_Correlation("autocorrelation", tests.lags, tests.autocorrelation, tests.band)]
     for name, values in tests.cross_correlation.items():

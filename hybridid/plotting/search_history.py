@@ -15,12 +15,12 @@ from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 
 _HIGHEST = 150.0
-"""Per cent above which nothing is shown: a network that bad is far from any choice."""
+"""Largest error in per cent that is shown; a network with more is irrelevant to the choice."""
 
 
 @dataclass(frozen=True)
 class Tried:
-    """A trial: its error, of one that was ``pruned`` the last that was seen."""
+    """A trial and its error; a ``pruned`` trial has its last error before it was stopped."""
 
     number: int
     share: float
@@ -30,7 +30,7 @@ class Tried:
 
 @styled
 def history_plot(tried: Sequence[Tried], title: str, provenance: str, width: float = DOUBLE_COLUMN) -> Plot:
-    """A dot a trial, a cross one that was pruned, a step line at the lowest so far, a ring at the chosen.
+    """A dot for each trial, a cross if it was pruned, a step line at the lowest so far, a ring at the choice.
 
     Raises:
         PlotError: if there is no trial with a finite error.
@@ -60,7 +60,7 @@ def history_plot(tried: Sequence[Tried], title: str, provenance: str, width: flo
 
 
 def _draw_lowest(axes: Axes, shown: Sequence[Tried]) -> None:
-    """A step line from the first trial that came to its end to the last of all."""
+    """Draw a step line from the first finished trial to the last trial."""
     done = [one for one in shown if not one.pruned]
     if not done:
         return

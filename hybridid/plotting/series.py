@@ -1,4 +1,4 @@
-"""``Response``: what a model answered, beside what was recorded."""
+"""``Response``: a model's response and the recorded signal."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ Array = NDArray[np.float64]
 
 
 class PlotError(ValueError):
-    """Something that cannot be drawn: the message says what, and what is allowed."""
+    """Raised for something that cannot be drawn: the message says what, and what is allowed."""
 
 
 @dataclass(frozen=True)
 class Response:
     """One model's response to one record, one output of it, all (n,) in ``unit``.
 
-    ``view`` says in words how it was made: ``free run``, ``horizons of 1 s``. ``starts`` are
-    the times at which a horizon begins anew from its own initial state; a free run has none.
+    ``view`` names the kind of simulation: ``free run``, ``horizons of 1 s``. ``starts`` are the
+    times at which a horizon begins from its own initial state; a free run has none.
 
     Raises:
         PlotError: if the lengths differ.
@@ -90,6 +90,7 @@ class Response:
 
     @property
     def title(self) -> str:
+        """Record and output, for the first line of a figure."""
         return f"{self.record} · {self.output.replace('_', ' ')}"
 
 

@@ -15,10 +15,10 @@ from hybridid.plotting.series import PlotError, Response, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
 from hybridid.quantities import per_root_hertz
 
-SEGMENTS = 4  # segment lengths in a record; half overlapping they give 7 averages
+SEGMENTS = 4  # segment lengths in a record; with half overlap they give 7 averages
 LEAST_SAMPLES = 64
-DECADES = 9.0  # shown below the largest amplitude
-PER_DECADE = 40  # frequencies drawn; the power between two of them is averaged
+DECADES = 9.0  # decades shown below the largest amplitude
+PER_DECADE = 40  # of the drawn frequencies; the power between two of them is averaged
 Spectrum = tuple[Array, Array]
 
 
@@ -28,7 +28,7 @@ def spectrum_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -
 
     ``A(f) = sqrt(S(f))``, ``S`` Welch's one-sided power spectral density: Hann window,
     half-overlapping segments, each without its mean, averaged in bands of 1/40 decade. The
-    jumps between horizons spread over all frequencies, so free runs are what to look at here.
+    jumps between horizons contribute to all frequencies, so use free runs here.
     Source: Welch (1967), "The use of fast Fourier transform for the estimation of power
     spectra", IEEE Trans. Audio Electroacoust. 15(2).
 
@@ -64,7 +64,7 @@ def amplitude_density(time: Array, values: Array, of: str) -> Spectrum:
     """Frequencies in Hz without zero, and ``sqrt(S)`` there, both (m,), of ``values`` (n,) over ``time``.
 
     Raises:
-        PlotError: if there are too few samples or one is not finite; ``of`` says whose they are.
+        PlotError: if there are too few samples or one is not finite; ``of`` names the signal in the message.
     """
     n = len(values)
     if n < LEAST_SAMPLES:
@@ -80,7 +80,7 @@ def amplitude_density(time: Array, values: Array, of: str) -> Spectrum:
 def _logarithmic(frequency: Array, power: Array) -> Spectrum:
     """Mean power in bands of equal width on the logarithmic axis, as amplitudes.
 
-    Low frequencies keep their own lines; high ones, far finer than print, lose their noise.
+    Low frequencies keep their single lines; at high frequencies, averaging removes the noise.
     """
     band = np.floor(PER_DECADE * np.log10(frequency / frequency[0]) + 0.5).astype(int)
     _, of, count = np.unique(band, return_inverse=True, return_counts=True)

@@ -28,13 +28,13 @@ from hybridid.plotting.looks import GRID_GREY, INK, KINDS, SOFT_INK, VERMILION
 SINGLE_COLUMN = 88.0  # mm, one column of a two-column page
 DOUBLE_COLUMN = 180.0  # mm, both columns
 PNG_DPI = 200
-HEADER = 5.5  # mm, the line on top that says what is shown and where it comes from
+HEADER = 5.5  # mm, the first line: what is shown, and its provenance
 MARGIN = 1.5  # mm
 MM_PER_INCH = 25.4
 
 _RC: dict[str, Any] = {
     "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],  # travels with matplotlib: the same figure everywhere
+    "font.sans-serif": ["DejaVu Sans"],  # part of matplotlib: the same figure on every machine
     "mathtext.fontset": "dejavusans",
     "font.size": 7.0,
     "axes.labelsize": 7.0,
@@ -82,14 +82,14 @@ _RC: dict[str, Any] = {
     "figure.constrained_layout.w_pad": 0.05,
     "path.simplify": True,
     "pdf.fonttype": 42,  # TrueType inside the file: text stays text, no Type 3 fonts
-    "svg.fonttype": "path",  # outlines inside the file: no font needed where it is read
+    "svg.fonttype": "path",  # outlines inside the file: a reader needs no font
     "svg.hashsalt": "hybridid",  # the same figure gives the same bytes
 }
 
 
 @dataclass(frozen=True)
 class Plot:
-    """A figure with the name of its files, its caption (one sentence) and where its data come from."""
+    """A figure with the name of its files, its caption (one sentence) and the provenance of its data."""
 
     figure: Figure
     name: str
@@ -98,14 +98,14 @@ class Plot:
 
 
 def context() -> AbstractContextManager[None]:
-    """Matplotlib's own defaults with this style on top; what was set before returns at the end."""
+    """Matplotlib's defaults with this style; the previous settings are restored at the end."""
     defaults: dict[Any, Any] = dict(matplotlib.rcParamsDefault)
     defaults.pop("backend", None)  # setting it would load that backend
     return matplotlib.rc_context(defaults | _RC)
 
 
 def is_wide(width: float) -> bool:
-    """Whether panels find room side by side in a figure of ``width`` mm."""
+    """Whether a figure of ``width`` mm has room for panels side by side."""
     return width > (SINGLE_COLUMN + DOUBLE_COLUMN) / 2
 
 
@@ -113,7 +113,7 @@ Arguments = ParamSpec("Arguments")
 
 
 def styled(draw: Callable[Arguments, Plot]) -> Callable[Arguments, Plot]:
-    """A figure function that runs in this style."""
+    """Decorator: a figure function that runs in this style."""
 
     @functools.wraps(draw)
     def drawn(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Plot:
@@ -133,7 +133,7 @@ def new_figure(width: float, height: float, title: str, provenance: str) -> Figu
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout=engine)
     FigureCanvasAgg(figure)
     left, right = MARGIN / width, 1 - MARGIN / width
-    # a fixed distance below the top edge, also when a legend makes the figure higher
+    # a fixed distance below the top edge, also if a legend makes the figure higher
     line = figure.transFigure + ScaledTranslation(0, -0.55 * HEADER / MM_PER_INCH, figure.dpi_scale_trans)
     if provenance != "measured":
         frame = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": VERMILION, "linewidth": 0.8}
@@ -155,8 +155,8 @@ def save(
 ) -> list[Path]:
     """Write ``plot`` into ``folder``, one file for each of ``kinds``, and return their paths.
 
-    All are drawn under temporary names first, so that none is ever half-written. Each
-    carries its caption and its provenance as metadata, and no date: equal data, equal bytes.
+    All are written under temporary names first, so that no partial file remains after a failure. Each has
+    its caption and provenance as metadata, and no date: equal data give equal bytes.
     """
     folder, name = Path(folder), name or plot.name
     folder.mkdir(parents=True, exist_ok=True)
@@ -179,7 +179,7 @@ def save(
 
 
 def _shorten_numbers(svg: Path) -> None:
-    """Coordinates to 1/100 point, far finer than print: half the file."""
+    """Round coordinates to 1/100 point, much finer than print, which halves the file."""
     paths = re.compile(r' d="[^"]*"')
     text = svg.read_text(encoding="utf-8")
     svg.write_text(paths.sub(lambda d: re.sub(r"(\.\d\d)\d+", r"\1", d[0]), text), encoding="utf-8")
@@ -187,7 +187,7 @@ def _shorten_numbers(svg: Path) -> None:
 
 @contextmanager
 def _laid_out(figure: Figure) -> Iterator[None]:
-    """The layout found once, then kept: else each file is drawn twice, to find it anew."""
+    """Compute the layout once and keep it; else matplotlib draws each file twice to compute it again."""
     engine = figure.get_layout_engine()
     figure.draw_without_rendering()
     figure.set_layout_engine(None)

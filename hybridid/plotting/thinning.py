@@ -1,4 +1,4 @@
-"""Fewer points for the same picture: long lines are drawn through the extremes of short blocks."""
+"""Fewer points for the same picture: a long line is drawn through the extremes of short blocks."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ Array = NDArray[np.float64]
 def extremes(y: Array, blocks: int) -> NDArray[np.intp]:
     """Indices of the first, the last, and the smallest and largest sample of each block.
 
-    Min-max decimation: at one block a printed dot, the envelope that a reader sees is the
-    one of the whole signal, spikes included, from at most ``2 blocks + 4`` samples.
-    Non-finite samples are kept only where a block has nothing else.
+    Min-max decimation: with one block for each printed dot, the visible envelope is that of the
+    whole signal, spikes included, from at most ``2 blocks + 4`` samples.
+    Non-finite samples are kept only if a block has no others.
     """
     n = len(y)
     if n <= 2 * blocks + 4:
@@ -41,7 +41,7 @@ def thin(x: Array, y: Array, blocks: int) -> tuple[Array, Array]:
 
 
 def broken(x: Array, y: Array, starts: Array) -> tuple[Array, Array]:
-    """The same line with a gap in front of each of ``starts``, so that jumps are not joined."""
+    """The same line with a gap before each of ``starts``, so that no segment joins two horizons."""
     at = np.searchsorted(x, starts)
     at = at[(at > 0) & (at < len(x))]
     return np.insert(x, at, x[at]), np.insert(y, at, np.nan)

@@ -1,4 +1,4 @@
-"""Figure: the learned efforts that bound what a memoryless effect at a port could explain."""
+"""Figure: learned efforts at a port, an upper bound on what a memoryless effect there can explain."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 
 PANEL = 46.0  # mm
 TITLE = 4.0  # mm a line
-LARGEST = 40.0  # area in pt² of the dot where the record dwells most
+LARGEST = 40.0  # area in pt² of the dot at the point with the most samples
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class LearnedCurve:
 def ceiling_plot(
     port: str, curves: Sequence[LearnedCurve], judged: str, provenance: str, width: float = DOUBLE_COLUMN
 ) -> Plot:
-    """A panel a variable; in it, what a free curve of that variable would add to each model.
+    """One panel for each variable: the effort that a free curve of that variable adds to each model.
 
     Raises:
         PlotError: if there is no curve.

@@ -1,4 +1,4 @@
-"""Figure: the effort missing at a port, over time and over what it could depend on."""
+"""Figure: the missing effort at a port, over time and over the variables on which it could depend."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from hybridid.quantities import Z95
 from hybridid.trace.missing_effort import MissingEffort
 
 BINS = 30  # of equal width over the middle 99 % of each variable
-BLOCKS = 400  # of the record, whose means the bold line over time joins
+BLOCKS = 400  # blocks of the record; the bold line over time joins their means
 LEAST_IN_BIN = 20  # samples, for a median and its spread
-DOTS = 2500  # a cloud; more only makes it opaque
+DOTS = 2500  # a cloud; more points make it opaque
 COLUMNS = 3
 PANEL, OVERVIEW = 36.0, 27.0  # mm
 MIDDLE = (0.005, 0.995)  # quantiles that the bins cover
@@ -33,9 +33,10 @@ def missing_effort_plot(
     inputs: Mapping[str, tuple[Array, str]],
     width: float = DOUBLE_COLUMN,
 ) -> Plot:
-    """Over time with its band; over velocity, position, acceleration, inputs, and since the last reversal.
+    """The effort over time with its band, and over velocity, position, acceleration, inputs and travel.
 
-    ``efforts`` holds one entry a model, of one port and record; ``inputs`` (n,) with their units by name.
+    ``efforts`` holds one entry for each model, all of one port and record; ``inputs`` holds values (n,) and
+    unit by name. The travel is that since the last reversal.
 
     Raises:
         PlotError: if there is no effort, or they are of different ports or records.
@@ -75,7 +76,7 @@ def missing_effort_plot(
 
 
 def _layout(figure: Figure, models: int, count: int, rows: int) -> tuple[list[Axes], list[Axes]]:
-    """A panel over time for each model, then one for each variable."""
+    """One panel over time for each model, then one for each variable."""
     heights = (*[OVERVIEW] * models, *[PANEL] * rows)
     grid = figure.add_gridspec(models + rows, COLUMNS, height_ratios=heights)
     overviews = [figure.add_subplot(grid[k, :]) for k in range(models)]
@@ -90,7 +91,7 @@ def _layout(figure: Figure, models: int, count: int, rows: int) -> tuple[list[Ax
 
 
 def _over_time(axes: Axes, index: int, name: str, found: MissingEffort, scale: Scale) -> Line2D:
-    """Samples, their means over short blocks and the band of a sample; returns the line for the legend."""
+    """Draw samples, their means over short blocks and the band; returns the line for the legend."""
     time, style = time_scale(found.time), look(index)
     x, means, spread = (_block_means(v, BLOCKS) for v in (found.time, found.effort, found.std))
     low, high = ((means + side * Z95 * spread) * scale.factor for side in (-1, 1))
@@ -123,7 +124,7 @@ def _block(found: MissingEffort) -> float:
 def _variables(
     efforts: Mapping[str, MissingEffort], inputs: Mapping[str, tuple[Array, str]]
 ) -> list[tuple[str, str, list[Array]]]:
-    """Name, unit and values by model of everything that the effort is drawn over."""
+    """Name, unit and values by model of each variable over which the effort is drawn."""
     shown = list(efforts.values())
     unit = shown[0].position_unit
     return [
@@ -170,7 +171,7 @@ def _bins(x: Array, effort: Array) -> tuple[Array, Array, Array, Array]:
 
 
 def _limits(shown: Sequence[MissingEffort], factor: float) -> tuple[float, float]:
-    """What holds the middle 96 % of every effort, with a wide margin."""
+    """Limits around the middle 96 % of every effort, with a wide margin."""
     low, high = np.quantile(np.concatenate([e.effort for e in shown]), (0.02, 0.98)) * factor
     margin = 0.4 * (high - low) or 1.0
     return low - margin, high + margin

@@ -1,4 +1,4 @@
-"""Figure: every effect that was tried, by what it takes from the held-out error."""
+"""Figure: all effects tried, by their decrease of the held-out error."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MARKS = {
 
 @dataclass(frozen=True)
 class Tried:
-    """An effect at a port, its relative gain of held-out RMSE, and what became of it in its step.
+    """An effect at a port, its relative decrease of the held-out RMSE, and the decision about it.
 
     ``status`` is accepted, passed (but not the best), unidentifiable or rejected.
     """
@@ -43,7 +43,7 @@ def trials_plot(
     provenance: str,
     width: float = DOUBLE_COLUMN,
 ) -> Plot:
-    """A row an effect, the largest gain on top, at most ``MOST``; a line at the smallest gain worth having.
+    """At most ``MOST`` effects, the largest decrease on top; a line at ``worth``, the smallest accepted.
 
     Raises:
         PlotError: if nothing was tried or a status is none of those known.

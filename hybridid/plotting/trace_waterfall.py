@@ -23,7 +23,7 @@ NAME = 46  # characters of a row's name that are printed
 
 @dataclass(frozen=True)
 class Level:
-    """The RMSE after a change that ``label`` names; the first is the declared model's."""
+    """The RMSE after the change that ``label`` names; the first level is the declared model's."""
 
     label: str
     rmse: float
@@ -39,9 +39,9 @@ def waterfall_plot(
     provenance: str,
     width: float = DOUBLE_COLUMN,
 ) -> Plot:
-    """A row a change: where the error stood and where it fell to; last, the noise ``floor`` in ``unit``.
+    """One row for each change: the error before and after it; last, the noise ``floor`` in ``unit``.
 
-    ``judged`` says in words which horizons the error is of.
+    ``judged`` says in words over which horizons the error is computed.
 
     Raises:
         PlotError: if there is no level.
@@ -83,7 +83,7 @@ def _bar(axes: Axes, row: int, low: float, high: float, scale: Scale, colour: st
 
 
 def _fall(axes: Axes, row: int, before: float, after: float, scale: Scale) -> None:
-    """What a change takes away, drawn from where the error stood, and what is left of it."""
+    """Draw the decrease of the error by a change, and print the error after it."""
     axes.barh(row, after * scale.factor, THICK, color=DATA_GREY, alpha=0.35, linewidth=0, zorder=1)
     low, high = sorted((before, after))
     _bar(axes, row, low, high, scale, BLUE, f"{scale.text(after)}  ({change(before, after, 0)})")

@@ -1,4 +1,4 @@
-"""``Channel``: one recorded signal, and ``RecordError``: what a recording that cannot be used raises."""
+"""``Channel``: one recorded signal, and ``RecordError``, raised for a recording that cannot be used."""
 
 from __future__ import annotations
 
@@ -21,9 +21,12 @@ class RecordError(ValueError):
 class Channel:
     """One recorded signal.
 
-    ``hold`` says how the signal runs between its samples: ``zoh`` held (a digital
-    controller's command), ``foh`` linear, ``bandlimited`` (itself measured through an
-    anti-alias filter). Only inputs use it.
+    ``hold`` is the course of the signal between its samples: ``zoh`` constant (the command of a
+    digital controller), ``foh`` linear, ``bandlimited`` (measured through an anti-alias filter).
+    Only inputs use it.
+
+    Raises:
+        RecordError: if ``hold`` is none of these.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What makes a recording usable: checked whenever a ``Record`` is made."""
+"""The checks that every ``Record`` passes when it is made."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from hybridid.records.channel import Array, Channel, RecordError, Signals
 from hybridid.records.clipping import clipped_runs
 
 MINIMUM_SAMPLES = 10
-# Time stamps printed with too few digits stray less than this; a lost or late sample strays more.
+# Time stamps printed with too few digits deviate by less than this, a lost or late sample by more.
 STEP_TOLERANCE = 0.01  # of the sampling time
-# Steps that are each right may still add up: half a sample is where a delay would be read into the data.
+# Small errors of the steps add up: beyond half a sample, a fit would take the sum for a delay.
 GRID_TOLERANCE = 0.5  # of the sampling time
 EVEN_REMEDY = "set resample to interpolate onto an even grid, or give dt if only the stamps are rounded"
 
@@ -61,7 +61,7 @@ def check_increasing(time: Array, where: str) -> None:
         RecordError: with how many, and the worst step's samples and stamps.
     """
     steps = np.diff(time)
-    rounding = 1e-6 * float(np.median(np.abs(steps)))  # 0.025 + 0.001 is a hair above 0.026
+    rounding = 1e-6 * float(np.median(np.abs(steps)))  # 0.025 + 0.001 is slightly above 0.026
     wrong = steps <= rounding
     if wrong.any():
         k = int(np.argmin(steps))
@@ -73,10 +73,10 @@ def check_increasing(time: Array, where: str) -> None:
 
 
 def check_even(time: Array, where: str) -> None:
-    """Raise if increasing stamps ``time`` (n,) stray from an even grid, naming the worst.
+    """Raise if the increasing stamps ``time`` (n,) deviate from an even grid, naming the worst.
 
-    Each step must lie within ``STEP_TOLERANCE`` of the usual one, and each stamp within
-    ``GRID_TOLERANCE`` of the grid from the first to the last.
+    Each step must be within ``STEP_TOLERANCE`` of the usual one, and each stamp within
+    ``GRID_TOLERANCE`` of the even grid from the first stamp to the last.
 
     Raises:
         RecordError: with how many, where the worst is, and what to do.
@@ -121,7 +121,7 @@ def _check_names(signals: Sequence[Signals], where: str) -> None:
 
 
 def _each(signals: Sequence[Signals]) -> Iterator[tuple[str, Channel, Array]]:
-    """Every signal's role in the singular, its channel and its values (n,)."""
+    """For every signal its role in the singular, its channel and its values (n,)."""
     for role, values, channels in signals:
         for j, channel in enumerate(channels):
             yield role.removesuffix("s").removesuffix(" signal"), channel, values[:, j]

@@ -1,4 +1,4 @@
-"""Clipping: a signal that runs into a limit, stays there exactly, and comes back as abruptly."""
+"""Clipping: a signal reaches a limit abruptly, stays exactly there, and leaves it abruptly."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ import numpy as np
 
 from hybridid.records.channel import Array
 
-MINIMUM_RUN = 3  # samples; a peak of a coarse signal may well repeat once
+MINIMUM_RUN = 3  # samples; the peak of a coarsely quantised signal may repeat once
 RUN_RATIO = 3.0  # how much longer than a signal's usual runs of equal values
-SLOPE_RATIO = 0.1  # of the signal's usual slope: below it the signal came to rest by itself
-MISSING_QUANTA = 4.0  # height of the part cut off, in the signal's own resolution
-VICINITY = 10  # samples before and after a run in which it must still have been moving
+SLOPE_RATIO = 0.1  # of the signal's usual slope; with less, the signal came to rest by itself
+MISSING_QUANTA = 4.0  # height of the part that was cut off, in steps of the signal's resolution
+VICINITY = 10  # samples before and after a run in which the signal must be moving
 
 
 def clipped_runs(values: Array) -> list[tuple[int, int]]:
     """Where ``values`` (n,) looks clipped: half-open sample ranges, in order.
 
-    A run of equal values at the signal's maximum or minimum counts if
+    A run of equal values at the signal's maximum or minimum counts as clipped if
 
     - it is much longer than the signal's other runs (a two-level command, a staircase or a
       slow encoder has long runs everywhere),
-    - the signal still moves as usual right before *and* after it (a machine that comes to
-      rest at its end of travel arrives ever more slowly),
-    - straight lines along its slopes there would meet well beyond the limit, measured in the
-      signal's resolution (the top of a coarsely quantised wave is flat but complete),
-    - and it is no rest: neither zero nor the value at the record's first or last sample.
+    - the signal moves at its usual rate directly before *and* after it (a machine that comes to
+      rest at its end of travel slows down before),
+    - straight lines with the slopes before and after it would meet well beyond the limit, in units
+      of the signal's resolution (the top of a coarsely quantised wave is flat but complete),
+    - and it is not a rest: its value is not zero and not that of the record's first or last sample.
 
-    An intended trapezoid meets all four; the text of the warning allows for it.
+    An intended trapezoid meets all four conditions; the text of the warning allows for it.
     """
     steps = np.abs(np.diff(values))
     if not steps.any():
@@ -37,7 +37,7 @@ def clipped_runs(values: Array) -> list[tuple[int, int]]:
     starts, lengths, levels = edges[:-1], np.diff(edges), values[edges[:-1]]
     extreme = (levels == values.max()) | (levels == values.min())
     if extreme.all():
-        return []  # two levels only: nothing to tell a limit from
+        return []  # only two levels: a limit cannot be told from them
     shortest = max(MINIMUM_RUN, RUN_RATIO * float(np.percentile(lengths[~extreme], 95)))
     at_rest = (levels == 0) | (levels == values[0]) | (levels == values[-1])
     moving = len(values) - int(lengths[lengths >= shortest].sum())
@@ -57,9 +57,9 @@ def clipped_runs(values: Array) -> list[tuple[int, int]]:
 def _slopes(values: Array, steps: Array, quantum: float, start: int, length: int) -> Iterator[float]:
     """Slopes (per sample) on both sides of a run, near and far.
 
-    Near it the path counts, so that noise is motion too, less one step of the resolution, so
-    that a single last count is not; as far away as half the run, where a
-    smooth top would have bent away but little, the distance.
+    The near slope is the path length, so that noise counts as motion, minus one step of the resolution,
+    so that a single last count does not. The far slope is the difference over half the length of the
+    run, a distance over which a smooth top would hardly have bent.
     """
     last, reach = start + length - 1, max(2, length // 2)
     for path in (steps[max(start - VICINITY, 0) : start], steps[last : last + VICINITY]):

@@ -14,7 +14,7 @@ from hybridid.records.channel import Array, RecordError
 @final
 @dataclass(frozen=True)
 class Columns(Mapping[str, Array]):
-    """The columns of one file, by name; ``unusable`` says of the others why they are none."""
+    """The columns of numbers in one file, by name; ``unusable`` says why another column is not."""
 
     path: Path
     values_by_name: Mapping[str, Array]
@@ -43,10 +43,10 @@ class Columns(Mapping[str, Array]):
 
 
 def find_column(name: str, tables: Sequence[Columns]) -> Array:
-    """The column called ``name``, or ``file:name``, wherever among ``tables`` it is.
+    """The column called ``name``, or ``file:name``, in any of ``tables``.
 
     Raises:
-        RecordError: if none has it, or more than one.
+        RecordError: if none of them has it, or more than one.
     """
     holders = [table for table in tables if name in table]
     if len(holders) == 1:

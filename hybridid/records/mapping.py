@@ -1,4 +1,4 @@
-"""From the columns of recorded files to a ``Record``: which column is which signal, in what unit."""
+"""Makes a ``Record`` from the columns of recorded files: which column is which signal, in what unit."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ SECONDS: Mapping[str, float] = {
 class SignalMap:
     """``signal = sign · scale · factor · column + offset``, in ``unit``.
 
-    ``factor`` names a scalar or a column of the same files (EMPS: force [N] = ``gtau`` · ``vir``);
-    ``offset`` is in ``unit``. Where several files have a column of that name, ``file:column``
-    (the file's name or its stem) says which.
+    ``factor`` names a scalar or a column of the same files (EMPS: force [N] = ``gtau`` · ``vir``).
+    ``offset`` is in ``unit``. If several files have a column of that name, write ``file:column``
+    with the file's name or stem.
     """
 
     name: str
@@ -57,6 +57,7 @@ class SignalMap:
 
     @property
     def channel(self) -> Channel:
+        """The channel that the signal becomes in the record."""
         return Channel(self.name, self.unit, self.hold, self.meaning)
 
 
@@ -90,7 +91,7 @@ class TimeMap:
 
 @dataclass(frozen=True)
 class RecordMap:
-    """All that a config says of one recording."""
+    """Everything that a config says about one recording."""
 
     files: tuple[str, ...]
     time: TimeMap
@@ -104,7 +105,7 @@ def record_map(values: Mapping[str, Any], where: str = "record") -> RecordMap:
     """A ``RecordMap`` from plain keys and values, as a config holds them.
 
     Raises:
-        RecordError: in one line for an unknown or missing key or an impossible value.
+        RecordError: in one line, for an unknown or missing key or a value that is not allowed.
     """
     return build(RecordMap, values, where, RecordError)
 
@@ -184,7 +185,7 @@ def _signal(signal: SignalMap, tables: Sequence[Columns]) -> Array:
 
 
 def _stamps(time: TimeMap, tables: Sequence[Columns], n: int) -> Array:
-    """Time stamps in s; (n,) if they are counted, else as many as the column has."""
+    """Time stamps in s: (n,) with ``dt`` or ``rate``, else as many as the column has."""
     if time.column is None:
         count = np.arange(n, dtype=float)
         return count * time.dt if time.dt is not None else count / (time.rate or 1.0)
@@ -204,7 +205,7 @@ def _check_lengths(name: str, stamps: Array, signals: Sequence[SignalMap], value
 
 
 def _check_finite(name: str, stamps: Array, signals: Sequence[SignalMap], values: Sequence[Array]) -> None:
-    """Before resampling, which would spread a missing value over its neighbours."""
+    """Runs before resampling, which would spread a missing value over its neighbours."""
     where = f"record {name}"
     check_finite(stamps, "time", "s", where)
     for signal, column in zip(signals, values, strict=True):

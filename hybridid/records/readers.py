@@ -1,9 +1,9 @@
-"""From a file to named columns of numbers: MATLAB (v5 and v7.3), CSV and Parquet.
+"""Reads named columns of numbers from a file: MATLAB (v5 and v7.3), CSV and Parquet.
 
-Everything numeric in a file is a column: a vector (n,), or a scalar as (1,). The signals of
-a matrix run along its longer axis and are addressed from zero, ``data_theta[2]`` for MATLAB's
-``data_theta(:,3)``; the fields of a structure with dots, ``run.position``; the columns of a
-CSV file without a header as ``[0]``, ``[1]``.
+Everything numeric in a file is a column: a vector (n,), or a scalar as (1,). The samples of a matrix
+lie along its longer axis. Names address the parts of a file: ``data_theta[2]`` (counted from zero) is
+MATLAB's ``data_theta(:,3)``, ``run.position`` is a field of a structure, and ``[0]``, ``[1]`` are the columns
+of a CSV file without a header.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def read_columns(path: Path | str) -> Columns:
         found = list(reader(path))
     except RecordError:
         raise
-    except Exception as wrong:  # each library has errors of its own for a broken file
+    except Exception as wrong:  # each library raises errors of its own for a broken file
         reason = " ".join(str(wrong).split()) or type(wrong).__name__
         raise RecordError(f"{path}: not a readable {path.suffix} file: {reason[:200]}") from wrong
     columns = Columns(
@@ -50,7 +50,7 @@ def read_columns(path: Path | str) -> Columns:
     return columns
 
 
-Found = Iterator[tuple[str, "Array | str"]]  # a column's values, or why it cannot be one
+Found = Iterator[tuple[str, "Array | str"]]  # a column's values, or why it has none
 
 
 def _read_mat(path: Path) -> Found:
@@ -65,7 +65,7 @@ def _read_mat(path: Path) -> Found:
 
 
 def _flattened(name: str, content: Any) -> Found:
-    """The columns in one MATLAB variable: structures and cells are opened, matrices cut."""
+    """The columns in one MATLAB variable: one for each field, cell, and column of a matrix."""
     if isinstance(content, Mapping):
         for key, value in content.items():
             yield from _flattened(f"{name}.{key}", value)
@@ -123,12 +123,12 @@ def _read_csv(path: Path) -> Found:
         if series.isna().all():
             if has_header and not str(label).startswith("Unnamed:"):
                 yield str(label).strip(), "it is empty"
-            continue  # a trailing separator makes one more column, of nothing
+            continue  # a trailing separator makes one more, empty column
         yield (str(label).strip() if has_header else f"[{j}]"), _numbers(series)
 
 
 def _encoding(path: Path) -> str:
-    """UTF-8 if it is that, else the Latin-1 in which older loggers write ° and µ."""
+    """UTF-8 if the file is valid UTF-8, else Latin-1, in which older loggers write ° and µ."""
     try:
         path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -137,7 +137,7 @@ def _encoding(path: Path) -> str:
 
 
 def _separator(line: str) -> str:
-    """What divides the cells of ``line``: a tab or semicolon if there is one, then a comma."""
+    """The character between the cells of ``line``: a tab or semicolon if there is one, else a comma."""
     outside_quotes = re.sub(r'"[^"]*"', "", line)
     return next((s for s in ("\t", ";", ",", "|") if s in outside_quotes), ",")
 
@@ -151,7 +151,7 @@ def _is_number(cell: str, decimal: str) -> bool:
 
 
 def _numbers(series: Any) -> Array | str:
-    """A pandas column as floats, missing as NaN; dates as seconds since the first. Else why not."""
+    """A pandas column as floats, missing values as NaN, dates as seconds since the first; or why not."""
     import pandas as pd
     from pandas.api import types
 

@@ -21,7 +21,7 @@ class Record:
     ``auxiliary`` (n, n_a) for signals that a plot shows but no model uses.
     ``simulated`` marks whatever comes from a virtual rig; it travels with every result.
     ``digest`` is the SHA-256 of the file it came from, or of the rig's configuration.
-    ``warnings`` are what was noticed on the way; those of its own check are added.
+    ``warnings`` are one line each: those of reading and preprocessing, and those of its own check.
 
     Raises:
         RecordError: if shapes or lengths disagree, a value is not finite, the time
@@ -48,7 +48,7 @@ class Record:
             if value is not None:
                 object.__setattr__(self, name, self._frozen(name, value))
         object.__setattr__(self, "_seen_by_check", check_samples(self.name, self.time, self._signals()))
-        # a copy brings its warnings along, and its check repeats them
+        # a copy takes its warnings with it, and its check finds them again
         found = dict.fromkeys((*self.warnings, *self._seen_by_check))
         object.__setattr__(self, "warnings", tuple(found))
 
@@ -83,7 +83,7 @@ class Record:
 
     @property
     def provenance(self) -> str:
-        """``"simulated"`` or ``"measured"``: what to print beside every number."""
+        """``"simulated"`` or ``"measured"``, to be printed beside every number."""
         return "simulated" if self.simulated else "measured"
 
     @property
@@ -108,7 +108,7 @@ class Record:
         return self.inputs[:, self._index("input", name, self.input_channels)]
 
     def signal(self, name: str) -> Array:
-        """The channel ``name``, be it input, output or auxiliary; shape (n,).
+        """The input, output or auxiliary channel ``name``, shape (n,).
 
         Raises:
             RecordError: if the record has no such signal.
@@ -126,7 +126,10 @@ class Record:
     def part(self, start: int, stop: int, name: str | None = None) -> Record:
         """Samples ``start`` to ``stop`` (exclusive) as a record of their own.
 
-        How the record was made is still true of a part; what the check saw in it may not be.
+        The part keeps the warnings about how the record was made. It is checked anew itself.
+
+        Raises:
+            RecordError: if the part is too short.
         """
         cut = slice(start, stop)
         return replace(

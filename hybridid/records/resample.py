@@ -1,4 +1,4 @@
-"""Onto an even time grid, when a user asks for it."""
+"""Resampling onto an even time grid, when a user asks for it."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ import numpy as np
 from hybridid.records.channel import Array, Hold, RecordError
 from hybridid.records.checks import check_increasing
 
-GAP = 3.0  # of the usual step: longer ones are worth a word, for what fills them was not measured
-COARSER = 1.5  # of the usual step: beyond it, resampling without a filter folds high frequencies down
+GAP = 3.0  # of the usual step; a longer gap is reported, because its samples are interpolated, not measured
+COARSER = 1.5  # of the usual step; a longer new step without a filter causes aliasing
 
 
 @dataclass(frozen=True)
 class Resample:
-    """An even grid of step ``dt`` [s], by straight lines or by monotone cubics (PCHIP).
+    """An even grid of step ``dt`` [s], by linear interpolation or by monotone cubics (PCHIP).
 
-    PCHIP does not overshoot between samples. A held input (``zoh``) is a staircase whatever the
-    method: its value on the grid is its mean over the step that follows, which keeps its
-    integral. A line through the staircase would act half a sample early, the last value before
-    each grid point up to a sample late.
+    PCHIP does not overshoot between samples. A held input (``zoh``) is a staircase with either
+    method: its value at a grid point is its mean over the step that follows, which keeps its
+    integral. A line through the staircase would act half a sample early; the last value before
+    each grid point would act up to one sample late.
 
     Source: Fritsch, Carlson (1980), SIAM J. Numer. Anal. 17(2).
     """
@@ -38,9 +38,9 @@ class Resample:
 def resampled(
     time: Array, signals: Sequence[Array], holds: Sequence[Hold | None], plan: Resample, where: str
 ) -> tuple[Array, list[Array], tuple[str, ...]]:
-    """``signals``, each (n,) at ``time`` (n,), on the grid of ``plan``; with what there is to say of it.
+    """``signals``, each (n,) at ``time`` (n,), on the grid of ``plan``: its time (m,), the values, remarks.
 
-    ``holds`` gives for each input how it runs between its samples, ``None`` for the rest.
+    ``holds`` gives the hold of each input, and ``None`` for each other signal.
 
     Raises:
         RecordError: if a time stamp repeats or runs backward: no interpolation repairs that.
@@ -48,7 +48,7 @@ def resampled(
     check_increasing(time, where)
     if len(time) < 2:
         raise RecordError(f"{where}: {len(time)} samples are too few to resample")
-    # the last stamp belongs to the grid even where rounding puts it a hair beyond
+    # the last stamp belongs to the grid even if rounding puts it slightly beyond
     n = int(np.floor((time[-1] - time[0]) / plan.dt + 1e-6)) + 1
     grid = time[0] + plan.dt * np.arange(n)
     values = [
@@ -70,7 +70,7 @@ def _interpolated(grid: Array, time: Array, signal: Array, hold: Hold | None, pl
 
 def _step_means(grid: Array, time: Array, signal: Array, dt: float) -> Array:
     """Mean of the staircase through ``signal`` over each step of the grid, from its integral."""
-    widths = np.append(np.diff(time), 2 * dt)  # the last value goes on past the last grid point
+    widths = np.append(np.diff(time), 2 * dt)  # the last value is held beyond the last grid point
     integral = np.concatenate(([0.0], np.cumsum(signal * widths)))
     edges = np.append(grid, grid[-1] + dt)
     return np.diff(np.interp(edges, np.append(time, time[-1] + 2 * dt), integral)) / dt

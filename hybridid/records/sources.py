@@ -1,4 +1,4 @@
-"""Where recordings lie, and which bytes they are."""
+"""Where recordings are found, and the hash of their content."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ DEFAULT_ROOT = Path("data/raw")
 
 
 class RecordNotFoundError(RecordError):
-    """A recording that is not at hand: a case may fall back on its virtual rig."""
+    """Raised if a recording is not found: a case may use its virtual rig instead."""
 
 
 @dataclass(frozen=True)
 class DataRoot:
-    """A folder under which recordings are looked for, and what named it."""
+    """A folder in which recordings are searched, and the setting that named it."""
 
     path: Path
     named_by: str = ""
@@ -35,7 +35,7 @@ def data_roots(
     environment: Mapping[str, str] = os.environ,
     default: Path = DEFAULT_ROOT,
 ) -> tuple[DataRoot, ...]:
-    """Where to look, in order: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``."""
+    """The folders to search, in this order: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``."""
     found = []
     if override:
         found.append(DataRoot(Path(override).expanduser(), "paths.data"))
@@ -45,10 +45,10 @@ def data_roots(
 
 
 def locate(relative_path: str | Path, roots: Sequence[DataRoot | Path | str]) -> Path:
-    """``relative_path`` under the first of ``roots`` that holds it; an absolute path is itself.
+    """``relative_path`` under the first of ``roots`` that holds it; an absolute path is returned as it is.
 
     Raises:
-        RecordNotFoundError: in one line, with where it was looked for and a name like it that is there.
+        RecordNotFoundError: in one line, with the folders searched and a file there with a similar name.
     """
     relative_path = Path(relative_path).expanduser()
     if relative_path.is_absolute():
@@ -68,7 +68,7 @@ def locate(relative_path: str | Path, roots: Sequence[DataRoot | Path | str]) ->
 
 
 def _namesake(candidates: Iterable[Path]) -> str:
-    """``, did you mean X?`` if a folder looked into holds a file of nearly that name."""
+    """``, did you mean X?`` if a folder that was searched holds a file with a similar name."""
     for candidate in candidates:
         if candidate.parent.is_dir():
             there = {file.name.lower(): file for file in candidate.parent.iterdir() if file.is_file()}
@@ -79,7 +79,7 @@ def _namesake(candidates: Iterable[Path]) -> str:
 
 
 def digest_of(files: Sequence[Path]) -> str:
-    """SHA-256 in hexadecimal: of the file itself if it is one, of the sorted digests if several."""
+    """SHA-256 in hexadecimal: of the file if there is one, of the sorted digests if there are several."""
     digests = sorted(_sha256(file) for file in files)
     return digests[0] if len(digests) == 1 else hashlib.sha256("\n".join(digests).encode()).hexdigest()
 

@@ -1,8 +1,8 @@
-"""A ``Record`` in one file, bit for bit: how the stages hand records on.
+"""A ``Record`` in one file, bit for bit: how one stage passes records to the next.
 
 The file is Parquet, so that pandas, MATLAB or a plotting tool reads it too: a column ``time``
-[s] and one for each channel, under its name. What else a record knows (roles, units, holds,
-provenance) is JSON in the file's metadata, under ``hybridid``.
+[s] and one for each channel, under its name. All else (roles, units, holds, provenance) is JSON in
+the file's metadata, under ``hybridid``.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ROLES = ("input", "output", "auxiliary")
 
 
 def save_record(record: Record, path: Path | str) -> Path:
-    """Write ``record`` to ``path`` (``.parquet``), whole or not at all; returns the path."""
+    """Write ``record`` to ``path`` (``.parquet``), which is returned. A failed write leaves no file."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -47,7 +47,7 @@ def load_record(path: Path | str) -> Record:
     """The record that ``save_record`` wrote to ``path``.
 
     Raises:
-        RecordError: if there is no such file, or it is not of ``save_record``'s making.
+        RecordError: if there is no such file, or ``save_record`` did not write it.
     """
     import pyarrow as pa
 

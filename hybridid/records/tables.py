@@ -1,6 +1,6 @@
 """Columns of numbers in a Parquet file, read without pandas and pyarrow's dataset engine.
 
-``pyarrow.parquet.read_table`` and ``to_numpy`` load both: half a second of every command and of every worker.
+``pyarrow.parquet.read_table`` and ``to_numpy`` load both, which costs every command and worker half a second.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 def read_table(path: Path) -> pa.Table:
-    """The whole file.
+    """All columns of the Parquet file at ``path``.
 
     Raises:
-        ArrowException: if it is no Parquet file.
+        ArrowException: if it is not a Parquet file.
     """
     from pyarrow import parquet
 

@@ -1,1 +1,1 @@
-"""Residual models: networks on what the physics leaves, after its output or inside its equations."""
+"""Residual models: networks for the error of the physical model, on its output or inside its equations."""

@@ -1,7 +1,7 @@
-"""``torch.optim.Adam`` on part of a stack: its step is torch's, its moments can be cut by rows.
+"""``torch.optim.Adam`` for a stack of networks: the step is torch's, the moments can be reduced to some rows.
 
-The class in torch loads its compiler at the first step: two seconds of every worker, as long as small
-networks train. The function below it does not. Source: Kingma, Ba (2015), ICLR, arXiv:1412.6980.
+The class in torch loads its compiler at the first step, which costs every worker two seconds, as long as
+small networks train. The function that it calls does not. Source: Kingma, Ba (2015), ICLR, arXiv:1412.6980.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from torch.optim.adam import adam
 
 
 class Adam:
-    """Moves ``tensors`` down their gradients; ``decay`` adds so much of each to its gradient."""
+    """Gradient descent on ``tensors`` with momentum; ``decay`` times a tensor is added to its gradient."""
 
     def __init__(self, tensors: Sequence[Tensor], rate: float, decay: float) -> None:
         self.tensors = list(tensors)
@@ -24,13 +24,13 @@ class Adam:
         self.steps = [torch.tensor(0.0) for _ in self.tensors]
 
     def forget(self) -> None:
-        """Let go of the gradients."""
+        """Delete the gradients."""
         for tensor in self.tensors:
             tensor.grad = None
 
     @torch.no_grad()
     def step(self) -> None:
-        """One step; every tensor has a gradient."""
+        """Take one step; every tensor must have a gradient."""
         adam(
             self.tensors,
             [t.grad for t in self.tensors if t.grad is not None],
@@ -49,7 +49,7 @@ class Adam:
         )
 
     def part(self, rows: Sequence[int], tensors: Sequence[Tensor]) -> Adam:
-        """For ``tensors``, which are these rows of its own; their moments go on."""
+        """The optimiser for ``tensors``, which are the given rows of its own; it keeps their moments."""
         smaller = Adam(tensors, self.rate, self.decay)
         smaller.first = [moment[list(rows)] for moment in self.first]
         smaller.second = [moment[list(rows)] for moment in self.second]

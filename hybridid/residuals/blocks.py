@@ -1,4 +1,4 @@
-"""Which samples train a network and which are held out: contiguous blocks, whole windows inside them."""
+"""The samples that train a network and those held out: contiguous blocks that contain whole windows."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Blocks:
         return np.concatenate([np.arange(a + reach, b - horizon + 1) for a, b in self.train] or [_NONE])
 
     def checks(self, horizon: int, reach: int) -> Index:
-        """Where windows side by side begin that cover the held-out runs."""
+        """First samples of the adjacent windows that cover the held-out runs."""
         return np.concatenate(
             [np.arange(a + reach, b - horizon + 1, horizon) for a, b in self.held_out] or [_NONE]
         )
@@ -33,9 +33,9 @@ _NONE = np.empty(0, dtype=np.int64)
 
 
 def blocks(pieces: list[tuple[int, int]], count: int, held_out: float) -> Blocks:
-    """Cut each piece into ``count`` blocks and hold out that share of them, evenly spread.
+    """Cut each piece into ``count`` blocks and hold out that share of them, evenly spaced.
 
-    Neighbouring training blocks run together.
+    Neighbouring training blocks are joined.
     """
     away = max(1, round(held_out * count))
     chosen = {int((k + 0.5) * count / away) for k in range(away)}

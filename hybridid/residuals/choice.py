@@ -1,4 +1,4 @@
-"""Which of several trained networks is kept: the smallest of those nearly the best on held-out blocks."""
+"""The choice among trained networks: the smallest whose error on held-out blocks is nearly the lowest."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:  # who chooses need not load torch
+if TYPE_CHECKING:  # the choice itself need not load torch
     from hybridid.residuals.training import Trained
 
 NEAR = 1.05
-"""A held-out error of so many times the lowest is as good. No standard error over the blocks: of one event,
-such as a bump, one block holds most of the error, and then one standard error takes in every network."""
+"""A held-out error up to this multiple of the lowest counts as equal. A standard error over the blocks is no
+alternative: if one block holds most of the error (a bump, say), one standard error admits every network."""
 RULE = (
     f"the fewest weights whose free-run RMSE on the held-out blocks is within {NEAR - 1:.0%} of the lowest; "
     "among equals the lowest"
@@ -23,7 +23,7 @@ def smallest_near_best(trained: Sequence[Trained]) -> Trained:
     """The network to keep of several for one output, judged on the same held-out blocks.
 
     Raises:
-        ValueError: if every one ran away on the held-out blocks.
+        ValueError: if every one diverged on the held-out blocks.
     """
     lowest = min(one.held_out for one in trained)
     if not np.isfinite(lowest):
@@ -33,6 +33,6 @@ def smallest_near_best(trained: Sequence[Trained]) -> Trained:
 
 
 def smallest_within(errors: Sequence[float], sizes: Sequence[int], limit: float) -> int:
-    """Number of the smallest whose error is at most ``limit``; among equals of the lowest error."""
+    """Index of the smallest with an error of at most ``limit``; among equal sizes, of the lowest error."""
     near = [k for k, error in enumerate(errors) if error <= limit]
     return min(near, key=lambda k: (sizes[k], errors[k]))

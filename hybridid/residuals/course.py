@@ -1,4 +1,4 @@
-"""The course of a stack's training on rising horizons; each network stops by its own held-out error."""
+"""Training of a stack of networks on increasing horizons; each stops by its own held-out error."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Course:
         self._note(running, "all epochs used", horizon, self.settings.epochs)
 
     def _epoch(self, learner: _Learner, running: Index, horizon: int) -> NDArray[np.float64]:
-        """One pass over the training blocks; returns each network's mean loss."""
+        """One pass over the training blocks; returns each network's mean loss (b,)."""
         samples = [self.samples[k] for k in running]
         windows = max(1, self.settings.batch // horizon)
         steps = -(-samples[0].trained_on // (windows * horizon))
@@ -87,7 +87,7 @@ class Course:
         return np.mean(losses, axis=0)
 
     def _order(self, network: int, horizon: int, count: int) -> Index:
-        """Starts of ``count`` windows in the network's own random order."""
+        """First samples of ``count`` windows, in the network's own random order."""
         sample = self.samples[network]
         return np.resize(self._dice[network].permutation(sample.split.starts(horizon, sample.reach)), count)
 
@@ -98,7 +98,7 @@ class Course:
 
 @dataclass(frozen=True)
 class _Learner:
-    """A stack and its Adam."""
+    """A stack and its optimiser."""
 
     stack: Stack
     adam: Adam
@@ -108,7 +108,7 @@ class _Learner:
         return cls(stack, Adam(stack.tensors, settings.learning_rate, settings.weight_decay))
 
     def step(self, windows: Windows) -> NDArray[np.float64]:
-        """One step down each network's own loss; returns the losses (b,)."""
+        """One optimiser step on each network's own loss; returns the losses (b,)."""
         self.adam.forget()
         losses = (self.stack(windows.past, windows.rows) - windows.target).square().mean(dim=(1, 2))
         losses.sum().backward()
@@ -117,7 +117,7 @@ class _Learner:
         return losses.detach().double().numpy()
 
     def part(self, chosen: Index) -> _Learner:
-        """The learner of these networks alone, with their moments."""
+        """The learner of these networks only, with their moments."""
         rows = list(chosen)
         smaller = self.stack.part(rows)
         return _Learner(smaller, self.adam.part(rows, smaller.tensors))

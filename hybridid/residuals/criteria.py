@@ -1,4 +1,4 @@
-"""How good a network is on what no gradient sees: the error that decides when training stops."""
+"""The error on held-out blocks, which decides when training stops."""
 
 from __future__ import annotations
 
@@ -18,21 +18,22 @@ Array = NDArray[np.float64]
 
 
 class Criterion(abc.ABC):
-    """Mean squares, over the error's mean square, on the held-out blocks; infinite if it runs away."""
+    """Mean square error on the held-out blocks over that without a network; infinite if it diverges."""
 
     @abc.abstractmethod
     def __call__(self, stack: Stack, networks: Sequence[int]) -> Array:
-        """Of the networks of ``stack``, which are those with the numbers ``networks``; (b,)."""
+        """Value of each network of ``stack``, (b,); their indices are ``networks``."""
 
 
 @dataclass(frozen=True, eq=False)
 class HorizonError(Criterion):
-    """Over windows side by side, each from measured errors."""
+    """Error over adjacent windows, each simulated from measured past errors."""
 
     windows: Windows
 
     @classmethod
     def of(cls, samples: Sequence[Samples], horizon: int, lags: int) -> HorizonError:
+        """The criterion over held-out windows of ``horizon`` grid samples, with ``lags`` past errors each."""
         starts = [s.split.checks(horizon, s.reach) for s in samples]
         return cls(gather(samples, starts, horizon, lags))
 
@@ -46,7 +47,7 @@ class HorizonError(Criterion):
 
 @dataclass(frozen=True, eq=False)
 class FreeRunError(Criterion):
-    """Simulating each record whole from an error of zero; ``limits`` (b,) of the scaled |error|."""
+    """Error of a simulation of each whole record from zero; ``limits`` (b,) bound the scaled |error|."""
 
     samples: Sequence[Samples]
     limits: Sequence[float]
@@ -64,5 +65,5 @@ class FreeRunError(Criterion):
 
 
 def without_correction(sample: Samples) -> float:
-    """Mean square of the scaled error itself on the held-out blocks."""
+    """Mean square of the scaled error on the held-out blocks, without a network."""
     return float(np.mean(sample.doubles[0][sample.held_out] ** 2))

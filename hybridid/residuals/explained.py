@@ -1,12 +1,13 @@
-"""A network may never hide physics: how much of its output the physical parameters could have explained.
+"""How much of a network's output the physical parameters could have explained.
 
-The network's contribution r is projected onto what the model's own parameters would change,
+A network must not hide physics. Its contribution r is projected onto the changes that the model's own
+parameters can make,
 
     share = 1 - min over c of |r - S c|² / |r|²,   S = columns d(output)/dp or d(acceleration)/dp,
 
-both along one trajectory. Near 1, another value of the parameters does what the network does; near
-0 the network holds something else. The square is about zero, not about the mean: a constant that
-an offset could give is explained too.
+both along one trajectory. If the share is near 1, other parameter values have the same effect as the network.
+If it is near 0, the network represents something else. The squares are about zero, not about the mean: a
+constant that an offset could give counts as explained.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ from hybridid.validation.predict import Prediction
 Array = NDArray[np.float64]
 T = TypeVar("T")
 MUCH = 0.5
-"""Share above which a warning is due."""
+"""Share above which there is a warning."""
 NEGLIGIBLE = 1e-10
-"""Directions of S with a smaller singular value, relative to the largest, explain nothing."""
+"""Directions of S with a smaller singular value, relative to the largest, are ignored."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Explained:
 
     @property
     def warning(self) -> str | None:
-        """One line if much of the network is physics that the model has already, else None."""
+        """One line if the model's own parameters could explain much of the network, else None."""
         if not self.share > MUCH:
             return None
         most = max(self.alone, key=lambda name: self.alone[name])
@@ -60,7 +61,7 @@ class Explained:
 def explained_share(
     correction: Array, sensitivities: Array, names: Sequence[str]
 ) -> tuple[float, Array, Array]:
-    """Of ``correction`` (n,) by ``sensitivities`` (n, k): share, share by each column alone, coefficients."""
+    """Projects ``correction`` (n,) on ``sensitivities`` (n, k): share, share of each column, coefficients."""
     total = float(correction @ correction)
     sizes = np.linalg.norm(sensitivities, axis=0)
     columns = sensitivities / np.where(sizes > 0, sizes, 1.0)
@@ -96,7 +97,7 @@ def output_explained(
 
 @dataclass(frozen=True, eq=False)
 class Same(Generic[T]):
-    """Stands for the very object ``value`` where a cache asks whether it has seen it."""
+    """A cache key for the object ``value`` itself: equal only if it is the same object."""
 
     value: T
 
@@ -117,7 +118,7 @@ def _sensitivities(
 ) -> tuple[Array, Array]:
     """``dy/dp`` (n, n_y, k) over the outputs' spread, and that spread (n_y,).
 
-    Kept for the next network: of a sweep's many on one gray box only the corrections differ.
+    Kept for the next network: the networks of a sweep on one gray box differ only in the correction.
     """
     model, prediction = of.value, along.value
     p = model.values(dict(values))

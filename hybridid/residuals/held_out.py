@@ -1,8 +1,8 @@
-"""Choosing a network without touching the validation record: blocks of the fitted records held out in turn.
+"""Choice of a network without the validation record: blocks of the fitted records are held out in turn.
 
-Each record is cut into contiguous blocks. Block after block is left out, gray box and network are
-fitted to the rest, and the block is simulated free-run from its own estimated initial state. The
-choice is the smallest network whose error is within one standard error of the lowest. Source:
+Each record is cut into contiguous blocks. One block after the other is left out: gray box and network are
+fitted to the rest, and the block is simulated free-run from its own estimated initial state. The choice
+is the smallest network whose error is within one standard error of the lowest. Source:
 Hastie, Tibshirani, Friedman (2009), The Elements of Statistical Learning, sec. 7.10.
 """
 
@@ -27,9 +27,9 @@ from hybridid.validation.predict import free_run
 
 Array = NDArray[np.float64]
 Mapper = Callable[[Callable[..., Any], Iterable[tuple[Any, ...]]], Iterable[Any]]
-"""``mapper(function, argument tuples)`` gives results in order: ``itertools.starmap``, a process pool."""
+"""``mapper(function, argument tuples)`` gives results in order: ``itertools.starmap`` or a process pool."""
 SHORTEST = 50
-"""Samples below which a block says nothing."""
+"""Smallest number of samples in a block."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Fold:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A plan and how it is fitted."""
+    """A network plan and its fit settings."""
 
     plan: RBFPlan
     settings: FitSettings
@@ -52,7 +52,7 @@ class Candidate:
 class FoldScore:
     """Mean square errors (n_y,) on a fold's held-out blocks: of the gray box and with the network.
 
-    ``failure`` says why there is none, such as a simulation that diverges.
+    ``failure`` is the reason why there are none, such as a simulation that diverges.
     """
 
     gray: Array
@@ -70,26 +70,27 @@ class Scored:
 
     @property
     def gray_rmse(self) -> Array:
-        """Of the gray box fitted without each block, (n_y,), in the outputs' units."""
+        """RMS error of the gray box fitted without each block, (n_y,), in the outputs' units."""
         return np.sqrt(np.mean([f.gray for f in self.folds], axis=0))
 
     @property
     def rmse(self) -> Array:
-        """Of the hybrid, (n_y,), in the outputs' units; infinite if it failed on a fold."""
+        """RMS error of the hybrid, (n_y,), in the outputs' units; infinite if it failed on a fold."""
         return np.sqrt(np.mean([f.hybrid for f in self.folds], axis=0))
 
     @property
     def by_fold(self) -> Array:
-        """Each fold's mean square over the outputs' variances, (folds,)."""
+        """Each fold's mean square error over the outputs' variances, (folds,)."""
         return np.array([np.mean(f.hybrid / self.spread**2) for f in self.folds])
 
     @property
     def score(self) -> float:
+        """Mean of ``by_fold``: mean square error over the outputs' variances; infinite after a failure."""
         return float(self.by_fold.mean())
 
     @property
     def standard_error(self) -> float:
-        """Of ``score`` over the folds."""
+        """Standard error of ``score`` over the folds."""
         return (
             float(self.by_fold.std(ddof=1) / np.sqrt(len(self.folds))) if np.isfinite(self.score) else np.inf
         )
@@ -133,7 +134,7 @@ class Alone:
 
 
 def fit_alone(gray: Model, fold: Fold, settings: FitSettings) -> Alone:
-    """Fit the gray box on the fold's fitted parts, simulate its held-out blocks."""
+    """Fit the gray box to the fitted parts of the fold and simulate its held-out blocks."""
     values = fit(gray, fold.fitted, settings).values
     try:
         return Alone(values, _mean_square(gray, values, fold, settings))
@@ -142,7 +143,7 @@ def fit_alone(gray: Model, fold: Fold, settings: FitSettings) -> Alone:
 
 
 def score_fold(gray: Model, fold: Fold, candidate: Candidate, alone: Alone) -> FoldScore:
-    """Fit the network beside the gray box on the fold's fitted parts, simulate its held-out blocks."""
+    """Fit the network beside the gray box to the fitted parts and simulate the held-out blocks."""
     nothing = np.full(len(gray.outputs), np.inf)
     if alone.failure:
         return FoldScore(alone.square, nothing, alone.failure)
@@ -167,7 +168,7 @@ def compare(
     count: int = 4,
     mapper: Mapper = starmap,
 ) -> list[Scored]:
-    """Every candidate on the same ``count`` folds of ``records``; the gray box is fitted once a fold."""
+    """All candidates on the same ``count`` folds of ``records``; the gray box is fitted once a fold."""
     cut = folds(records, count)
     alone = list(mapper(fit_alone, [(gray, fold, gray_settings) for fold in cut]))
     jobs = [
@@ -185,7 +186,7 @@ def compare(
 
 
 def choose(scored: Sequence[Scored]) -> Scored:
-    """The fewest nodes within one standard error of the lowest held-out error; among equals the lowest.
+    """The plan with the fewest nodes within one standard error of the lowest held-out error.
 
     Raises:
         ValueError: if every candidate failed.

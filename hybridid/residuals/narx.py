@@ -31,7 +31,7 @@ class Weights:
         return sum(a.size for a in (*self.matrices, *self.biases))
 
     def seeing(self, regressors: NDArray[np.bool_]) -> Weights:
-        """The same without the columns of the other regressors."""
+        """The same weights with the columns of these regressors only."""
         first = np.ascontiguousarray(self.matrices[0][:, regressors])
         return Weights((first, *self.matrices[1:]), self.biases)
 
@@ -58,8 +58,8 @@ def scaled_run(weights: Weights, rows: Array, past: Array, carry: float, limit: 
 class ErrorRun:
     """A network's free run.
 
-    ``error`` (n,) is nan from where the network ran away, at ``diverged_at`` s after the run's
-    start (None: it did not).
+    ``error`` (n,) is nan after the network diverged, ``diverged_at`` s after the start of the run (None: it
+    did not diverge).
     """
 
     error: Array
@@ -69,6 +69,7 @@ class ErrorRun:
 
     @property
     def status(self) -> str:
+        """``bounded``, or when the network diverged and beyond which error."""
         if self.diverged_at is None:
             return "bounded"
         return f"ran away at t = {self.diverged_at:.4g} s: |error| above {self.limit:.3g} {self.unit}"
@@ -78,8 +79,8 @@ class ErrorRun:
 class NARX:
     """``e(t) = F[past e, past u, past y_gray]`` for one ``output``, in its ``unit``.
 
-    ``limit`` bounds |e|: beyond it the network has run away. ``dt`` (s), ``input_names``,
-    ``records`` and ``provenance`` are those of its training.
+    A network with |e| above ``limit`` has diverged. ``dt`` (s), ``input_names``, ``records`` and
+    ``provenance`` are those of its training.
     """
 
     output: str
@@ -95,7 +96,7 @@ class NARX:
     provenance: str
 
     def free_run(self, seen: Surroundings) -> ErrorRun:
-        """The error along a gray box' simulation, from an error of zero; nothing measured is used.
+        """The error (n,) along a gray box' simulation from an error of zero; it uses no measured output.
 
         Raises:
             ValueError: if the inputs or the sampling time are not those of its training.
@@ -112,9 +113,9 @@ class NARX:
         return ErrorRun(error, None, self.limit, self.unit)
 
     def one_step(self, series: ErrorSeries) -> Array:
-        """Predictions from measured past errors, (n,); nan where too few have gone before.
+        """Predictions from measured past errors, (n,); nan where there are too few past errors.
 
-        For diagnosis: a machine in use has no measured error.
+        For diagnosis only: in use, no error is measured.
         """
         self._check(series.seen)
         orders, every = self.architecture.orders, self.architecture.every
@@ -135,7 +136,7 @@ class NARX:
         return scaled_run(self.weights, rows, past, carry, self.limit / self.scaling.error)
 
     def _between(self, found: Array, piece: slice) -> Array:
-        """The grid's errors at every sample of the piece, linear in between, in the output's unit."""
+        """The errors at every sample in the output's unit, interpolated linearly from the grid."""
         grid = np.arange(len(found)) * self.architecture.every
         return np.interp(np.arange(piece.stop - piece.start), grid, found) * self.scaling.error
 

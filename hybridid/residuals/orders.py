@@ -1,4 +1,4 @@
-"""``Orders``: how far back a NARX network looks, signal by signal."""
+"""``Orders``: the number of past values of each signal that a NARX network uses."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Orders:
     thesis Eqs. 3-11, 4-15 and 5-11. Order 0 leaves a signal out.
 
     Raises:
-        ValueError: if an order is negative or nothing is looked at.
+        ValueError: if an order is negative or all are zero.
     """
 
     error: int
@@ -46,12 +46,12 @@ class Orders:
 
     @property
     def longest(self) -> int:
-        """The farthest sample back."""
+        """The largest order of all signals."""
         return max(self.error, *self.exogenous)
 
 
 def orders_of(error: int, inputs: int | Mapping[str, int], gray: int, input_names: Sequence[str]) -> Orders:
-    """Orders from a config: one number for all inputs, or one for each by name (left out: 0).
+    """Orders from a config: one number for all inputs, or one for each by name (omitted: 0).
 
     Raises:
         ValueError: if an input is unknown or an order not allowed.

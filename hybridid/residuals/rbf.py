@@ -2,8 +2,8 @@
 
     F(v) = sum_i w_i exp(-(v - c_i)² / (2 s_i²))
 
-It stands in the very slot of a physical friction law, so the same estimator fits its centres c,
-widths s and weights w in simulation. With all weights at zero it is not there.
+It takes the place of a physical friction law, so the same estimator fits its centres c, widths s and
+weights w in simulation. With all weights at zero, it gives zero.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ EFFECT = "rbf"
 
 @dataclass(frozen=True)
 class RBFBounds:
-    """Where a fit may move the nodes.
+    """Bounds on the nodes in a fit.
 
-    Nodes start evenly spread, one spacing wide. By default each centre stays in its own cell
-    (``centre_room`` spacings to either side), each width within ``width_room`` spacings, each
-    weight within ``weight_room`` times the port's effort scale: so no two nodes trade places or
-    cancel each other by large weights, and a node that the record hardly visits stays small.
+    The initial nodes are evenly spaced and one spacing wide. By default, each centre stays in its own cell
+    (``centre_room`` spacings to either side), each width within ``width_room`` spacings, and each
+    weight within ``weight_room`` times the port's effort scale. Then no two nodes exchange places or
+    cancel each other by large weights, and a node with few samples in its range stays small.
     ``centre``, ``width`` and ``weight`` give bounds in the port's units instead, as in the thesis
     (Table 6.1: [-1, 1] m/s, [0.01, 1] m/s, [-100, 100] N).
 
     Raises:
-        ValueError: if bounds are crossed or a width may vanish.
+        ValueError: if bounds are crossed or a width may become zero.
     """
 
     centre_room: float = 0.5
@@ -88,13 +88,13 @@ class RBFNetwork:
 
     @property
     def centres(self) -> Array:
-        """Where the nodes start, (nodes,)."""
+        """Initial centres of the nodes, (nodes,), in the port's unit."""
         low, high = self.span
         return np.linspace(low, high, self.nodes) if self.nodes > 1 else np.array([(low + high) / 2])
 
     @property
     def spacing(self) -> float:
-        """From one node to the next."""
+        """Distance between neighbouring nodes, in the port's unit."""
         return (self.span[1] - self.span[0]) / max(self.nodes - 1, 2)
 
     def effect(self, port: Port) -> Effect:

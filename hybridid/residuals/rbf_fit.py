@@ -1,4 +1,4 @@
-"""The RBF network fitted in simulation, beside the physics as it is or with it."""
+"""The RBF network fitted in simulation, with the physical parameters fixed or fitted jointly."""
 
 from __future__ import annotations
 
@@ -20,19 +20,20 @@ from hybridid.validation.predict import free_run
 Physics = Literal["refitted", "fixed"]
 PHYSICS: tuple[Physics, ...] = ("refitted", "fixed")
 MARGIN = 0.05
-"""Share of the visited range by which the nodes' span goes beyond it on either side."""
+"""Share of the visited range by which the nodes' span exceeds it on each side."""
 
 
 @dataclass(frozen=True)
 class RBFPlan:
     """An RBF network at a port and how it is fitted.
 
-    ``physics`` "fixed" keeps the gray box' estimates, as in the thesis; "refitted" estimates them
-    jointly, so that the network need not make up for what a wrong model had bent them to.
-    ``port`` None is the first effort port; ``span`` None is what the fitted records visit.
+    ``physics`` "fixed" keeps the gray box' estimates, as in the thesis. "refitted" estimates the physical
+    parameters and the network jointly, so that the network need not compensate for the bias of estimates
+    from an incomplete model. ``port`` None is the first effort port. ``span`` None is the range in the
+    fitted records.
 
     Raises:
-        ValueError: if a number or a word is not allowed.
+        ValueError: if a setting has a value that is not allowed.
     """
 
     nodes: int = 8
@@ -50,7 +51,7 @@ class RBFPlan:
 
 @dataclass(frozen=True, eq=False)
 class RBFFit:
-    """A fitted network: the ``model`` with it inside, its ``term``, and the ``estimate`` of what was free."""
+    """A fitted network: the ``model`` that contains it, its ``term``, and the ``estimate`` of the fit."""
 
     model: Model
     term: str
@@ -69,7 +70,7 @@ def fit_rbf(
 ) -> RBFFit:
     """Fit the network of ``plan`` beside the gray box at ``values``.
 
-    The fit starts from the gray box, where every weight is zero: its cost can only fall.
+    The fit starts from the gray box, where every weight is zero, so its cost can only decrease.
 
     Raises:
         ValueError: if the port is none of the plant's effort ports, or the fit cannot be done.
@@ -126,6 +127,6 @@ def port_of(gray: Model, plan: RBFPlan) -> str:
 
 
 def _held(model: Model, values: Mapping[str, float]) -> Model:
-    """The model with every estimated parameter known."""
+    """The model with every estimated parameter fixed."""
     known = {p.name: {"fixed": float(values[p.name])} for p in model.free}
     return replace(model, adjustments={**model.adjustments, **known})

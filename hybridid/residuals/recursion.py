@@ -1,6 +1,6 @@
-"""The network's free run, one sample after the other, compiled.
+"""The network's free run, sample by sample, compiled.
 
-All in one file, because numba's cache does not notice a change in another one.
+This is one file, because numba's cache does not notice a change in another one.
 """
 
 # mypy: disallow-untyped-defs=False, disallow-incomplete-defs=False

@@ -1,8 +1,8 @@
-"""What the network is fed: scaled past values on its own time grid.
+"""The inputs of the network: scaled past values on its own time grid.
 
-The network works on every ``every``-th sample. There an input is its mean from that sample up to
-the next, which is what drove the machine meanwhile; error and gray-box output are taken as they
-are. ``every = 1`` is the thesis' NARX.
+The network works on every ``every``-th sample. An input there is its mean up to the next such sample, because
+the mean is what drives the machine. Error and gray-box output are the values at the sample.
+``every = 1`` is the thesis' NARX.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scaling:
-    """``(value - mean) / size`` makes signals of order one; the error keeps its zero."""
+    """``(value - mean) / size`` scales signals to order one; the error is only divided."""
 
     error: float
     input_mean: tuple[float, ...]
@@ -31,10 +31,10 @@ class Scaling:
 
     @classmethod
     def of(cls, series: Sequence[ErrorSeries], every: int) -> Scaling:
-        """From the records that train the network.
+        """The scaling for the records that train the network.
 
         Raises:
-            ValueError: if the gray box leaves no error at all.
+            ValueError: if the error of the gray box is zero.
         """
         inputs = np.concatenate([on_grid(s.seen.inputs, every) for s in series])
         gray = np.concatenate([s.seen.gray for s in series])
@@ -62,7 +62,7 @@ def on_grid(inputs: Array, every: int) -> Array:
 
 
 def lagged(samples: Array, order: int, before: float) -> Array:
-    """Row t holds ``samples[t-1] .. samples[t-order]``, (m, order); ``before`` fills what lies before."""
+    """Row t holds ``samples[t-1] .. samples[t-order]``, (m, order); ``before`` stands for earlier samples."""
     padded = np.concatenate([np.full(order, before), samples])
     columns = [padded[order - k : order - k + len(samples)] for k in range(1, order + 1)]
     return np.stack(columns, axis=1) if columns else np.empty((len(samples), 0))
@@ -71,7 +71,7 @@ def lagged(samples: Array, order: int, before: float) -> Array:
 def exogenous(seen: Surroundings, piece: slice, orders: Orders, scaling: Scaling, every: int) -> Array:
     """Scaled past inputs and gray-box outputs over one piece on the network's grid, (m, d).
 
-    Before the piece begins, each signal is taken to have stood still.
+    Before the piece begins, each signal counts as constant.
     """
     inputs = (on_grid(seen.inputs[piece], every) - scaling.input_mean) / scaling.input_size
     gray = (seen.gray[piece][::every] - scaling.gray_mean) / scaling.gray_size

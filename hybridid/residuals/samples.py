@@ -1,4 +1,4 @@
-"""The windows that train a stack and those that check it, as tensors."""
+"""The training windows and the held-out windows of a stack, as tensors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Windows:
     """Windows of ``h`` grid samples for each of ``b`` networks.
 
     ``past`` (b, w, lags) measured errors before each, the newest first; ``rows`` (b, w, h, d) exogenous
-    regressors; ``target`` (b, w, h); ``weight`` (b, w) 0 for windows that only fill the array.
+    regressors; ``target`` (b, w, h); ``weight`` (b, w), 0 for windows that are padding.
     """
 
     past: Tensor
@@ -35,14 +35,14 @@ class Windows:
     weight: Tensor
 
     def of(self, networks: Sequence[int]) -> Windows:
-        """The windows of these networks alone."""
+        """The windows of these networks only."""
         rows = list(networks)
         return Windows(self.past[rows], self.rows[rows], self.target[rows], self.weight[rows])
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """The scaled error and regressors of one task on its grid, all pieces of all records in a row.
+    """The scaled error and regressors of one task on its grid, with all pieces of all records concatenated.
 
     ``error`` (m,), ``rows`` (m, d) with the orders of the whole stack, ``split`` into blocks;
     ``pieces`` are the stretches simulated in one go; ``reach`` is how far back the task's own
@@ -57,7 +57,7 @@ class Samples:
 
     @cached_property
     def doubles(self) -> tuple[Array, Array]:
-        """Error (m,) and rows (m, d), as a free run wants them."""
+        """Error (m,) and rows (m, d) as float64, for a free run."""
         return self.error.double().numpy(), self.rows.double().numpy()
 
     @cached_property
@@ -74,7 +74,7 @@ class Samples:
 def samples_of(
     series: Sequence[ErrorSeries], scaling: Scaling, one: Architecture, padded: Orders, settings: Training
 ) -> Samples:
-    """What trains a network ``one`` in a stack with the orders ``padded``."""
+    """The samples of the task ``one`` in a stack with the orders ``padded``."""
     errors, rows, pieces, begun = [], [], [], 0
     for record in series:
         for piece in record.seen.pieces:
@@ -93,10 +93,10 @@ def samples_of(
 
 
 def check_lengths(samples: Samples, settings: Training, output: str) -> None:
-    """Whether the blocks hold what trains on the longest horizon, and what judges it.
+    """Check that training and held-out blocks are long enough for the longest horizon and the orders.
 
     Raises:
-        ValueError: if they do not.
+        ValueError: if they are too short.
     """
     horizon, split, reach = settings.horizons[-1], samples.split, samples.reach
     parts = [("training", split.train, len(split.starts(horizon, reach)))]
@@ -114,7 +114,7 @@ def check_lengths(samples: Samples, settings: Training, output: str) -> None:
 def gather(
     samples: Sequence[Samples], starts: Sequence[NDArray[np.int64]], horizon: int, lags: int
 ) -> Windows:
-    """The windows that begin at ``starts``, for each network; shorter lists are filled up."""
+    """The windows that begin at ``starts``, for each network; shorter lists are padded."""
     most = max(len(s) for s in starts)
     filled = torch.from_numpy(np.stack([np.resize(s, most) for s in starts]))
     weight = torch.from_numpy(np.stack([np.arange(most) < len(s) for s in starts])).float()
@@ -126,7 +126,7 @@ def gather(
 
 
 def _taken(series: Sequence[Tensor], at: Tensor) -> Tensor:
-    """``series[k][at[k]]`` for each network k, stacked; at once where all have the same series."""
+    """``series[k][at[k]]`` for each network k, stacked; in one call if all have the same series."""
     if all(one is series[0] for one in series):
         return series[0][at]
     return torch.stack([one[where] for one, where in zip(series, at, strict=True)])

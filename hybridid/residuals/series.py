@@ -1,4 +1,4 @@
-"""``ErrorSeries``: what a gray box leaves of one output, with all that may explain it."""
+"""``ErrorSeries``: the error of a gray box in one output, with the signals that may explain it."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """What a network on one output sees beside its own past.
+    """The signals that a network on one output uses beside past errors.
 
     ``inputs`` (n, n_u) and ``gray`` (n,), the gray box' output, every ``dt`` s. ``breaks`` are the
-    samples where the simulation begins anew, the first among them.
+    samples at which a simulation starts, including the first.
     """
 
     output: str
@@ -31,7 +31,7 @@ class Surroundings:
 
     @property
     def pieces(self) -> list[slice]:
-        """The stretches simulated in one go."""
+        """The stretches of samples between two breaks."""
         ends = (*self.breaks[1:], len(self.gray))
         return [slice(a, b) for a, b in zip(self.breaks, ends, strict=True)]
 
@@ -47,7 +47,7 @@ class ErrorSeries:
 
 
 def surroundings(prediction: Prediction, record: Record, output: str) -> Surroundings:
-    """What a network on ``output`` sees along a gray box' prediction of ``record``."""
+    """The signals for a network on ``output`` along a gray box' prediction of ``record``."""
     column = prediction.output_names.index(output)
     return Surroundings(
         output=output,
@@ -61,7 +61,7 @@ def surroundings(prediction: Prediction, record: Record, output: str) -> Surroun
 
 
 def error_series(prediction: Prediction, record: Record, output: str) -> ErrorSeries:
-    """The error that a gray box' prediction of ``record`` leaves of ``output``."""
+    """The error of a gray box' prediction of ``record`` in ``output``."""
     column = prediction.output_names.index(output)
     seen = surroundings(prediction, record, output)
     return ErrorSeries(record.name, record.provenance, prediction.error[:, column], seen)

@@ -1,4 +1,4 @@
-"""What a NARX network is, and how it is trained."""
+"""Settings of a NARX network and of its training."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Literal
 from hybridid.residuals.orders import Orders
 
 SMALL = 64
-"""Width up to which networks train faster together than one after the other: a step of theirs costs its
-calls, one of wider ones its arithmetic."""
+"""Width up to which networks train faster together than one after the other. A training step of a narrow
+network takes mostly the overhead of its function calls; that of a wider one takes mostly arithmetic."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class Architecture:
     """A network ``F`` of ``depth`` hidden layers of ``width`` neurons (ELU) and a linear output.
 
     It works on every ``every``-th sample. With ``increment`` it gives the change of the error
-    since the last sample instead of the error itself, which suits a slow error.
+    since the last sample instead of the error itself, which suits an error that varies slowly.
 
     Raises:
         ValueError: if a number is too small, or an increment lacks a past error.
@@ -41,19 +41,19 @@ class Architecture:
 class Training:
     """How networks are trained: Adam on the mean squared error over ``horizons`` in turn.
 
-    A horizon of 1 is the one-step prediction of the thesis. Over a longer one, of h grid samples, the
-    network runs free from h to h: it starts from measured errors and then feeds on its own
-    predictions, and the gradient goes back through all of them. ``(1, 10, 50)`` goes from easy to
-    hard. On each horizon training ends when the held-out error has not fallen for ``patience`` epochs,
-    or after ``epochs``; the weights kept are those with the lowest held-out error of all. By the
-    ``criterion`` "free_run" that is the error on the held-out blocks when the network simulates the
-    whole record from an error of zero, as it will in use; by "horizon" that of windows of the last
-    horizon, each from measured errors, as in the thesis.
+    A horizon of 1 is the one-step prediction of the thesis. Over a horizon of h grid samples, the network
+    starts from measured errors and then uses its own predictions as past errors; the gradient goes back
+    through all h samples. ``(1, 10, 50)`` goes from easy to hard. On each horizon, training ends when the
+    held-out error has not decreased for ``patience`` epochs, or after ``epochs``. The weights with the
+    lowest held-out error of all are kept. With the ``criterion`` "free_run", this is the error on the
+    held-out blocks in a simulation of the whole record from an error of zero, as in use. With "horizon", it
+    is the error over windows of the last horizon, each from measured errors, as in the thesis.
 
-    ``held_out`` is the share of the ``blocks`` contiguous blocks of each record that no
-    gradient sees. ``batch`` counts predicted samples a step. ``weight_decay`` is Adam's L2 term.
-    A network has run away where its |error| exceeds ``guard`` times the largest that trained it.
-    ``precision`` is of the arithmetic; a stack's networks equal those trained alone up to its rounding.
+    Each record is cut into ``blocks`` contiguous blocks; ``held_out`` is the share of them that is not used
+    for training. ``batch`` is the number of predicted samples in a step. ``weight_decay`` is Adam's L2 term.
+    A network has diverged if its |error| exceeds ``guard`` times the largest error in the training data.
+    ``precision`` is that of the arithmetic. A network trained in a stack equals one trained alone, up to
+    rounding.
 
     Raises:
         ValueError: if a setting is outside what is allowed.

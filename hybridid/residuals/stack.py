@@ -1,10 +1,10 @@
-"""Many networks as one: every layer's weights carry a leading network axis.
+"""Many networks trained together: the weights of every layer have a leading network axis.
 
-A step of small networks costs its calls, not its arithmetic, so a stack of them costs hardly more
-than one. Networks with fewer regressors are padded: what they do not look at is masked, so it
-neither counts nor learns. Narrower ones are padded with neurons whose weights are zero: such a neuron
-gives elu(0) = 0 into weights of zero, so no gradient ever moves it. Shallower ones skip the layers that
-they lack.
+A training step of a small network takes mostly the overhead of its function calls. A stack of networks needs
+the same number of calls, so it takes hardly longer than one. Networks with fewer regressors are padded: a
+mask removes the additional ones and their gradients. Narrower networks are padded with neurons of zero
+weights: such a neuron gives elu(0) = 0 into weights of zero, so its gradient is zero. Shallower networks
+skip the layers that they lack.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from hybridid.residuals.settings import Architecture
 
 Array = NDArray[np.float64]
 LARGEST_GRADIENT = 1.0
-"""The gradient's norm, for each network, is cut to this: back through many steps it can explode."""
+"""Largest norm of each network's gradient: back through many steps, a gradient can explode."""
 
 DTYPES = {"single": torch.float32, "double": torch.float64}
 
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Torch on one thread: small networks gain nothing from more, and workers share a machine."""
+    """Use one thread in torch: small networks do not gain from more, and workers share a machine."""
     before = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
@@ -57,7 +57,7 @@ class Stack:
         self.layers = [tuple(t.detach().clone().requires_grad_() for t in layer) for layer in layers]
         self.sizes = tuple(sizes)
         depths = torch.tensor([depth for depth, _ in sizes])[:, None, None]
-        # a layer that every network has needs no choice
+        # a layer that every network has needs no selection
         self._owners = [
             None if bool((depths > k).all()) else depths > k for k in range(1, len(self.layers) - 1)
         ]
@@ -69,6 +69,7 @@ class Stack:
 
     @property
     def tensors(self) -> list[Tensor]:
+        """Weights and biases of all layers, in order: the tensors that training changes."""
         return [tensor for layer in self.layers for tensor in layer]
 
     def __call__(self, past: Tensor, rows: Tensor) -> Tensor:
@@ -80,7 +81,7 @@ class Stack:
         by_past = first[:, : self.lags]
         driven = torch.baddbmm(bias, rows.flatten(1, 2), first[:, self.lags :]).view(b, windows, horizon, -1)
         found = []
-        for drive in driven.unbind(2):  # at once: the gradient of slice after slice costs horizon² memory
+        for drive in driven.unbind(2):  # slices would need horizon² memory in the backward pass
             x = torch.nn.functional.elu(torch.baddbmm(drive, past, by_past))
             for (matrix, shift), owners in zip(inner, self._owners, strict=True):
                 y = torch.nn.functional.elu(torch.baddbmm(shift, x, matrix))
@@ -94,7 +95,7 @@ class Stack:
         return torch.cat(found, dim=2)
 
     def cut_gradients(self) -> None:
-        """Cut each network's gradient to ``LARGEST_GRADIENT``; one that is not finite moves nothing."""
+        """Limit each network's gradient norm to ``LARGEST_GRADIENT``; one that is not finite becomes zero."""
         gradients = [t.grad for t in self.tensors if t.grad is not None]
         squares = torch.stack([g.square().sum(dim=(1, 2)) for g in gradients]).sum(dim=0)
         norm = squares.sqrt()
@@ -105,26 +106,26 @@ class Stack:
             g.mul_(factor[:, None, None]).nan_to_num_(0.0, 0.0, 0.0)
 
     def part(self, chosen: Sequence[int]) -> Stack:
-        """The networks with these numbers, as a stack of their own."""
+        """The networks with these indices, as a stack of their own."""
         rows = list(chosen)
         layers = [(w[rows], b[rows]) for w, b in self.layers]
         sizes = [self.sizes[k] for k in rows]
         return Stack(layers, sizes, self.mask[rows], self.lags, self.carry, self.gain[rows])
 
     def put(self, chosen: Sequence[int], other: Stack) -> None:
-        """Take over the weights of ``other``'s networks as those with the numbers ``chosen``."""
+        """Copy the weights of ``other``'s networks to those with the indices ``chosen``."""
         rows = list(chosen)
         with torch.no_grad():
             for mine, theirs in zip(self.tensors, other.tensors, strict=True):
                 mine[rows] = theirs
 
     def weights(self, index: int) -> Weights:
-        """One network's weights as float64, without regressors that it does not look at."""
+        """One network's weights as float64, without the masked regressors."""
         seen = self.mask[index, :, 0].bool().numpy()
         return self.part([index]).padded_weights()[0].seeing(seen)
 
     def padded_weights(self) -> list[Weights]:
-        """Every network's weights as float64, zero for regressors that it does not look at."""
+        """Every network's weights as float64, zero for the masked regressors."""
         with torch.no_grad():
             (first, bias), *inner, (last, offset) = self.layers
             layers = [(first * self.mask, bias), *inner, (self.gain * last, self.gain * offset)]
@@ -144,11 +145,11 @@ def _cut(arrays: Sequence[tuple[Array, Array]], k: int, depth: int, width: int) 
 def new_stack(
     architectures: Sequence[Architecture], seeds: Sequence[int], gains: Sequence[float], precision: str
 ) -> Stack:
-    """Untrained networks; each one's weights follow from its own architecture and seed alone.
+    """Untrained networks; each one's weights depend only on its own architecture and seed.
 
-    ``gains`` say how large what they predict is, in multiples of the error's scale.
+    ``gains`` are the magnitudes of the quantities to predict, in multiples of the error's scale.
 
-    He initialisation, and a last layer a tenth of that, so that a network starts as almost nothing.
+    He initialisation; the last layer is a tenth of it, so that the initial output is small.
     Source: He, Zhang, Ren, Sun (2015), ICCV, 1026-1034.
 
     Raises:
@@ -200,7 +201,7 @@ def _initial(one: Architecture, seed: int) -> list[Tensor]:
 
 
 def _zeros(networks: int, regressors: int, depth: int, width: int) -> list[tuple[Tensor, Tensor]]:
-    """Layers of nothing but zeros."""
+    """Layers of zeros."""
     sizes = [regressors, *[width] * depth, 1]
     return [
         (torch.zeros(networks, n_in, n_out), torch.zeros(networks, 1, n_out))

@@ -21,12 +21,12 @@ from hybridid.residuals.stack import new_stack, one_thread, padded_orders
 
 Report = Callable[[Progress], None]
 WORTH = 0.95
-"""Share of the error without correction, on the held-out blocks, that a network must get below."""
+"""A network must reduce the error on the held-out blocks below this share of the uncorrected one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One network to train: on the errors of one output, over one or several records."""
+    """One network to train, on the errors of one output over one or several records."""
 
     series: tuple[ErrorSeries, ...]
     architecture: Architecture
@@ -35,11 +35,10 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Trained:
-    """A network and how it came about.
+    """A trained network and the results of its training.
 
-    ``held_out`` is the RMS error on the held-out blocks when the network simulates the records from
-    an error of zero, ``zero`` that of no correction at all, both in ``unit``. ``stopped`` says why
-    each horizon's training ended.
+    ``held_out`` is the RMS error on the held-out blocks in a simulation from an error of zero, ``zero`` that
+    without correction, both in ``unit``. ``stopped`` says why the training on each horizon ended.
     """
 
     network: NARX
@@ -52,7 +51,7 @@ class Trained:
 
     @property
     def warning(self) -> str | None:
-        """One line if the network learned next to nothing, else None."""
+        """One line if the network hardly reduces the error, else None."""
         if self.held_out < WORTH * self.zero:
             return None
         return (
@@ -63,15 +62,15 @@ class Trained:
 
 
 def train(task: Task, settings: Training, report: Report | None = None) -> Trained:
-    """Train one network; the same as ``train_stack`` of it alone."""
+    """Train one network: ``train_stack`` with one task."""
     return train_stack([task], settings, report)[0]
 
 
 def train_stack(tasks: Sequence[Task], settings: Training, report: Report | None = None) -> list[Trained]:
-    """Train networks together, of whatever orders, depths and widths, on one thread.
+    """Train networks together, of any orders, depths and widths, on one thread.
 
-    Each network's weights, batches and stopping follow from its own task alone. The seconds are
-    those of the stack.
+    Each network's weights, batches and stopping depend only on its own task. ``seconds`` is the time for the
+    whole stack.
 
     Raises:
         ValueError: if the tasks do not fit into one stack, an error is zero throughout, or the blocks
@@ -120,7 +119,7 @@ def _samples(
 
 
 def _gain(task: Task, scaling: Scaling) -> float:
-    """Root mean square of what the network predicts, over the error's."""
+    """RMS value of the predicted quantity over that of the error."""
     if not task.architecture.increment:
         return 1.0
     every = task.architecture.every

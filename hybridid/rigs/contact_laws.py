@@ -1,7 +1,7 @@
-"""Laws of joints, dampers and tyres: what springs do besides springing back, and bristles that bend.
+"""Laws of joints, dampers and tyres: relaxation, bristle friction, asymmetric damping, lift-off.
 
-As in ``law_library``: plain arithmetic in SI units, each resisting the motion of its contact; with the first
-parameter at zero a law is absent.
+As in ``law_library``: plain arithmetic in SI units. A law resists the motion of its contact. With the first
+parameter at zero, it gives zero.
 """
 
 # mypy: disallow-untyped-defs=False, disallow-incomplete-defs=False

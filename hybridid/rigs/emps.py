@@ -3,8 +3,9 @@
     M q'' = force - f_v q' - f_c sign(q') - offset - planted effects
     force = gain * saturated(kp kv (reference - position) - kv velocity + pulses),  held over 1 ms
 
-What the measured records show and the rig repeats: the command answers the position of its own
-sample (no delay), one encoder count is 5e-8 m, and the voltage holds the pulses of the validation run.
+The rig repeats what the measured records show: the command depends on the position of its own
+sample (no delay), one encoder count is 5e-8 m, and the recorded voltage contains the pulses of the
+validation run.
 
 Source: Janot, Gautier, Brunot (2019), "Data set and reference models of EMPS".
 """
@@ -34,7 +35,7 @@ Array = NDArray[np.float64]
 class EMPSTruth:
     """``M q'' = force - f_v q' - f_c sign(q') - offset - planted``; M [kg], f_v [N s/m], f_c, offset [N].
 
-    ``planted`` are the effects that nobody declared.
+    ``planted`` are further effects, which the declared model does not contain.
     """
 
     M: float = 95.0
@@ -56,7 +57,7 @@ class EMPSTruth:
 
 @dataclass(frozen=True)
 class SquareWave:
-    """A voltage of 0 and ``height`` [V] by turns, ``samples`` samples each, 0 first."""
+    """A voltage that alternates between 0 and ``height`` [V], ``samples`` samples each, 0 first."""
 
     height: float = 5.0
     samples: int = 500
@@ -74,8 +75,8 @@ CONTROLLER = CascadedPD(kp=160.18, kv=243.45)
 DRIVE = Drive(gain=35.15, saturation=10.0)
 ENCODER = Encoder(resolution=5e-8, noise_std=1e-8)
 PULSES = SquareWave()
-# Speeds, accelerations and stroke of the measured reference, in moves of our own: a quick turn both
-# ways first, so that a short record has both directions.
+# Speeds, accelerations and stroke are those of the measured reference, the moves are ours: a quick move in
+# both directions comes first, so that a short record has both.
 REFERENCE = BangBang(
     lead_in=0.1,
     moves=(
@@ -93,7 +94,7 @@ REFERENCE = BangBang(
 
 @dataclass(frozen=True)
 class EMPSConfig:
-    """Everything that decides an experiment on the virtual EMPS; SI units."""
+    """All settings of an experiment on the virtual EMPS, in SI units."""
 
     truth: EMPSTruth = EMPSTruth()
     controller: CascadedPD = CONTROLLER
@@ -103,9 +104,9 @@ class EMPSConfig:
     pulses: SquareWave = PULSES
 
 
-# The real machine as its authors publish it by direction (f_v 166.706 and 240.424 N s/m, f_c 20.144 and
-# 20.628 N): the worn screw is planted, since the symmetric model knows nothing of it. The offset of -3.2 N
-# that the symmetric model finds is not in the truth: on the rig, as on the machine, direction makes it.
+# The real machine with the authors' values for each direction (f_v 166.706 and 240.424 N s/m, f_c 20.144 and
+# 20.628 N). The asymmetry of the worn screw is planted, since the symmetric model does not contain it. The
+# offset of -3.2 N that a fit of the symmetric model gives is not in the truth: the asymmetry causes it.
 DEFAULT = EMPSConfig(
     truth=EMPSTruth(
         M=95.154,

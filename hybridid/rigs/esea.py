@@ -5,10 +5,11 @@
     torque = saturated(kp e + kd e'),  e = reference - delta,  held over 2 ms
 
 As on the bench: linear swept sines, 500 Hz, encoders of 8192 counts on motor and link, 1.99 N·m at most.
-The thesis does not give the gains of the loop, the amplitudes and length of its sweeps, nor how it
-differentiates; they are ours. The loop is closed on the motor's encoder (on the link's it would drive the
-joint's mode unstable), the sweeps last 10 s, and their amplitudes give the link velocity the variance that
-the thesis' MSE and R² imply: 32.9 rad²/s² (Table 5.4) and, of the two that Table 5.5 implies, 17.9 rad²/s².
+The thesis gives neither the gains of the loop, nor the amplitudes and length of its sweeps, nor its
+differentiator; these are our choice. The loop is closed on the motor's encoder (closed on the link's, it
+would make the joint's mode unstable). The sweeps last 10 s. With their amplitudes, the link velocity has the
+variance that the thesis' MSE and R² imply: 32.9 rad²/s² (Table 5.4) and 17.9 rad²/s² (one of the two values
+that Table 5.5 implies).
 
 Source: thesis Eqs. 5-1 to 5-4, Sections 5.2 and 5.2.1, Table 5.1.
 """
@@ -42,8 +43,8 @@ DIRECTIONS = ((1.0, 0.0), (1.0, -1.0), (0.0, 1.0))  # of (delta, theta), port by
 class ESEATruth:
     """Inertias I of the link and J of the motor [kg m^2], K_e [N m/rad]; friction and all else is planted.
 
-    On the shaft acts ``torque_gain`` times the torque that is recorded, and ``torque_offset`` [N m]: a torque
-    constant and a current sensor that are not quite what the board believes.
+    The torque on the shaft is ``torque_gain`` times the recorded torque plus ``torque_offset`` [N m]: errors
+    of the torque constant and of the current sensor.
     """
 
     I: float = 0.0014  # noqa: E741
@@ -84,9 +85,9 @@ FRICTIONS: Mapping[str, tuple[PlantedAt, ...]] = {
         at("motor", "lugre", f_c=F_C, f_s=F_S, v_s=V_S, sigma_0=SIGMA_0, sigma_1=SIGMA_1),
     ),
 }
-"""What is planted where the truth is as declared, by the name of the friction (thesis Eqs. 5-5 to 5-10)."""
-# What no declared model holds: rubber that stiffens, creeps and dissipates, a link with a bearing of its own,
-# a shaft out of line, a torque constant that is a little off.
+"""The laws of a truth without undeclared effects, by the name of the friction (thesis Eqs. 5-5 to 5-10)."""
+# What no declared model contains: rubber that stiffens, creeps and dissipates, friction in the link's
+# bearing, a misaligned shaft, an error of the torque constant.
 UNDECLARED = (
     at("motor", "cogging", amplitude=0.06, pitch=2 * math.pi, phase=0.3),
     at("elastomer", "cubic_stiffness", k_3=300.0, q_0=0.0),
@@ -105,7 +106,7 @@ VALIDATION = LinearSweep(amplitude=0.401, first=0.1, last=3.5, duration=10.0, ph
 
 @dataclass(frozen=True)
 class ESEAConfig:
-    """Everything that decides an experiment on the virtual eSEA; SI units."""
+    """All settings of an experiment on the virtual eSEA, in SI units."""
 
     truth: ESEATruth = DEFAULT
     controller: PD = CONTROLLER
@@ -118,8 +119,11 @@ class ESEAConfig:
 
 @final
 class ESEARig(Rig):
-    """The elastomer-based series elastic actuator, simulated. Runs: ``identification`` and, slower, the other
-    way first and at another amplitude, ``validation``."""
+    """The elastomer-based series elastic actuator, simulated.
+
+    Runs: ``identification``, and ``validation`` with a slower sweep of another amplitude that starts in the
+    other direction.
+    """
 
     name = "esea"
     runs = ("identification", "validation")
@@ -158,7 +162,7 @@ class ESEARig(Rig):
 
     def perform(self, run: str, time: Array, generator: np.random.Generator) -> Experiment:
         config, n, dt = self.config, len(time), self.sampling_time
-        reach = config.velocity.reach  # the bench rests before the record, and runs on for a moment after it
+        reach = config.velocity.reach  # the bench rests before the record, and runs on briefly after it
         reference = getattr(config, run).position(dt * np.arange(n + reach))
         motor_noise, link_noise = (config.encoder.noise(n + 2 * reach, part) for part in generator.spawn(2))
         motion = Motion(config.truth.machine, positions=[0.0, 0.0], tolerance=TOLERANCE)

@@ -3,16 +3,17 @@
     m_c z_c'' = F_f + F_r,    I_yy theta'' = l_r F_r - l_f F_f
     m_f z_f'' = tyre - F_f,   F_f = k_f d + c_f d' + planted laws,   d = z_f - (z_c - l_f theta)
 
-The rear alike. Heights are from the static equilibrium on a level road. The wheels follow the road at the
-speed that the driver really holds; the record's road inputs u_f and u_r are what one knows of it: the shape
-of the bump at the nominal speed, the rear by the wheelbase later. 100 Hz, pitch rate and vertical
-acceleration with noise, bias and the running engine; the accelerometer gives the mean of its interval.
+The rear axle has the same equations. Heights are measured from the static equilibrium on a level road. The
+wheels follow the road at the true speed. The record's road inputs u_f and u_r are the known part of it: the
+shape of the bump at the nominal speed, delayed by the wheelbase at the rear. The record has 100 Hz; pitch
+rate and vertical acceleration contain noise, bias and engine vibration. The accelerometer gives the mean
+over its sampling interval.
 
-Two things are ours. The thesis' Figure 4.1, with the dimensions of the type-A bump of TOP 01-1-011B, is not
-in its text, and we did not find them elsewhere: ``BUMP`` is a sine-squared hump whose first 2.6 s have nearly
-the standard deviations that RMSE and R² of Table 4.3 imply, 0.174 m/s and 0.147 rad/s. And k_t is that of two
-tyres side by side, 5.2e5 N/m: Table 4.2's 5.1e6 N/m would be rigid wheels that hop at 66 Hz, which a record
-of 100 Hz filtered at 5 Hz cannot tell from any other stiff tyre.
+Two choices are ours. The dimensions of the type-A bump of TOP 01-1-011B are in the thesis' Figure 4.1,
+which its text does not contain, and we did not find them elsewhere: ``BUMP`` is a sine-squared hump. The
+first 2.6 s over it have nearly the standard deviations that RMSE and R² of Table 4.3 imply, 0.174 m/s and
+0.147 rad/s. k_t is that of two tyres side by side, 5.2e5 N/m: with the 5.1e6 N/m of Table 4.2, the wheels
+would hop at 66 Hz, which a record of 100 Hz filtered at 5 Hz cannot distinguish from any other stiff tyre.
 
 Source: thesis Eqs. 4-1 to 4-14, Section 4.2, Tables 4.1 and 4.2.
 """
@@ -43,11 +44,11 @@ GYRO = Sensor(noise=0.002, bias=0.004, vibration=0.01)  # rad/s
 
 @dataclass(frozen=True)
 class HalfCarConfig:
-    """Everything that decides a run of the virtual vehicle; SI units. After ``lead_in`` the bump is due."""
+    """All settings of a run of the virtual vehicle, in SI units. The bump begins after ``lead_in`` [s]."""
 
     truth: HalfCarTruth = DEFAULT
     bump: Bump = BUMP
-    identification: float = 20 / 3.6  # m/s, as the next
+    identification: float = 20 / 3.6  # m/s, also the next
     validation: float = 15 / 3.6
     lead_in: float = 0.3
     accelerometer: Sensor = ACCELEROMETER
@@ -101,7 +102,7 @@ class HalfCarRig(Rig):
         config, n, dt = self.config, len(time), self.sampling_time
         nominal = getattr(config, run)
         driving, shaking, pitching = generator.spawn(3)
-        # the accelerometer's last interval ends half a sample after the record
+        # the last interval of the accelerometer ends half a sample after the record
         fine: Array = np.arange(n * STEPS, dtype=np.float64) * (dt / STEPS)
         speed = config.truth.driver.speed(nominal, fine - config.lead_in, dt / STEPS, driving)
         travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1])) * dt / STEPS])
@@ -134,7 +135,7 @@ class HalfCarRig(Rig):
         return np.column_stack([self.config.bump(front), self.config.bump(front - wheelbase)])
 
     def _held(self, fine: Array, road: Array) -> Array:
-        """The road as the wheels follow it: straight between instants ``road_step`` apart."""
+        """The road that the wheels follow: piecewise linear between instants ``road_step`` [s] apart."""
         every = max(1, round(self.config.truth.road_step / (self.sampling_time / STEPS)))
         return np.column_stack([np.interp(fine, fine[::every], column[::every]) for column in road.T])
 
@@ -158,4 +159,4 @@ def _mean_rate(velocity: Array, n: int, dt: float) -> Array:
 
 
 AS_DECLARED = HalfCarRig(HalfCarConfig(truth=HalfCarTruth()))
-"""The vehicle as the gray box declares it; only its sensors are not."""
+"""The vehicle without undeclared effects; only its sensors have errors."""

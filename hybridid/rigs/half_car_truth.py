@@ -1,4 +1,4 @@
-"""The truth of the virtual vehicle: the half-car's masses and struts, its driver, and what nobody declared.
+"""The truth of the virtual vehicle: the half-car's masses and struts, its driver, and undeclared effects.
 
 Source: thesis Eqs. 4-1 to 4-14, Tables 4.1 and 4.2.
 """
@@ -22,10 +22,10 @@ PORTS = ("front_suspension", "rear_suspension", "front_tyre", "rear_tyre")
 
 @dataclass(frozen=True)
 class HalfCarTruth:
-    """The vehicle of Tables 4.1 and 4.2, save k_t, in their names and units, and what nobody declared of it.
+    """The vehicle of Tables 4.1 and 4.2 (except k_t) with their names and units, and its undeclared effects.
 
-    ``lift_off``: a tyre cannot pull. ``wander`` and ``sag`` are of the ``Driver``. Between instants
-    ``road_step`` [s] apart the wheels follow straight lines; the model knows those of 0.01 s.
+    ``lift_off``: a tyre cannot pull. ``wander`` and ``sag`` belong to the ``Driver``. Between instants
+    ``road_step`` [s] apart, the wheels follow straight lines; the model uses those of 0.01 s.
     """
 
     m_c: float = 1250.0
@@ -53,12 +53,12 @@ class HalfCarTruth:
 
     @property
     def driver(self) -> Driver:
-        """Who holds the speed."""
+        """The driver, who sets the true speed."""
         return Driver(wander=self.wander, sag=self.sag)
 
     @property
     def static_loads(self) -> tuple[float, float]:
-        """What the front and the rear tyre carry at rest [N]."""
+        """Static loads of the front and the rear tyre [N]."""
         chassis = self.m_c * G / (self.l_f + self.l_r)
         return chassis * self.l_r + self.m_f * G, chassis * self.l_f + self.m_r * G
 
@@ -88,8 +88,8 @@ class HalfCarTruth:
         return tuple(one.what for one in self.planted if one.port == port)
 
 
-# Dampers that rebound harder than they give, springs that stiffen, leaves that rub on one another behind,
-# tyres that leave the road, a driver who loses a little speed on the bump.
+# Dampers that are stiffer in rebound, springs that harden, dry friction of the rear leaf springs, tyres that
+# leave the road, a driver who loses some speed on the bump.
 DEFAULT = HalfCarTruth(
     lift_off=True,
     wander=0.01,

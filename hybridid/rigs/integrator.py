@@ -1,18 +1,18 @@
-"""The truth's integrator: Dormand-Prince 5(4) between events, with dry friction that truly sticks.
+"""The integrator of the rigs: Dormand-Prince 5(4) between events, with dry friction that sticks exactly.
 
-Each contact slides one way (slip +1 or -1) or rests (0). Within a set of slips the motion is smooth
-and an adaptive step of order five follows it. A step ends early, found by bisection of its length,
-where a sliding contact comes to rest or where a sticking one can no longer be held. A contact with
-dry friction then
+Each contact slides in one direction (slip +1 or -1) or sticks (0). While no slip changes, the motion is
+smooth, and adaptive steps of order five follow it. An event ends a step early: a sliding contact comes to
+rest, or a sticking one can no longer be held. Bisection of the step length finds it. A contact with dry
+friction then
 
     sticks        if F(0-) <= holding force <= F(0+)
     slides up     if holding force > F(0+)
     slides down   if holding force < F(0-)
 
-where F(0+-) are the limits of the contact's laws at rest and the holding force is what keeps it at
-rest. No velocity is smoothed and nothing creeps. A contact without dry friction only turns round.
+where F(0+-) are the limits of the contact's laws at rest, and the holding force is the force that keeps it
+at rest. No velocity is smoothed and nothing creeps. A contact without dry friction reverses its direction.
 
-All in one file, because numba's cache does not notice a change in another one.
+This is one file, because numba's cache does not notice a change in another one.
 
 Source: Hairer, Norsett, Wanner (1993), "Solving ordinary differential equations I", Tables II.5.2 and
 Section II.6 (discontinuities); Karnopp (1985), J. Dyn. Sys. Meas. Control 107 (sticking).
@@ -47,10 +47,11 @@ _ERROR = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 
 
 
 class Tables(NamedTuple):
-    """A ``Machine`` as flat arrays. Law k acts at ``contact[k]``; its states and parameters start at
-    ``state_start[k]`` and ``parameter_start[k]``; contact c can stick where ``dry[c]``, and its direction
-    matters where ``sided[c]``.
-    The state is y = (q, q', states of the laws)."""
+    """A ``Machine`` as flat arrays; the state is y = (q, q', states of the laws).
+
+    Law k acts at ``contact[k]``; its states and parameters start at ``state_start[k]`` and
+    ``parameter_start[k]``. Contact c can stick if ``dry[c]``; its direction matters if ``sided[c]``.
+    """
 
     inverse_mass: NDArray[np.float64]
     input_matrix: NDArray[np.float64]
@@ -105,8 +106,10 @@ def _compliance(m, slip):
 
 @njit(cache=True)
 def _solve(a, b):
-    """x in a x = b by elimination: a is positive definite and needs no pivots, and numba takes seconds
-    to compile numpy's solver. Overwrites both."""
+    """Solve a x = b by elimination, overwriting both; ``a`` is positive definite and needs no pivots.
+
+    numba needs seconds to compile numpy's solver.
+    """
     for c in range(len(b)):
         for d in range(len(b)):
             if d != c and a[d, c] != 0.0:
@@ -121,7 +124,7 @@ def _solve(a, b):
 
 @njit(cache=True)
 def _hold(m, slip, acceleration):
-    """Cancels the acceleration along every sticking contact; returns what each bears for it, shape (c,)."""
+    """Cancel the acceleration along every sticking contact; return the holding forces, shape (c,)."""
     along = np.zeros(len(slip))
     for c in range(len(slip)):
         if _sticks(m, slip, c):
@@ -181,7 +184,7 @@ def _step(m, t, h, u, y, slip, tolerance):
 
 @njit(cache=True)
 def _excess(m, t, y, hold, slip):
-    """How far each sticking contact is over its limit, shape (c,): positive to slide up, negative down."""
+    """Holding force beyond the limit of each sticking contact, shape (c,): positive to slide up."""
     scratch, tried = np.empty(len(y)), slip.copy()
     excess = np.zeros(len(slip))
     for c in range(len(slip)):
@@ -203,7 +206,7 @@ def _speed(m, y, c):
 
 @njit(cache=True)
 def _changes(m, t, y, hold, slip):
-    """Which contacts can go on no longer as they are, shape (c,), and whether any."""
+    """Which contacts must stop sliding or sticking, shape (c,), and whether there are any."""
     changed = _excess(m, t, y, hold, slip) != 0.0
     some = False
     for c in range(len(slip)):
@@ -218,7 +221,7 @@ def _changes(m, t, y, hold, slip):
 
 @njit(cache=True)
 def _release(m, t, u, y, slip):
-    """Lets go the sticking contacts that cannot be held, the most overloaded first."""
+    """Release the sticking contacts that cannot be held, the most overloaded first."""
     scratch = np.empty(len(y))
     for _ in range(len(slip)):
         excess = _excess(m, t, y, _derivative(m, t, u, y, slip, scratch), slip)
@@ -233,7 +236,7 @@ def _release(m, t, u, y, slip):
 
 @njit(cache=True)
 def _arrest(m, y, slip, changed):
-    """Brings the dry sliding contacts that changed to rest, exactly; turns the others round."""
+    """Set the velocity of the dry sliding contacts that changed to exactly zero; reverse the others."""
     n = m.inverse_mass.shape[0]
     for c in range(len(slip)):
         if changed[c] and not m.dry[c]:
@@ -266,7 +269,7 @@ def advance(
     inverse_mass, input_matrix, directions, dry, sided, laws, contact, state_start, parameter_start,
     parameters,
 ):  # fmt: skip
-    """Integrates over ``duration`` [s] with ``u`` held, in place; returns the number of events, or -1.
+    """Integrate over ``duration`` [s] with ``u`` constant, in place; return the number of events, or -1.
 
     The fields of ``Tables`` come one by one because numba takes 50 us to look at a tuple from Python.
     """

@@ -1,7 +1,7 @@
-"""The laws that a rig's truth is made of and the effects that can be planted in it.
+"""The laws of which a rig's truth consists, and the effects that can be planted in it.
 
 Plain arithmetic in SI units, each resisting the motion of its contact (see ``laws``). The first
-parameter of each is its amplitude: at zero the law is absent.
+parameter of each is its amplitude: at zero the law gives zero.
 """
 
 # mypy: disallow-untyped-defs=False, disallow-incomplete-defs=False
@@ -186,5 +186,5 @@ def law_named(name: str) -> Law:
 
 
 def plant(name: str, **values: float) -> Planted:
-    """``plant("stribeck", amplitude=5.0, velocity=0.01)``: a law of the library, by name, at work."""
+    """``plant("stribeck", amplitude=5.0, velocity=0.01)``: a law of the library, by name, with its values."""
     return law_named(name)(**values)

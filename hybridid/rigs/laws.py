@@ -1,14 +1,14 @@
-"""``Law``: one physical phenomenon in the truth of a virtual rig, as a plain compiled function.
+"""``Law``: one physical phenomenon in the truth of a virtual rig, as a compiled function.
 
-The truth never uses the estimator's effects: a law is written here once more, in plain
-arithmetic, with a true sign. It is evaluated at one contact of a machine and *resists* its motion:
+The truth never uses the effects of the estimator. The laws are written a second time, in plain
+arithmetic, with an exact sign function. A law acts at one contact of a machine and *resists* its motion:
 
     F = law(t, q, v, s, z, p, dz)
 
 with time ``t`` [s], position ``q``, velocity ``v`` and direction ``s`` of the contact (+1 or -1 while it
-slides, 0 while it sticks), the law's own states ``z``, its parameters ``p`` and, to be filled in, the
-states' rates ``dz``. A law writes ``f_c * s`` and ``s * v`` where a textbook writes sign(v) and |v|: within
-one direction it is then smooth, and the limits at ``v = 0``, ``s = +-1`` are the breakaway forces.
+slides, 0 while it sticks), the law's own states ``z``, its parameters ``p`` and the states' rates ``dz``,
+which the law fills in. A law uses ``f_c * s`` and ``s * v`` for f_c sign(v) and |v|: it is smooth within
+one direction, and its limits at ``v = 0``, ``s = +-1`` are the breakaway forces.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import Any
 
 
 class RigError(ValueError):
-    """A virtual rig that cannot be run as asked: the message says what, where and what is allowed."""
+    """Raised for a virtual rig that cannot run: the message says what, where and what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Law:
     """One phenomenon: its equation, its parameters as (name, unit) and its number of states.
 
     ``function`` has the signature above and must be plain numba-compilable Python.
-    ``dry`` says that the force jumps with the direction at rest, so that the contact can stick; ``sided``
-    that it uses the direction at all: where no law does, a contact may turn round unnoticed, which is faster.
+    ``dry``: at rest, the force jumps with the direction, so that the contact can stick. ``sided``: the force
+    depends on the direction. Without such a law, a reversal is no event, which is faster.
     ``positive`` names the parameters that must be above zero.
     """
 
@@ -49,12 +49,12 @@ class Law:
     source: str = ""
 
     def __call__(self, **values: float) -> Planted:
-        """The law at work with these values: ``STRIBECK(amplitude=5.0, velocity=0.01)``."""
+        """The law with these values: ``STRIBECK(amplitude=5.0, velocity=0.01)``."""
         return Planted(self, tuple(values.items()))
 
     @property
     def fingerprint(self) -> str:
-        """A hash of what the law computes, so that a changed law makes a new record."""
+        """A hash of the law's code, so that a changed law gives a new record."""
         try:
             text = inspect.getsource(self.function)
         except (OSError, TypeError):
@@ -64,7 +64,7 @@ class Law:
 
 @dataclass(frozen=True)
 class Planted:
-    """A law with its values: a piece of the truth of a rig.
+    """A law with its values: a part of the truth of a rig.
 
     ``values`` are (name, value) pairs; they are kept in the order of ``law.parameters``.
 
@@ -112,7 +112,7 @@ def nearest(name: str, allowed: list[str]) -> str:
 
 @functools.cache
 def compiled(function: Callable[..., float]) -> Any:
-    """The law as a numba C function, all laws of one type, so that one kernel takes any list of them."""
+    """The law as a numba C function. All laws have one type, so that one kernel takes any list of them."""
     from numba import cfunc, types
 
     row = types.Array(types.float64, 1, "C")

@@ -1,6 +1,6 @@
 """The digital parts of a rig: encoder, controllers, drive. Plain Python, one sample at a time.
 
-Lengths are in m and forces in N; on a machine that turns read rad and N·m.
+Lengths are in m and forces in N; for a rotary machine, read rad and N·m.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Encoder:
         return self.noise_std * generator.standard_normal(n)
 
     def read(self, position: float) -> float:
-        """Position [m] as counted; ``position`` already carries its noise."""
+        """Quantised position [m]; ``position`` [m] already contains the noise."""
         return self.resolution * math.floor(position / self.resolution + 0.5)
 
 

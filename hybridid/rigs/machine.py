@@ -1,11 +1,11 @@
-"""``Machine``: masses, inputs and contacts, and ``Motion``: its motion through time.
+"""``Machine``: masses, inputs and contacts. ``Motion``: its motion over time.
 
     mass q'' = input_matrix u - directions^T F,    F_c = sum of the laws at contact c
 
-Contact c moves with position ``directions[c] . q``. A carriage on its guide is one mass and one
-contact; a motor and a load joined by a shaft are two masses and three contacts, the third along
-``(1, -1)`` with a spring at work. The last ``prescribed`` coordinates have no mass: they go where they are
-driven, as the road under a wheel, and q'' above is of the others.
+Contact c has the position ``directions[c] . q``. A carriage on its guide is one mass and one contact. A
+motor and a load on one shaft are two masses and three contacts; the third, along ``(1, -1)``, has a spring.
+The last ``prescribed`` coordinates have no mass: their motion is given, as that of the road under a wheel,
+and the equation of motion is that of the others.
 """
 
 from __future__ import annotations
@@ -27,12 +27,13 @@ class Machine:
     """The truth of a rig.
 
     ``mass`` (n, n), constant and positive definite; ``input_matrix`` (n, n_u); ``directions``
-    (c, n + prescribed); ``laws`` holds the laws at work at each of the c contacts. Through contacts with the
-    last ``prescribed`` coordinates the machine is driven by a given motion: see ``Motion.drive``.
+    (c, n + prescribed); ``laws`` holds the laws at each of the c contacts. Contacts with the last
+    ``prescribed`` coordinates drive the machine by a given motion: see ``Motion.drive``.
 
     Raises:
-        RigError: if shapes disagree, the mass is not positive definite, dry contacts overlap so that
-            friction at rest could not be shared out between them, or one of them touches a prescribed motion.
+        RigError: if shapes disagree, the mass is not positive definite, the directions of the dry contacts
+            are not independent (friction at rest would be indeterminate), or one of the dry contacts has a
+            prescribed motion.
     """
 
     mass: tuple[tuple[float, ...], ...]
@@ -77,15 +78,15 @@ class Machine:
 
     @property
     def planted(self) -> tuple[tuple[int, Planted], ...]:
-        """(contact, law) of every law at work, in the order of its states and parameters."""
+        """(contact, law) of every law, in the order of the laws' states and parameters."""
         return tuple((c, law) for c, laws in enumerate(self.laws) for law in laws)
 
 
 class Motion:
-    """The motion of a machine from ``positions`` at rest, all contacts sticking and laws' states at zero.
+    """The motion of a machine from rest at ``positions``: all contacts stick, the laws' states are zero.
 
-    ``tolerance`` is the allowed local error of a step, relative and (in the states' SI units)
-    a hundredth of it absolute. ``max_step`` [s] caps the step below the interval advanced.
+    ``tolerance`` is the allowed local error of a step, relative to the state; the absolute one is a
+    hundredth of it in the states' SI units. ``max_step`` [s] limits the step.
     """
 
     def __init__(
@@ -132,9 +133,10 @@ class Motion:
         return self._slip.copy()
 
     def drive(self, positions: ArrayLike, velocities: ArrayLike) -> None:
-        """Put the prescribed coordinates at ``positions``, to move on with ``velocities`` until driven anew.
+        """Set the prescribed coordinates to ``positions``, from where they move with ``velocities``.
 
-        Both (prescribed,); a position that follows from the last drive makes the motion continuous.
+        Both have shape (prescribed,) and hold until the next call. The motion is continuous if the positions
+        follow from the last call.
         """
         n, driven = self._n, self._driven
         self._y[driven] = positions
@@ -143,10 +145,10 @@ class Motion:
         self._slip[self._gliding] = turned[self._gliding]
 
     def advance(self, duration: float, inputs: Array) -> None:
-        """Move on by ``duration`` [s] with ``inputs`` (n_u,) held.
+        """Advance by ``duration`` [s] with constant ``inputs`` (n_u,).
 
         Raises:
-            RigError: if the motion cannot be followed (a law that diverges or chatters).
+            RigError: if the motion cannot be integrated (a law diverges or chatters).
         """
         from hybridid.rigs.integrator import advance
 
@@ -165,7 +167,7 @@ def _tables(machine: Machine) -> Any:
 
     contacts, planted = zip(*machine.planted, strict=True)
     parameters = [[value for _, value in one.values] for one in planted]
-    # no force moves a prescribed coordinate: its rows of the inverse mass are zero
+    # no force moves a prescribed coordinate: its rows of the inverse mass matrix are zero
     massless = (0, machine.prescribed)
     return Tables(
         inverse_mass=np.pad(np.linalg.inv(np.array(machine.mass, dtype=float)), (massless, massless)),

@@ -1,8 +1,8 @@
-"""``Rig``: a simulated machine with its experiment, whose truth we know. The base of every virtual rig.
+"""``Rig``: a simulated machine with its experiment, whose truth is known. The base of every virtual rig.
 
-A rig owns a reference, a digital controller or source, a drive, sensors and a ``Machine``. It shares no
-code with the estimators: other laws, other integrator, true dry friction. What it records says
-``simulated`` wherever it goes.
+A rig has a reference, a digital controller or source, a drive, sensors and a ``Machine``. It shares no
+code with the estimators: it has its own laws, its own integrator and exact dry friction. Every record of a
+rig is marked ``simulated``.
 """
 
 from __future__ import annotations
@@ -28,8 +28,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Experiment:
-    """What happened on a rig, by channel name, each (n,): ``inputs``, ``outputs`` and ``auxiliary`` as
-    recorded, ``truth`` as only the rig knows it (true positions, velocities and forces)."""
+    """The signals of an experiment on a rig by channel name, each (n,).
+
+    ``inputs``, ``outputs`` and ``auxiliary`` are as recorded. ``truth`` holds signals that no sensor
+    measures (true positions, velocities and forces).
+    """
 
     time: Array
     inputs: Mapping[str, Array]
@@ -41,7 +44,7 @@ class Experiment:
 class Rig(abc.ABC):
     """A virtual rig. A subclass declares its channels, runs and ports, and writes the experiment.
 
-    ``ports`` are the places of its machine where laws can be planted, named as the plant's effort ports.
+    ``ports`` are the places where laws can be planted, with the names of the plant's effort ports.
     """
 
     name: str
@@ -55,20 +58,19 @@ class Rig(abc.ABC):
 
     @abc.abstractmethod
     def perform(self, run: str, time: Array, generator: np.random.Generator) -> Experiment:
-        """The experiment ``run`` at the instants ``time`` (n,) [s], noise drawn from ``generator``."""
+        """Perform the experiment ``run`` at the instants ``time`` (n,) [s], with noise from ``generator``."""
 
     @abc.abstractmethod
     def with_truth(self, values: Mapping[str, Any], planted: tuple[PlantedAt, ...] | None = None) -> Self:
-        """The same rig with another truth: ``values`` by name, and ``planted`` instead of what is planted
-        (None: as it is).
+        """The same rig with another truth: ``values`` by name, and the laws ``planted`` (None: unchanged).
 
         Raises:
-            RigError: in one line for an unknown name or a value that cannot be.
+            RigError: in one line for an unknown name or a value that is not allowed.
         """
 
     @abc.abstractmethod
     def configuration(self) -> Mapping[str, Any]:
-        """Everything that decides the experiment, as plain data."""
+        """All settings of the experiment as plain data."""
 
     @abc.abstractmethod
     def summary(self) -> str:
@@ -78,13 +80,13 @@ class Rig(abc.ABC):
     def experiment(
         self, run: str = "identification", seed: int = 0, duration: float | None = None
     ) -> Experiment:
-        """Repeats an experiment; the same arguments give the same numbers.
+        """Perform the experiment ``run``; the same arguments give the same numbers.
 
         Raises:
             RigError: for an unknown run, a bad duration or seed, or a truth that diverges.
         """
         time = np.arange(self._samples(run, seed, duration), dtype=np.float64) * self.sampling_time
-        # Each run has its own noise, whatever order the runs are made in.
+        # each run has its own noise, independent of the order of the runs
         generator = np.random.default_rng([seed, self.runs.index(run)])
         return self.perform(run, time, generator)
 
@@ -92,7 +94,7 @@ class Rig(abc.ABC):
     def record(self, run: str = "identification", seed: int = 0, duration: float | None = None) -> Record:
         """The experiment as its sensors recorded it, marked ``simulated``.
 
-        ``duration`` [s] cuts the experiment short or goes on with it; ``seed`` chooses the noise.
+        ``duration`` [s] shortens or extends the experiment; ``seed`` selects the noise.
 
         Raises:
             RigError: see ``experiment``.
@@ -114,7 +116,7 @@ class Rig(abc.ABC):
 
     @final
     def digest(self, run: str = "identification", seed: int = 0, duration: float | None = None) -> str:
-        """SHA-256 of all that decides the record: configuration, run, seed, samples, program version."""
+        """SHA-256 of all that determines the record: configuration, run, seed, samples, program version."""
         said = {
             "rig": self.name,
             "version": hybridid.__version__,

@@ -1,4 +1,4 @@
-"""A bump, a driver and an inertial sensor: what a vehicle's run over an obstacle is made of."""
+"""A bump, a driver and an inertial sensor: the parts of a vehicle's run over an obstacle."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Bump:
 
     def __call__(self, x: Array) -> Array:
         """Road height [m] at ``x`` (n,) [m] from the foot of the bump."""
-        nearer_foot = np.minimum(x, self.length - x)  # exactly level beyond either one
+        nearer_foot = np.minimum(x, self.length - x)  # exactly zero outside the bump
         return self.height * np.sin(np.pi * np.maximum(nearer_foot, 0.0) / self.length) ** 2
 
 
@@ -34,9 +34,9 @@ class Bump:
 class Driver:
     """``speed = nominal (1 + w - sag s e^(1 - s))``, s = time since the bump over ``recovery``, if positive.
 
-    ``w`` wanders, with standard deviation ``wander`` and correlation time ``memory`` [s] (an
-    Ornstein-Uhlenbeck process); ``sag`` is the share of the speed that the bump costs before the driver
-    has made up for it.
+    ``w`` is an Ornstein-Uhlenbeck process with standard deviation ``wander`` and correlation time
+    ``memory`` [s]. ``sag`` is the relative loss of speed at the bump, which the driver makes up for within
+    ``recovery`` [s].
     """
 
     wander: float = 0.0
@@ -49,7 +49,7 @@ class Driver:
             raise RigError(f"{self}: wander and sag must be 0 or more, memory and recovery above 0")
 
     def speed(self, nominal: float, since_bump: Array, step: float, generator: np.random.Generator) -> Array:
-        """Speed (n,) [m/s] at instants ``step`` [s] apart, ``since_bump`` (n,) [s] after the bump is due."""
+        """Speed (n,) [m/s] at instants ``step`` [s] apart; the bump begins at ``since_bump`` (n,) [s] = 0."""
         kept = math.exp(-step / self.memory)
         kicks = self.wander * generator.standard_normal(len(since_bump))
         kicks[1:] *= math.sqrt(1 - kept**2)
@@ -79,7 +79,7 @@ class Sensor:
             raise RigError(f"{self}: noise must not be below 0, and all of it finite")
 
     def read(self, true: Array, time: Array, generator: np.random.Generator) -> Array:
-        """What is recorded of ``true`` (n,) at ``time`` (n,) [s]."""
+        """The recorded signal (n,) for the true signal ``true`` (n,) at ``time`` (n,) [s]."""
         phase = generator.uniform(0, 2 * np.pi)
         noise = self.noise * generator.standard_normal(len(true))
         return true + self.bias + noise + self.vibration * np.sin(2 * np.pi * self.frequency * time + phase)

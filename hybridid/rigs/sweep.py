@@ -42,7 +42,8 @@ class LinearSweep:
 class VelocityFilter:
     """The slope of a polynomial of degree ``degree`` fitted to ``window`` samples around each one.
 
-    It does not delay. Of five samples and degree four it passes a tenth of the sampling frequency to 0.4 %.
+    It has no delay. With five samples and degree four, its gain at a tenth of the sampling frequency is
+    accurate to 0.4 %.
     Source: Savitzky, Golay (1964), Analytical Chemistry 36(8).
     """
 
@@ -55,7 +56,7 @@ class VelocityFilter:
 
     @property
     def reach(self) -> int:
-        """Samples that it needs on either side of one."""
+        """Number of samples that it needs on each side."""
         return self.window // 2
 
     def __call__(self, position: Array, dt: float) -> Array:

@@ -1,8 +1,8 @@
 """``BangBang``: a reference position of point-to-point moves with bang-bang accelerations.
 
-    q'' = +a until the speed is reached, 0 while it lasts, -a until the target is reached
+    q'' = +a until the speed is reached, 0 at constant speed, -a until the target is reached
 
-A move too short for its speed has no cruise: it turns round at sqrt(a d). Source of the kind:
+A move too short for its speed has no phase of constant speed: its peak speed is sqrt(a d). Source:
 Khalil, Dombre (2004), "Modeling, identification and control of robots", chapter 13.
 """
 
@@ -49,7 +49,7 @@ class Move:
 
 @dataclass(frozen=True)
 class BangBang:
-    """Rest at 0 for ``lead_in`` [s], then ``moves`` from 0, over and over. The last move must return to 0."""
+    """Rest at 0 for ``lead_in`` [s], then the ``moves`` periodically. The last move must return to 0."""
 
     lead_in: float
     moves: tuple[Move, ...]
@@ -60,14 +60,14 @@ class BangBang:
 
     @property
     def cycle(self) -> tuple[tuple[float, float], ...]:
-        """(duration [s], acceleration [m/s^2]) of every segment of one round of the moves."""
+        """(duration [s], acceleration [m/s^2]) of every segment of one period."""
         starts = (0.0, *(move.to for move in self.moves[:-1]))
         rounds = (move.segments(start) for start, move in zip(starts, self.moves, strict=True))
         return tuple(segment for segments in rounds for segment in segments)
 
     @property
     def period(self) -> float:
-        """Seconds for one round of the moves."""
+        """Duration of all moves together [s]."""
         return sum(duration for duration, _ in self.cycle)
 
     def position(self, time: Array) -> Array:

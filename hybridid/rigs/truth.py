@@ -1,4 +1,4 @@
-"""What a rig's truth is told from outside: numbers by name, and effects planted at its ports."""
+"""How a config sets a rig's truth: values by name, and laws planted at its ports."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from hybridid.rigs.laws import Planted, RigError
 
 T = TypeVar("T")
 TURNING: Mapping[str, str] = {"N": "N m", "m": "rad", "kg": "kg m^2"}
-"""Units of the laws, which are written for a straight axis, on one that turns."""
+"""Units of the laws on a rotary machine; the laws declare those of a linear one."""
 
 
 @dataclass(frozen=True)
 class PlantedAt:
-    """A law at work at one of a rig's ports."""
+    """A law at one of a rig's ports."""
 
     port: str
     what: Planted
@@ -29,14 +29,14 @@ class PlantedAt:
         return {"port": self.port, **self.what.described()}
 
     def said(self, turns: bool = False) -> str:
-        """``coulomb at motor (f_c 0.02 N m)``; ``turns``: of a machine that turns."""
+        """``coulomb at motor (f_c 0.02 N m)``; ``turns``: the machine is rotary."""
         units = {name: _unit(unit, turns) for name, unit in self.what.law.parameters}
         inside = ", ".join(f"{name} {value:g} {units[name]}".rstrip() for name, value in self.what.values)
         return f"{self.what.law.name} at {self.port} ({inside})"
 
 
 def at(port: str, law: str, **values: float) -> PlantedAt:
-    """``at("motor", "viscous", f_v=0.004)``: a law of the library at work at a port.
+    """``at("motor", "viscous", f_v=0.004)``: a law of the library, with its values, at a port.
 
     Raises:
         RigError: for an unknown law, or a value that is missing, unknown or out of its range.
@@ -47,10 +47,10 @@ def at(port: str, law: str, **values: float) -> PlantedAt:
 def planted_laws(entries: Any, ports: Sequence[str], where: str = "rig.planted") -> tuple[PlantedAt, ...]:
     """The laws that a config plants: ``[{law: stribeck, port: motor, amplitude: 0.02, velocity: 1.0}, ...]``.
 
-    ``port`` may be left out where the rig has but one.
+    ``port`` may be omitted if the rig has only one.
 
     Raises:
-        RigError: in one line for an unknown law, port or parameter, or a value that cannot be.
+        RigError: in one line for an unknown law, port or parameter, or a value that is not allowed.
     """
     if not isinstance(entries, Sequence) or isinstance(entries, str):
         example = f"[{{law: viscous, port: {ports[0]}, f_v: 0.1}}]"
@@ -62,7 +62,7 @@ def revised(truth: T, values: Any, where: str = "rig.truth") -> T:
     """``truth``, a frozen dataclass, with the numbers ``values`` by name in place of its own.
 
     Raises:
-        RigError: in one line for an unknown name or a value that cannot be.
+        RigError: in one line for an unknown name or a value that is not allowed.
     """
     names = [field.name for field in fields(truth) if field.name != "planted"]  # type: ignore[arg-type]
     if not isinstance(values, Mapping):

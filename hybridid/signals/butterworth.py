@@ -15,20 +15,20 @@ Band = Literal["low", "high", "band"]
 Sections: TypeAlias = Array  # (number of second-order sections, 6)
 
 MAXIMUM_ORDER = 20
-SETTLED = 1e-3  # of a transient, by when padding may end
-HARDLY_SETTLED = 0.05  # of a transient: if even that outlasts a record, nothing in it is filtered rightly
+SETTLED = 1e-3  # of a transient; padding must last until it has decayed to this
+HARDLY_SETTLED = 0.05  # of a transient; a record shorter than its decay to this cannot be filtered
 
 
 @dataclass(frozen=True)
 class Butterworth(Step):
     """``|H(f)|² = 1 / (1 + (f / cutoff)^(2 order))`` for ``low``; ``high`` and ``band`` accordingly.
 
-    ``cutoff`` in Hz, two for ``band``. ``zero_phase`` runs the filter forward and backward: no
-    lag, twice the order, and |H|² (6 dB instead of 3 dB) at the cutoff. Without it the filter is
-    causal and delays. Both start as if the signal had always had its first value (``low``).
+    ``cutoff`` is in Hz, two values for ``band``. ``zero_phase`` runs the filter forward and backward:
+    no lag, twice the order, and |H|² (6 dB instead of 3 dB) at the cutoff. Without it, the filter is
+    causal and delays the signal. Both start in the steady state of the signal's first value (``low``).
 
-    A filtered input keeps its hold: filter inputs and outputs alike, and a linear plant answers
-    the filtered samples as it answered the held ones.
+    A filtered input keeps its hold. Filter inputs and outputs alike: then a linear plant maps the
+    filtered input samples to the filtered output samples.
 
     Source: S. Butterworth (1930); second-order sections as in Oppenheim, Schafer,
     Discrete-Time Signal Processing, ch. 6.
@@ -68,7 +68,11 @@ class Butterworth(Step):
 
 
 def check_order(order: int) -> None:
-    """Raises ``StepError`` unless ``order`` is between 1 and ``MAXIMUM_ORDER``."""
+    """Check a filter order.
+
+    Raises:
+        StepError: if ``order`` is not between 1 and ``MAXIMUM_ORDER``.
+    """
     if not 1 <= order <= MAXIMUM_ORDER:
         raise StepError(f"order is {order}, allowed: 1 to {MAXIMUM_ORDER}")
 
@@ -81,7 +85,7 @@ def low_frequency_delay(order: int, cutoff: float) -> float:
 def butterworth_sections(
     order: int, cutoff: float | tuple[float, float], kind: Band, record: Record
 ) -> Sections:
-    """The filter for the record's sampling time, as second-order sections.
+    """The filter for the record's sampling time, as second-order sections (n_sections, 6).
 
     Raises:
         StepError: if a cutoff is not below half the sampling frequency.
@@ -96,7 +100,7 @@ def butterworth_sections(
 
 
 def forward_backward(sections: Sections, x: Array) -> Array:
-    """``H(1/z) H(z) x`` for x (n,): no phase; padded by as long as the filter takes to settle.
+    """``H(1/z) H(z) x`` for x (n,): zero phase; both ends are padded by the settling time of the filter.
 
     Raises:
         StepError: if the signal is shorter than the filter's own transient.

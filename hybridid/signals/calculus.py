@@ -18,10 +18,10 @@ from hybridid.signals.step import Role, Step, StepError, Target
 class Integrate(Step):
     """``y(t) = initial + ∫ x dt`` by the trapezoidal rule, without the drift of a sensor's offset.
 
-    ``drift`` says what is taken out: ``none`` nothing; ``mean`` the mean of x beforehand (an
-    offset); ``linear`` the straight line of least squares from y (an offset and an unknown
-    initial value); ``highpass`` all below ``cutoff`` [Hz] from y, by a zero-phase Butterworth
-    of ``order`` (an offset that wanders).
+    ``drift`` says what is removed: ``none`` nothing; ``mean`` the mean of x before integration (an
+    offset); ``linear`` the least-squares line from y (an offset and an unknown initial value);
+    ``highpass`` frequencies below ``cutoff`` [Hz] from y, by a zero-phase Butterworth of ``order``
+    (an offset that varies slowly).
 
     The result is the signal ``name`` in ``unit``; for ``role`` and ``demote`` see ``Target``.
     """
@@ -67,9 +67,11 @@ class Integrate(Step):
 
 @dataclass(frozen=True)
 class Differentiate(Step):
-    """``y_k = (x_{k+1} - x_{k-1}) / (2 dt)`` after a zero-phase Butterworth low-pass, or that twice.
+    """``y_k = (x_{k+1} - x_{k-1}) / (2 dt)`` after a zero-phase Butterworth low-pass.
 
-    ``cutoff`` [Hz] bounds the noise, which a derivative amplifies in proportion to frequency.
+    With ``derivative`` 2, the difference is taken twice: y_k is then the second derivative.
+
+    ``cutoff`` [Hz] limits the noise, which a derivative amplifies in proportion to frequency.
     """
 
     signal: str

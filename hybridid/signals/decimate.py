@@ -1,4 +1,4 @@
-"""Fewer samples, without folding high frequencies down."""
+"""Decimation: fewer samples, without aliasing."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ ATTENUATION = 80.0  # dB beyond the new Nyquist frequency
 
 @dataclass(frozen=True)
 class Decimate(Step):
-    """Every ``factor``-th sample of every signal, each thinned as it runs between its samples.
+    """Every ``factor``-th sample of every signal; the filter depends on the signal's hold.
 
     Outputs, auxiliary signals and inputs that are ``foh`` or ``bandlimited`` pass a symmetric
     FIR low-pass first (Kaiser window, flat to 0.8 of the new Nyquist frequency, 80 dB down
-    beyond it, no lag, gain 1 at 0 Hz). A held input (``zoh``) becomes its mean over the samples
-    that each kept one stands for: what drives the machine is its integral, and a filtered or
-    picked command would not have the same. ``anti_alias: false`` picks all but the held inputs.
+    beyond it, no lag, gain 1 at 0 Hz). A held input (``zoh``) becomes its mean over each new
+    sampling interval. The mean keeps the integral of the command, which is what moves the machine.
+    ``anti_alias: false`` leaves out the low-pass; held inputs are averaged all the same.
 
     scipy's own ``decimate`` is not used: its Chebyshev filter scales a position by 0.989.
 
@@ -37,7 +37,7 @@ class Decimate(Step):
             raise StepError(f"factor is {self.factor}, it must be at least 2")
 
     def apply(self, record: Record) -> Record:
-        kept = record.n // self.factor  # whole blocks only: a held input needs all of its last one
+        kept = record.n // self.factor  # whole blocks only: a held input needs the mean of each
         taps = _low_pass(self.factor) if self.anti_alias else np.ones(1)
         if len(taps) // 2 >= record.n or kept < 1:
             raise StepError(
@@ -71,7 +71,7 @@ def _low_pass(factor: int) -> Array:
 
 
 def _filtered(taps: Array, values: Array) -> Array:
-    """``values`` (n,) through the symmetric filter; beyond its ends it goes on mirrored through them."""
+    """``values`` (n,) through the symmetric filter, continued by odd reflection at both ends."""
     reach = len(taps) // 2
     if reach == 0:
         return values

@@ -9,14 +9,14 @@ import numpy as np
 from hybridid.records.record import Record
 from hybridid.signals.step import Step, StepError, edited, in_place
 
-EDGE = 1e-6  # of a sample: what rounding may leave between a time stamp and the bound that means it
+EDGE = 1e-6  # of a sample; a time stamp may differ this much from a bound by rounding
 
 
 @dataclass(frozen=True)
 class Crop(Step):
     """The samples with ``start <= t < stop`` [s], or those from ``samples[0]`` to before ``samples[1]``.
 
-    Half-open, so that parts that share a bound share no sample. Time stamps stay as they are.
+    Half-open: parts that share a bound have no sample in common. Time stamps are kept.
     """
 
     start: float | None = None
@@ -49,7 +49,7 @@ class Crop(Step):
 
 @dataclass(frozen=True)
 class RemoveMean(Step):
-    """``x - mean(x)``; the mean over ``over: [start, stop]`` [s] if given, say a rest."""
+    """``x - mean(x)``, with the mean over ``over: [start, stop]`` [s] if given, for example a rest."""
 
     signals: tuple[str, ...]
     over: tuple[float, float] | None = None
@@ -83,7 +83,7 @@ class Offset(Step):
 
 @dataclass(frozen=True)
 class Scale(Step):
-    """``factor · x``, in ``unit`` if that changes it."""
+    """``factor · x``; give ``unit`` if the unit changes."""
 
     signals: tuple[str, ...]
     factor: float

@@ -1,4 +1,4 @@
-"""``Step``: one change to a record's signals, and the edits that steps share."""
+"""``Step``: one change to a record's signals, and the helpers that steps share."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Role = Literal["output", "auxiliary"]
 
 
 class StepError(ValueError):
-    """A step that cannot be done: the message says which, why, and what is allowed."""
+    """Raised for a step that cannot be done: the message says which, why, and what is allowed."""
 
 
 class Step(abc.ABC):
@@ -30,7 +30,7 @@ class Step(abc.ABC):
 
         Raises:
             StepError: if a value does not suit the record (a cutoff above its Nyquist frequency).
-            RecordError: if the record has no such signal, or what is left of it is no record.
+            RecordError: if the record has no such signal, or the result is not a valid record.
         """
 
     @property
@@ -40,16 +40,16 @@ class Step(abc.ABC):
 
     @property
     def causal_filter(self) -> str:
-        """What the step delays its signals by, in words; empty if it does not."""
+        """A causal filter of the step in words, such as its order and cutoff [Hz]; empty without one."""
         return ""
 
 
 @dataclass(frozen=True)
 class Target:
-    """Where a step puts a signal that it makes from ``source``.
+    """The place of a signal that a step makes from ``source``.
 
-    A new ``name`` is appended in ``role``; the source's own name replaces it where it is.
-    With ``demote`` the source becomes auxiliary, so that the new signal takes its place.
+    A signal with a new ``name`` is appended in ``role``. With the source's own name, it replaces the
+    source. With ``demote``, the source becomes auxiliary and the new signal takes its place.
     """
 
     source: str
@@ -120,7 +120,7 @@ def _appended(record: Record, channel: Channel, values: Array, role: Role) -> Re
 def _demoted(record: Record, name: str, made: bool) -> Record:
     """The output ``name`` as an auxiliary signal; inputs and auxiliary signals stay what they are.
 
-    If an output was ``made`` from it, the last, that one comes to stand where ``name`` stood: outputs keep
+    If the last output was ``made`` from it, that output moves to the place of ``name``: the outputs keep
     the order in which a plant expects them.
     """
     names = [channel.name for channel in record.output_channels]

@@ -33,7 +33,7 @@ STEPS: Mapping[str, type[Step]] = {
 
 
 def parse_step(values: Mapping[str, Any], where: str = "step") -> Step:
-    """The step that a plain mapping describes: its kind under ``step``, the rest its fields.
+    """The step that a plain mapping describes: ``step`` gives its kind, the other keys its fields.
 
     Raises:
         StepError: in one line, with the nearest right name, for an unknown step or key, a
@@ -49,18 +49,18 @@ def parse_step(values: Mapping[str, Any], where: str = "step") -> Step:
 
 
 def parse_steps(steps: Sequence[Mapping[str, Any]], where: str = "step") -> tuple[Step, ...]:
-    """``parse_step`` of each, counted from 1 in what it complains about."""
+    """``parse_step`` of each mapping; error messages count the steps from 1."""
     return tuple(parse_step(values, f"{where} {i}") for i, values in enumerate(steps, start=1))
 
 
 def apply_steps(record: Record, steps: Sequence[Step | Mapping[str, Any]]) -> Record:
     """``record`` after ``steps``, done in order.
 
-    A warning is added where an output passed a causal filter that an input did not: the model
-    would read its lag as dynamics of the machine.
+    The record gets a warning if an output passed a causal filter and an input did not: the fit
+    would take the filter's lag for dynamics of the machine.
 
     Raises:
-        StepError: if a step is wrong in itself or does not suit the record.
+        StepError: if a step is invalid or does not suit the record.
     """
     parsed = [s if isinstance(s, Step) else parse_step(s, f"step {i}") for i, s in enumerate(steps, start=1)]
     filters: dict[str, Counter[str]] = {channel.name: Counter() for channel in record.channels}
@@ -79,7 +79,7 @@ def _name(step: Step) -> str:
 
 
 def _note(filters: dict[str, Counter[str]], step: Step, record: Record) -> None:
-    """Keep for each signal the causal filters it passed; a new one has those of its source."""
+    """Note for each signal the causal filters that it passed; a new signal has those of its source."""
     if step.causal_filter:
         for name in step.touched:
             filters[name][step.causal_filter] += 1

@@ -1,11 +1,11 @@
 """Gaussian elimination of a small sparse matrix as an explicit formula, for several right sides.
 
-The order of the pivots, all on the diagonal, is chosen once from the pattern of zeros, so that
-little fills in. In the equations of motion of a machine most rows only say that a position's rate
-is a velocity, and cost next to nothing: the formula is three to five times shorter than that of
-CasADi's symbolic QR, and so is its derivative. There is no pivoting by size. Of a matrix
-``s I - df/dx`` a pivot in any order is a ratio of characteristic polynomials of parts of the model
-at s: it vanishes only where a part of the model, the rest held still, grows by itself at the rate s.
+The pivots are on the diagonal. Their order is chosen once from the pattern of zeros, so that there is little
+fill-in. In the equations of motion of a machine, most rows only say that the rate of a position is a velocity
+and cost almost nothing: the formula and its derivative are three to five times shorter than those of CasADi's
+symbolic QR. There is no pivoting by size. For a matrix ``s I - df/dx``, a pivot in any order is a ratio of
+characteristic polynomials of parts of the model at s: it is zero only if s is an eigenvalue of a part of the
+model whose other states are held constant.
 
 Source: Markowitz (1957), Management Science 3(3), 255-269; Duff, Erisman, Reid (2017), Direct
 Methods for Sparse Matrices.
@@ -23,8 +23,10 @@ Row = dict[int, ca.SX]
 
 @dataclass(frozen=True)
 class Pivot:
-    """One elimination: row ``index``, its diagonal entry, what it subtracts from the rows that
-    are left (``multipliers`` by row) and its own entries in their columns (``row``)."""
+    """One elimination step: row ``index``, its ``diagonal``, and ``row``, its entries in later columns.
+
+    ``multipliers`` are the factors by which it is subtracted from each remaining row.
+    """
 
     index: int
     diagonal: ca.SX
@@ -40,6 +42,7 @@ class Elimination:
 
     @classmethod
     def of(cls, matrix: ca.SX) -> Elimination:
+        """The elimination of ``matrix`` (n, n), with the pivots in Markowitz order."""
         n, pattern = matrix.shape[0], matrix.sparsity()
         rows: list[Row] = [{j: matrix[i, j] for j in range(n) if pattern.has_nz(i, j)} for i in range(n)]
         left, pivots = list(range(n)), []
@@ -62,7 +65,7 @@ class Elimination:
 
 
 def _cheapest(rows: Sequence[Row], left: Sequence[int]) -> int:
-    """The row whose elimination makes the fewest products (Markowitz)."""
+    """The row whose elimination needs the fewest multiplications (Markowitz)."""
 
     def products(k: int) -> int:
         return sum(j in rows[k] for j in left if j != k) * sum(k in rows[i] for i in left if i != k)

@@ -1,8 +1,8 @@
-"""How inputs run between their samples: held, linear or band-limited.
+"""The course of inputs between their samples: held, linear or band-limited.
 
-A Runge-Kutta step of length h looks at its input at t, t + h/2 and t + h. For a held
-input one value a sample serves all; otherwise the input is evaluated on the grid of
-``2 * substeps + 1`` points from one sample to the next.
+A Runge-Kutta step of length h needs its input at t, t + h/2 and t + h. A held input has one value
+for all three. Any other input is evaluated on a grid of ``2 * substeps + 1`` points from one sample to the
+next.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ def all_held(record: Record) -> bool:
 def stage_inputs(record: Record, substeps: int) -> Array:
     """Inputs at the integrator's stages, shape (n, n_u) if all held, else (n, n_u (2 s + 1)).
 
-    Row k belongs to the step from sample k to k + 1; stages vary slowest. The last row
-    has no successor and repeats its sample.
+    Row k belongs to the step from sample k to k + 1; in a row, the stage is the slower index. The last
+    sample has no successor: its row repeats it.
     """
     if all_held(record):
         return np.array(record.inputs)

@@ -1,4 +1,4 @@
-"""What a record says of a model's states: smoothed outputs and their derivatives."""
+"""States of a model estimated from a record: smoothed outputs and their derivatives."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ Array = NDArray[np.float64]
 HALF_WIDTH = 10
 """Samples on each side that the local polynomial uses."""
 ORDER = 3
-"""Degree of the local polynomial: of the output itself 3, so that velocity is quadratic."""
+"""Degree of the local polynomial of the output: 3, so that the velocity is quadratic."""
 SHARE = 0.99
-"""Share of an output's power that counts as signal, the rest as noise."""
+"""Share of an output's power that counts as signal; the rest counts as noise."""
 MARGIN = 2.0
-"""The polynomial passes frequencies up to this multiple of the signal's highest."""
+"""The polynomial passes frequencies up to this multiple of the signal's highest frequency."""
 
 
 def smoothed_derivative(samples: Array, dt: float, derivative: int, half_width: int = HALF_WIDTH) -> Array:
     """Savitzky-Golay estimate of the ``derivative``-th time derivative, shape (n,).
 
-    ``half_width`` is the most samples on each side that it uses; a signal that swings within
-    them gets fewer, or it would be smoothed away.
+    ``half_width`` is the largest number of samples on each side. A signal that oscillates within them
+    gets fewer, because they would smooth it away.
     """
     n = len(samples)
     width = min(2 * min(half_width, widest_half_width(samples)) + 1, n - (n + 1) % 2)
@@ -49,12 +49,12 @@ def widest_half_width(samples: Array) -> int:
 
 
 def observed(model: Model) -> tuple[bool, ...]:
-    """For each state, whether an output or a derivative of one shows it."""
+    """For each state, whether it is an output or a time derivative of one; (n_x,)."""
     return tuple(state.observed_by is not None for state in model.states)
 
 
 def measured_states(model: Model, record: Record, half_width: int = HALF_WIDTH) -> Array:
-    """States from the record, shape (n, n_x); zero where no output shows them."""
+    """States from the record, shape (n, n_x); zero for states that are not observed."""
     states = np.zeros((record.n, len(model.states)))
     for j, state in enumerate(model.states):
         if state.observed_by is not None:

@@ -1,7 +1,7 @@
-"""One step of an integrator: ``x_next = step(t, x, U, p)`` as a CasADi function, and samples of several.
+"""One step of an integrator: ``x_next = step(t, x, U, p)`` as a CasADi function, and several steps a sample.
 
-``U`` holds the inputs: of a step (n_u,) when they are held, else (3 n_u,) at its start, middle and
-end; of a sample (n_u,) or (n_u (2 s + 1),), as ``holds.stage_inputs`` lays them out for s steps.
+``U`` holds the inputs. For a step, they are (n_u,) if held, else (3 n_u,) at its start, middle and end. For a
+sample of s steps, they are (n_u,) or (n_u (2 s + 1),) in the order of ``holds.stage_inputs``.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from hybridid.simulation.rosenbrock import Inputs, Rodas3
 
 Seconds: TypeAlias = float | ca.SX
 StepBuilder = Callable[[Model, Seconds, bool], ca.Function]
-"""``(model, h, held) -> step``; where h is a symbol, a further input of the step."""
+"""``(model, h, held) -> step``; a symbolic h becomes a further input of the step."""
 
 
 def rk4_step(model: Model, h: Seconds, held: bool) -> ca.Function:
@@ -38,7 +38,7 @@ def rk4_step(model: Model, h: Seconds, held: bool) -> ca.Function:
 def rodas3_step(model: Model, h: Seconds, held: bool) -> ca.Function:
     """The linearly implicit method ``rosenbrock.Rodas3``.
 
-    L-stable: stiffness costs it no steps, only accuracy does.
+    L-stable: only accuracy, not stiffness, limits the step.
     """
     method = Rodas3(model)
     return _function(model, h, held, lambda t, x, u, p: method.step(t, h, x, u, p))

@@ -1,7 +1,7 @@
 """Compiled libraries kept from one process to the next, in the user's cache folder.
 
-A trace compiles some hundred models, the same ones whenever it looks at the same machine. A library that
-cannot be kept or read there is made anew for this process alone.
+A trace compiles about a hundred models, and the same ones for each record of a machine. A library that
+cannot be written or read there is compiled for this process only.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from contextlib import suppress
 from pathlib import Path
 
 MOST = 3000
-"""Libraries kept, of some 50 kB; those longest unused go first."""
+"""Number of libraries that are kept, of about 50 kB each; the least recently used are removed first."""
 SUFFIX = ".so"
 
 
 def library(key: str, build: Callable[[Path], bool]) -> ctypes.CDLL | None:
-    """The library called ``key``; if it is not there, ``build(file)`` makes it, or says False."""
+    """The library called ``key``; if it is missing, ``build(file)`` makes it or returns False."""
     folder = _folder()
     kept = folder / f"{key[:40]}{SUFFIX}"
     with suppress(OSError):
@@ -31,7 +31,7 @@ def library(key: str, build: Callable[[Path], bool]) -> ctypes.CDLL | None:
         made = Path(own) / kept.name
         if not build(made):
             return None
-        made.replace(kept)  # whole or not at all: other processes may be reading
+        made.replace(kept)  # written under another name first: other processes may be reading
     _prune(folder)
     return ctypes.CDLL(str(kept))
 
@@ -50,13 +50,13 @@ def _folder() -> Path:
 
 @functools.cache
 def _of_this_process() -> tempfile.TemporaryDirectory[str]:
-    """Gone when the process ends."""
+    """A temporary folder that is removed when the process ends."""
     return tempfile.TemporaryDirectory(prefix="hybridid-")
 
 
 def _prune(folder: Path) -> None:
-    """Remove the libraries longest unused, now and then, so that there are never many more than ``MOST``."""
-    with suppress(OSError):  # another process may be at it
+    """Remove the least recently used libraries from time to time, down to ``MOST``."""
+    with suppress(OSError):  # another process may remove it at the same time
         kept = sorted(folder.glob(f"*{SUFFIX}"), key=lambda file: file.stat().st_mtime)
         if len(kept) > MOST:
             for file in kept[: MOST // 10]:

@@ -1,4 +1,4 @@
-"""Whether records fit a model: its signals, by name, order and unit."""
+"""Checks that records have a model's signals: names, order and units."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from hybridid.records.record import Record
 
 
 def check_records(model: Model, records: Sequence[Record]) -> None:
-    """Whether the records have the model's signals, in its units.
+    """Check that every record has the model's signals, in its units.
 
     Raises:
-        ValueError: if one has not, or there is none.
+        ValueError: if one has not, or there is no record.
     """
     if not records:
         raise ValueError("no record to work on: at least one is needed")

@@ -4,13 +4,13 @@ With ``W = I / (γ h) - df/dx`` a step solves four linear systems with one matri
 
     W k_i = f(t + α_i h, x + Σ_j a_ij k_j, u) + Σ_j c_ij k_j / h + γ_i h df/dt,   x⁺ = x + Σ m_i k_i,
 
-third order and L-stable, so that a stiff mode (a bristle of a friction model, a motor's small
-inertia behind a spring) is damped and not amplified, whatever the step. No iteration: the step
-is an explicit formula, which shooting can differentiate.
+It is of third order and L-stable: a stiff mode (a bristle of a friction model, a motor's small inertia
+behind a spring) is damped for any step. There is no iteration: the step is an explicit formula, which
+shooting can differentiate.
 
-Its stages lie at the step's two ends, where inputs are known. ``df/dt`` includes the inputs'
-slope at the start of the step, from the parabola through its start, middle and end; that error
-is of order h⁴ in a step and keeps the order.
+Its stages are at the two ends of the step, where the inputs are known. ``df/dt`` includes the slope of
+the inputs at the start of the step, from the parabola through start, middle and end. The error of this
+slope contributes h⁴ to a step and keeps the order.
 
 Source: Sandu, Verwer, Blom, Spee, Carmichael, Potra (1997), "Benchmarking stiff ODE solvers for
 atmospheric chemistry problems II: Rosenbrock solvers", Atmospheric Environment 31(20), 3459-3472,
@@ -32,7 +32,7 @@ A = ((), (0.0,), (2.0, 0.0), (2.0, 0.0, 1.0))
 C = ((), (4.0,), (1.0, -1.0), (1.0, -1.0, -8 / 3))
 M = (2.0, 0.0, 1.0, 1.0)
 AT_END = (False, False, True, True)
-"""Whether a stage lies at the step's end (α = 1) or at its start (α = 0)."""
+"""Whether a stage is at the end of the step (α = 1) or at its start (α = 0)."""
 SLOPE = (0.5, 1.5, 0.0, 0.0)
 """γ_i, the weight of h df/dt."""
 

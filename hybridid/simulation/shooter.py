@@ -23,7 +23,7 @@ from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
 IN_TURN = 10
-"""How much longer CasADi's interpreter takes for horizons one after the other than for all at once."""
+"""Ratio of the times that CasADi's interpreter needs for horizons in sequence and for all at once."""
 _COMPILED = ("_step", "_symbols", "_chunk", "_sensitivity_chunk")
 
 
@@ -32,9 +32,9 @@ class Shot:
     """Simulated horizons.
 
     Shapes: ``outputs`` (w, H, n_y), ``states`` (w, H, n_x), ``final`` (w, n_x) the state one
-    sample after the last, and where asked for (else empty) ``by_state`` (w, H, n_y, n_x) =
-    dy/dx0, ``by_parameter`` (w, H, n_y, n_free) = dy/dp; ``ends_by`` (w, n_x + n_free, n_x), given where
-    states are carried, are the derivatives by x0 and p of the state after each horizon's last sample.
+    sample after the last. With sensitivities (else empty): ``by_state`` (w, H, n_y, n_x) = dy/dx0 and
+    ``by_parameter`` (w, H, n_y, n_free) = dy/dp. With carried states: ``ends_by`` (w, n_x + n_free, n_x),
+    the derivatives by x0 and p of the state after each horizon's last sample.
     """
 
     outputs: Array
@@ -51,11 +51,12 @@ class Shot:
 
     @property
     def finite(self) -> bool:
+        """Whether all outputs are finite."""
         return bool(np.isfinite(self.outputs).all())
 
     @property
     def sensitive(self) -> bool:
-        """Whether it holds sensitivities."""
+        """Whether there are sensitivities."""
         return self.by_state.ndim > 1
 
 
@@ -63,11 +64,11 @@ class Shot:
 class Shooter:
     """Simulates ``windows`` with ``model``; ``free`` lists the parameters to differentiate by.
 
-    The states ``carried``, by number, begin a horizon where the one before it has left them, if that is
-    among ``windows``: then ``x0`` says nothing of them. Sensitivities are each horizon's own, by the states
-    in which it begins.
+    ``carried`` are the indices of states whose initial values continue from the end of the preceding horizon,
+    if that horizon is among ``windows``; their entries of ``x0`` are then ignored. The sensitivities of a
+    horizon are derivatives by its own initial state.
 
-    By machine code where that is worth compiling, else by CasADi's interpreter.
+    It runs machine code if compiling it pays, else CasADi's interpreter.
     """
 
     model: Model
@@ -85,7 +86,7 @@ class Shooter:
         return self._interpreted(x0, p, sensitivities)
 
     def over(self, windows: Windows) -> Shooter:
-        """The same over other horizons of the same records, by the same code."""
+        """The same shooter over other horizons of the same records; it shares the compiled code."""
         other = replace(self, windows=windows)
         other.__dict__["code"] = self.code
         return other

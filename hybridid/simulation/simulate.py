@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 class Diverged(ValueError):
-    """A simulation left the range of numbers; the message says when."""
+    """Raised if a simulation is no longer finite; the message says at what time."""
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,12 @@ def simulate(
 
     Args:
         values: parameter values by qualified name; guesses serve for the others.
-        initial_state: (n_x,); by default what the record's first samples say.
-        substeps: integration steps a sample; by default enough for the integrator.
+        initial_state: (n_x,); by default estimated from the record's first samples.
+        substeps: integration steps a sample; by default as many as the integrator needs.
 
     Raises:
         Diverged: if the simulation does not stay finite.
-        ValueError: if the record has not the model's signals or a value names no parameter.
+        ValueError: if the record lacks a signal of the model, or a value names no parameter.
     """
     check_records(model, [record])
     p = model.values(values)

@@ -17,23 +17,23 @@ Array = NDArray[np.float64]
 Modes = NDArray[np.complex128]
 IMPLICIT = "rodas3"
 MOST = 50
-"""A model stiffer than this many steps a sample wants another integrator."""
+"""Largest number of steps a sample; a stiffer model needs another integrator."""
 COMFORTABLE = 1.0
 """|eigenvalue| times step that RK4 integrates, overdamped, with an error below 1 %; its limit is 2.78."""
 STABLE = 1.5
-"""The same where it is met only now and then, as the slope of a friction near rest: RK4 still damps
-without ringing, and how fast a stuck machine stops creeping matters less than that it does."""
+"""The same for a value at few samples only, such as the slope of a friction near rest: RK4 still damps the
+mode without oscillation, and its rate of decay at rest hardly matters."""
 MOSTLY = 0.9
-"""Share of the samples that ask for accuracy, the others for stability."""
+"""Share of the samples whose eigenvalues need accuracy; those of the others need stability only."""
 LEAST_DAMPING = 0.02
-"""A mode damped less than this counts as damped so: few records show fifty swings of one."""
+"""Smallest damping ratio that is assumed of a mode: few records show fifty of its oscillations."""
 RESOLVED = 2.0
-"""Change of an eigenvalue, times the step, that an implicit method's derivatives follow."""
+"""Largest change of an eigenvalue within a step, times the step, for an implicit method."""
 PROBES = 200
 ACCURACY = 2e-4
-"""Change of the outputs, in standard deviations, below which halving the step is no use."""
+"""Change of the outputs, in standard deviations, below which the step is not halved again."""
 HORIZON = 100
-"""Samples over which the effect of a shorter step is looked at."""
+"""Samples over which the effect of a shorter step is computed."""
 HORIZONS = 50
 
 
@@ -42,7 +42,7 @@ def substeps_for(
 ) -> int:
     """Steps a sample with which ``integrator`` is stable and accurate at ``p`` (n_p,).
 
-    ``margin`` above 1 asks for that much more.
+    ``margin`` is a safety factor, 1 or more.
 
     Raises:
         ValueError: if more than ``MOST`` steps would be needed, or there is no such integrator.
@@ -54,9 +54,9 @@ def substeps_for(
 
 
 def first_substeps(model: Model, p: Array, records: Sequence[Record], integrator: str) -> int:
-    """Steps a sample for a fit that starts at ``p``: stable there, with a tenth in hand.
+    """Steps a sample for a fit that starts at ``p``: stable there with a margin of 10 %.
 
-    Whether they are accurate enough shows where the fit ends.
+    Whether they are accurate enough is checked at the end of the fit.
 
     Raises:
         ValueError: as ``substeps_for``.
@@ -75,9 +75,9 @@ def substeps_wanted(
     integrator: str = "rk4",
     paths: Sequence[Array] | None = None,
 ) -> int:
-    """As ``substeps_for``, but ``MOST + 1`` for whatever is more than ``MOST``.
+    """As ``substeps_for``, but ``MOST + 1`` instead of an error for more than ``MOST``.
 
-    ``paths`` are the states (n, n_x) of each record's samples, about; None: ``filled_states``.
+    ``paths`` are approximate states (n, n_x) at each record's samples; None: ``filled_states``.
 
     Raises:
         ValueError: if there is no such integrator.
@@ -94,9 +94,9 @@ def by_eigenvalues(
 ) -> int:
     """Steps that keep ``|λ| h`` below ``COMFORTABLE ζ^(1/4) / margin`` for the modes λ of most samples.
 
-    RK4 misses ``|λ h|⁵/120`` of a mode in a step, and a mode remembers ``1 / (ζ |λ| h)`` steps, with
-    ζ = -Re λ / |λ|: a lightly damped resonance needs shorter steps than a decay. Everywhere, also at
-    rest, ``|λ| h`` stays below ``STABLE / margin``.
+    RK4 has an error of ``|λ h|⁵/120`` of a mode in a step, which accumulates over ``1 / (ζ |λ| h)`` steps,
+    with ζ = -Re λ / |λ|: a lightly damped resonance needs shorter steps than a decay. At all samples, also
+    at rest, ``|λ| h`` is below ``STABLE / margin``.
     """
     needed = 1.0
     for record, path in zip(records, paths, strict=True):
@@ -112,9 +112,9 @@ def by_eigenvalues(
 def by_kinks(model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array]) -> int:
     """Steps within which an eigenvalue changes by less than ``RESOLVED / h``.
 
-    An implicit method is stable at any step, but where a friction's slope jumps within one (sign(v)
-    near rest), the derivative of the step means nothing, and shooting needs it. Such a kink is
-    stiffer at rest than in motion; a mode that grows needs resolving too.
+    An implicit method is stable at any step. But if the slope of a friction jumps within a step (sign(v) near
+    rest), the derivative of the step is wrong, and shooting needs that derivative. Such a kink is stiffer at
+    rest than in motion. A growing mode needs short steps, too.
     """
     needed = 1.0
     for record, path in zip(records, paths, strict=True):
@@ -128,10 +128,10 @@ def by_kinks(model: Model, p: Array, records: Sequence[Record], paths: Sequence[
 def by_halving(
     model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array], margin: float
 ) -> int:
-    """Steps, doubled until doubling them moves the outputs by less than ``ACCURACY / margin``.
+    """Steps, doubled until doubling them changes the outputs by less than ``ACCURACY / margin``.
 
-    An implicit method is stable at any step, so only what the outputs show decides. They
-    are compared over up to ``HORIZONS`` short horizons, each from a state of ``paths``.
+    An implicit method is stable at any step, so the accuracy of the outputs decides. They are compared
+    over up to ``HORIZONS`` short horizons, each from a state of ``paths``.
     """
     steps = by_kinks(model, p, records, paths)
     before = _outputs(model, p, records, paths, steps)
@@ -148,7 +148,7 @@ RULES: Mapping[str, Rule] = {
     "rk4": by_eigenvalues,
     "rodas3": by_halving,
 }
-"""How each integrator's steps are chosen."""
+"""The rule for the number of steps, by integrator."""
 REMEDY: Mapping[str, str] = {
     "rk4": "the model is too stiff for RK4, which would need more than {most} steps a sample: "
     "set estimator.integrator to rodas3, raise the port's epsilon or lower a stiffness",
@@ -179,7 +179,7 @@ def _outputs(model: Model, p: Array, records: Sequence[Record], paths: Sequence[
 
 
 def _change(before: Array, after: Array) -> float:
-    """RMS difference of the outputs over their deviation within the horizons; 0 if they stand still."""
+    """RMS difference of the outputs over their standard deviation in the horizons; 0 if they are constant."""
     difference = np.sqrt(np.mean((after - before) ** 2, axis=(0, 1)))
     spread = np.sqrt(np.mean((after - after[:, :1]) ** 2, axis=(0, 1)))
     ratio = np.divide(difference, spread, out=np.zeros_like(spread), where=spread > 0)

@@ -1,4 +1,4 @@
-"""States that no output shows, guessed from a free run of the model."""
+"""Unobserved states, estimated from a free run of the model."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ Array = NDArray[np.float64]
 
 
 def filled_states(model: Model, p: Array, record: Record) -> Array:
-    """States from the record where an output shows them, else from ``free_run_states``; (n, n_x)."""
+    """Observed states from the record, the others from ``free_run_states``; (n, n_x)."""
     measured = measured_states(model, record)
     shown = np.array(observed(model))
     return measured if shown.all() else np.where(shown, measured, free_run_states(model, p, record))
 
 
 def free_run_states(model: Model, p: Array, record: Record) -> Array:
-    """States (n, n_x) of a run over the record's inputs from what its first samples say.
+    """States (n, n_x) of a simulation over the record's inputs, from the state at its first samples.
 
-    What no output shows begins at zero, at rest. The integrator is the implicit one, stable whatever
-    ``p`` (n_p,) is; a state that leaves the range of numbers counts as zero from there on.
+    Unobserved states begin at zero. The integrator is the implicit one, which is stable for any ``p`` (n_p,).
+    A state that is no longer finite counts as zero from there on.
     """
     windows = cut([record], None, 1)
     start = measured_states(model, record)[:1]

@@ -16,14 +16,14 @@ Array = NDArray[np.float64]
 CALL = 2500
 """Samples that one call of a compiled function simulates, over all horizons together."""
 SHORTEST = 0.2
-"""A last horizon shorter than this share of the others is left out."""
+"""A last horizon shorter than this share of the others is omitted."""
 
 
 @dataclass(frozen=True)
 class Windows:
     """``w`` horizons of ``length`` samples each, padded at their ends where ``used`` is False.
 
-    They are simulated ``chunk`` samples a call, so ``length`` is a multiple of it.
+    One call simulates ``chunk`` samples of each, so ``length`` is a multiple of it.
 
     Shapes: ``time`` (w, length); ``stages`` (w, length, n_U) inputs of each step;
     ``inputs`` (w, length, n_u); ``outputs`` (w, length, n_y); ``used`` (w, length).
@@ -43,14 +43,16 @@ class Windows:
 
     @property
     def count(self) -> int:
+        """Number of horizons, w."""
         return len(self.origin)
 
     @property
     def length(self) -> int:
+        """Samples of the longest horizon after padding."""
         return self.time.shape[1]
 
     def select(self, chosen: Sequence[int]) -> Windows:
-        """Only the horizons with these numbers, in this order."""
+        """The horizons with these indices only, in this order."""
         rows = list(chosen)
         arrays = {name: getattr(self, name)[rows] for name in ("time", "stages", "inputs", "outputs", "used")}
         return replace(self, **arrays, origin=tuple(self.origin[k] for k in rows))
@@ -67,20 +69,20 @@ class Windows:
 
     @cached_property
     def follows(self) -> tuple[int, ...]:
-        """For each horizon the number of the earlier one that ends where it begins; -1 without one."""
+        """For each horizon the index of the earlier one that ends where it begins; -1 without one; (w,)."""
         ends = {(record, stop): k for k, (record, _, stop) in enumerate(self.origin)}
         before = (ends.get((record, start), -1) for record, start, _ in self.origin)
         return tuple(b if b < k else -1 for k, b in enumerate(before))
 
     @property
     def complete(self) -> bool:
-        """Whether each horizon begins with its record or follows another one here."""
+        """Whether each horizon begins with its record or follows another horizon of these windows."""
         starts = (start for _, start, _ in self.origin)
         return all(start == 0 or before >= 0 for start, before in zip(starts, self.follows, strict=True))
 
     @property
     def samples(self) -> int:
-        """Number of samples that count."""
+        """Number of samples in use."""
         return int(self.used.sum())
 
 
@@ -127,6 +129,6 @@ def _piece(record: Record, stages: Array, start: int, stop: int, length: int) ->
 
 
 def _unheld(record: Record, substeps: int) -> Array:
-    """Stage inputs of a held record laid out like those of one that is not."""
+    """Stage inputs of a held record in the layout of a record that is not held."""
     stages = stage_inputs(record, substeps)
     return np.tile(stages, (1, 2 * substeps + 1)) if all_held(record) else stages

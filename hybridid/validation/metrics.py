@@ -1,4 +1,4 @@
-"""Numbers that say how close a prediction is (thesis Eqs. 3-15 to 3-17)."""
+"""Error measures of a prediction (thesis Eqs. 3-15 to 3-17)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Metrics:
-    """One output of one record in one view, in SI units.
+    """Error measures of one output of one record in one view, in SI units.
 
     ``mse = mean (y - y_hat)^2``, ``rmse = sqrt(mse)``, ``r2 = 1 - sum (y - y_hat)^2 /
     sum (y - mean y)^2``, ``fit_percent = 100 (1 - ||y - y_hat|| / ||y - mean y||)``.
@@ -35,7 +35,7 @@ class Metrics:
 
 
 def metrics(prediction: Prediction, model_name: str) -> list[Metrics]:
-    """One row for each output of the prediction."""
+    """The error measures of each output of the prediction."""
     return [
         _row(prediction, model_name, k, name, unit)
         for k, (name, unit) in enumerate(zip(prediction.output_names, prediction.output_units, strict=True))

@@ -1,4 +1,4 @@
-"""What resists at an effort port: by effect, as the model says, and in sum, as the record says.
+"""Efforts that resist at a port: of each effect from the model, and their sum from the record.
 
 The motion of a port obeys ``a = a_0 - g F``, affine in the effort F that resists it. With the
 acceleration a from the record, and a_0, g from the model, ``F = (a_0 - a) / g``. Source: inverse
@@ -41,7 +41,7 @@ PROBE = Effect(
 class PortEfforts:
     """Efforts of a port's terms by name, each (n,), over the port's ``velocity`` (n,).
 
-    ``static`` if they follow from that velocity alone: then the order of the samples says nothing.
+    ``static``: they depend on that velocity only, so that the order of the samples does not matter.
     """
 
     port: Port
@@ -104,7 +104,7 @@ def resisting_effort(
 
 
 def _port_motion(model: Model, index: int, n: int) -> ca.Function:
-    """``(t, x, u, x', p) -> `` velocity, acceleration by x' and by the model, of a port: (3, n)."""
+    """``(t, x, u, x', p) -> (3, n)``: a port's velocity, and its acceleration from x' and from the model."""
     n_x = len(model.states)
     t, x, rate = ca.SX.sym("t"), ca.SX.sym("x", n_x), ca.SX.sym("r", n_x)
     u, p = ca.SX.sym("u", len(model.inputs)), ca.SX.sym("p", len(model.parameters))
@@ -118,7 +118,7 @@ def _port_motion(model: Model, index: int, n: int) -> ca.Function:
 
 
 def _static(model: Model, port: int, rows: list[int]) -> bool:
-    """Whether the efforts depend on no state but those that the port's velocity depends on."""
+    """Whether the efforts depend only on states on which the port's velocity depends."""
     by_time, by_input = (_columns(model.efforts.jac_sparsity(0, k), rows) for k in (0, 2))
     if by_time or by_input:
         return False

@@ -1,8 +1,8 @@
 """Predictions in two views: free-run over the whole record, and over short horizons.
 
-A plant that integrates turns a small change of friction into millimetres by the end of a
-long record, so a free run says little of a better model; horizons, each from its own
-estimated initial state, say how good the equations are.
+In a free run of a plant that integrates, a small change of friction adds up to millimetres at the end of a
+long record, whatever else the model describes well. Short horizons, each from its own estimated initial
+state, show how good the equations are.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ VIEWS: tuple[View, ...] = get_args(View)
 
 @dataclass(frozen=True)
 class Prediction:
-    """A model's outputs beside the measured ones.
+    """A model's outputs and the measured ones.
 
     Shapes: ``time`` (n,) s, ``measured`` and ``predicted`` (n, n_y), ``states`` (n, n_x).
-    ``breaks`` are the samples where a horizon begins, ``initial_states`` (w, n_x) theirs.
+    ``breaks`` are the first samples of the horizons, ``initial_states`` (w, n_x) the states there.
     """
 
     record: str
@@ -66,9 +66,9 @@ def free_run(
 ) -> Prediction:
     """Simulate the whole record from one initial state.
 
-    ``initial_state`` is "estimated" (the one that fits the record best; the parameters
-    stay) or "measured" (what the first samples say). ``substeps`` are integration steps a
-    sample, such as an estimate's own; by default as many as stability asks for.
+    ``initial_state`` is "estimated" (it fits the record best at these parameters) or "measured" (from the
+    first samples). ``substeps`` are the integration steps a sample, such as those of an estimate; by default
+    as many as stability and accuracy need.
 
     Raises:
         Diverged: if the simulation does not stay finite.
@@ -135,7 +135,7 @@ def _predict(
 
 
 def initial_states(problem: Problem, p: Array, method: Method = GAUSS_NEWTON) -> Array:
-    """The initial state of each horizon that fits it best at fixed parameters, (w, n_x)."""
+    """The initial state of each horizon with the best fit at fixed parameters, (w, n_x)."""
     candidates = x0_candidates(problem, p)
     start = best_initial_states(problem, p, candidates)
     found = method.solve(problem, p, start).x0

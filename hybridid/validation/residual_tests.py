@@ -1,10 +1,10 @@
-"""What a residual still holds: autocorrelation, whiteness, correlation with the inputs.
+"""Tests of a residual: autocorrelation, whiteness, correlation with the inputs.
 
 The residual of a complete model is white and uncorrelated with past inputs. Source:
 Ljung (1999), System Identification, sec. 16.6; Ljung, Box (1978), Biometrika 65(2).
 
-Over horizons of less than a hundred samples or so, the initial states that are fitted to each
-colour even a white residual, and the test for whiteness rejects too often.
+Over horizons of less than about a hundred samples, the initial state fitted to each horizon correlates even a
+white residual, and the test of whiteness rejects too often.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def correlation(later: Array, earlier: Array, lags: int) -> Array:
 def _spread(error: Array, u: Array, lags: int) -> float:
     """Standard deviation of the cross-correlation of independent series.
 
-    ``1/n sum_k r_e(k) r_u(k)`` (Bartlett), which counts that both are autocorrelated.
+    ``1/n sum_k r_e(k) r_u(k)`` (Bartlett), which takes the autocorrelation of both into account.
     """
     reach = min(len(error) // 4, 20 * lags)
     products = correlation(error, error, reach) * correlation(u, u, reach)
