@@ -8,6 +8,7 @@ which git ignores.
 from __future__ import annotations
 
 import re
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -45,17 +46,8 @@ maximum_signature_line_length = 100
 napoleon_numpy_docstring = False
 napoleon_custom_sections = [("Source", "notes_style"), ("Shapes", "notes_style")]
 
-API = ROOT / "docs" / "api"
 SECTION = re.compile(r"[A-Z]\w+:$")
 LIST_OR_DIRECTIVE = re.compile(r"[-*.] |\d+\. |\.\. |>>>|.*::$")
-
-
-def forget_modules_that_are_gone() -> None:
-    """Remove the generated pages of modules that no longer exist: Sphinx would fail to import them."""
-    for page in API.glob("*.rst"):
-        module = ROOT.joinpath(*page.stem.split("."))
-        if not (module.is_dir() or module.with_suffix(".py").is_file()):
-            page.unlink()
 
 
 def plain_text_to_rst(app: Sphinx, what: str, name: str, obj: object, options: Any, lines: list[str]) -> None:
@@ -85,7 +77,8 @@ def toctree_of_the_table(app: Sphinx, docname: str, source: list[str]) -> None:
 
 
 def setup(app: Sphinx) -> None:
-    """Connect the hooks; that of the docstrings runs before napoleon reads their sections."""
-    forget_modules_that_are_gone()
+    """Connect the two hooks; that of the docstrings runs before napoleon reads their sections."""
+    # pages of an earlier build may name modules that no longer exist
+    shutil.rmtree(ROOT / "docs" / "api", ignore_errors=True)
     app.connect("autodoc-process-docstring", plain_text_to_rst, priority=400)
     app.connect("source-read", toctree_of_the_table)
