@@ -42,6 +42,20 @@ def test_concepts_run():
     assert "carriage.asymmetric_viscous.df_v" in {p.name for p in space["better"].parameters}
 
 
+def test_trace_runs_in_a_notebook(tmp_path, monkeypatch, capsys):
+    """It prints the verdict with both errors, marked simulated, and touches no file."""
+    monkeypatch.chdir(tmp_path)
+    (block,) = python_blocks(ROOT / "docs" / "trace.md")
+    exec(block, {})
+    sentence, *rows = capsys.readouterr().out.splitlines()
+    assert "asymmetric_viscous at carriage" in sentence
+    assert len(rows) == 2 * 2 * 2  # records, views, with and without the network
+    errors = [tuple(map(float, row.split()[3:5])) for row in rows if row.split()[1] == "horizon"]
+    assert all(after < before for before, after in errors[:2])
+    assert all(row.endswith("m simulated") for row in rows)
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.fixture(scope="module")
 def laboratory(tmp_path_factory):
     """The folder that the page builds, file by file, beside a simulated recording."""

@@ -18,13 +18,14 @@ from hybridid.effects.library import EFFECTS
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.trace.candidates import Candidate
+from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import CONTINUATION, Refit, refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.score import Score
 from hybridid.trace.split import Split, by_record
 from hybridid.trace.trial import Trial
-from hybridid.trace.verdict import regressed, trace
+from hybridid.trace.verdict import conclude, regressed
 
 DETECTABLE = 1e-3
 NAME = "ours"
@@ -36,7 +37,7 @@ def play(scenario: Scenario, records: tuple[Record, Record], most_effects: int =
     effects = [effect for effect in EFFECTS if ids is None or effect.id in ids]
     split = _split(scenario, records)
     model = CASES[scenario.machine].model()
-    found = trace(model, split, effects, Rules(most_effects=most_effects))
+    found = conclude(model, Context(split, tuple(effects), Rules(most_effects=most_effects)))
     first = found.accepted[0] if found.accepted else None
     return Answer(
         player=NAME,

@@ -15,11 +15,10 @@ and Smoothing, ch. 5 and 12; the augmented input is the "disturbance model" of M
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,6 +30,9 @@ from hybridid.simulation.holds import all_held, stage_inputs
 from hybridid.simulation.integrators import sample_step
 from hybridid.simulation.stability import substeps_for
 from hybridid.simulation.unobserved import filled_states
+from hybridid.trace.before_after import FittedModel
+from hybridid.trace.context import Context
+from hybridid.trace.kalman import kalman_filter, smooth
 from hybridid.trace.noise import noise_level
 
 Array = NDArray[np.float64]
@@ -40,8 +42,6 @@ NEAR = 3
 """Steps of the grid that the intensity may move from one pass to the next."""
 PASSES, STILL = 5, 0.1
 """Linearisations at most, and the share of its standard deviation by which the effort may still move."""
-INITIAL_SPREAD = 10.0
-"""Initial standard deviation of states and effort, in their scales: nothing is assumed."""
 
 WALK = Effect(
     id="missing_effort",
@@ -105,13 +105,13 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
 
         def likelihood(k: int) -> float:
             walk = (INTENSITIES[k] * per_sample) ** 2
-            return float(_filter(a, b, c, d, record.outputs, noise, scales, walk)[0])  # noqa: B023
+            return float(kalman_filter(a, b, c, d, record.outputs, noise, scales, walk)[0])  # noqa: B023
 
         best = max(grid, key=likelihood)
         grid = [k for k in range(len(INTENSITIES)) if abs(k - best) <= NEAR]
         walk = (INTENSITIES[best] * per_sample) ** 2
-        _, mean, cov, predicted, spread = _filter(a, b, c, d, record.outputs, noise, scales, walk)
-        before, (about, covariance) = about, _smooth(a, mean, cov, predicted, spread)
+        _, mean, cov, predicted, spread = kalman_filter(a, b, c, d, record.outputs, noise, scales, walk)
+        before, (about, covariance) = about, smooth(a, mean, cov, predicted, spread)
         moved = np.abs(about[:, -1] - before[:, -1])
         if np.median(moved) < STILL * np.sqrt(np.median(covariance)):
             break
@@ -194,89 +194,41 @@ class _Linearised:
         )
 
 
-@numba.njit(cache=True)
-def _filter(
-    a: Array, b: Array, c: Array, d: Array, y: Array, noise: Array, scales: Array, walk: float
-) -> tuple[float, Array, Array, Array, Array]:
-    """Kalman filter; the last state alone is disturbed, by variance ``walk`` a sample.
-
-    Returns the log-likelihood, filtered means and covariances, and predicted ones. Loops, not matrix
-    products: numba compiles them in a tenth of the time, and m is small.
-    """
-    n, m = b.shape
-    mean, cov = np.zeros((n, m)), np.zeros((n, m, m))
-    predicted, spread = np.zeros((n, m)), np.zeros((n, m, m))
-    x, gain = np.zeros(m), np.zeros(m)
-    p, half = np.zeros((m, m)), np.zeros((m, m))
-    for i in range(m):
-        p[i, i] = (INITIAL_SPREAD * scales[i]) ** 2
-    total = 0.0
-    for k in range(n):
-        predicted[k], spread[k] = x, p
-        for j in range(y.shape[1]):
-            s, e = noise[j], y[k, j] - d[k, j]
-            for i in range(m):
-                gain[i] = 0.0
-                for h in range(m):
-                    gain[i] += p[i, h] * c[k, j, h]
-                s += c[k, j, i] * gain[i]
-                e -= c[k, j, i] * x[i]
-            total -= 0.5 * (e * e / s + np.log(s))
-            for i in range(m):
-                x[i] += gain[i] * (e / s)
-                for h in range(m):
-                    p[i, h] -= gain[i] * gain[h] / s
-        mean[k], cov[k] = x, p
-        for i in range(m):
-            x[i] = b[k, i]
-            for h in range(m):
-                x[i] += a[k, i, h] * mean[k, h]
-        _congruent(a[k], cov[k], half, p)
-        p[m - 1, m - 1] += walk
-    return total, mean, cov, predicted, spread
+Missing = Mapping[tuple[str, str], Mapping[str, MissingEffort]]
+"""Missing efforts by record and port; within, by model."""
 
 
-def _smooth(a: Array, mean: Array, cov: Array, predicted: Array, spread: Array) -> tuple[Array, Array]:
-    """Rauch-Tung-Striebel smoother: smoothed states (n, m) and the last state's variance (n,)."""
-    m = mean.shape[1]
-    sizes = np.einsum("nii->ni", spread[1:])[:, :, None] * np.eye(m)
-    ridge = 1e-13 * sizes + 1e-300 * np.eye(m)
-    gains = np.linalg.solve(spread[1:] + ridge, a[:-1] @ cov[:-1]).swapaxes(1, 2)
-    return _run_back(np.ascontiguousarray(gains), mean, cov, predicted, spread)
+@dataclass(frozen=True)
+class Failure:
+    """Why an effort could not be estimated."""
+
+    place: str
+    what: str
+
+    def __str__(self) -> str:
+        return f"missing effort at {self.place}: {self.what}"
 
 
-@numba.njit(cache=True)
-def _run_back(gains: Array, mean: Array, cov: Array, predicted: Array, spread: Array) -> tuple[Array, Array]:
-    """The smoother's recursion, from the last sample to the first."""
-    n, m = mean.shape
-    states, variance = mean.copy(), np.zeros(n)
-    p, change, half = cov[n - 1].copy(), np.zeros((m, m)), np.zeros((m, m))
-    variance[n - 1] = p[m - 1, m - 1]
-    for k in range(n - 2, -1, -1):
-        for i in range(m):
-            for h in range(m):
-                states[k, i] += gains[k, i, h] * (states[k + 1, h] - predicted[k + 1, h])
-                change[i, h] = p[i, h] - spread[k + 1, i, h]
-        _congruent(gains[k], change, half, p)
-        for i in range(m):
-            for h in range(m):
-                p[i, h] += cov[k, i, h]
-        variance[k] = p[m - 1, m - 1]
-    return states, variance
+def missing_efforts(
+    models: Sequence[FittedModel], records: Sequence[Record], context: Context
+) -> tuple[Missing, tuple[str, ...]]:
+    """What each of ``models`` lacks at each effort port on every record, and in words what failed."""
+    ports = [port.name for port in context.effort_ports(models[0].model)]
+    places = [(one, record, port) for record in records for port in ports for one in models]
+    results = context.each("missing effort", _attempt, places, _place)
+    found: dict[tuple[str, str], dict[str, MissingEffort]] = {}
+    for (one, record, port), result in zip(places, results, strict=True):
+        if isinstance(result, MissingEffort):
+            found.setdefault((record.name, port), {})[one.name] = result
+    return found, tuple(str(result) for result in results if isinstance(result, Failure))
 
 
-@numba.njit(inline="always")
-def _congruent(a: Array, p: Array, half: Array, found: Array) -> None:
-    """``found = a p a'``, symmetric as p is; ``half`` holds a p."""
-    m = len(p)
-    for i in range(m):
-        for j in range(m):
-            half[i, j] = 0.0
-            for h in range(m):
-                half[i, j] += a[i, h] * p[h, j]
-    for i in range(m):
-        for j in range(i + 1):
-            total = 0.0
-            for h in range(m):
-                total += half[i, h] * a[j, h]
-            found[i, j] = found[j, i] = total
+def _attempt(one: FittedModel, record: Record, port: str) -> MissingEffort | Failure:
+    try:
+        return missing_effort(one.model, one.estimate.values, record, port)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
+        return Failure(f"{port} on {record.name}, {one.name}", str(error))
+
+
+def _place(result: MissingEffort | Failure) -> str:
+    return result.place if isinstance(result, Failure) else f"{result.record}, {result.port}"

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 from hybridid.model import Model
 from hybridid.records.record import HOLDS, Record
+from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.mapper import Mapper
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import FAILURES, NEVER, Refit, TooStiff, refit, refit_if_possible
 from hybridid.trace.rules import Rules
@@ -100,7 +100,7 @@ def _not_simulated(numerics: Numerics, survives: bool) -> Survival:
     return Survival(numerics.name, 0.0, 0.0, 1.0, {}, refuted=False, survives=survives, simulated=False)
 
 
-def doubt(survivals: Sequence[Survival]) -> str:
+def objection(survivals: Sequence[Survival]) -> str:
     """Why an effect is not to be believed after these variations, or nothing."""
     lost = [_lost(one) for one in survivals if not one.survives]
     if lost:
@@ -111,9 +111,12 @@ def doubt(survivals: Sequence[Survival]) -> str:
     return ""
 
 
-def lasting(learned: Sequence[Refit], final: Refit, split: Split, rules: Rules, mapper: Mapper) -> list[int]:
-    """Which of ``learned``, refits with a learned effort beside the model of ``final``, still gain when the
-    equations are solved another way, as an effect's gain must; by number."""
+def surviving(learned: Sequence[Refit], final: Refit, context: Context) -> list[int]:
+    """The numbers of those ``learned`` whose gain over ``final`` survives other ways to solve the equations.
+
+    Each is the model of ``final`` with a learned effort beside it; the test is the one an effect must pass.
+    """
+    split, rules = context.split, context.rules
     left = list(range(len(learned)))
     for numerics in variations(split.records, final.numerics):
         if not left:
@@ -121,7 +124,8 @@ def lasting(learned: Sequence[Refit], final: Refit, split: Split, rules: Rules, 
         poorer = refit_if_possible(final.model, split, [final.values], final, numerics)
         if poorer is None:
             continue
-        varied = mapper(survival, ((final, learned[k], "", split, numerics, rules, poorer) for k in left))
+        arguments = ((final, learned[k], "", split, numerics, rules, poorer) for k in left)
+        varied = context.mapper(survival, arguments)
         left = [k for k, one in zip(left, varied, strict=True) if one.survives]
     return left
 

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
-from hybridid.effects.effect import Effect
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
+from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.mapper import Mapper, serial
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
-from hybridid.trace.robustness import Survival, doubt, survival, variations
+from hybridid.trace.robustness import Survival, objection, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.trial import (
@@ -28,9 +27,6 @@ from hybridid.trace.trial import (
     look_alikes,
     overshadowing,
 )
-
-Report = Callable[[str, int, int, str], None]
-"""``report(stage, done, of, what)``"""
 
 
 @dataclass(frozen=True)
@@ -71,6 +67,111 @@ class Search:
         return self.steps[0].base if self.steps else self.final
 
 
+def search(
+    model: Model,
+    context: Context,
+    start: Sequence[Mapping[str, float]],
+    floor: float,
+    numerics: Numerics = DECLARED,
+) -> Search:
+    """Add effects to ``model`` until none passes or the residual meets the noise ``floor``.
+
+    ``start`` holds parameter values to start the declared model from; ``floor`` is a loss.
+    """
+    rules = context.rules
+    base = refit(model, context.split, start, numerics=numerics, factors=CONTINUATION)
+    steps: list[Step] = []
+    accepted: list[Accepted] = []
+    while True:
+        if base.score.loss <= floor * rules.near_floor:
+            return Search(tuple(steps), base, tuple(accepted), "the residual meets the noise floor")
+        if len(accepted) >= rules.most_effects:
+            stopped = f"{rules.most_effects} effects accepted, the most allowed"
+            return Search(tuple(steps), base, tuple(accepted), stopped)
+        step = _step(base, context, len(steps) + 1)
+        if step.accepted is None or step.accepted.trial.refit is None:
+            return Search((*steps, step), base, tuple(accepted), "no further effect passes")
+        base, accepted, dropped = _backward(step.accepted.trial.refit, [*accepted, step.accepted], context)
+        steps.append(replace(step, dropped=dropped))
+
+
+def _step(base: Refit, context: Context, number: int) -> Step:
+    """Try every candidate beside ``base`` and accept the best that passes and survives other numerics."""
+    rules = context.rules
+    candidates = list(admissible(base.model, context.effects, context.ports))
+    places = [(candidate, base, context.split) for candidate in candidates]
+    trials = context.each(f"step {number}", attempt, places, lambda trial: trial.candidate.name)
+    judged = judge(trials, rules)
+
+    @cache
+    def survivals_of(name: str) -> tuple[Survival, ...]:
+        return _survivals(base, next(t for t in judged if t.candidate.name == name), context)
+
+    while True:
+        passed = [t for t in judged if t.status == PASSED]
+        if not passed:
+            return Step(base, tuple(judged), None)
+        best = _preferred(passed, rules)
+        survivals = survivals_of(best.candidate.name)
+        why = objection(survivals) or _overshadowed(best, judged, rules, survivals_of)
+        if not why:
+            alike = tuple(equivalents(best, judged, rules))
+            return Step(base, tuple(judged), Accepted(best, alike, survivals))
+        withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
+        judged = [withdrawn if t is best else t for t in judged]
+
+
+def _overshadowed(
+    best: Trial, trials: Sequence[Trial], rules: Rules, survivals_of: Callable[[str], tuple[Survival, ...]]
+) -> str:
+    """Which undetermined effect explains more, whatever the numerics, or nothing."""
+    for other in overshadowing(best, trials, rules):
+        name = other.candidate.name
+        if not objection(survivals_of(name)):
+            return (
+                f"{name}, which these records do not determine, takes {other.gain:.1%} from the held-out RMSE"
+            )
+    return ""
+
+
+def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
+    """The best held-out error; among those alike, the one with the fewest parameters."""
+    best = max(passed, key=lambda t: t.gain)
+    alike = [best, *(t for t in passed if t is not best and indistinguishable(best, t, rules))]
+    return min(alike, key=lambda t: (_free_parameters(t), -t.gain))
+
+
+def _free_parameters(trial: Trial) -> int:
+    return sum(not p.fixed for p in trial.candidate.effect.parameters)
+
+
+def _survivals(base: Refit, best: Trial, context: Context) -> tuple[Survival, ...]:
+    """What becomes of the gain of ``best`` under every variation of the numerics."""
+    split, name = context.split, best.candidate.name
+    varied = variations(split.records, base.numerics)
+    arguments = ((base, best.refit, name, split, numerics, context.rules) for numerics in varied)
+    return tuple(context.mapper(survival, arguments))
+
+
+def _backward(
+    refitted: Refit, accepted: list[Accepted], context: Context
+) -> tuple[Refit, list[Accepted], tuple[str, ...]]:
+    """Take out again each accepted effect that the later ones have made needless."""
+    dropped: list[str] = []
+    for one in accepted[:-1]:
+        model, values = refitted.model.without(one.name), values_without(refitted, one.name)
+        poorer = refit_if_possible(
+            model, context.split, [values], refitted, refitted.numerics, doubted=math.inf
+        )
+        if poorer is None:
+            continue
+        evidence = compare(poorer.score, refitted.score)
+        if not context.rules.passes(evidence.gain, evidence.p_value):
+            refitted = poorer
+            dropped.append(one.name)
+    return refitted, [one for one in accepted if one.name not in dropped], tuple(dropped)
+
+
 def recheck(found: Search, split: Split, rules: Rules) -> Search:
     """Look again, in the last model, at each class of effects that were alike when accepted.
 
@@ -89,9 +190,10 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
     if rival.candidate.name in {term.name for term in final.model.terms}:
         return False
     model = rival.candidate.added_to(final.model.without(one.name))
+    others = values_without(final, one.name)
     lent = rival.refit.values if rival.refit else {}
     own = {key: value for key, value in lent.items() if key.startswith(f"{rival.candidate.name}.")}
-    starts = [*rival.candidate.starts(model, less(final, one.name))[:-1], {**less(final, one.name), **own}]
+    starts = [*rival.candidate.starts(model, others)[:-1], {**others, **own}]
     other = refit_if_possible(model, split, starts, final, final.numerics)
     if other is None:
         return False
@@ -102,136 +204,7 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
     return look_alikes(one.trial, rival) and more < rules.tie * one.trial.taken
 
 
-def search(
-    model: Model,
-    split: Split,
-    effects: Sequence[Effect],
-    start: Sequence[dict[str, float]],
-    floor: float,
-    rules: Rules,
-    mapper: Mapper = serial,
-    report: Report = lambda stage, done, of, what: None,
-    ports: Sequence[str] | None = None,
-    numerics: Numerics = DECLARED,
-) -> Search:
-    """Add effects to ``model`` until none passes or the residual meets the noise ``floor``.
-
-    ``start`` holds parameter values to start the declared model from; ``floor`` is a loss.
-    """
-    base = refit(model, split, start, numerics=numerics, factors=CONTINUATION)
-    steps: list[Step] = []
-    accepted: list[Accepted] = []
-    while True:
-        if base.score.loss <= floor * rules.near_floor:
-            return Search(tuple(steps), base, tuple(accepted), "the residual meets the noise floor")
-        if len(accepted) >= rules.most_effects:
-            return Search(
-                tuple(steps),
-                base,
-                tuple(accepted),
-                f"{rules.most_effects} effects accepted, the most allowed",
-            )
-        step = _step(base, split, effects, rules, mapper, report, len(steps) + 1, ports)
-        if step.accepted is None or step.accepted.trial.refit is None:
-            steps.append(step)
-            return Search(tuple(steps), base, tuple(accepted), "no further effect passes")
-        base, kept, dropped = _backward(step.accepted.trial.refit, [*accepted, step.accepted], split, rules)
-        accepted = kept
-        steps.append(replace(step, dropped=dropped))
-
-
-def _step(
-    base: Refit,
-    split: Split,
-    effects: Sequence[Effect],
-    rules: Rules,
-    mapper: Mapper,
-    report: Report,
-    number: int,
-    ports: Sequence[str] | None,
-) -> Step:
-    candidates = list(admissible(base.model, effects, ports))
-    trials: list[Trial] = []
-    for trial in mapper(attempt, ((c, base, split) for c in candidates)):
-        trials.append(trial)
-        report(f"step {number}", len(trials), len(candidates), trial.candidate.name)
-    judged = judge(trials, rules)
-
-    @cache
-    def survivals_of(name: str) -> tuple[Survival, ...]:
-        return tuple(_survivals(base, _named(name, judged), split, rules, mapper))
-
-    while True:
-        passed = [t for t in judged if t.status == PASSED]
-        if not passed:
-            return Step(base, tuple(judged), None)
-        best = _preferred(passed, rules)
-        survivals = survivals_of(best.candidate.name)
-        why = doubt(survivals) or _overshadowed(best, judged, rules, survivals_of)
-        if not why:
-            return Step(
-                base, tuple(judged), Accepted(best, tuple(equivalents(best, judged, rules)), survivals)
-            )
-        withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
-        judged = [withdrawn if t is best else t for t in judged]
-
-
-def _named(name: str, trials: Sequence[Trial]) -> Trial:
-    return next(t for t in trials if t.candidate.name == name)
-
-
-def _overshadowed(
-    best: Trial, trials: Sequence[Trial], rules: Rules, survivals_of: Callable[[str], tuple[Survival, ...]]
-) -> str:
-    """Which undetermined effect explains more, whatever the numerics, or nothing."""
-    for other in overshadowing(best, trials, rules):
-        name = other.candidate.name
-        if not doubt(survivals_of(name)):
-            return (
-                f"{name}, which these records do not determine, takes {other.gain:.1%} from the held-out RMSE"
-            )
-    return ""
-
-
-def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
-    """The best held-out error; among those alike, the one with the fewest parameters."""
-    best = max(passed, key=lambda t: t.gain)
-    alike = [best, *(t for t in passed if t is not best and indistinguishable(best, t, rules))]
-    return min(alike, key=lambda t: (_free_parameters(t), -t.gain))
-
-
-def _free_parameters(trial: Trial) -> int:
-    return sum(not p.fixed for p in trial.candidate.effect.parameters)
-
-
-def _survivals(base: Refit, best: Trial, split: Split, rules: Rules, mapper: Mapper) -> Iterable[Survival]:
-    return mapper(
-        survival,
-        (
-            (base, best.refit, best.candidate.name, split, numerics, rules)
-            for numerics in variations(split.records, base.numerics)
-        ),
-    )
-
-
-def _backward(
-    refitted: Refit, accepted: list[Accepted], split: Split, rules: Rules
-) -> tuple[Refit, list[Accepted], tuple[str, ...]]:
-    """Take out again each accepted effect that the later ones have made needless."""
-    dropped: list[str] = []
-    for one in accepted[:-1]:
-        model, values = refitted.model.without(one.name), less(refitted, one.name)
-        poorer = refit_if_possible(model, split, [values], refitted, refitted.numerics, doubted=math.inf)
-        if poorer is None:
-            continue
-        evidence = compare(poorer.score, refitted.score)
-        if evidence.gain < rules.worth or evidence.p_value > rules.alpha:
-            refitted = poorer
-            dropped.append(one.name)
-    return refitted, [one for one in accepted if one.name not in dropped], tuple(dropped)
-
-
-def less(refitted: Refit, name: str) -> dict[str, float]:
-    """Its values without those of the effect ``name``."""
+def values_without(refitted: Refit, name: str) -> dict[str, float]:
+    """The parameter values of ``refitted`` without those of the effect ``name``."""
     kept = {p.name for p in refitted.model.without(name).parameters}
     return {key: value for key, value in refitted.values.items() if key in kept}

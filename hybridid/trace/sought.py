@@ -19,7 +19,7 @@ from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import promise
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.ceiling import Path
+from hybridid.trace.path import Path
 from hybridid.trace.refit import Refit, begin, problem_of
 from hybridid.trace.split import Split
 

@@ -10,6 +10,10 @@ from hybridid.simulation.windows import cut
 
 GAP = 0.1
 """Share of a horizon left out at its end where one record serves both ways."""
+LONGEST = 1.0
+"""Seconds of an automatic horizon at most."""
+ENOUGH = 10
+"""Horizons to fit, and to judge by, that the automatic horizon leaves."""
 FEWEST = 4
 """Horizons on each side below which no verdict is possible."""
 
@@ -34,6 +38,33 @@ class Split:
                 f"trace needs at least {FEWEST} horizons to fit and {FEWEST} to hold out; {self.described} "
                 f"gives {len(self.fitted)} and {len(self.held_out)}: shorten trace.horizon or add a record"
             )
+
+
+def divided(fitted: Sequence[Record], held_out: Sequence[Record], seconds: float) -> Split:
+    """Horizons of ``seconds`` to fit, and those of ``held_out`` to judge by.
+
+    If nothing is held out, every other horizon of ``fitted`` judges.
+
+    Raises:
+        ValueError: if a horizon is shorter than two samples, or there are too few horizons for a verdict.
+    """
+    samples = round(seconds / fitted[0].dt)
+    if samples < 2:
+        raise ValueError(
+            f"trace.horizon is {seconds:g} s: record {fitted[0].name} is sampled every {fitted[0].dt:g} s, "
+            "a horizon needs 2 samples"
+        )
+    return by_record(fitted, held_out, samples) if held_out else by_blocks(fitted, samples)
+
+
+def automatic_horizon(fitted: Sequence[float], held_out: Sequence[float], longest: float = LONGEST) -> float:
+    """Seconds of a horizon: ``longest``, or less where the records are short.
+
+    ``fitted`` and ``held_out`` are the durations [s] of the records. Either side gets at least ``ENOUGH``
+    horizons; if nothing is held out, both sides share the fitted records.
+    """
+    least = min(sum(fitted), sum(held_out)) if held_out else sum(fitted) / 2
+    return min(longest, least / ENOUGH)
 
 
 def by_record(fitted: Sequence[Record], held_out: Sequence[Record], horizon: int) -> Split:

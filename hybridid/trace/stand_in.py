@@ -24,29 +24,28 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hybridid.trace.ceiling import Ceiling
+from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.mapper import Mapper
 from hybridid.trace.refit import refit_if_possible
-from hybridid.trace.robustness import lasting
+from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, Step, less
+from hybridid.trace.search import Accepted, Search, Step, values_without
 from hybridid.trace.split import Split
 from hybridid.trace.trial import REJECTED
 
 
-def without_stand_ins(
-    found: Search, split: Split, ceilings: Sequence[Ceiling], rules: Rules, mapper: Mapper
-) -> Search:
+def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Context) -> Search:
     """``found`` less the first effect that stands in for another, and those after it.
 
     A learned effort whose gain other numerics take away (friction that sticks, smoothed) accuses nobody.
     """
+    split, rules = context.split, context.rules
     significant = [c for c in ceilings if c.p_value <= rules.alpha and c.gain > 0]
     for learned in sorted(significant, key=lambda c: -c.gain):
         accused = _accused(found, learned, split, rules)
         if accused is None:
             return found
-        if lasting([learned.refit], found.final, split, rules, mapper):
+        if surviving([learned.refit], found.final, context):
             return _ended_at(found, *accused)
     return found
 
@@ -60,9 +59,8 @@ def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tup
             continue
         share = takes / (step.accepted.trial.taken + takes)
         if share > rules.stands_in and not _needed(step.accepted, learned, split, rules):
-            place = f"{learned.port} over {learned.over}"
             return number, (
-                f"beside it a learned effort at {place} still takes {share:.0%} of what both take "
+                f"beside it a learned effort at {learned.place} still takes {share:.0%} of what both take "
                 "from the squared error"
             )
     return None
@@ -81,7 +79,7 @@ def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Se
             return _ended_at(
                 found,
                 0,
-                f"a learned effort at {one.port} over {one.over} alone takes {1 - learned / declared:.1%} "
+                f"a learned effort at {one.place} alone takes {1 - learned / declared:.1%} "
                 f"of the squared error, all effects accepted take {1 - named / declared:.1%}",
             )
     return found
@@ -91,7 +89,7 @@ def _needed(one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool
     """Whether the effect still takes its part beside the learned effort."""
     both = learned.refit
     alone = refit_if_possible(
-        both.model.without(one.name), split, [less(both, one.name)], both, both.numerics
+        both.model.without(one.name), split, [values_without(both, one.name)], both, both.numerics
     )
     return alone is None or alone.score.loss**2 - both.score.loss**2 >= rules.kept * one.trial.taken
 

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from hybridid.estimators.estimate import Estimate
+from hybridid.trace.result import Trace
 from pipelines.shared.storage import read_json
+from pipelines.shared.traced import TRACE, trace_of
 
 RECORDS = "preprocess/records.json"
 ESTIMATE = "fit/estimate.json"
 METRICS = "validate/metrics.json"
 RESIDUAL = "residual/residual.json"
-TRACE = "trace/trace.json"
 
 
 @dataclass(frozen=True)
@@ -68,11 +70,6 @@ def residual_of(tree: Path) -> dict[str, Any]:
     return dict(read_json(tree / RESIDUAL))
 
 
-def trace_of(tree: Path) -> dict[str, Any]:
-    """``trace/trace.json``."""
-    return dict(read_json(tree / TRACE))
-
-
 def provenance_of(tree: Path) -> str:
     """``measured``, ``simulated``, or both."""
     return " and ".join(sorted({record.provenance for record in prepared_records(tree)}))
@@ -96,8 +93,8 @@ def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
     if "residual" in stages:
         found |= _residual_metrics(residual_of(tree))
     if "trace" in stages:
-        found |= _trace_metrics(trace_of(tree))
-    return {name: float(value) for name, value in found.items() if value is not None}
+        found |= _trace_metrics(trace_of(tree).found)
+    return {name: float(value) for name, value in found.items() if value is not None and math.isfinite(value)}
 
 
 def _residual_metrics(data: Mapping[str, Any]) -> dict[str, float | None]:
@@ -114,21 +111,21 @@ def _residual_metrics(data: Mapping[str, Any]) -> dict[str, float | None]:
     return found
 
 
-def _trace_metrics(data: Mapping[str, Any]) -> dict[str, float | None]:
+def _trace_metrics(found: Trace) -> dict[str, float | None]:
     """Errors before and after, and each accepted effect's gain, p-value and parameters."""
-    found: dict[str, float | None] = {
-        "trace.seconds": data["seconds"],
-        "trace.accepted": float(len(data["accepted"])),
+    numbers: dict[str, float | None] = {
+        "trace.seconds": found.seconds,
+        "trace.accepted": float(len(found.accepted)),
     }
-    for when in ("before", "after"):
-        for row in data[when]:
-            where = f"trace.{when}.{row['record']}.{row['output']}.{row['view']}"
-            found |= {f"{where}.{score}": row[score] for score in ("mse", "rmse", "r2")}
-    for entry in data["accepted"]:
-        name = f"trace.{entry['port']}.{entry['effect']}"
-        found |= {f"{name}.gain": entry["gain"], f"{name}.p_value": entry["p_value"]}
-        found |= {f"{name}.{p}": parameter["value"] for p, parameter in entry["parameters"].items()}
-    return found
+    for when, rows in (("before", found.before), ("after", found.after)):
+        for row in rows:
+            where = f"trace.{when}.{row.record}.{row.output}.{row.view}"
+            numbers |= {f"{where}.mse": row.mse, f"{where}.rmse": row.rmse, f"{where}.r2": row.r2}
+    for entry in found.accepted:
+        name = f"trace.{entry.name}"
+        numbers |= {f"{name}.gain": entry.gain, f"{name}.p_value": entry.p_value}
+        numbers |= {f"{name}.{p}": parameter.value for p, parameter in entry.parameters.items()}
+    return numbers
 
 
 def cost_history(tree: Path) -> list[float]:
@@ -143,5 +140,5 @@ def facts(tree: Path) -> dict[str, str]:
         estimate = estimate_of(tree)
         said |= {"fit.status": str(estimate["status"]), "fit.converged": str(estimate["converged"]).lower()}
     if (tree / TRACE).exists():
-        said["trace.verdict"] = str(trace_of(tree)["verdict"])
+        said["trace.verdict"] = trace_of(tree).found.verdict
     return said

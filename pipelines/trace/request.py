@@ -8,10 +8,8 @@ from dataclasses import dataclass, replace
 from hybridid.declarations import Port
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS, effect_named
-from hybridid.records.record import Record
-from hybridid.records.store import load_record
 from hybridid.trace.rules import Rules
-from hybridid.trace.split import Split, by_blocks, by_record
+from hybridid.trace.split import automatic_horizon
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.findings import Prepared
@@ -19,9 +17,6 @@ from pipelines.shared.modelling import plant_of
 from pipelines.shared.sections.searches import TraceSection
 from pipelines.shared.sections.stages import ValidateSection
 from pipelines.shared.sources import Named, chosen
-
-ENOUGH = 10
-"""Horizons to fit, and to judge by, that the automatic horizon leaves."""
 
 
 @dataclass(frozen=True)
@@ -88,33 +83,11 @@ def division(records: Sequence[Named], settings: Settings) -> tuple[list[Named],
 
 
 def fitting_horizon(request: Request, prepared: Sequence[Prepared], settings: Settings) -> Request:
-    """``request``, its horizon short enough for ``ENOUGH`` of them on either side if it is automatic."""
+    """``request``, its horizon shorter where it is automatic and the records are short."""
     if not isinstance(section_of(settings).horizon, str):  # auto
         return request
     fitted, held_out = ([r.row["n"] * r.row["dt"] for r in part] for part in division(prepared, settings))
-    least = min(sum(fitted), sum(held_out)) if held_out else sum(fitted) / 2
-    return replace(request, horizon=min(request.horizon, least / ENOUGH))
-
-
-def split_of(prepared: Sequence[Prepared], settings: Settings, horizon: float) -> Split:
-    """The horizons that are fitted and those that are held out.
-
-    Raises:
-        ConfigError: if a horizon is shorter than two samples.
-        ValueError: if there are too few horizons for a verdict.
-    """
-    fitted, held_out = (_loaded(part) for part in division(prepared, settings))
-    samples = round(horizon / fitted[0].dt)
-    if samples < 2:
-        raise ConfigError(
-            f"trace.horizon is {horizon:g} s: record {fitted[0].name} is sampled every {fitted[0].dt:g} s, "
-            "a horizon needs 2 samples"
-        )
-    return by_record(fitted, held_out, samples) if held_out else by_blocks(fitted, samples)
-
-
-def _loaded(prepared: Sequence[Prepared]) -> list[Record]:
-    return [load_record(record.file) for record in prepared]
+    return replace(request, horizon=automatic_horizon(fitted, held_out, request.horizon))
 
 
 def _library(section: TraceSection) -> tuple[Effect, ...]:

@@ -6,16 +6,12 @@ figures, and the missing efforts as Parquet.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
-from dataclasses import replace
-
-from hybridid.records.record import Record
-from hybridid.trace.ceiling import Ceiling, ceiling
-from hybridid.trace.mapper import Mapper
-from hybridid.trace.split import Split
-from hybridid.trace.verdict import Trace, trace
+from hybridid.effects.library import effect_named
+from hybridid.records.store import load_record
+from hybridid.trace.result import Trace
+from hybridid.trace.run import trace
 from pipelines.shared import modelling
+from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.findings import loaded_estimate, prepared_records
@@ -26,21 +22,18 @@ from pipelines.shared.page import Picture
 from pipelines.shared.sources import sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
+from pipelines.shared.traced import TraceFile
 from pipelines.shared.workers import workers
-from pipelines.trace.complete import completed
-from pipelines.trace.missing import Missing, missing_efforts, write_missing
+from pipelines.trace.missing import write_missing
 from pipelines.trace.page import trace_page
-from pipelines.trace.proof import AFTER, BEFORE, Ask, Proof, prove
-from pipelines.trace.request import Request, division, fitting_horizon, own_effects, request_of, split_of
-from pipelines.trace.story import Story
+from pipelines.trace.request import division, fitting_horizon, own_effects, request_of
 
 FORMATS = ("svg",)
 """Of the figures: the report holds them; what is wanted elsewhere any browser prints."""
 
 
 def run(job: Job) -> None:
-    """Search, prove, and write everything."""
-    began = time.perf_counter()
+    """Trace the model of the tree, then write the model, the numbers, the figures and the pages."""
     prepared = prepared_records(job.tree)
     asked = request_of(job.settings)
     request = fitting_horizon(asked, prepared, job.settings)
@@ -48,32 +41,29 @@ def run(job: Job) -> None:
         job.watcher.warn(
             f"trace.horizon: {request.horizon:.3g} s; the records are too short for {asked.horizon:g} s"
         )
-    split = split_of(prepared, job.settings, request.horizon)
+    fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
     with workers(request.processes) as mapper:
         found = trace(
             model_of(job.settings),
-            split,
-            request.effects,
-            request.rules,
-            start=[loaded_estimate(job.tree).values],
+            fitted,
+            held_out,
+            horizon=request.horizon,
+            effects=request.effects,
+            ports=request.ports,
+            rules=request.rules,
+            settings=fit_settings(job.settings),
+            start=loaded_estimate(job.tree).values,
+            initial_state=str(job.settings["validate.initial_state"]),
             mapper=mapper,
             report=_Report(job),
-            ports=request.ports,
-            integrator=fit_settings(job.settings).integrator,
         )
-        proofs = _proved(job, request, split, found, mapper)
-        ceilings = _ceilings(job, split, found, mapper)
-        networks = completed(
-            proofs, ceilings, _parts(job, split), _ask(job, request, split), mapper, _Report(job)
-        )
-        missing = _missing(job, request, split, proofs, mapper)
-    divided = division(prepared, job.settings)
-    story = Story(job.settings, request, split, *divided, found, proofs, ceilings, networks)
-    _write(job, story, missing, began)
+    for failure in found.shown.failures:
+        job.watcher.warn(failure)
+    _write(job, found, request.processes)
 
 
 class _Report:
-    """Hands a search's progress to the watcher."""
+    """Hands a trace's progress to the watcher."""
 
     def __init__(self, job: Job) -> None:
         self._watcher = job.watcher
@@ -82,79 +72,37 @@ class _Report:
         self._watcher.progress(stage, f"{done} of {of}, {what}", done / of)
 
 
-def _proved(job: Job, request: Request, split: Split, found: Trace, mapper: Mapper) -> list[Proof]:
-    """The declared model and, if anything was accepted, the augmented one."""
-    ask, parts = _ask(job, request, split), _parts(job, split)
-    asked = {BEFORE: found.search.first} | ({AFTER: found.search.final} if found.accepted else {})
-    places = [(name, base.model, base.values, *parts, ask) for name, base in asked.items()]
-    proofs: list[Proof] = []
-    for proof in mapper(prove, places):
-        proofs.append(proof)
-        _Report(job)("before and after", len(proofs), len(places), proof.name)
-    return proofs
-
-
-def _parts(job: Job, split: Split) -> tuple[Sequence[Record], Sequence[Record]]:
-    """The fitted records and the others."""
-    fitted = len(division(prepared_records(job.tree), job.settings)[0])
-    return split.records[:fitted], split.records[fitted:]
-
-
-def _ask(job: Job, request: Request, split: Split) -> Ask:
-    settings = replace(
-        fit_settings(job.settings),
-        method="gauss_newton",
-        horizon=split.horizon,
-        continuation=(1.0,),
-        starts=1,
+def _write(job: Job, found: Trace, processes: int) -> None:
+    """The model and the numbers first; then the figures and the pages, which only show them."""
+    settings = _augmented(job.settings, found)
+    described = describe_model(settings, model_of(settings))
+    write_json(job.folder / "model.json", {**described, "provenance": found.provenance})
+    write_missing(job.folder, found.shown.missing)
+    samples = found.shown.split.horizon
+    said = TraceFile(
+        case=job.settings.case,
+        processes=processes,
+        fitted_records=found.fitted_records,
+        commands=commands(settings, job.tree / "trace" / "model.json", samples),
+        found=found,
     )
-    return Ask(settings, request.horizon, str(job.settings["validate.initial_state"]))
-
-
-def _ceilings(job: Job, split: Split, found: Trace, mapper: Mapper) -> list[Sequence[Ceiling]]:
-    """What a learned effort could add to each model."""
-    if not found.accepted:
-        return [found.ceilings]
-    if found.ceilings_before:
-        return [found.ceilings_before, found.ceilings]
-    places = [(found.search.first, split, c.port, c.over) for c in found.ceilings]
-    before: list[Ceiling] = []
-    for one in mapper(ceiling, places):
-        before.append(one)
-        _Report(job)("ceiling before", len(before), len(places), f"{one.port} over {one.over}")
-    return [before, found.ceilings]
-
-
-def _missing(job: Job, request: Request, split: Split, proofs: Sequence[Proof], mapper: Mapper) -> Missing:
-    model = proofs[0].model
-    ports = [p.name for p in model.effort_ports if request.ports is None or p.name in request.ports]
-    missing, failures = missing_efforts(proofs, split.records, ports, mapper, _Report(job))
-    for failure in failures:
-        job.watcher.warn(failure)
-    return missing
-
-
-def _write(job: Job, story: Story, missing: Missing, began: float) -> None:
-    """The model, the numbers, then the figures and the pages that show them."""
-    from hybridid.plotting.style import save
-    from pipelines.trace.figures import Gallery  # matplotlib takes half a second to import
-
-    augmented = story.augmented
-    described = describe_model(augmented, model_of(augmented))
-    write_json(job.folder / "model.json", {**described, "provenance": story.provenance})
-    write_missing(job.folder, missing)
-    data = story.data(job.tree / "trace" / "model.json", time.perf_counter() - began)
-    write_json(job.folder / "trace.json", data)
+    write_json(job.folder / "trace.json", said)
     job.watcher.progress("report", "figures and pages", None)
-    ceilings = dict(zip((proof.name for proof in story.proofs), story.ceilings, strict=True))
-    gallery = Gallery(
-        story.found, story.proofs, story.split.records, missing, ceilings,
-        story.request.rules.worth, story.judged, story.provenance,
-    )  # fmt: skip
-    pictures = [
-        Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption) for name, plot in gallery.figures()
-    ]
-    trace_page(data, pictures).write(job.folder, "report")
+    trace_page(said, _drawn(job, found)).write(job.folder, "report")
+
+
+def _augmented(settings: Settings, found: Trace) -> Settings:
+    """The case's settings with the accepted effects; the user's own by their import paths."""
+    terms = found.model.terms[len(found.declared) :]
+    paths = {effect_named(path).id: path for path in own_effects(settings)}
+    return augmented(settings, terms, paths, found.estimate)
+
+
+def _drawn(job: Job, found: Trace) -> list[Picture]:
+    from hybridid.plotting.style import save
+    from pipelines.trace.figures import figures  # matplotlib takes half a second to import
+
+    return [Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption) for name, plot in figures(found)]
 
 
 def check(settings: Settings) -> None:

@@ -21,6 +21,7 @@ from benchmarks.league.scenarios import all_scenarios
 from benchmarks.league.scoring import EMPTY, Tally, asked, rounds, tallies
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.trace.ceiling import ceiling
+from hybridid.trace.learned_effort import RECENT, Over
 
 ALL = {s.key: s for s in all_scenarios()}
 DRAG = "carriage/carriage.quadratic_drag/large/noise1e-07/seed5"
@@ -306,11 +307,11 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
 
 
 def test_friction_that_warms_is_told_by_a_learned_effort():
-    """It has no name in the library; that it follows how fast the contact moved of late shows."""
+    """No effect of the library has it; a learned effort over the recent speed of the contact does."""
     (scenario,) = play.chosen(ALL.values(), match="carriage.heating/large/noise1e-07")
     split = ours._split(scenario, records_of(scenario))
     base = ours._declared(CASES["carriage"].model(), split)
-    found = ceiling(base, split, "carriage", "speed of late, times sign of velocity")
+    found = ceiling(base, split, "carriage", Over(RECENT, "sign of velocity"))
     (tau,) = [value for name, value in found.refit.values.items() if name.endswith(".tau")]
     assert found.gain > 0.9
     assert found.p_value < 1e-6

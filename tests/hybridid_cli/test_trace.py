@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
+import traceback
+from itertools import groupby
 from pathlib import Path
 
 import pytest
 
 HIDDEN = 73.718  # N s/m: f_v of the worn screw, one way less the other
 FEW = ("trace.effects=[asymmetric_viscous, cubic_stiffness]", "trace.horizon=0.5", "trace.processes=1")
+RECORDS = ("identification", "validation")
+OF_THE_COMMAND = ("case", "processes", "fitted_records", "commands")
 KEYS = {"verdict", "accepted", "rejected", "before", "after", "noise_floor", "seconds"}
 
 
@@ -80,6 +85,62 @@ def test_the_augmented_model_is_taken_up_as_any_other(traced, say, tree, quick, 
     assert said.code == 0, said.err
     rows = json.loads((tmp_path / "after/validate/metrics.json").read_text())
     assert all(row["r2"] > 0.9999 for row in rows if row["view"] == "horizon"), rows
+
+
+def test_a_notebook_gets_what_the_command_writes(traced, tree):
+    """The same records, model and start give the same numbers; only the seconds differ."""
+    from hybridid.effects.library import effect_named
+    from hybridid.plain import plain
+    from hybridid.records.store import load_record
+    from hybridid.trace.run import trace
+    from pipelines.shared.fitted import load
+
+    _, data = traced
+    model, estimate = load(tree)
+    first, second = (load_record(tree / f"preprocess/{name}.parquet") for name in RECORDS)
+    tried = [effect_named(name) for name in ("asymmetric_viscous", "cubic_stiffness")]
+    found = trace(model, [first], [second], horizon=0.5, effects=tried, start=estimate.values)
+    written = {key: value for key, value in data.items() if key not in OF_THE_COMMAND}
+    assert without_seconds(plain(found)) == without_seconds(written)
+
+
+def test_what_was_written_reads_back_as_it_was(traced, tree):
+    """The terminal prints what it reads: nothing may be lost on the way."""
+    from hybridid.plain import plain
+    from pipelines.shared.traced import trace_of
+
+    _, data = traced
+    assert plain(trace_of(tree)) == data
+
+
+def test_each_module_is_entered_once_before_the_search(say, quick, tmp_path, monkeypatch):
+    """The calls from the terminal down to the search are those that CONTRIBUTING.md lists."""
+
+    class Begun(BaseException):
+        pass
+
+    def modules_on_the_way() -> list[str]:
+        names = [frame.f_globals["__name__"] for frame, _ in traceback.walk_stack(None)]
+        own = [name for name in names if name.split(".")[0] in ("hybridid", "pipelines", "hybridid_cli")]
+        return [name for name, _ in groupby(reversed(own))]
+
+    def search(*given):
+        raise Begun(modules_on_the_way())
+
+    monkeypatch.setattr("hybridid.trace.verdict.search", search)
+    with pytest.raises(Begun) as begun:
+        say("trace", *quick, "trace.horizon=0.1", *FEW[:1], "trace.processes=1", f"out={tmp_path / 'tree'}")
+    text = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text()
+    listed = re.findall(r"^((?:hybridid_cli|pipelines|hybridid)\.[\w.]+)  ", text, flags=re.MULTILINE)
+    (entered,) = begun.value.args
+    assert [*entered, "hybridid.trace.search"] == listed
+    assert len(set(listed)) == len(listed)
+
+
+def without_seconds(value):
+    if isinstance(value, dict):
+        return {key: without_seconds(below) for key, below in value.items() if key != "seconds"}
+    return [without_seconds(item) for item in value] if isinstance(value, list) else value
 
 
 @pytest.mark.parametrize(

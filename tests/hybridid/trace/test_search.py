@@ -10,15 +10,16 @@ import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace import stand_in
-from hybridid.trace.ceiling import OVERS, ceiling, learned_effort
-from hybridid.trace.mapper import serial
+from hybridid.trace.ceiling import ceiling
+from hybridid.trace.context import Context
+from hybridid.trace.learned_effort import OVERS, Over, learned_effort
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
-from hybridid.trace.robustness import doubt, survival, variations
+from hybridid.trace.robustness import objection, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import _overshadowed, search
 from hybridid.trace.trial import UNIDENTIFIABLE, overshadowing
-from hybridid.trace.verdict import trace
+from hybridid.trace.verdict import conclude
 
 DF_V = 80.0
 TRIED = tuple(
@@ -37,7 +38,7 @@ TRIED = tuple(
 @pytest.fixture(scope="module")
 def worn(make_model, split_of):
     """A trace of a carriage whose friction differs by direction."""
-    return trace(make_model(), split_of(df_v=DF_V), TRIED)
+    return conclude(make_model(), Context(split_of(df_v=DF_V), TRIED))
 
 
 def test_what_was_planted_is_named(worn):
@@ -63,7 +64,7 @@ def test_the_search_ends_at_the_noise(worn):
 
 
 def test_nothing_is_found_where_nothing_is_missing(make_model, split_of):
-    found = trace(make_model(), split_of(), TRIED)
+    found = conclude(make_model(), Context(split_of(), TRIED))
     assert found.verdict == "nothing_missing"
     assert found.accepted == ()
     assert found.model.terms == make_model().terms
@@ -71,16 +72,16 @@ def test_nothing_is_found_where_nothing_is_missing(make_model, split_of):
 
 def test_two_effects_are_found_one_after_the_other(make_model, split_of):
     """From viscous friction alone: the Coulomb friction first, then the asymmetry."""
-    tried = [effect_named(name) for name in ("coulomb", "offset", "asymmetric_viscous", "quadratic_drag")]
-    found = trace(make_model(("viscous", "offset")), split_of(df_v=DF_V), tried)
+    tried = tuple(map(effect_named, ("coulomb", "offset", "asymmetric_viscous", "quadratic_drag")))
+    found = conclude(make_model(("viscous", "offset")), Context(split_of(df_v=DF_V), tried))
     assert [one.name for one in found.accepted] == ["carriage.coulomb", "carriage.asymmetric_viscous"]
     assert found.model.terms[-1].name == "carriage.asymmetric_viscous"
 
 
 def test_structure_that_no_effect_explains_is_said_to_remain(make_model, split_of):
     """Friction by direction with nothing in the library that knows direction: unexplained, and where."""
-    tried = [effect_named(name) for name in ("stribeck", "input_gain")]
-    found = trace(make_model(), split_of(df_v=DF_V), tried)
+    tried = tuple(map(effect_named, ("stribeck", "input_gain")))
+    found = conclude(make_model(), Context(split_of(df_v=DF_V), tried))
     assert found.verdict == "unexplained"
     assert "at carriage over velocity" in found.remains
 
@@ -90,7 +91,7 @@ def test_a_learned_effort_is_the_ceiling(worn, split_of):
     split = split_of(df_v=DF_V)
     base = worn.search.steps[0].base
     over_velocity, over_position = (
-        ceiling(base, split, "carriage", over) for over in ("velocity", "position")
+        ceiling(base, split, "carriage", Over(of)) for of in ("velocity", "position")
     )
     (one,) = worn.accepted
     assert over_velocity.gain > 0.8 * one.trial.gain
@@ -108,7 +109,7 @@ def test_an_effect_that_the_numerics_made_does_not_survive(make_model, two_recor
 
     first, second = (held_as(record, "foh") for record in two_records())
     split = by_record([first], [second], 50)
-    found = search(make_model(), split, [effect_named("input_delay")], [{}], 0.0, Rules())
+    found = search(make_model(), Context(split, (effect_named("input_delay"),)), [{}], 0.0)
     step = found.steps[0]
     (trial,) = step.trials
     assert trial.gain > 0.05
@@ -135,10 +136,10 @@ def test_an_effect_that_hardly_can_be_tried_otherwise_is_not_believed(worn):
     survived = list(worn.accepted[0].survivals)
     untried = [replace(one, simulated=False) for one in survived]
     half = len(survived) // 2
-    assert doubt([*survived[:half], *untried[half:]]) == ""
-    assert "too stiff to be solved in more than 2 of 6" in doubt([*survived[:2], *untried[2:]])
+    assert objection([*survived[:half], *untried[half:]]) == ""
+    assert "too stiff to be solved in more than 2 of 6" in objection([*survived[:2], *untried[2:]])
     diverging = replace(untried[0], survives=False)
-    assert "does not survive epsilon x 3 (it diverges)" in doubt([diverging, *survived[1:]])
+    assert "does not survive epsilon x 3 (it diverges)" in objection([diverging, *survived[1:]])
 
 
 @pytest.mark.parametrize(
@@ -158,7 +159,7 @@ def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
     One over velocity can do what the effect does, if its gain ``lasts`` under other numerics; beside one over
     position the effect is as needed as before.
     """
-    monkeypatch.setattr(stand_in, "lasting", lambda learned, *given: [0] if lasts else [])
+    monkeypatch.setattr(stand_in, "surviving", lambda learned, *given: [0] if lasts else [])
     split = split_of(df_v=DF_V)
     (one,) = worn.accepted
     declared, named = (r.score.loss**2 for r in (worn.search.steps[0].base, one.trial.refit))
@@ -166,7 +167,7 @@ def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
     raised = replace(worn.search.final, score=scaled(worn.search.final.score, (named + left) / named))
     gain = 1.0 - ((named + left) / (declared + left)) ** 0.5
     trial = replace(one.trial, refit=raised, comparison=replace(one.trial.comparison, gain=gain))
-    learned = replace(ceiling(worn.search.final, split, "carriage", over), gain=0.9, p_value=1e-9)
+    learned = replace(ceiling(worn.search.final, split, "carriage", Over(over)), gain=0.9, p_value=1e-9)
     step = replace(
         worn.search.steps[0],
         base=replace(
@@ -176,7 +177,7 @@ def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
         accepted=replace(one, trial=trial),
     )
     searched = replace(worn.search, steps=(step,), final=raised)
-    found = stand_in.without_stand_ins(searched, split, [learned], Rules(), serial)
+    found = stand_in.without_stand_ins(searched, [learned], Context(split))
     assert [a.name for a in found.accepted] == (["carriage.asymmetric_viscous"] if trusted else [])
     if not trusted:
         (refused,) = [t for t in found.steps[0].trials if t.candidate.name == one.name]
@@ -200,8 +201,8 @@ def test_a_name_beside_which_something_undetermined_explains_more_is_a_guess(wor
     other = replace(other, refit=better, status=UNIDENTIFIABLE)
     trials = [one.trial, other]
     assert overshadowing(one.trial, trials, Rules()) == ([other] if overshadows else [])
-    lasting = _overshadowed(one.trial, trials, Rules(), lambda name: one.survivals)
-    assert lasting.startswith(f"{other.candidate.name}, which these records do not determine") is overshadows
+    why = _overshadowed(one.trial, trials, Rules(), lambda name: one.survivals)
+    assert why.startswith(f"{other.candidate.name}, which these records do not determine") is overshadows
     lost = [replace(s, survives=False) for s in one.survivals]
     assert _overshadowed(one.trial, trials, Rules(), lambda name: lost) == ""
 
@@ -237,7 +238,7 @@ def scaled(score, factor):
     return replace(score, squares=score.squares * factor)
 
 
-@pytest.mark.parametrize("over", OVERS)
+@pytest.mark.parametrize("over", OVERS, ids=str)
 def test_a_learned_effort_can_be_sent_to_another_process(over):
     effect = learned_effort(over, np.linspace(-1.0, 1.0, 50))
     assert pickle.loads(pickle.dumps(effect)) == effect
@@ -247,5 +248,5 @@ def test_a_damping_that_changes_over_the_way_is_told_by_its_ceiling(make_model, 
     """Friction that rises along the screen: the learned damping over position finds more than any other."""
     base = refit(make_model(), split_of(damping_slope=600.0))
     ceilings = {over: ceiling(base, split_of(damping_slope=600.0), "carriage", over) for over in OVERS}
-    assert max(ceilings, key=lambda over: ceilings[over].gain) == "position, times velocity"
-    assert ceilings["position, times velocity"].gain > 0.5
+    assert max(ceilings, key=lambda over: ceilings[over].gain) == Over("position", "velocity")
+    assert ceilings[Over("position", "velocity")].gain > 0.5

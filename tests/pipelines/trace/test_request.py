@@ -8,8 +8,9 @@ import pytest
 
 from hybridid.effects.library import EFFECTS
 from hybridid.trace.rules import Rules
+from hybridid.trace.split import ENOUGH
 from pipelines.shared.config import Settings
-from pipelines.trace.request import ENOUGH, Request, fitting_horizon
+from pipelines.trace.request import Request, fitting_horizon
 
 ASKED = 1.0  # s
 

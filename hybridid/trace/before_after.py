@@ -1,0 +1,147 @@
+"""Before and after: the declared and the augmented model, refitted on all fitted records, scored on all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hybridid.estimators import Estimate, FitSettings, fit
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.simulation.simulate import Diverged
+from hybridid.trace.context import Context
+from hybridid.trace.verdict import Conclusion
+from hybridid.validation import Prediction, free_run, horizon_run, metrics
+
+BEFORE, AFTER = "gray box", "gray box + effects"
+"""What the two models are called wherever a person reads of them."""
+FITTED, HELD_OUT = "fitted", "held out"
+"""The roles of a record."""
+
+
+@dataclass(frozen=True)
+class ScoreRow:
+    """One output of one record in one view, in SI units, as ``hybridid.validation.Metrics`` has it.
+
+    ``view`` is ``free_run`` or ``horizon``, with ``horizon`` its length in s; ``role`` is ``fitted`` or
+    ``held out``; ``network``: with the network of the completeness check beside the model. The scores are
+    nan where the model diverges; then ``remark`` says so.
+    """
+
+    model: str
+    record: str
+    role: str
+    output: str
+    view: str
+    horizon: float | None
+    network: bool
+    mse: float
+    rmse: float
+    r2: float
+    fit_percent: float
+    n: int
+    unit: str
+    provenance: str
+    remark: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Validation:
+    """How a model is refitted and scored.
+
+    ``settings`` are those of the refit on ``fitted``. Every record, also of ``others``, is predicted in free
+    run from its ``initial_state`` ("estimated" or "measured"), and over horizons of ``seconds``.
+    """
+
+    fitted: tuple[Record, ...]
+    others: tuple[Record, ...]
+    settings: FitSettings
+    seconds: float
+    initial_state: str = "estimated"
+
+
+@dataclass(frozen=True, eq=False)
+class FittedModel:
+    """A model with all its parameters refitted, and what it predicts of every record."""
+
+    name: str
+    model: Model
+    estimate: Estimate
+    rows: tuple[ScoreRow, ...]
+    predictions: tuple[Prediction, ...]
+
+    def over_horizons(self, record: str) -> Prediction | None:
+        """The prediction of ``record`` over horizons, if there is one."""
+        found = [p for p in self.predictions if (p.record, p.view) == (record, "horizon")]
+        return found[0] if found else None
+
+
+def before_and_after(found: Conclusion, validation: Validation, context: Context) -> list[FittedModel]:
+    """The declared model and, if anything was accepted, the augmented one."""
+    bases = {BEFORE: found.search.first} | ({AFTER: found.search.final} if found.accepted else {})
+    places = [(name, base.model, base.values, validation) for name, base in bases.items()]
+    return context.each("before and after", refitted, places, lambda one: one.name)
+
+
+def refitted(name: str, model: Model, values: Mapping[str, float], validation: Validation) -> FittedModel:
+    """Refit ``model`` from ``values`` on all fitted records; score it on every record, in both views."""
+    settings = replace(validation.settings, continuation=(1.0,), starts=1)
+    estimate = fit(model, validation.fitted, settings, start_values=values)
+    rows, predictions = scored(name, model, estimate.values, validation)
+    return FittedModel(name, model, estimate, rows, predictions)
+
+
+def scored(
+    name: str, model: Model, values: Mapping[str, float], validation: Validation, network: bool = False
+) -> tuple[tuple[ScoreRow, ...], tuple[Prediction, ...]]:
+    """Scores and predictions of ``model`` at ``values`` on every record, in both views."""
+    rows: list[ScoreRow] = []
+    predictions: list[Prediction] = []
+    for role, records in ((FITTED, validation.fitted), (HELD_OUT, validation.others)):
+        for record in records:
+            for horizon in (None, validation.seconds):
+                try:
+                    prediction = _predicted(model, values, record, horizon, validation)
+                except Diverged as error:
+                    rows += _diverged(name, model, record, role, horizon, network, str(error))
+                else:
+                    predictions.append(prediction)
+                    rows += _rows(name, prediction, role, horizon, network)
+    return tuple(rows), tuple(predictions)
+
+
+def _predicted(
+    model: Model, values: Mapping[str, float], record: Record, horizon: float | None, how: Validation
+) -> Prediction:
+    integrator = how.settings.integrator
+    if horizon is None:
+        return free_run(model, values, record, how.initial_state, integrator)
+    return horizon_run(model, values, record, round(horizon / record.dt), integrator)
+
+
+def _rows(
+    name: str, prediction: Prediction, role: str, horizon: float | None, network: bool
+) -> Sequence[ScoreRow]:
+    return [
+        ScoreRow(
+            row.model, row.record, role, row.output, row.view, horizon, network,
+            row.mse, row.rmse, row.r2, row.fit_percent, row.n, row.unit, row.provenance,
+        )
+        for row in metrics(prediction, name)
+    ]  # fmt: skip
+
+
+def _diverged(
+    name: str, model: Model, record: Record, role: str, horizon: float | None, network: bool, remark: str
+) -> Sequence[ScoreRow]:
+    """Rows without scores."""
+    view = "free_run" if horizon is None else "horizon"
+    return [
+        ScoreRow(
+            name, record.name, role, y.name, view, horizon, network,
+            np.nan, np.nan, np.nan, np.nan, record.n, y.unit, record.provenance, remark,
+        )
+        for y in model.outputs
+    ]  # fmt: skip

@@ -1,0 +1,84 @@
+"""The completeness check: a network beside each model, and whether it still finds anything.
+
+The network is the learned effort that gains most on held-out horizons: radial basis functions over the
+velocity, the position or the time at a port, fitted in simulation together with all physical parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hybridid.trace.before_after import FittedModel, ScoreRow, Validation, scored
+from hybridid.trace.ceiling import Ceiling, ceiling, strongest
+from hybridid.trace.context import Context
+from hybridid.trace.rules import Rules
+from hybridid.trace.verdict import Ceilings, Conclusion
+
+WITH_NETWORK = "{} + network"
+"""What a model is called with the network beside it."""
+
+
+@dataclass(frozen=True, eq=False)
+class WithNetwork:
+    """A model with its strongest learned effort beside it, and its scores so."""
+
+    network: Ceiling
+    rows: tuple[ScoreRow, ...]
+
+
+@dataclass(frozen=True)
+class Completeness:
+    """What a network still takes from the held-out error.
+
+    ``gain`` is the relative decrease of the held-out RMSE beside the last model, with its ``p_value``;
+    ``gain_before`` beside the declared model. ``complete``: what is left is not worth having, or not
+    significant.
+    """
+
+    network: str
+    gain: float
+    p_value: float
+    complete: bool
+    gain_before: float
+
+
+def ceilings_of_each(found: Conclusion, context: Context) -> tuple[Ceilings, ...]:
+    """The learned efforts beside the declared model and, if anything was accepted, beside the last one."""
+    if not found.accepted:
+        return (found.ceilings,)
+    if found.ceilings_before:
+        return found.ceilings_before, found.ceilings
+    places = [(found.search.first, context.split, c.port, c.over) for c in found.ceilings]
+    before = context.each("ceiling before", ceiling, places, lambda one: one.place)
+    return tuple(before), found.ceilings
+
+
+def with_networks(
+    models: Sequence[FittedModel], found: Sequence[Ceilings], validation: Validation, context: Context
+) -> list[WithNetwork]:
+    """Each of ``models`` with its strongest learned effort; empty where the plant has no effort port."""
+    if not all(found):
+        return []
+    networks = [strongest(of_model) for of_model in found]
+    places = [
+        (WITH_NETWORK.format(one.name), network.refit.model, network.refit.values, validation, True)
+        for one, network in zip(models, networks, strict=True)
+    ]
+    results = context.each("with a network", scored, places, lambda result: result[0][0].model)
+    return [WithNetwork(network, rows) for network, (rows, _) in zip(networks, results, strict=True)]
+
+
+def completeness(found: Sequence[WithNetwork], rules: Rules) -> Completeness | None:
+    """Whether the network finds more beside the last model; None where there is no network."""
+    if not found:
+        return None
+    first, last = found[0].network, found[-1].network
+    return Completeness(
+        network=f"{last.over.bumps} radial basis functions over {last.over} at {last.port}, "
+        "beside all parameters",
+        gain=last.gain,
+        p_value=last.p_value,
+        complete=not last.passes(rules),
+        gain_before=first.gain,
+    )

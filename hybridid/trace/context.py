@@ -1,0 +1,51 @@
+"""``Context``: what every part of a trace works with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from hybridid.declarations import Port
+from hybridid.effects.effect import Effect
+from hybridid.effects.library import EFFECTS
+from hybridid.model import Model
+from hybridid.trace.mapper import Mapper, Report, serial, silent
+from hybridid.trace.rules import Rules
+from hybridid.trace.split import Split
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """The horizons of a trace, what is tried where, by which rules, and how the refits run.
+
+    ``effects`` are tried at every port of their kind, or only at ``ports``. ``mapper`` runs refits one after
+    another or side by side; ``report`` follows them.
+    """
+
+    split: Split
+    effects: tuple[Effect, ...] = EFFECTS
+    rules: Rules = field(default_factory=Rules)
+    ports: tuple[str, ...] | None = None
+    mapper: Mapper = serial
+    report: Report = silent
+
+    def effort_ports(self, model: Model) -> list[Port]:
+        """The effort ports of ``model`` where this trace tries something."""
+        return [port for port in model.effort_ports if self.ports is None or port.name in self.ports]
+
+    def each(
+        self,
+        stage: str,
+        function: Callable[..., T],
+        arguments: Sequence[tuple[Any, ...]],
+        label: Callable[[T], str],
+    ) -> list[T]:
+        """``function`` of each of ``arguments``, in order; every result is reported by its ``label``."""
+        results: list[T] = []
+        for result in self.mapper(function, arguments):
+            results.append(result)
+            self.report(stage, len(results), len(arguments), label(result))
+        return results

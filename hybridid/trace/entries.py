@@ -1,0 +1,152 @@
+"""The entries of a ``Trace``: plain numbers and words, as ``trace.json`` holds them. SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from hybridid.trace.robustness import Survival
+
+
+@dataclass(frozen=True)
+class Value:
+    """A parameter's value and standard error in ``unit``; ``std`` is nan where none was asked for."""
+
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class EstimatedValue:
+    """A parameter of a refitted model, with its 95 % interval."""
+
+    value: float
+    std: float
+    unit: str
+    interval_95: tuple[float, float]
+    at_bound: bool
+    identifiable: bool
+    meaning: str
+
+
+@dataclass(frozen=True)
+class TriedEffect:
+    """An effect that was tried at a port, and what was decided.
+
+    ``gain`` is the relative decrease of the held-out RMSE (-1: it could not be fitted), ``p_value`` the
+    adjusted p-value in the ``step``; ``parameters`` are the effect's own. ``class_of`` names the accepted
+    effect that it cannot be told from, if any.
+    """
+
+    effect: str
+    port: str
+    status: str
+    reason: str
+    step: int
+    gain: float
+    p_value: float
+    parameters: Mapping[str, Value]
+    seconds: float
+    class_of: str | None = None
+
+    @property
+    def name(self) -> str:
+        """``carriage.viscous``."""
+        return f"{self.port}.{self.effect}"
+
+
+@dataclass(frozen=True)
+class AcceptedEffect:
+    """An accepted effect with its evidence.
+
+    ``parameters`` are its own in the last model, ``known`` those that are not estimated (the side of an end
+    stop), ``at_step`` their values when it was accepted. ``alike`` are the ids of the effects that the
+    records cannot tell apart, itself first; ``class_members`` their trials; ``separating_experiments`` say
+    what to record so that they come apart. ``gain``, ``p_value`` and ``likelihood_gain`` (the summed
+    log-likelihood ratio) are of its ``step``; ``survivals`` the same under other numerics.
+    """
+
+    effect: str
+    port: str
+    title: str
+    equation: str
+    pattern: str
+    source: str
+    parameters: Mapping[str, Value]
+    known: Mapping[str, float]
+    alike: tuple[str, ...] = field(metadata={"key": "class"})
+    class_members: tuple[TriedEffect, ...]
+    separating_experiments: tuple[str, ...]
+    p_value: float
+    gain: float
+    at_step: Mapping[str, float]
+    likelihood_gain: float
+    step: int
+    survivals: tuple[Survival, ...]
+
+    @property
+    def name(self) -> str:
+        """``carriage.viscous``."""
+        return f"{self.port}.{self.effect}"
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """Ids of the effects that it cannot be told from."""
+        return tuple(name for name in self.alike if name != self.effect)
+
+
+@dataclass(frozen=True)
+class Level:
+    """Where a model stands: RMSE over horizons by output, held out and fitted, and the loss over all outputs.
+
+    ``label`` says what changed.
+    """
+
+    label: str
+    held_out_rmse: Mapping[str, float]
+    fitted_rmse: Mapping[str, float]
+    loss: float
+
+
+@dataclass(frozen=True)
+class StepTaken:
+    """One step of the search: where its model stood, all trials, the accepted effect and the dropped ones."""
+
+    base: Level
+    accepted: str | None
+    dropped: tuple[str, ...]
+    trials: tuple[TriedEffect, ...]
+
+
+@dataclass(frozen=True)
+class LearnedGain:
+    """The held-out gain of a learned effort in ``unit`` at ``port``, over a variable in ``over_unit``."""
+
+    port: str
+    over: str
+    gain: float
+    p_value: float
+    unit: str
+    over_unit: str
+
+
+@dataclass(frozen=True)
+class Floor:
+    """The noise level (standard deviation) of an output's sensor."""
+
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class UsedRecord:
+    """A record and its ``role``: ``fitted`` or ``held out``."""
+
+    name: str
+    role: str
+    provenance: str
+    source: str
+    digest: str
+    n: int
+    dt: float

@@ -1,0 +1,185 @@
+"""A learned effort: any function of one variable, as a sum of Gaussian bumps.
+
+    F = g sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2))
+
+with s the port's velocity, its position or the time, and g = 1; or, for a damping or a dry friction that
+changes with position or time, g = v or sign(v) and s the position or the time. A dry friction that depends
+on how fast the port has moved recently (it warms) has g = sign(v) and s' = (|v| - s) / tau.
+
+The bumps lie on a fixed grid over the range that the fitted horizons cover. V holds the combinations of
+bumps that these horizons show (principal components): a bump where the record hardly ever is would take any
+height. Source: thesis Eqs. 6-4 to 6-6, with fixed centres and widths; Jolliffe (2002), Principal Component
+Analysis, ch. 8.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.effects.dimension import DAMPING, EFFORT, ONE, POSITION, TIME, VELOCITY, Dimension
+from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
+
+Array = NDArray[np.float64]
+Variable = Literal["velocity", "position", "time", "recent speed"]
+Factor = Literal["", "velocity", "sign of velocity"]
+RECENT: Variable = "recent speed"
+BUMPS, BUMPS_OF_RECENT = 12, 3
+FAINT = 1e-4
+"""Mean square of a combination of bumps over the fitted horizons, against the strongest, below which
+they do not show it."""
+
+
+@dataclass(frozen=True)
+class Over:
+    """What a learned effort depends on: a function of ``variable``, times ``factor``."""
+
+    variable: Variable
+    factor: Factor = ""
+
+    def __str__(self) -> str:
+        return f"{self.variable}, times {self.factor}" if self.factor else self.variable
+
+    @property
+    def dimension(self) -> Dimension:
+        """Of the variable."""
+        return {"velocity": VELOCITY, RECENT: VELOCITY, "position": POSITION, "time": TIME}[self.variable]
+
+    @property
+    def bumps(self) -> int:
+        """Few over the recent speed: a held-out run may be warmer than any fitted."""
+        return BUMPS_OF_RECENT if self.variable == RECENT else BUMPS
+
+
+OVERS = (
+    Over("velocity"),
+    Over("position"),
+    Over("time"),
+    Over("position", "velocity"),
+    Over("time", "velocity"),
+    Over("position", "sign of velocity"),
+    Over("time", "sign of velocity"),
+    Over(RECENT, "sign of velocity"),
+)
+
+
+@dataclass(frozen=True)
+class Bumps:
+    """The law of a learned effort: ``combinations`` of ``bumps`` Gaussian bumps.
+
+    Where they lie and how they are combined are fixed parameters, so that the compiled model serves every
+    record. Beyond its range it stays what it is at the end: nothing has been learned there.
+    """
+
+    over: Over
+    bumps: int
+    combinations: int
+
+    def __call__(self, at: Local) -> ca.SX:
+        seen = {"velocity": at.velocity, "position": at.position, "time": at.time}
+        s = at.z.recent_speed if self.over.variable == RECENT else seen[self.over.variable]
+        low, high = at.p.first, at.p.last
+        s = ca.fmin(ca.fmax(s, low), high)
+        bumps = self._heights(((s - low) / (high - low) - 0.5) * (self.bumps - 1))
+        effort = 0
+        for j in range(self.combinations):
+            shape = ca.dot(ca.vertcat(*bumps), ca.vertcat(*(getattr(at.p, v) for v in self._basis(j))))
+            effort += getattr(at.p, f"a{j}") * shape
+        factors = {"": 1, "velocity": at.velocity, "sign of velocity": at.sign}
+        return effort * factors[self.over.factor]
+
+    def _heights(self, s: ca.SX) -> list[ca.SX]:
+        """``exp(-(s - c)^2 / 2)`` for centres c one apart, with 0 in the middle. It needs two exponentials:
+
+        exp(-s^2 / 2) exp(s)^c exp(-c^2 / 2)
+        """
+        first = -(self.bumps - 1) / 2
+        growing, heights = ca.exp(s), [ca.exp(-((s - first) ** 2) / 2)]
+        for k in range(1, self.bumps):
+            heights.append(heights[-1] * growing * math.exp(-(first + k) + 0.5))
+        return heights
+
+    def _basis(self, j: int) -> list[str]:
+        return [f"v{k}_{j}" for k in range(self.bumps)]
+
+    def known(self, low: float, high: float, basis: Array) -> tuple[EffectParameter, ...]:
+        """The fixed parameters for bumps from ``low`` to ``high`` combined by ``basis`` (bumps, n)."""
+
+        def fixed(name: str, kind: Dimension, meaning: str, value: float) -> EffectParameter:
+            return EffectParameter(name, kind, meaning, guess=value, absolute=True, fixed=True)
+
+        place = self.over.dimension
+        return (
+            fixed("first", place, "where the first bump lies", low),
+            fixed("last", place, "where the last bump lies", high),
+            *(
+                fixed(name, ONE, f"share of a bump in combination {j}", float(share))
+                for j in range(self.combinations)
+                for name, share in zip(self._basis(j), basis[:, j], strict=True)
+            ),
+        )
+
+
+def learned_effort(over: Over, seen: Array, bumps: int | None = None, memory: float = 1.0) -> Effect:
+    """A learned effort over ``over``, on the range of the values ``seen`` (n,).
+
+    ``bumps`` defaults to ``over.bumps``. ``memory`` is the guess of the time constant [s] of a recent speed.
+    """
+    law, basis = _combined(over, seen, over.bumps if bumps is None else bumps)
+    weights = [
+        EffectParameter(
+            f"a{j}",
+            DAMPING if over.factor == "velocity" else EFFORT,
+            f"RMS effort of combination {j}",
+            guess=0.0,
+            nests=True,
+        )
+        for j in range(law.combinations)
+    ]
+    known = law.known(float(seen.min()), float(seen.max()), basis)
+    recent = over.variable == RECENT
+    return Effect(
+        id="learned_" + str(over).replace(", ", "_").replace(" ", "_"),
+        kind="effort",
+        title=f"learned effort over {over}",
+        equation={"": "", "velocity": "v ", "sign of velocity": "sign(v) "}[over.factor]
+        + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
+        law=law,
+        parameters=(*weights, *((_time_constant(memory),) if recent else ()), *known),
+        states=(EffectState("recent_speed", VELOCITY, "recent speed, a lag of |v|"),) if recent else (),
+        dynamics=_lag_of_speed if recent else None,
+        source="thesis Eqs. 6-4 to 6-6 with fixed centres",
+        pattern=f"any function of {over}",
+    )
+
+
+def _lag_of_speed(at: Local) -> dict[str, ca.SX]:
+    return {"recent_speed": (at.speed - at.z.recent_speed) / at.p.tau}
+
+
+def _time_constant(seconds: float) -> EffectParameter:
+    return EffectParameter(
+        "tau",
+        TIME,
+        "time constant of the lag that gives the recent speed",
+        guess=seconds,
+        lower=seconds / 30,
+        upper=seconds * 30,
+        starts=(seconds / 5, seconds * 5),
+        absolute=True,
+    )
+
+
+def _combined(over: Over, seen: Array, bumps: int) -> tuple[Bumps, Array]:
+    """The law of those combinations (bumps, n) that ``seen`` (n,) shows, each of mean square one there."""
+    places = (seen - seen.min()) / np.ptp(seen) * (bumps - 1)
+    shapes = np.exp(-((places[:, None] - np.arange(bumps)) ** 2) / 2)
+    spread, components = np.linalg.eigh(shapes.T @ shapes / len(seen))
+    shown = spread > FAINT * spread[-1]
+    basis = components[:, shown] / np.sqrt(spread[shown])
+    return Bumps(over, bumps, basis.shape[1]), basis

@@ -1,0 +1,84 @@
+"""``Path``: the way of a fitted model through some horizons, as its ports see it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from hybridid.model import Model
+from hybridid.trace.learned_effort import RECENT, Over, Variable
+from hybridid.trace.refit import Refit
+from hybridid.trace.split import Split
+
+Array = NDArray[np.float64]
+AT_ONCE = 1000
+"""Samples of a path that CasADi evaluates in one call."""
+
+
+@dataclass(frozen=True)
+class Path:
+    """A model's simulated path through some horizons: times (n,), states (n, n_x), inputs (n, n_u).
+
+    ``p`` (n_p,) are the model's parameters.
+    """
+
+    model: Model
+    p: Array
+    time: Array
+    states: Array
+    inputs: Array
+
+    @classmethod
+    def of(cls, base: Refit, split: Split, horizons: Sequence[int]) -> Path:
+        """The path of ``base`` through the numbered ``horizons`` of ``split``."""
+        p = base.model.values(base.values)
+        problem = base.problem(split).on(horizons)
+        used = problem.windows.used
+        states = problem.shooter(base.x0[list(horizons)], p).states
+        return cls(base.model, p, problem.windows.time[used], states[used], problem.windows.inputs[used])
+
+    @property
+    def memory(self) -> float:
+        """A tenth of the path's duration in s."""
+        return float(np.ptp(self.time)) / 10
+
+    def motion(self, port: str, variable: Variable) -> Array:
+        """The variable of a learned effort at ``port``, (n,)."""
+        if variable == "time":
+            return self.time
+        if variable == RECENT:
+            share = min(1.0, float(np.median(np.diff(self.time))) / self.memory)
+            return np.asarray(lfilter([share], [1.0, share - 1.0], np.abs(self.motion(port, "velocity"))))
+        ports = [q.name for q in self.model.effort_ports]
+        moved = self._along(self.model.motions, self.p).reshape(len(ports), -1, 2)
+        return moved[ports.index(port), :, 1 if variable == "velocity" else 0]
+
+    def shows(self, port: str, over: Over) -> bool:
+        """Whether all that a learned effort over ``over`` needs changes along the path; a port may have no
+        velocity."""
+        needed: tuple[Variable, ...] = (over.variable, "velocity") if over.factor else (over.variable,)
+        return all(np.ptp(self.motion(port, one)) > 0 for one in needed)
+
+    def effort(self, model: Model, values: Mapping[str, float], port: str) -> Array:
+        """Sum of the efforts of ``model``'s terms at ``port`` along this path, (n,)."""
+        terms = [term for term in model.terms if term.effect.kind == "effort"]
+        rows = [k for k, term in enumerate(terms) if term.port == port]
+        if not rows:
+            return np.zeros(len(self.time))
+        efforts = self._along(model.efforts, model.values(values))
+        return np.asarray(efforts[rows].sum(axis=0))
+
+    def _along(self, function: ca.Function, p: Array) -> Array:
+        """``function`` (t, x, u, p) at every sample, its columns stacked."""
+        last, found = function.n_in() - 1, []
+        for start in range(0, len(self.time), AT_ONCE):
+            t, x, u = (a[start : start + AT_ONCE] for a in (self.time, self.states, self.inputs))
+            if start == 0 or len(t) < AT_ONCE:
+                many = function.map("along", "serial", len(t), [last], [])  # p is not repeated
+            found.append(np.asarray(many(t[None, :], x.T, u.T, p)))
+        return np.concatenate(found, axis=1)

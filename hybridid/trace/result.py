@@ -1,0 +1,135 @@
+"""``Trace``: all that a trace found, as plain typed data, and the evidence that it stands on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from hybridid.estimators import Estimate
+from hybridid.model import Model
+from hybridid.naming import listed
+from hybridid.trace.before_after import FITTED, HELD_OUT, FittedModel, ScoreRow
+from hybridid.trace.completeness import Completeness, WithNetwork
+from hybridid.trace.entries import (
+    AcceptedEffect,
+    EstimatedValue,
+    Floor,
+    LearnedGain,
+    Level,
+    StepTaken,
+    TriedEffect,
+    UsedRecord,
+)
+from hybridid.trace.missing_effort import Missing
+from hybridid.trace.rules import Rules
+from hybridid.trace.split import Split
+from hybridid.trace.verdict import Ceilings, Conclusion, Verdict
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """Parameters of the declared and of the last model; the same where nothing was accepted."""
+
+    before: Mapping[str, EstimatedValue]
+    after: Mapping[str, EstimatedValue]
+
+
+@dataclass(frozen=True)
+class LearnedGains:
+    """Gains of learned efforts beside the declared and the last model."""
+
+    before: tuple[LearnedGain, ...]
+    after: tuple[LearnedGain, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """The models and series behind a ``Trace``, for figures and further work; not in ``trace.json``.
+
+    ``models`` are the declared and, if anything was accepted, the augmented one; ``ceilings`` and
+    ``networks`` are theirs.
+    ``missing`` holds the efforts that each lacks by record and port; ``failures`` say in words which could
+    not be estimated.
+    """
+
+    split: Split
+    conclusion: Conclusion
+    models: tuple[FittedModel, ...]
+    ceilings: tuple[Ceilings, ...]
+    networks: tuple[WithNetwork, ...]
+    missing: Missing
+    failures: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What the declared model lacks, with the evidence, before and after.
+
+    ``verdict`` is one word and ``sentence`` says it in one sentence. ``accepted`` and ``rejected`` hold every
+    effect that was tried, ``before`` and ``after`` the scores of the declared and the last model on every
+    record. ``declared`` and ``effects`` name the terms of these two models, ``estimates`` hold their
+    parameters, ``ceilings`` the gains of learned efforts beside them, ``path`` the error at each change.
+    ``remains`` names where structure is left that no effect explains, ``stopped`` says why the search ended.
+    ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
+    ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
+    """
+
+    provenance: str
+    verdict: Verdict
+    sentence: str
+    accepted: tuple[AcceptedEffect, ...]
+    rejected: tuple[TriedEffect, ...]
+    before: tuple[ScoreRow, ...]
+    after: tuple[ScoreRow, ...]
+    noise_floor: Mapping[str, Floor]
+    seconds: float
+    declared: tuple[str, ...]
+    effects: tuple[str, ...]
+    estimates: Estimates
+    path: tuple[Level, ...]
+    ceilings: LearnedGains
+    remains: tuple[str, ...]
+    completeness: Completeness | None
+    stopped: str
+    split: str
+    horizon: float
+    horizons: tuple[int, int]
+    rules: Rules
+    records: tuple[UsedRecord, ...]
+    steps: tuple[StepTaken, ...]
+    evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
+
+    @property
+    def model(self) -> Model:
+        """The last model: the declared one with every accepted effect."""
+        return self.shown.conclusion.model
+
+    @property
+    def estimate(self) -> Estimate:
+        """The last model's parameters, refitted on all fitted records."""
+        return self.shown.models[-1].estimate
+
+    @property
+    def shown(self) -> Evidence:
+        """The evidence.
+
+        Raises:
+            ValueError: if the trace was read from a file, which holds none.
+        """
+        if self.evidence is None:
+            raise ValueError("this trace was read from a file: its models are in the run tree, not in it")
+        return self.evidence
+
+    @property
+    def fitted_records(self) -> tuple[str, ...]:
+        """Names of the records that the models are fitted to."""
+        return tuple(record.name for record in self.records if record.role == FITTED)
+
+    @property
+    def judged(self) -> str:
+        """Which horizons judged, in words."""
+        length = f"{self.horizon:g} s horizons"
+        held_out = [record.name for record in self.records if record.role == HELD_OUT]
+        if held_out:
+            return f"{length} of {listed(held_out)}, held out"
+        return f"alternate {length} of {listed(self.fitted_records)}, held out"

@@ -1,0 +1,72 @@
+"""``trace``: a model and records in, a ``Trace`` out; nothing is printed and no file is touched."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from hybridid.effects.effect import Effect
+from hybridid.effects.library import EFFECTS
+from hybridid.estimators import FitSettings
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.trace.before_after import Validation, before_and_after
+from hybridid.trace.completeness import ceilings_of_each, with_networks
+from hybridid.trace.context import Context
+from hybridid.trace.mapper import Mapper, Report, serial, silent
+from hybridid.trace.missing_effort import missing_efforts
+from hybridid.trace.result import Evidence, Trace
+from hybridid.trace.rules import Rules
+from hybridid.trace.split import automatic_horizon, divided
+from hybridid.trace.summary import summary
+from hybridid.trace.verdict import conclude
+from hybridid.trace.words import sentence
+
+
+def trace(
+    model: Model,
+    records: Sequence[Record],
+    held_out: Sequence[Record] = (),
+    *,
+    horizon: float | None = None,
+    effects: Sequence[Effect] = EFFECTS,
+    ports: Sequence[str] | None = None,
+    rules: Rules | None = None,
+    settings: FitSettings | None = None,
+    start: Mapping[str, float] | None = None,
+    initial_state: str = "estimated",
+    mapper: Mapper = serial,
+    report: Report = silent,
+) -> Trace:
+    """Find what ``model`` lacks on ``records``, judged on the records ``held_out``.
+
+    Without any, alternate horizons of ``records`` judge. ``horizon`` is the length of each in s (None: 1 s,
+    or less where the records are short). ``effects`` are tried at every port of their kind, or only at
+    ``ports``, by ``rules``. ``settings`` are those of the fits before and after, and give the integrator;
+    ``start`` (values by name; None: by regression) is where the declared model starts. ``initial_state``
+    ("estimated" or "measured") is that of free runs. ``mapper`` runs the refits, one after another or side
+    by side, and ``report`` follows them.
+
+    Raises:
+        ValueError: if a record does not fit the model, the model diverges on the records, or they give too
+            few horizons for a verdict.
+    """
+    began = time.perf_counter()
+    fitted, others = tuple(records), tuple(held_out)
+    seconds = horizon or automatic_horizon([r.n * r.dt for r in fitted], [r.n * r.dt for r in others])
+    split = divided(fitted, others, seconds)
+    context = Context(
+        split, tuple(effects), rules or Rules(), None if ports is None else tuple(ports), mapper, report
+    )
+    settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
+    validation = Validation(fitted, others, settings, seconds, initial_state)
+
+    found = conclude(model, context, [start] if start else [], settings.integrator)
+    models = before_and_after(found, validation, context)
+    ceilings = ceilings_of_each(found, context)
+    networks = with_networks(models, ceilings, validation, context)
+    missing, failures = missing_efforts(models, split.records, context)
+    evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
+    traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
+    return replace(traced, sentence=sentence(traced))

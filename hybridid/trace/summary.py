@@ -1,0 +1,231 @@
+"""From the evidence of a trace to its plain numbers and words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from hybridid.estimators import Estimate
+from hybridid.naming import listed
+from hybridid.quantities import Z95
+from hybridid.records.record import Record
+from hybridid.trace.before_after import FITTED, HELD_OUT, Validation
+from hybridid.trace.ceiling import Ceiling
+from hybridid.trace.completeness import completeness
+from hybridid.trace.entries import (
+    AcceptedEffect,
+    EstimatedValue,
+    Floor,
+    LearnedGain,
+    Level,
+    StepTaken,
+    TriedEffect,
+    UsedRecord,
+    Value,
+)
+from hybridid.trace.refit import Refit
+from hybridid.trace.result import Estimates, Evidence, LearnedGains, Trace
+from hybridid.trace.robustness import Survival
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import Accepted, Search, Step
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial
+
+
+def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: float) -> Trace:
+    """The trace that ``evidence`` shows, its sentence left empty; ``seconds`` is how long it took."""
+    found, split, networks = evidence.conclusion, evidence.split, evidence.networks
+    first, last = evidence.models[0], evidence.models[-1]
+    return Trace(
+        provenance=listed(sorted({record.provenance for record in split.records})),
+        verdict=found.verdict,
+        sentence="",
+        accepted=accepted_effects(found.search, last.estimate),
+        rejected=rejected_effects(found.search),
+        before=(*first.rows, *(networks[0].rows if networks else ())),
+        after=(*last.rows, *(networks[-1].rows if networks else ())),
+        noise_floor={y.name: Floor(found.floor[y.name], y.unit) for y in found.model.outputs},
+        seconds=seconds,
+        declared=tuple(term.name for term in first.model.terms),
+        effects=tuple(term.name for term in found.model.terms),
+        estimates=Estimates(estimated_values(first.estimate), estimated_values(last.estimate)),
+        path=path_of(found.search),
+        ceilings=LearnedGains(learned_gains(evidence.ceilings[0]), learned_gains(evidence.ceilings[-1])),
+        remains=found.remains,
+        completeness=completeness(networks, rules),
+        stopped=found.search.stopped,
+        split=split.described,
+        horizon=validation.seconds,
+        horizons=(len(split.fitted), len(split.held_out)),
+        rules=rules,
+        records=used_records(validation.fitted, validation.others),
+        steps=steps_taken(found.search),
+        evidence=evidence,
+    )
+
+
+def accepted_effects(search: Search, estimate: Estimate) -> tuple[AcceptedEffect, ...]:
+    """The accepted effects with their evidence; their parameters are from ``estimate``, the last fit."""
+    return tuple(_accepted(one, _step_of(search, one), estimate) for one in search.accepted)
+
+
+def rejected_effects(search: Search) -> tuple[TriedEffect, ...]:
+    """Every effect that was tried and not accepted, as it was last judged, the largest gain first."""
+    accepted = {one.name for one in search.accepted}
+    last: dict[str, tuple[int, Trial]] = {}
+    for number, step in enumerate(search.steps, 1):
+        last |= {trial.candidate.name: (number, trial) for trial in step.trials}
+    entries = [
+        _at_the_end(search, trial, number) for name, (number, trial) in last.items() if name not in accepted
+    ]
+    return tuple(sorted(entries, key=lambda entry: -entry.gain))
+
+
+def steps_taken(search: Search) -> tuple[StepTaken, ...]:
+    """Every step with all its trials, the largest gain first."""
+    return tuple(
+        StepTaken(
+            level(f"before step {number}", step.base),
+            step.accepted.name if step.accepted else None,
+            step.dropped,
+            tuple(_tried(t, number) for t in sorted(step.trials, key=lambda t: -t.gain)),
+        )
+        for number, step in enumerate(search.steps, 1)
+    )
+
+
+def path_of(search: Search) -> tuple[Level, ...]:
+    """The error over horizons from the declared model to the last, at each change."""
+    return (level("declared model", search.first), *_changes(search))
+
+
+def _changes(search: Search) -> Iterator[Level]:
+    following = [*(step.base for step in search.steps[1:]), search.final]
+    for step, after in zip(search.steps, following, strict=False):  # no step where the floor is met at once
+        if step.accepted is not None:
+            yield level(_change(step), after)
+
+
+def _change(step: Step) -> str:
+    added = f"+ {step.accepted.name}" if step.accepted else ""
+    return ", ".join([added, *(f"− {name}" for name in step.dropped)])
+
+
+def level(label: str, base: Refit) -> Level:
+    """Held-out and fitted RMSE over horizons by output."""
+    names = [y.name for y in base.model.outputs]
+    return Level(
+        label,
+        dict(zip(names, base.score.rmse.tolist(), strict=True)),
+        dict(zip(names, base.fitted_rmse.tolist(), strict=True)),
+        base.score.loss,
+    )
+
+
+def estimated_values(estimate: Estimate) -> dict[str, EstimatedValue]:
+    """Estimates by name with their 95 % intervals."""
+    return {
+        p.name: EstimatedValue(
+            p.value,
+            p.std,
+            p.unit,
+            (p.value - Z95 * p.std, p.value + Z95 * p.std),
+            p.at_bound,
+            p.identifiable,
+            p.meaning,
+        )
+        for p in estimate.parameters
+    }
+
+
+def learned_gains(found: Sequence[Ceiling]) -> tuple[LearnedGain, ...]:
+    """The ceilings without their curves and refits."""
+    return tuple(LearnedGain(c.port, str(c.over), c.gain, c.p_value, c.unit, c.over_unit) for c in found)
+
+
+def used_records(fitted: Sequence[Record], held_out: Sequence[Record]) -> tuple[UsedRecord, ...]:
+    """The records with their roles."""
+    roles = [*((record, FITTED) for record in fitted), *((record, HELD_OUT) for record in held_out)]
+    return tuple(UsedRecord(r.name, role, r.provenance, r.source, r.digest, r.n, r.dt) for r, role in roles)
+
+
+def _accepted(one: Accepted, number: int, estimate: Estimate) -> AcceptedEffect:
+    trial, effect, prefix = one.trial, one.trial.candidate.effect, f"{one.name}."
+    own = {
+        p.name.removeprefix(prefix): Value(p.value, p.std, p.unit)
+        for p in estimate.parameters
+        if p.name.startswith(prefix)
+    }
+    return AcceptedEffect(
+        effect=effect.id,
+        port=trial.candidate.port,
+        title=effect.title,
+        equation=effect.equation,
+        pattern=effect.pattern,
+        source=effect.source,
+        parameters=own,
+        known={n.removeprefix(prefix): v for n, v in estimate.known.items() if n.startswith(prefix)},
+        alike=tuple(dict.fromkeys(t.candidate.effect.id for t in one.alike)),
+        class_members=tuple(_tried(t, number) for t in one.alike),
+        separating_experiments=_separating(one),
+        p_value=trial.p_adjusted,
+        gain=trial.gain,
+        at_step=trial.own("values"),
+        likelihood_gain=trial.comparison.likelihood_gain if trial.comparison else math.nan,
+        step=number,
+        survivals=tuple(map(_short, one.survivals)),
+    )
+
+
+def _short(found: Survival) -> Survival:
+    """With its parameters by their short names."""
+    short = {name.rsplit(".", 1)[-1]: value for name, value in found.parameters.items()}
+    return replace(found, parameters=short)
+
+
+def _step_of(search: Search, one: Accepted) -> int:
+    numbers = [
+        k for k, step in enumerate(search.steps, 1) if step.accepted and step.accepted.name == one.name
+    ]
+    return numbers[-1] if numbers else 0
+
+
+def _separating(one: Accepted) -> tuple[str, ...]:
+    """What to record so that the members of a class come apart."""
+    asked = [t.candidate.effect.separating_experiment for t in one.alike] if len(one.alike) > 1 else []
+    return tuple(dict.fromkeys(text for text in asked if text))
+
+
+def _at_the_end(search: Search, trial: Trial, number: int) -> TriedEffect:
+    """What passed but was not accepted belongs to a class, or others explained more."""
+    tried = _tried(trial, number)
+    for one in search.accepted:
+        if any(t.candidate == trial.candidate for t in one.alike):
+            reason = f"explains these records as well as {one.name}: they cannot tell the two apart"
+            return replace(tried, status=UNIDENTIFIABLE, reason=reason, class_of=one.name)
+    if trial.status == PASSED:
+        reason = f"{trial.reason}, but less than what was accepted in its step; then {search.stopped}"
+        return replace(tried, status=REJECTED, reason=reason)
+    return tried
+
+
+def _tried(trial: Trial, number: int) -> TriedEffect:
+    found, comparison = trial.refit, trial.comparison
+    prefix = f"{trial.candidate.name}."
+    units = {p.name: p.unit for p in found.model.parameters} if found else {}
+    own = {
+        name.removeprefix(prefix): Value(value, found.std.get(name, math.nan), units[name])
+        for name, value in (found.values.items() if found and comparison else ())
+        if found and name.startswith(prefix)
+    }
+    return TriedEffect(
+        effect=trial.candidate.effect.id,
+        port=trial.candidate.port,
+        status=trial.status,
+        reason=trial.reason,
+        step=number,
+        gain=trial.gain if comparison else -1.0,
+        p_value=trial.p_adjusted if comparison else 1.0,
+        parameters=own,
+        seconds=found.seconds if found and comparison else math.nan,
+    )

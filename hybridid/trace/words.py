@@ -1,0 +1,114 @@
+"""A trace's verdict in words."""
+
+from __future__ import annotations
+
+from hybridid.naming import listed
+from hybridid.quantities import estimated, percent, probability, quantity, share
+from hybridid.trace.completeness import Completeness
+from hybridid.trace.entries import AcceptedEffect
+from hybridid.trace.result import Trace
+
+VERDICTS = {
+    "effect_found": "effect found",
+    "ambiguous": "ambiguous",
+    "nothing_missing": "nothing missing",
+    "unexplained": "unexplained",
+}
+
+
+def sentence(found: Trace) -> str:
+    """The verdict in one sentence: what the model lacked and how far the error falls, or what is left."""
+    where = f"on held-out horizons of {found.horizon:g} s ({found.provenance})"
+    if found.verdict == "nothing_missing":
+        return f"Nothing that can be found is missing: {_none_passes(found, where)}"
+    if found.verdict == "unexplained":
+        return (
+            f"Something is missing that none of the {len(found.rejected)} effects tried explains: "
+            f"structure remains {listed(found.remains)}, {where}."
+        )
+    them = "them" if len(found.accepted) > 1 else "it"
+    lacked = listed([_named(entry) for entry in found.accepted])
+    return f"The model lacked {lacked}: with {them} the RMSE {where} falls {_fall(found)}.{_rest(found)}"
+
+
+def structure_in_words(found: Trace) -> str:
+    """What learned efforts say of the error that is left."""
+    worth = percent(found.rules.worth)
+    if found.remains:
+        return (
+            f"Structure remains {listed(found.remains)}: a learned effort there still lowers the held-out "
+            f"error by {worth} or more, and no effect in the library does."
+        )
+    if any(found.rules.passes(c.gain, c.p_value) for c in found.ceilings.after):
+        return (
+            f"A learned effort still lowers the held-out error by {worth} or more, but the strongest do not "
+            "keep that gain when the equations are solved another way (epsilon, step, integrator, input "
+            "hold): no evidence that the machine lacks something."
+        )
+    return f"No learned effort takes {worth} or more from the held-out error."
+
+
+def completeness_in_words(found: Trace) -> str:
+    """What a network still takes from the held-out error, before and after; empty without a network."""
+    check = found.completeness
+    if check is None:
+        return ""
+    left, before = (share(max(gain, 0.0)) for gain in (check.gain, check.gain_before))
+    p = probability(check.p_value, "= ")
+    return (
+        f"a network ({check.network}) takes {left} from the held-out error of the last model (p {p}), and "
+        f"{before} from that of the declared one. {_what_the_network_finds(found, check)}"
+    )
+
+
+def _what_the_network_finds(found: Trace, check: Completeness) -> str:
+    if check.complete:
+        return f"That is less than {percent(found.rules.worth)}, or not significant: it finds nothing more"
+    if not found.remains:
+        return "That gain does not survive other ways of solving the equations"
+    return "It finds what no effect in the library names"
+
+
+def _none_passes(found: Trace, where: str) -> str:
+    """Why nothing was accepted; a gain that was refused is told, or the sentence would hide it."""
+    tried, worth = found.rejected, found.rules.worth
+    if not tried:
+        return f"{found.stopped} {where}."
+    fails = f"none of the {len(tried)} effects tried lowers the error {where} by {percent(worth)}"
+    most = max(tried, key=lambda entry: entry.gain)
+    if most.gain < worth:
+        return f"{fails}."
+    return (
+        f"{fails} and passes every test. The largest gain, {share(most.gain)} with {most.effect} at "
+        f"{most.port}, is refused: {most.reason}."
+    )
+
+
+def _named(entry: AcceptedEffect) -> str:
+    """An accepted effect with its parameters, or the class that it stands for."""
+    if len(entry.alike) > 1:
+        members = ", ".join(entry.alike)
+        return f"one of {{{members}}} at {entry.port}, which these records cannot tell apart"
+    return f"{entry.effect} at {entry.port} ({', '.join(parameters_in_words(entry))})"
+
+
+def parameters_in_words(entry: AcceptedEffect) -> list[str]:
+    """``df_v = 73.9 ± 8.9 N·s/m`` of each parameter: its value and half its 95 % interval."""
+    return [f"{name} = {estimated(p.value, p.std, p.unit)}" for name, p in entry.parameters.items()]
+
+
+def _fall(found: Trace) -> str:
+    """From where to where, for each output."""
+    first, last = found.path[0].held_out_rmse, found.path[-1].held_out_rmse
+    falls = []
+    for name, before in first.items():
+        unit, after = found.noise_floor[name].unit, last[name]
+        change = f"{100 * abs(1 - after / before):.0f} % {'less' if after <= before else 'more'}"
+        falls.append(f"from {quantity(before, unit, 3)} to {quantity(after, unit, 3)} ({change}) in {name}")
+    return listed(falls)
+
+
+def _rest(found: Trace) -> str:
+    if not found.remains:
+        return ""
+    return f" Structure remains {listed(found.remains)} that no effect in the library explains."
