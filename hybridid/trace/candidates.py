@@ -26,10 +26,9 @@ class Candidate:
     def starts(self, model: Model, values: Mapping[str, float]) -> list[dict[str, float]]:
         """Values by name to start the augmented ``model`` from.
 
-        The effect starts at nothing, so that the fit begins where the poorer model ended,
-        with its shape as guessed and with each declared value of one shape parameter; once at
-        its declared guess; and at each declared value of an amplitude, for an effect whose first
-        traces are faint (a clipped input) leads nowhere from nothing.
+        First the effect starts at zero, where the fit of the poorer model ended: with its guessed shape, and
+        with each declared value of one shape parameter. Then it starts at each declared value of an amplitude
+        (an input that is hardly clipped has no gradient at zero), and at its declared guess.
         """
         port = model.plant.port(self.port)
         own = {p: p.at(port) for p in self.effect.parameters}

@@ -23,9 +23,13 @@ OTHER_INTEGRATOR = {"rk4": "rodas3", "rodas3": "rk4"}
 
 @dataclass(frozen=True)
 class Survival:
-    """An effect under one variation: its gain, the share ``kept`` of what it took from the squared
-    error as declared, its parameters, whether the records refute the variation itself, whether
-    the effect passes or that does not matter, and whether the models can be ``simulated`` so at all."""
+    """What becomes of an effect under one variation of the numerics.
+
+    ``gain`` and ``p_value`` are held out, as declared; ``kept`` is the share that is left of what the effect
+    took from the squared error; ``parameters`` are its own. ``refuted``: the variation itself disagrees with
+    the records, so it does not count. ``simulated`` is False where the models cannot be simulated so.
+    ``survives``: the effect passes, or the variation does not count.
+    """
 
     variation: str
     gain: float
@@ -61,18 +65,16 @@ def survival(
 ) -> Survival:
     """Refit both models under ``numerics`` and compare them again; ``poorer`` is the base so refitted.
 
-    The effect must still take from the squared error ``rules.kept`` of what it took as declared.
-    A variation that these records refute, since even with the effect it leaves ``rules.refuted``
-    times the error, is no other explanation, and does not count: a coarse smoothing adds an error
-    beside which a true effect looks small.
+    The effect must still take ``rules.kept`` of what it took from the squared error as declared. A variation
+    does not count if the records refute it: even with the effect the error is ``rules.refuted`` times as
+    large. (A coarse smoothing adds an error beside which a true effect looks small.)
 
-    The effect's amplitudes must stay what they were: one that follows the
-    smoothing or the step belongs to them, not to the machine. What moves within two standard
-    errors of it says nothing. How the inputs are held is excepted: half a sample of delay has to
-    go somewhere, and a true delay, lag or branch takes it up.
+    The effect's amplitudes must not move by more than ``rules.steady`` of their values, or by two standard
+    errors: an amplitude that follows the smoothing or the step belongs to these, not to the machine. The hold
+    of the inputs is excepted, for a true delay, lag or mass takes up half a sample of delay.
 
-    A variation that would need more steps than anybody waits for says nothing, with the effect or without.
-    An effect with which the model diverges so does not survive.
+    A variation that needs too many steps a sample does not count. An effect does not survive if the model
+    diverges with it.
     """
     poorer = poorer or refit_if_possible(base.model, split, [base.values], base, numerics)
     if poorer is None:
@@ -101,7 +103,7 @@ def _not_simulated(numerics: Numerics, survives: bool) -> Survival:
 
 
 def objection(survivals: Sequence[Survival]) -> str:
-    """Why an effect is not to be believed after these variations, or nothing."""
+    """Why these variations speak against an effect; empty if they do not."""
     lost = [_lost(one) for one in survivals if not one.survives]
     if lost:
         return f"the gain does not survive {', '.join(lost)}"

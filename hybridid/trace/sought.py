@@ -1,9 +1,10 @@
-"""Where to begin along a pitch, a frequency or the place of a stop: looked for in the record.
+"""Starts for a pitch, a frequency or the place of a stop, found by a search in the record.
 
-The cost has a valley for every one of many periods, and a descent from a wrong one stays there. So before
-the descents the effect is put at nothing for each value of a grid, and what one Gauss-Newton step promises
-there (a score test) says where it would help: the grid's best peaks become starts. That only sets where
-refits begin; refits decide. A disturbance's frequency is read off the spectrum of what the model leaves.
+The cost has many local minima over such a parameter, and a descent stays in the one where it starts. So the
+effect is set to zero at each value of a grid, and the decrease of the cost that one Gauss-Newton step
+predicts there (a score test) shows where the effect would help. The highest peaks of the grid become starts.
+This only chooses where refits begin; the refits decide. The frequency of a disturbance is read from the
+spectrum of the residual.
 """
 
 from __future__ import annotations

@@ -1,20 +1,21 @@
-"""Effects that only stand in for something that the library does not hold.
+"""Withdraws effects that only stand in for something that the library does not hold.
 
-What acts like no effect of the library is still like some effect more than like others, and that one
-would be accepted: an eddy-current brake passes for negative drag. Its name is trusted if a learned
-effort finds little more than it did. With L the held-out loss before an effect, after it (and all later
-ones), and after a learned effort beside these,
+A machine may do something that the library cannot name. One effect still resembles it more than the others
+do, and that one would be accepted: negative drag in place of an eddy-current brake. So a learned effort is
+put beside each accepted effect. With L the held-out loss before the effect, after it (with all later
+effects), and with the learned effort beside these,
 
     share = (L_after^2 - L_learned^2) / ((L_before^2 - L_own^2) + (L_after^2 - L_learned^2)),
 
-L_own being the loss right after it was accepted. A share above ``Rules.stands_in`` may also mean that the
-machine lacks two things. So the effect is taken out from beside the learned effort: of what it took alone it
-must still take ``Rules.kept``, or the learned effort can do without it. Then it is withdrawn, and what was
-accepted after it. (What a learned effort takes must outlive other numerics: friction that sticks, smoothed,
-leaves an error over velocity that is nobody's.)
+L_own being the loss right after the effect was accepted. A share above ``Rules.stands_in`` has two possible
+causes: the machine lacks two things, or the name is wrong. To tell them apart, the effect is removed and the
+learned effort stays. If the effect takes less than ``Rules.kept`` of what it took alone, the learned effort
+can replace it: the effect is withdrawn, and with it all that was accepted later. The gain of the learned
+effort must survive other numerics. (Where friction sticks, smoothing it leaves an error over velocity that is
+no effect.)
 
-Several effects together may hide so much that nothing is left to find beside them. So they are also held
-against one learned effort in their place: if that alone takes more from the squared error, by a share above
+Several effects together may hide so much that little is left to find beside them. So one learned effort is
+also put in place of them all. If it alone takes more from the squared error, by a share above
 ``Rules.stands_in``, they are withdrawn.
 """
 
@@ -35,9 +36,9 @@ from hybridid.trace.trial import REJECTED
 
 
 def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Context) -> Search:
-    """``found`` less the first effect that stands in for another, and those after it.
+    """``found`` without the first effect that stands in for another, and without those after it.
 
-    A learned effort whose gain other numerics take away (friction that sticks, smoothed) accuses nobody.
+    A learned effort whose gain does not survive other numerics is no evidence against an effect.
     """
     split, rules = context.split, context.rules
     significant = [c for c in ceilings if c.p_value <= rules.alpha and c.gain > 0]

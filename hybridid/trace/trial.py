@@ -110,7 +110,7 @@ def _undetermined(trial: Trial, rules: Rules) -> str:
 
 
 def _degenerate(trial: Trial) -> str:
-    """Which of the effect's own parameters ends at its bound, where it is no longer that effect, if any."""
+    """Which of the effect's own parameters ends at its bound, where the effect loses its form; empty if none."""
     values = trial.own("values")
     for p, declared in _judged_alone(trial):
         value = values[p.name]
@@ -150,7 +150,7 @@ def _strength(trial: Trial, amplitudes: Sequence[str]) -> float:
 
 
 def _collinear(trial: Trial, rules: Rules) -> str:
-    """Which parameter of the model the effect's own cannot be told from, if any."""
+    """Which parameter of the model is collinear with one of the effect's own; empty if none."""
     assert trial.refit is not None
     names = list(trial.refit.std)
     own = [k for k, name in enumerate(names) if name.startswith(f"{trial.candidate.name}.")]
@@ -165,10 +165,10 @@ def _collinear(trial: Trial, rules: Rules) -> str:
 def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
     """The passed trials that held-out horizons cannot tell from ``best``, itself first.
 
-    Two effects are one class if the better's advantage is not significant, or is less than
-    ``rules.tie`` of the error; declared look-alikes also if it is less than that of what the better
-    takes from the squared error. (Bouc-Wen hysteresis contains Dahl's friction, and a shape more mends
-    whatever is left.)
+    Two effects are one class if the advantage of the better one is not significant, or less than
+    ``rules.tie`` of the error. Declared look-alikes are one class also if it is less than ``rules.tie`` of
+    what the better one takes from the squared error. (Bouc-Wen hysteresis contains Dahl's friction and has
+    one shape parameter more, which always mends a little.)
     """
     others = [t for t in trials if t.status == PASSED and t is not best]
     return [
@@ -197,12 +197,13 @@ def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:
 
 
 def overshadowing(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
-    """The effects that these records do not determine and that yet explain them better than ``best``, by as
-    much as is worth having; the strongest first.
+    """Effects that explain the records better than ``best``, but that the records do not determine.
 
-    Beside one of those a name is a guess. Declared look-alikes are excepted: they may be the same
-    thing in finer words (a Stribeck friction whose velocity the record does not show, beside Coulomb's).
-    So is what ends at a bound: it has left its own form to mend another's (a free play of no gap).
+    Better means: by ``rules.worth``, and significantly. The strongest comes first. Beside such an effect the
+    name of ``best`` is a guess. Two kinds do not count: declared look-alikes, which may be the same effect
+    with one more parameter (a Stribeck friction beside Coulomb's, where the record does not show its
+    velocity), and effects that end at a bound, where they no longer have their own form (a free play without
+    a gap).
     """
     assert best.refit is not None
     found = []
