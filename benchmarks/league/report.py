@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -13,6 +12,7 @@ from benchmarks.league.ours import NAME
 from benchmarks.league.play import ORACLE, Line
 from benchmarks.league.scoring import EMPTY, Asked, Round, Tally, asked, rounds, tallies
 from hybridid.plotting.style import save
+from hybridid.quantities import NONE, number, percent, probability
 from pipelines.shared.page import Page, Picture, Section, Table
 
 
@@ -88,8 +88,9 @@ def _category_table(category: str, by: dict[str, Tally]) -> Table:
     )  # fmt: skip
     rows = tuple(
         (
-            player, str(t.scenarios), str(t.top), str(t.covered), str(t.abstained), _number(t.class_size),
-            _percent(t.parameter_error), _number(t.before), _number(t.after), _number(t.seconds),
+            player, str(t.scenarios), str(t.top), str(t.covered), str(t.abstained),
+            number(t.class_size, 3, NONE), percent(t.parameter_error, 1, NONE),
+            *(number(x, 3, NONE) for x in (t.before, t.after, t.seconds)),
         )
         for player, t in by.items()
     )  # fmt: skip
@@ -131,7 +132,7 @@ def _all(found: Sequence[Round], oracle: dict) -> Table:
     rows = []
     for key, answers in sorted(by_key.items()):
         said = oracle.get(key)
-        seen = "—" if said is None else f"p {said['p_value']:.0e}, {said['gain']:.0%}"
+        seen = NONE if said is None else f"p {probability(said['p_value'], '= ')}, {percent(said['gain'], 0)}"
         rows.append((key, seen, *(_mark(answers.get(p)) for p in players)))
     words = tuple(range(2 + len(players)))
     return Table(
@@ -159,11 +160,3 @@ def _printed(targets: Sequence[Asked], table: dict[str, dict[str, Tally]]) -> st
     words = {True: "holds ", False: "MISSED", None: "no run"}
     lines += [f"  {words[a.holds]}  {a.what}: {a.found}" for a in targets]
     return "\n".join(lines)
-
-
-def _number(x: float) -> str:
-    return "—" if math.isnan(x) else f"{x:.3g}"
-
-
-def _percent(x: float) -> str:
-    return "—" if math.isnan(x) else f"{x:.1%}"

@@ -12,6 +12,7 @@ from hybridid.plotting.axes import Array, Scale, draw, frame, name_y, scale_for
 from hybridid.plotting.lettering import shorten
 from hybridid.plotting.looks import BLUE, SKY, SOFT_INK, Look
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, is_wide, new_figure, styled
+from hybridid.quantities import percent, probability
 from hybridid.validation.residual_tests import LEVEL, ResidualTests
 
 STEMS = 80  # largest number of lags that are drawn as stems
@@ -67,7 +68,7 @@ def _panel(axes: Axes, correlation: _Correlation, time: Scale, room: float) -> N
         axes.plot(lags, values, "o", color=BLUE, markersize=2.0, zorder=3)
     else:
         draw(axes, lags, values, Look(BLUE), correlation.name)
-    beyond = f": {correlation.outside:.0f} % outside the {100 * LEVEL:.0f} % band"
+    beyond = f": {correlation.outside:.0f} % outside the {percent(LEVEL)} band"
     shorten(axes.set_title(correlation.name), room, beyond)
     axes.set_xlim(frame([lags], 0.015))
     axes.set_ylim(frame([values, np.array(band)]))
@@ -76,9 +77,8 @@ def _panel(axes: Axes, correlation: _Correlation, time: Scale, room: float) -> N
 
 
 def _caption(model: str, tests: ResidualTests, shown: Sequence[_Correlation]) -> str:
-    probability = "p < 0.001" if tests.p_white < 1e-3 else f"p = {tests.p_white:.3f}"
     return (
         f"Residual of {model}, {tests.output} of {tests.record} ({tests.provenance}): "
-        f"{', '.join(c.name for c in shown)}, with the {100 * LEVEL:.0f} % band of a white, independent "
-        f"residual; Ljung-Box test of whiteness: {probability}."
+        f"{', '.join(c.name for c in shown)}, with the {percent(LEVEL)} band of a white, independent "
+        f"residual; Ljung-Box test of whiteness: p {probability(tests.p_white, '= ')}."
     )

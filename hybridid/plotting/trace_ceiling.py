@@ -14,6 +14,7 @@ from hybridid.plotting.legends import legend_on_top
 from hybridid.plotting.looks import SOFT_INK, look
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
+from hybridid.quantities import percent
 
 PANEL = 46.0  # mm
 TITLE = 4.0  # mm a line
@@ -56,11 +57,13 @@ def ceiling_plot(
     for axes, over in zip(panels, variables, strict=True):
         shown = [curve for curve in curves if curve.over == over]
         lines |= _panel(axes, shown, models, effort.factor)
-        axes.set_title("\n".join(f"{curve.model}: {max(curve.gain, 0):.0%} less error" for curve in shown))
+        axes.set_title(
+            "\n".join(f"{curve.model}: {percent(max(curve.gain, 0), 0)} less error" for curve in shown)
+        )
     name_y(panels[0], effort)
     panels[0].set_ylim(frame([curve.effort * effort.factor for curve in curves]))
     legend_on_top(figure, [lines[model] for model in models])
-    found = "; ".join(f"over {c.over} beside the {c.model} {c.gain:.1%}" for c in curves)
+    found = "; ".join(f"over {c.over} beside the {c.model} {percent(c.gain, 1)}" for c in curves)
     caption = (
         f"Effort at {port} ({provenance}) learned as a free curve of one variable, fitted in simulation "
         f"beside everything else, and how much of the error it takes away, {judged}: {found}. No memoryless "

@@ -10,6 +10,7 @@ from hybridid.plotting.lettering import cut
 from hybridid.plotting.looks import BLUE, GREEN, GRID_GREY, INK, ORANGE, SOFT_INK, VERMILION
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
+from hybridid.quantities import percent
 
 ROW = 4.2  # mm
 MOST = 40
@@ -73,7 +74,7 @@ def trials_plot(
         color=VERMILION,
         linewidth=0.8,
         linestyle=(0, (4, 2)),
-        label=f"worth having, {100 * worth:g} %",
+        label=f"worth having, {percent(worth)}",
     )
     legend_above(axes)
     axes.set_yticks(range(len(shown)), [cut(one.name, NAME) for one in shown], color=INK)

@@ -14,7 +14,7 @@ from hybridid.plotting.looks import DATA, Look, look
 from hybridid.plotting.panels import Line, Panel
 from hybridid.plotting.series import Response
 from hybridid.plotting.spectrum import amplitude_density
-from hybridid.quantities import per_root_hertz
+from hybridid.quantities import number, per_root_hertz
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from pipelines.shared.config import Settings
@@ -216,7 +216,7 @@ def _signal(record: Record, name: str) -> tuple[Array, str]:
 
 
 def _scores(shown: Mapping[str, Response]) -> str:
-    said = ", ".join(f"{name} {response.rmse:.3g}" for name, response in shown.items())
+    said = ", ".join(f"{name} {number(response.rmse, 3)}" for name, response in shown.items())
     return f"RMSE {said} {next(iter(shown.values())).unit}"
 
 
