@@ -110,7 +110,7 @@ def _undetermined(trial: Trial, rules: Rules) -> str:
 
 
 def _degenerate(trial: Trial) -> str:
-    """Which of the effect's own parameters ends at its bound, where the effect loses its form; empty if none."""
+    """Which of the effect's own parameters ends at its bound, where its form is lost; empty if none."""
     values = trial.own("values")
     for p, declared in _judged_alone(trial):
         value = values[p.name]

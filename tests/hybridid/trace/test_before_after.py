@@ -1,0 +1,93 @@
+"""The declared and the augmented model on every record, the network beside them, and what is left."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.estimators import FitSettings
+from hybridid.trace.before_after import AFTER, BEFORE, Validation, before_and_after, scored
+from hybridid.trace.ceiling import Ceiling
+from hybridid.trace.completeness import WithNetwork, completeness
+from hybridid.trace.context import Context
+from hybridid.trace.learned_effort import Over
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import recheck
+from hybridid.trace.split import by_record
+from hybridid.trace.verdict import conclude
+
+DF_V, HORIZON = 80.0, 0.25  # N s/m, s
+
+
+@pytest.fixture(scope="module")
+def records(two_records):
+    return two_records(df_v=DF_V)
+
+
+@pytest.fixture(scope="module")
+def context(records):
+    first, second = records
+    tried = (effect_named("asymmetric_viscous"), effect_named("quadratic_drag"))
+    return Context(by_record([first], [second], round(HORIZON / first.dt)), tried)
+
+
+@pytest.fixture(scope="module")
+def found(make_model, context):
+    return conclude(make_model(), context)
+
+
+@pytest.fixture(scope="module")
+def validation(records, context):
+    first, second = records
+    settings = FitSettings(method="gauss_newton", horizon=context.split.horizon)
+    return Validation((first,), (second,), settings, HORIZON)
+
+
+def test_both_models_are_scored_on_every_record_in_both_views(found, validation, context):
+    before, after = before_and_after(found, validation, context)
+    assert (before.name, after.name) == (BEFORE, AFTER)
+    seen = [(row.record, row.role, row.view) for row in after.rows]
+    views = ("free_run", "horizon")
+    roles = (("first", "fitted"), ("second", "held out"))
+    assert seen == [(record, role, view) for record, role in roles for view in views]
+    held_out = [one.rows[-1].rmse for one in (before, after)]
+    assert held_out[1] < 0.2 * held_out[0]
+    assert after.estimate.values["carriage.asymmetric_viscous.df_v"] == pytest.approx(DF_V, rel=0.02)
+    assert after.over_horizons("second") is not None
+
+
+def test_a_model_that_diverges_has_no_scores_but_says_why(found, validation):
+    values = {**found.search.first.values, "carriage.viscous.f_v": -3e4}  # N s/m: it drives
+    rows, predictions = scored("bad", found.search.first.model, values, validation)
+    bad = [row for row in rows if math.isnan(row.rmse)]
+    assert bad
+    assert all(row.remark and math.isnan(row.mse) and math.isnan(row.r2) for row in bad)
+    assert len(predictions) == len(rows) - len(bad)
+
+
+def test_a_rival_that_explains_less_in_the_last_model_leaves_the_class(found, context):
+    """As if the drag had been alike when the asymmetry was accepted: in the last model it is not."""
+    (one,) = found.accepted
+    drag = next(t for t in found.search.steps[0].trials if t.candidate.effect.id == "quadratic_drag")
+    doubtful = replace(found.search, accepted=(replace(one, alike=(one.trial, drag)),))
+    (kept,) = recheck(doubtful, context.split, context.rules).accepted
+    assert kept.alike == (one.trial,)
+
+
+@pytest.mark.parametrize(
+    ("gain", "p_value", "complete"),
+    [(0.2, 1e-6, False), (0.2, 0.2, True), (0.04, 1e-6, True), (-0.1, 1.0, True)],
+)
+def test_the_check_is_complete_unless_a_gain_is_worth_having_and_significant(found, gain, p_value, complete):
+    ceiling = Ceiling("carriage", Over("velocity"), gain, p_value, (), "N", "m/s", found.search.final)
+    before = replace(ceiling, gain=0.6)
+    check = completeness([WithNetwork(before, ()), WithNetwork(ceiling, ())], Rules())
+    assert check is not None
+    assert (check.complete, check.gain, check.gain_before) == (complete, gain, 0.6)
+
+
+def test_without_effort_ports_there_is_nothing_to_check():
+    assert completeness([], Rules()) is None

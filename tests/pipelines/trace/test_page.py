@@ -1,0 +1,122 @@
+"""The report of a stored trace: what it says of each entry, and where."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from pipelines.shared.page import Picture, Section, Table
+from pipelines.trace.page import trace_page
+
+
+@pytest.fixture
+def section(stored):
+    """``section("What is left")`` of the page of a trace with the changes given."""
+
+    def find(title: str, **changes) -> Section:
+        sections = trace_page(stored(**changes), ()).sections
+        return next(one for one in sections if one.title == title)
+
+    return find
+
+
+def column(table: Table, name: str) -> list[str]:
+    return [row[table.header.index(name)] for row in table.rows]
+
+
+def test_the_head_says_verdict_provenance_and_sentence(stored):
+    page = trace_page(stored(), ())
+    assert page.lead == "The model lacked a friction."
+    assert page.marks == ("ambiguous", "simulated", "case cart")
+
+
+def test_before_and_after_stand_side_by_side_with_the_change(section):
+    (table,) = section("Before and after").tables
+    assert column(table, "RMSE") == ["2 mm", "diverges", "1 mm", "500 µm", "1.2 mm", "600 µm"]
+    assert column(table, "change") == ["", "", "", "−50.0 %", "", "−50.0 %"]
+    assert set(column(table, "data")) == {"simulated"}
+    assert "Effects declared: cart.viscous; added: cart.coulomb." in table.notes[0]
+
+
+def test_nothing_accepted_shows_each_score_once(section):
+    (table,) = section("Before and after", accepted=()).tables
+    assert column(table, "RMSE") == ["2 mm", "1 mm", "1.2 mm"]
+    assert "added: none" in table.notes[0]
+
+
+def test_an_accepted_effect_shows_its_class_and_what_would_tell_it_apart(section):
+    accepted = section("What was accepted")
+    effects, survivals = accepted.tables
+    assert column(effects, "cannot be told from") == ["dahl"]
+    assert column(effects, "estimate ± 95 %") == ["f_c = 2.000 ± 0.098 N"]
+    assert "To tell coulomb and dahl apart, record: slow reversals." in accepted.paragraphs
+    outcomes = [row[-1] for row in survivals.rows]
+    assert outcomes == ["", "survives", "lost", "refuted by the records", "too stiff to be tried"]
+
+
+def test_parameters_before_and_after(section):
+    (table,) = section("Parameters").tables
+    rows = {row[0]: row[1:] for row in table.rows}
+    assert rows["M"] == ("10", "9 to 11", "9.5", "unknown (not identifiable)", "kg")
+    assert rows["cart.coulomb.f_c"] == ("–", "", "2", "1.9 to 2.1 (at bound)", "N")
+
+
+def test_refused_effects_keep_their_reason(section):
+    (table,) = section("What was tried").tables
+    assert column(table, "gain") == ["60.0 %", "diverges"]
+    assert set(column(table, "reason")) == {"its reason"}
+
+
+@pytest.mark.parametrize(
+    ("gain", "p_value", "remains", "said"),
+    [
+        (0.3, 1e-9, ("at cart over velocity",), "Structure remains at cart over velocity"),
+        (0.3, 1e-9, (), "do not keep that gain when the equations are solved another way"),
+        (0.3, 0.5, (), "No learned effort takes 5 % or more"),
+        (0.01, 1e-9, (), "No learned effort takes 5 % or more"),
+    ],
+)
+def test_what_is_left(stored, section, gain, p_value, remains, said):
+    """A learned effort counts if its gain is worth having and significant: the rule of the verdict."""
+    found = stored().found
+    after = tuple(replace(one, gain=gain, p_value=p_value) for one in found.ceilings.after)
+    ceilings = replace(found.ceilings, after=after)
+    assert said in section("What is left", ceilings=ceilings, remains=remains).paragraphs[1]
+
+
+def test_a_learned_effort_that_only_learned_noise_takes_nothing(section):
+    (table,) = section("What is left").tables
+    assert column(table, "gray box") == ["50.0 %"]
+    assert column(table, "gray box + effects") == ["0.0 %"]
+
+
+def test_without_effort_ports_there_is_no_network(stored):
+    text = trace_page(stored(completeness=None), ()).markdown(Path())
+    assert "Completeness check" not in text
+
+
+def test_figures_stand_in_their_sections(stored, tmp_path):
+    names = (
+        "position.waterfall",
+        "step1.trials",
+        "a.position.error",
+        "a.cart.missing_effort",
+        "cart.ceiling",
+    )
+    for name in names:
+        (tmp_path / f"{name}.svg").write_text("<svg/>")
+    page = trace_page(stored(), [Picture(tmp_path / f"{name}.svg", name) for name in names])
+    places = {picture.caption: one.title for one in page.sections for picture in one.pictures}
+    assert places == {
+        "position.waterfall": "Before and after",
+        "step1.trials": "What was tried",
+        "a.position.error": "The residual",
+        "a.cart.missing_effort": "The residual",
+        "cart.ceiling": "What is left",
+    }
+
+
+def test_text_of_the_library_is_escaped(stored):
+    assert "&lt;against&gt;" in trace_page(stored(), ()).html()

@@ -1,0 +1,46 @@
+"""``trace.json``: what is written reads back, and the terminal prints it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hybridid.plain import plain
+from hybridid_cli.tables import rendered
+from hybridid_cli.trace_results import trace_results
+from pipelines.shared.storage import write_json
+from pipelines.shared.traced import TRACE, trace_of
+
+
+@pytest.fixture
+def tree(stored, tmp_path) -> Path:
+    (tmp_path / TRACE).parent.mkdir()
+    write_json(tmp_path / TRACE, stored())
+    return tmp_path
+
+
+def test_it_reads_back(stored, tree):
+    assert plain(trace_of(tree)) == plain(stored())
+
+
+def test_what_is_not_finite_is_null_and_keys_are_flat(tree):
+    data = json.loads((tree / TRACE).read_text())
+    assert data["after"][0]["rmse"] is None
+    assert data["accepted"][0]["class"] == ["coulomb", "dahl"]
+    assert data["case"] == "cart"
+
+
+def test_models_are_not_stored(tree):
+    with pytest.raises(ValueError, match="read from a file"):
+        _ = trace_of(tree).found.model
+
+
+def test_the_terminal_prints_it(tree):
+    text = rendered(trace_results(tree))
+    for part in (
+        "ambiguous: The model lacked a friction.", "f_c = 2.000 ± 0.098 N", "2 of 3 variations", "diverges",
+        "simulated", "tried 3 effects in 1 steps", "go on:  hybridid run case=cart",
+    ):  # fmt: skip
+        assert part in text, part
