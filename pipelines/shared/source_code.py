@@ -99,17 +99,17 @@ class _Source:
 @cache
 def _source(file: str, root: str) -> _Source:
     path = Path(root, file)  # an absolute name stays as it is
-    content = path.read_bytes()
-    sha256 = hashlib.sha256(content).hexdigest()
-    if not file.endswith(".py"):
+    with path.open("rb") as stream:
+        sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+    if path.suffix != ".py":  # a user's data may be large: it is not kept in memory
         return _Source(sha256)
-    text = content.decode("utf-8", errors="replace")
+    text = path.read_text(encoding="utf-8", errors="replace")
     names = imported(text)
     uses = [below for name in names for below in _run_by(name, root)]
     folder = file.removesuffix(path.name)
     uses += [other for other in _not_python(folder, root) if other.rpartition("/")[2] in text]
     tops = {name.partition(".")[0] for name in names}
-    return _Source(sha256, tuple(uses), frozenset(tops & {*NUMERICAL}))
+    return _Source(sha256, tuple(uses), frozenset(tops.intersection(NUMERICAL)))
 
 
 def _run_by(name: str, root: str) -> list[str]:
