@@ -65,10 +65,12 @@ class Coupled:
 
     @property
     def gp(self) -> Array:
+        """Gradient by the parameters, (n_p,)."""
         return self.gradient[: self.count]
 
     @property
     def gx(self) -> Array:
+        """Gradient by the initial states, (w, m)."""
         return self.gradient[self.count :].reshape(self.states)
 
     def holding(self, states: NDArray[np.bool_]) -> Coupled:

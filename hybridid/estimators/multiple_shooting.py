@@ -58,6 +58,7 @@ class Intervals:
 
     @property
     def count(self) -> int:
+        """Number of intervals, m."""
         return len(self.first)
 
 
@@ -96,10 +97,12 @@ class Program:
 
     @property
     def x_scale(self) -> Array:
+        """Scale of each state, (n_x,), in its unit."""
         return np.array([s.scale for s in self.problem.model.states])
 
     @property
     def p_scale(self) -> Array:
+        """Scale of each free parameter, (n,), in its unit."""
         return np.array([self.problem.model.parameters[k].scale for k in self.problem.positions])
 
     @property

@@ -40,6 +40,7 @@ class Autoregression(NamedTuple):
 
     @property
     def order(self) -> int:
+        """Number of past errors that it uses."""
         return len(self.coefficients)
 
     @property

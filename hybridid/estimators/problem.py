@@ -36,6 +36,7 @@ class Problem:
 
     @property
     def free(self) -> tuple[str, ...]:
+        """Qualified names of the free parameters, in the order of the sensitivities."""
         return self.shooter.free
 
     @property

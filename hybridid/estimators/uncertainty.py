@@ -58,10 +58,12 @@ class Uncertainty:
 
     @property
     def std(self) -> Array:
+        """Standard errors of the free parameters, (n,), each in its parameter's unit."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
     @property
     def correlation(self) -> Array:
+        """Correlation of the estimates, (n, n); an entry that is not finite becomes that of the identity."""
         s = self.std
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = self.covariance / np.outer(s, s)

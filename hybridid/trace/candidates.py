@@ -18,9 +18,15 @@ class Candidate:
 
     @property
     def name(self) -> str:
+        """``port.effect``, as in the qualified names of its parameters."""
         return Term(self.effect, self.port).name
 
     def added_to(self, model: Model) -> Model:
+        """``model`` with the effect at its port.
+
+        Raises:
+            ValueError: if the model has that term, or its port does not exist or is of another kind.
+        """
         return model.plus(self.effect, self.port)
 
     def starts(self, model: Model, values: Mapping[str, float]) -> list[dict[str, float]]:

@@ -39,6 +39,7 @@ class Accepted:
 
     @property
     def name(self) -> str:
+        """``port.effect`` of the accepted effect."""
         return self.trial.candidate.name
 
 

@@ -35,6 +35,7 @@ class Trial:
 
     @property
     def gain(self) -> float:
+        """Relative decrease of the held-out loss; minus infinity without a comparison."""
         return self.comparison.gain if self.comparison else -math.inf
 
     @property
