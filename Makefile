@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format docs reproduce-thesis study-coverage study-recovery study-sweep study-slurm league clean distclean FORCE
+.PHONY: help install test lint format docs schemas reproduce-thesis study-coverage study-recovery study-sweep study-slurm league clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -36,6 +36,9 @@ format: $(READY) ## put every file in the house style
 
 docs: $(READY) ## build all pages, the API's too; a warning is an error: outputs/docs/docs/index.html
 	$(BIN)/sphinx-build -W --keep-going --quiet --jobs $(JOBS) -c docs . outputs/docs
+
+schemas: $(READY) ## docs/results.md and docs/schemas from the types of the result files
+	$(BIN)/python docs/write_schemas.py
 
 reproduce-thesis: $(READY) ## the thesis' tables and figures beside ours: outputs/thesis/index.html
 	$(BIN)/hybridid reproduce

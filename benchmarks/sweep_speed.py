@@ -158,10 +158,10 @@ def _bare_loop(seed: int, epochs: int) -> dict[str, float]:
     from hydra import compose, initialize_config_dir
     from omegaconf import OmegaConf
 
+    from hybridid.hybrid import errors_of, gray_runs
     from hybridid.residuals import training
     from hybridid_cli.config_files import conf_folder
-    from pipelines.residual.narx import NARXRequest, errors_of
-    from pipelines.residual.scores import gray_runs
+    from pipelines.residual.narx import NARXRequest
     from pipelines.residual.stage import gray_box
     from pipelines.shared.config import Settings
 

@@ -2,39 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
+from math import inf, isfinite
 from pathlib import Path
-from typing import Any
 
 from rich.console import RenderableType
 from rich.text import Text
 
+from hybridid.hybrid.report import CandidateScore, NARXReport, NetworkScore, RBFReport
 from hybridid.quantities import percent, quantity
+from hybridid.residuals.explained import Explained
 from hybridid_cli.tables import table
-from pipelines.shared.findings import residual_of
+from pipelines.shared.hybrids import residual_of
 
 
 def residual_results(tree: Path) -> list[RenderableType]:
     """Tables of the networks that were tried, then one line a finding."""
     found = residual_of(tree)
-    fitted = f"{', '.join(found['records'])} ({found['provenance']})"
+    report = found.report
+    fitted = f"{', '.join(found.records)} ({found.provenance})"
     parts: list[RenderableType] = []
-    if found.get("candidates"):
-        parts.append(_candidates(found, fitted))
-    if found.get("networks"):
-        parts.append(_networks(found, fitted))
-    if found.get("rule"):
-        parts.append(Text(f"rule: {found['rule']}"))
-    line = f"{found['model']}, fitted to {fitted} in {found['seconds']:.1f} s"
-    if "horizon" in found:
-        span = "the whole record" if found["horizon"] is None else f"horizons of {found['horizon']} samples"
-        line += f" over {span}, physics {found['physics']}"
+    line = f"{found.model}, fitted to {fitted} in {report.seconds:.1f} s"
+    if isinstance(report, NARXReport):
+        parts.append(_networks(report, fitted))
+    else:
+        parts += [_candidates(report.candidates, fitted)] if report.candidates else []
+        line += _how(report)
+    if report.rule:
+        parts.append(Text(f"rule: {report.rule}"))
     parts.append(Text(line))
-    parts += [_explained(row) for row in found["explained"]]
-    return parts + [Text(f"WARNING: {warning}", style="yellow") for warning in found["warnings"]]
+    parts += [_explained(one) for one in found.explained]
+    return parts + [Text(f"WARNING: {warning}", style="yellow") for warning in found.warnings]
 
 
-def _candidates(found: Mapping[str, Any], fitted: str) -> RenderableType:
+def _how(report: RBFReport) -> str:
+    span = "the whole record" if report.horizon is None else f"horizons of {report.horizon} samples"
+    return f" over {span}, physics {report.physics}"
+
+
+def _candidates(candidates: Sequence[CandidateScore], fitted: str) -> RenderableType:
     columns = [
         ("nodes", "right"),
         ("horizon", "right"),
@@ -43,54 +49,53 @@ def _candidates(found: Mapping[str, Any], fitted: str) -> RenderableType:
         ("", ""),
     ]
     made = table(f"Networks on held-out blocks of {fitted}", columns)
-    for row in found["candidates"]:
-        hybrid, gray = (_sizes(row[key], row["units"]) for key in ("rmse", "gray_rmse"))
-        horizon = "record" if row["horizon"] is None else str(row["horizon"])
-        note = "chosen" if row["chosen"] else "; ".join(row["failures"])
-        made.add_row(str(row["nodes"]), horizon, hybrid, gray, note)
+    for row in candidates:
+        horizon = "record" if row.horizon is None else str(row.horizon)
+        note = "chosen" if row.chosen else "; ".join(row.failures)
+        errors = (_sizes(row.rmse, row.units), _sizes(row.gray_rmse, row.units))
+        made.add_row(str(row.nodes), horizon, *errors, note)
     return made
 
 
-def _networks(found: Mapping[str, Any], fitted: str) -> RenderableType:
+def _networks(report: NARXReport, fitted: str) -> RenderableType:
     """One row a size and output: the seed that held-out blocks prefer, and its hybrid on every record."""
-    records = [(row["record"], row["fitted"]) for row in found["networks"][0]["hybrid"]]
+    records = [(one.record, one.fitted) for one in report.networks[0].hybrid]
     columns = [("output", ""), ("layers", ""), ("seed", "right"), ("weights", "right")]
     columns += [("held-out RMSE", "right"), ("without", "right")]
     columns += [(f"{name}{'' if seen else ', unseen'}", "right") for name, seen in records] + [("", "")]
     made = table(f"Networks running free, on held-out blocks of {fitted}; then the hybrid's RMSE", columns)
-    for row in _best_seeds(found["networks"]):
-        blocks = (quantity(row[key], row["unit"], missing="failed") for key in ("held_out", "without"))
-        scores = (quantity(one["rmse"], row["unit"]) for one in row["hybrid"])
-        size, note = f"{row['depth']} x {row['width']}", "kept" if row["chosen"] else ""
-        made.add_row(row["output"], size, str(row["seed"]), str(row["weights"]), *blocks, *scores, note)
-    for output in dict.fromkeys(row["output"] for row in found["gray"]):
-        rows = [row for row in found["gray"] if row["output"] == output]
-        scores = (quantity(row["rmse"], row.get("unit", "")) for row in rows)
+    for row in _best_seeds(report.networks):
+        blocks = (quantity(value, row.unit, missing="failed") for value in (row.held_out, row.without))
+        scores = (quantity(one.rmse, row.unit) for one in row.hybrid)
+        size, note = f"{row.depth} x {row.width}", "kept" if row.chosen else ""
+        made.add_row(row.output, size, str(row.seed), str(row.weights), *blocks, *scores, note)
+    for output in dict.fromkeys(one.output for one in report.gray):
+        scores = (quantity(one.rmse, one.unit) for one in report.gray if one.output == output)
         made.add_row(output, "gray box", "", "", "", "", *scores, "")
     return made
 
 
-def _best_seeds(networks: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _best_seeds(networks: Sequence[NetworkScore]) -> list[NetworkScore]:
     """Of each output and size the network that is kept, or else the seed with the lowest held-out error."""
-    best: dict[tuple[Any, ...], dict[str, Any]] = {}
+    best: dict[tuple[str, int, int], NetworkScore] = {}
     for row in networks:
-        at = (row["output"], row["depth"], row["width"])
+        at = (row.output, row.depth, row.width)
         if at not in best or _rank(row) < _rank(best[at]):
             best[at] = row
     return list(best.values())
 
 
-def _rank(row: Mapping[str, Any]) -> tuple[bool, float]:
-    return not row["chosen"], float("inf") if row["held_out"] is None else row["held_out"]
+def _rank(row: NetworkScore) -> tuple[bool, float]:
+    return not row.chosen, row.held_out if isfinite(row.held_out) else inf
 
 
-def _explained(row: Mapping[str, Any]) -> RenderableType:
+def _explained(one: Explained) -> RenderableType:
     return Text(
-        f"the model's own parameters could have explained {percent(row['share'], 0)} of the network's output "
-        f"on {row['record']} ({row['provenance']})"
+        f"the model's own parameters could have explained {percent(one.share, 0)} of the network's output "
+        f"on {one.record} ({one.provenance})"
     )
 
 
-def _sizes(values: list[float | None], units: list[str]) -> str:
+def _sizes(values: Sequence[float], units: Sequence[str]) -> str:
     pairs = zip(values, units, strict=True)
     return ", ".join(quantity(value, unit, missing="failed") for value, unit in pairs)

@@ -7,9 +7,9 @@ from hybridid.estimators.fit import fit
 from hybridid.records.store import load_record
 from pipelines.shared import modelling
 from pipelines.shared.config import Settings
-from pipelines.shared.findings import prepared_records
-from pipelines.shared.fitted import describe_model
+from pipelines.shared.fitted import Fit, describe_model
 from pipelines.shared.modelling import fit_settings, model_of
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import chosen, fitted_records, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
@@ -25,17 +25,16 @@ def run(job: Job) -> None:
     records = [load_record(record.file) for record in fitted]
     model = model_of(job.settings)
     estimate = fit(model, records, fit_settings(job.settings), lambda report: _show(report, job.watcher))
-    about = {
-        "case": job.settings.case,
-        "model": MODEL_NAME,
-        "records": [record.name for record in fitted],
-        "provenance": " and ".join(sorted({record.provenance for record in fitted})),
-        "effects": [term.name for term in model.terms],
-    }
-    write_json(job.folder / "estimate.json", {**about, **estimate.to_dict()})
-    write_json(
-        job.folder / "model.json", {**describe_model(job.settings, model), "provenance": about["provenance"]}
+    found = Fit(
+        case=job.settings.case,
+        model=MODEL_NAME,
+        records=tuple(record.name for record in fitted),
+        provenance=" and ".join(sorted({record.provenance for record in fitted})),
+        effects=tuple(term.name for term in model.terms),
+        estimate=estimate,
     )
+    write_json(job.folder / "estimate.json", found)
+    write_json(job.folder / "model.json", describe_model(job.settings, model, found.provenance))
 
 
 def check(settings: Settings) -> None:

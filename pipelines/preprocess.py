@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
 
 from hybridid.records.record import Record
 from hybridid.records.store import save_record
@@ -11,6 +11,7 @@ from hybridid.signals.steps import apply_steps, parse_steps
 from pipelines.shared import sources
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
+from pipelines.shared.prepared import NamedUnit, Prepared
 from pipelines.shared.sources import Source, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
@@ -28,28 +29,25 @@ def run(job: Job) -> None:
         for warning in record.warnings:
             job.watcher.warn(f"record {source.name}: {warning}")
         save_record(record, job.folder / f"{source.name}.parquet")
-        rows.append(_row(source, record))
+        rows.append(_described(source, record))
     write_json(job.folder / "records.json", rows)
 
 
-def _row(source: Source, record: Record) -> dict[str, Any]:
-    channels = {
-        "inputs": record.input_channels,
-        "outputs": record.output_channels,
-        "auxiliary": record.auxiliary_channels,
-    }
-    return {
-        "name": source.name,
-        "role": source.role,
-        "provenance": record.provenance,
-        "file": f"preprocess/{source.name}.parquet",
-        "source": record.source,
-        "digest": record.digest,
-        "n": record.n,
-        "dt": record.dt,
-        **{kind: [{"name": c.name, "unit": c.unit} for c in group] for kind, group in channels.items()},
-        "warnings": list(record.warnings),
-    }
+def _described(source: Source, record: Record) -> Prepared:
+    return Prepared(
+        name=source.name,
+        role=source.role,
+        provenance=record.provenance,
+        file=Path("preprocess") / f"{source.name}.parquet",
+        source=record.source,
+        digest=record.digest,
+        n=record.n,
+        dt=record.dt,
+        inputs=NamedUnit.each(record.input_channels),
+        outputs=NamedUnit.each(record.output_channels),
+        auxiliary=NamedUnit.each(record.auxiliary_channels),
+        warnings=tuple(record.warnings),
+    )
 
 
 def check(settings: Settings) -> None:

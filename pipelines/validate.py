@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from hybridid.estimators.estimate import Estimate
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from hybridid.simulation.simulate import Diverged
-from hybridid.validation import Prediction, free_run, horizon_run, metrics, residual_tests
+from hybridid.validation import Metrics, Prediction, diverged, free_run, horizon_run, metrics, residual_tests
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.findings import estimate_of, prepared_records
-from pipelines.shared.fitted import load
+from pipelines.shared.fitted import fit_of, load
 from pipelines.shared.hybrids import hybrid_of
 from pipelines.shared.modelling import named_code
-from pipelines.shared.predictions import HYBRID, RESIDUALS, Tested, write_prediction, write_tests
+from pipelines.shared.predictions import HYBRID, RESIDUALS, Tested, write_prediction
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sections.stages import ValidateSection
 from pipelines.shared.sources import chosen, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
-
-_NO_SCORE = {"mse": None, "rmse": None, "r2": None, "fit_percent": None}
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +41,7 @@ def run(job: Job) -> None:
     settings = job.settings
     model, estimate = load(job.tree)
     candidates = _candidates(job, model, estimate)
-    rows: list[dict[str, Any]] = []
+    rows: list[Metrics] = []
     tests: list[Tested] = []
     section = _section(settings)
     for prepared in chosen(prepared_records(job.tree), section.records, "validate.records"):
@@ -57,7 +54,7 @@ def run(job: Job) -> None:
                 rows += new_rows
                 tests += new_tests
     write_json(job.folder / "metrics.json", rows)
-    write_tests(job.folder / RESIDUALS, tests)
+    write_json(job.folder / RESIDUALS, tests)
 
 
 def check(settings: Settings) -> None:
@@ -78,7 +75,7 @@ def _candidates(job: Job, model: Model, estimate: Estimate) -> list[_Candidate]:
     values, integrator, substeps = estimate.values, estimate.settings.integrator, estimate.substeps
     found = [
         _Candidate(
-            str(estimate_of(job.tree)["model"]),
+            fit_of(job.tree).model,
             lambda record, start: free_run(model, values, record, start, integrator, substeps),
             lambda record, samples: horizon_run(model, values, record, samples, integrator, substeps),
             job.folder,
@@ -99,7 +96,7 @@ def _candidates(job: Job, model: Model, estimate: Estimate) -> list[_Candidate]:
 
 def _validated(
     job: Job, candidate: _Candidate, model: Model, record: Record, view: str
-) -> tuple[list[dict[str, Any]], list[Tested]]:
+) -> tuple[list[Metrics], list[Tested]]:
     """One model on one record in one view: its prediction is written, its scores and tests are returned."""
     name = candidate.name
     section = _section(job.settings)
@@ -108,13 +105,10 @@ def _validated(
         prediction = _predicted(section, candidate, record, seconds)
     except Diverged as error:
         job.watcher.warn(str(error))
-        about = {"model": name, "record": record.name, "view": view, "horizon": seconds, "remark": str(error)}
-        scores = {**_NO_SCORE, "n": record.n, "provenance": record.provenance}
-        return [{**about, "output": y.name, **scores, "unit": y.unit} for y in model.outputs], []
+        return diverged(record, model.outputs, name, str(error), seconds), []
     write_prediction(candidate.folder, prediction, name, seconds)
-    rows = [{**asdict(row), "horizon": seconds} for row in metrics(prediction, name)]
     found = residual_tests(prediction, record, section.lags)
-    return rows, [Tested(name, view, seconds, test) for test in found]
+    return metrics(prediction, name, seconds), [Tested(name, view, seconds, test) for test in found]
 
 
 def _predicted(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +36,8 @@ class EstimatedParameter:
     value: float
     std: float
     unit: str
-    lower: float
-    upper: float
+    lower: float = field(metadata={"null": -math.inf})
+    upper: float = field(metadata={"null": math.inf})
     at_bound: bool
     identifiable: bool
     meaning: str = ""
@@ -67,7 +67,7 @@ class Estimate:
     to the horizons in ``origin``, rows of (record index, first sample, end sample).
     """
 
-    parameters: tuple[EstimatedParameter, ...]
+    parameters: tuple[EstimatedParameter, ...] = field(metadata={"by": "name"})
     known: Mapping[str, float]
     correlation: Array
     initial_states: Array
@@ -81,53 +81,9 @@ class Estimate:
     settings: FitSettings
     history: tuple[float, ...] = ()
     starts: tuple[float, ...] = ()
-    warnings: tuple[str, ...] = field(default=())
+    warnings: tuple[str, ...] = ()
 
     @property
     def values(self) -> dict[str, float]:
         """Every parameter of the model by name, estimated or known."""
         return {**self.known, **{p.name: p.value for p in self.parameters}}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, strings and lists, for JSON."""
-        return {
-            "parameters": {
-                p.name: {k: v for k, v in asdict(p).items() if k != "name"} for p in self.parameters
-            },
-            "known": dict(self.known),
-            "correlation": self.correlation.tolist(),
-            "initial_states": self.initial_states.tolist(),
-            "origin": [list(row) for row in self.origin],
-            "cost": self.cost,
-            "status": self.status,
-            "converged": self.converged,
-            "iterations": self.iterations,
-            "seconds": dict(self.seconds),
-            "substeps": self.substeps,
-            "settings": asdict(self.settings),
-            "history": list(self.history),
-            "starts": list(self.starts),
-            "warnings": list(self.warnings),
-        }
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Estimate:
-        """The estimate that ``to_dict`` wrote."""
-        settings = dict(data["settings"], continuation=tuple(data["settings"]["continuation"]))
-        return cls(
-            parameters=tuple(EstimatedParameter(name=n, **v) for n, v in data["parameters"].items()),
-            known=dict(data["known"]),
-            correlation=np.array(data["correlation"], dtype=float),
-            initial_states=np.array(data["initial_states"], dtype=float),
-            origin=tuple((int(r), int(a), int(b)) for r, a, b in data["origin"]),
-            cost=data["cost"],
-            status=data["status"],
-            converged=data["converged"],
-            iterations=data["iterations"],
-            seconds=dict(data["seconds"]),
-            substeps=data["substeps"],
-            settings=FitSettings(**settings),
-            history=tuple(data["history"]),
-            starts=tuple(data["starts"]),
-            warnings=tuple(data["warnings"]),
-        )

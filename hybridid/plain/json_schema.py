@@ -13,6 +13,7 @@ from typing import Any, Literal, Union
 import numpy as np
 
 from hybridid.plain.store import key_of
+from hybridid.settings.declare import of_field
 
 Schema = dict[str, Any]
 
@@ -21,7 +22,8 @@ def schema(cls: Any) -> Schema:
     """The schema of the file that ``plain(value)`` makes of a ``cls``: a dataclass, or a tuple of some.
 
     Descriptions are the docstrings of the dataclasses; a field adds its own by ``metadata``:
-    ``{"meaning": "...", "unit": "..."}``. Every key that is written is required, and no other is allowed.
+    ``{"meaning": "...", "unit": "..."}``, or as a ``setting``. Every key that is written is required,
+    and no other is allowed.
 
     Raises:
         TypeError: for an annotation that ``plain`` writes nothing of.
@@ -79,25 +81,42 @@ def _tuple(items: tuple[Any, ...], below: dict[str, Schema]) -> Schema:
 
 
 def _object(cls: Any, below: dict[str, Schema]) -> Schema:
+    """A dataclass; of one that holds one of several inline, each of its forms."""
     hints = typing.get_type_hints(cls)
+    for f in dataclasses.fields(cls):
+        if f.metadata.get("inline") and typing.get_origin(hints[f.name]) in (Union, types.UnionType):
+            options = typing.get_args(hints[f.name])
+            return {"anyOf": [_form(cls, {**hints, f.name: option}, below) for option in options]}
+    return _form(cls, hints, below)
+
+
+def _form(cls: Any, hints: Mapping[str, Any], below: dict[str, Schema]) -> Schema:
     properties: dict[str, Schema] = {}
+    said = [_described(cls)]
     for f in dataclasses.fields(cls):
         if not f.metadata.get("stored", True):
             continue
         if f.metadata.get("inline"):
             properties |= _object(hints[f.name], below)["properties"]
+            said.append(_described(hints[f.name]))
         elif "by" in f.metadata:
             properties[key_of(f)] = _by(typing.get_args(hints[f.name])[0], f.metadata["by"], below)
         else:
-            properties[key_of(f)] = _of(hints[f.name], below) | _said(f.metadata)
+            properties[key_of(f)] = _of(hints[f.name], below) | _said(f)
     return {
         "title": cls.__name__,
-        "description": inspect.getdoc(cls) or "",
+        "description": "\n\n".join(filter(None, said)),
         "type": "object",
         "properties": properties,
         "required": list(properties),
         "additionalProperties": False,
     }
+
+
+def _described(cls: Any) -> str:
+    """The docstring, without what only a caller must know."""
+    text = inspect.getdoc(cls) or ""
+    return "" if text.startswith(f"{cls.__name__}(") else text.partition("\n\nRaises:")[0]
 
 
 def _by(cls: Any, name: str, below: dict[str, Schema]) -> Schema:
@@ -111,9 +130,14 @@ def _by(cls: Any, name: str, below: dict[str, Schema]) -> Schema:
     }
 
 
-def _said(metadata: Mapping[str, Any]) -> Schema:
-    words = [str(metadata[key]) for key in ("meaning", "unit") if key in metadata]
-    return {"description": ", in ".join(words)} if words else {}
+def _said(field: dataclasses.Field[Any]) -> Schema:
+    known = of_field(field)
+    meaning, unit = (known.meaning, known.unit) if known else _own(field.metadata)
+    return {"description": f"{meaning}, in {unit}" if unit else meaning} if meaning else {}
+
+
+def _own(metadata: Mapping[str, Any]) -> tuple[str, str]:
+    return str(metadata.get("meaning", "")), str(metadata.get("unit", ""))
 
 
 _SCALARS: Mapping[Any, Schema] = {

@@ -11,20 +11,10 @@ from numpy.typing import NDArray
 from hybridid.residuals.adam import Adam
 from hybridid.residuals.criteria import Criterion
 from hybridid.residuals.samples import Samples, Windows, gather
-from hybridid.residuals.settings import Training
+from hybridid.residuals.settings import Epoch, Training
 from hybridid.residuals.stack import Stack
 
 Index = NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Epoch:
-    """Mean squared errors over the error's mean square: of the training over its horizon, and of the
-    held-out blocks by the criterion."""
-
-    horizon: int
-    train: float
-    held_out: float
 
 
 class Course:

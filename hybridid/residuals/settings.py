@@ -90,3 +90,13 @@ class Training:
             raise ValueError(f"residual.weight_decay is {self.weight_decay}: must not be negative")
         if not self.guard > 1:
             raise ValueError(f"residual.guard is {self.guard}: must be above 1")
+
+
+@dataclass(frozen=True)
+class Epoch:
+    """Mean squared errors over the error's mean square: of the training over its horizon, and of the
+    held-out blocks by the criterion."""
+
+    horizon: int
+    train: float
+    held_out: float

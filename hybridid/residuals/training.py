@@ -9,14 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybridid.estimators.estimate import Progress
-from hybridid.residuals.course import Course, Epoch
+from hybridid.residuals.course import Course
 from hybridid.residuals.criteria import Criterion, FreeRunError, HorizonError, without_correction
 from hybridid.residuals.narx import NARX
 from hybridid.residuals.orders import Orders
 from hybridid.residuals.regressors import Scaling
 from hybridid.residuals.samples import Samples, check_lengths, samples_of
 from hybridid.residuals.series import ErrorSeries
-from hybridid.residuals.settings import Architecture, Training
+from hybridid.residuals.settings import Architecture, Epoch, Training
 from hybridid.residuals.stack import new_stack, one_thread, padded_orders
 
 Report = Callable[[Progress], None]

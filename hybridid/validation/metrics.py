@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.declarations import Signal
+from hybridid.records.record import Record
 from hybridid.validation.predict import Prediction
 
 Array = NDArray[np.float64]
@@ -18,7 +21,8 @@ class Metrics:
 
     ``mse = mean (y - y_hat)^2``, ``rmse = sqrt(mse)``, ``r2 = 1 - sum (y - y_hat)^2 /
     sum (y - mean y)^2``, ``fit_percent = 100 (1 - ||y - y_hat|| / ||y - mean y||)``.
-    ``provenance`` is "measured" or "simulated".
+    ``provenance`` is "measured" or "simulated"; ``horizon`` is in s, None in free run. The scores
+    are nan where the model diverged; then ``remark`` says so.
     """
 
     model: str
@@ -32,13 +36,38 @@ class Metrics:
     n: int
     unit: str
     provenance: str
+    horizon: float | None = None
+    remark: str = ""
 
 
-def metrics(prediction: Prediction, model_name: str) -> list[Metrics]:
-    """The error measures of each output of the prediction."""
+def metrics(prediction: Prediction, model_name: str, horizon: float | None = None) -> list[Metrics]:
+    """The error measures of each output of the prediction, over a ``horizon`` in s or in free run."""
     return [
-        _row(prediction, model_name, k, name, unit)
+        replace(_row(prediction, model_name, k, name, unit), horizon=horizon)
         for k, (name, unit) in enumerate(zip(prediction.output_names, prediction.output_units, strict=True))
+    ]
+
+
+def diverged(
+    record: Record, outputs: Sequence[Signal], model_name: str, remark: str, horizon: float | None = None
+) -> list[Metrics]:
+    """One row without scores for each of ``outputs``; ``remark`` says how the model ran away."""
+    nan = float("nan")
+    about = {"model": model_name, "record": record.name, "provenance": record.provenance, "remark": remark}
+    return [
+        Metrics(
+            output=output.name,
+            view="free_run" if horizon is None else "horizon",
+            mse=nan,
+            rmse=nan,
+            r2=nan,
+            fit_percent=nan,
+            n=record.n,
+            unit=output.unit,
+            horizon=horizon,
+            **about,
+        )
+        for output in outputs
     ]
 
 

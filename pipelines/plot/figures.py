@@ -5,10 +5,8 @@ Apart from the stage ``plot``, for matplotlib takes half a second to import and 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
-from hybridid.estimators.estimate import Estimate
 from hybridid.model import Model
 from hybridid.plotting.comparison import comparison_plot
 from hybridid.plotting.error import error_plot
@@ -22,9 +20,9 @@ from hybridid.plotting.style import Plot
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from pipelines.plot.laws import Law, friction_plots, laws_of
-from pipelines.shared.findings import estimate_of, prepared_records
-from pipelines.shared.fitted import load
+from pipelines.shared.fitted import Fit, fit_of, load
 from pipelines.shared.predictions import Stored, Tested, predictions_in, residual_tests_in
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.stage import Job
 
 Named = Iterator[tuple[str, Plot]]
@@ -32,7 +30,7 @@ Named = Iterator[tuple[str, Plot]]
 
 def figures(job: Job) -> Named:
     """All of them; files are to be called ``<record>.<output or port>.<figure>``."""
-    model, estimate = load(job.tree)
+    model, _ = load(job.tree)
     laws = laws_of(job.tree)
     stored = predictions_in(job.tree)
     tests = residual_tests_in(job.tree)
@@ -42,7 +40,7 @@ def figures(job: Job) -> Named:
         yield f"{record.name}.record", record_plot(record)
         own = [s for s in stored if s.prediction.record == record.name]
         yield from _of_record(laws, record, own, tests)
-    yield from _of_model(model, estimate, stored, estimate_of(job.tree))
+    yield from _of_model(model, stored, fit_of(job.tree))
 
 
 def _of_record(
@@ -66,13 +64,12 @@ def _of_record(
         yield f"{record.name}.{port.name}.friction", plot
 
 
-def _of_model(model: Model, estimate: Estimate, stored: Sequence[Stored], about: Mapping[str, Any]) -> Named:
+def _of_model(model: Model, stored: Sequence[Stored], fit: Fit) -> Named:
     """Figures over all records: the spread of errors, the estimates."""
     for output in model.outputs if stored else ():
         yield (
             f"{output.name}.raincloud",
             raincloud_plot([Response.of(s.model, s.prediction, output.name) for s in stored]),
         )
-    fitted = ", ".join(about["records"])
-    estimates = {about["model"]: estimate}
-    yield "parameters", parameters_plot(estimates, model.parameters, fitted, about["provenance"])
+    fitted = ", ".join(fit.records)
+    yield "parameters", parameters_plot({fit.model: fit.estimate}, model.parameters, fitted, fit.provenance)

@@ -15,8 +15,7 @@ from hybridid.plotting.friction import FrictionCurve, FrictionData, friction_plo
 from hybridid.plotting.style import Plot
 from hybridid.records.record import Record
 from hybridid.validation.port_efforts import port_efforts, resisting_effort
-from pipelines.shared.findings import estimate_of
-from pipelines.shared.fitted import load
+from pipelines.shared.fitted import fit_of, load
 from pipelines.shared.hybrids import hybrid_of
 from pipelines.shared.predictions import Stored
 
@@ -33,7 +32,7 @@ class Law:
 def laws_of(tree: Path) -> list[Law]:
     """The gray box, and the hybrid where its network stands inside the equations."""
     model, estimate = load(tree)
-    laws = [Law(str(estimate_of(tree)["model"]), model, estimate.values)]
+    laws = [Law(fit_of(tree).model, model, estimate.values)]
     hybrid = hybrid_of(tree, model)
     if isinstance(hybrid, PortHybrid):
         laws.append(Law(hybrid.name, hybrid.model, hybrid.values))

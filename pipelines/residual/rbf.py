@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from itertools import starmap
 from typing import Any
 
 from joblib import cpu_count
 
-from hybridid.hybrid import PortHybrid
+from hybridid.hybrid import FittedHybrid, GrayBox
+from hybridid.hybrid.rbf_grid import rbf_hybrid
 from hybridid.model import Model
-from hybridid.residuals.held_out import Candidate, Mapper, Scored, choose, compare
+from hybridid.residuals.held_out import Candidate, Mapper
 from hybridid.residuals.rbf import Over, RBFBounds
-from hybridid.residuals.rbf_fit import Physics, RBFPlan, fit_rbf, port_of
+from hybridid.residuals.rbf_fit import Physics, RBFPlan, port_of
 from hybridid.settings.fit import FitSettings
-from pipelines.residual.request import GrayBox, Made, Request, reporter, section_of
+from pipelines.residual.request import Request, reporter, section_of
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.watch import Watcher
 from pipelines.shared.workers import workers
@@ -62,41 +64,12 @@ class RBFRequest(Request):
         except ValueError as error:
             raise ConfigError(str(error)) from error
 
-    def make(self, gray: GrayBox, watcher: Watcher) -> Made:
-        began = time.perf_counter()
+    def make(self, gray: GrayBox, watcher: Watcher) -> FittedHybrid:
         candidates = self._candidates(gray.estimate.settings)
-        scored: list[Scored] = []
-        if len(candidates) > 1 or self.judged:
-            with workers(self.processes or cpu_count()) as mapper:
-                counted = _counted(mapper, watcher, (len(candidates) + 1) * self.folds)
-                scored = compare(
-                    gray.model, gray.records, candidates, gray.estimate.settings, self.folds, counted
-                )
-        best = choose(scored) if scored else None
-        candidate = best.candidate if best else candidates[0]
-        values = gray.estimate.values
-        found = fit_rbf(
-            gray.model, values, gray.records, candidate.plan, candidate.settings, reporter(watcher)
-        )
-        hybrid = PortHybrid(
-            gray=gray.model,
-            values=found.estimate.values,
-            network=found.network,
-            port=port_of(gray.model, candidate.plan),
-            records=tuple(record.name for record in gray.records),
-            learned_from=" and ".join(sorted({record.provenance for record in gray.records})),
-        )
-        units = [signal.unit for signal in gray.model.outputs]
-        report = {
-            "nodes": candidate.plan.nodes,
-            "horizon": candidate.settings.horizon,
-            "physics": candidate.plan.physics,
-            "candidates": [_row(one, one is best, units) for one in scored],
-            "rule": RULE if scored else None,
-            "seconds": time.perf_counter() - began,
-        }
-        notes = tuple(w for w in found.estimate.warnings if ".rbf." not in w)
-        return Made(hybrid, report, notes, found.estimate)
+        judged = self.judged or len(candidates) > 1
+        with workers(self.processes or cpu_count()) if judged else nullcontext(starmap) as mapper:
+            counted = _counted(mapper, watcher, (len(candidates) + 1) * self.folds)
+            return rbf_hybrid(gray, candidates, self.folds, judged, counted, reporter(watcher))
 
     def _candidates(self, gray: FitSettings) -> list[Candidate]:
         horizons = (gray.horizon,) if self.horizons is None else self.horizons
@@ -107,12 +80,6 @@ class RBFRequest(Request):
 
     def _settings(self, gray: FitSettings, horizon: int | None) -> FitSettings:
         return replace(gray, horizon=horizon, max_iterations=self.max_iterations, starts=1)
-
-
-RULE = (
-    "the fewest nodes whose error on held-out blocks of the fitted records is within one standard error "
-    "of the lowest; among those the lowest"
-)
 
 
 def _counted(mapper: Mapper, watcher: Watcher, total: int) -> Mapper:
@@ -126,17 +93,3 @@ def _counted(mapper: Mapper, watcher: Watcher, total: int) -> Mapper:
             yield result
 
     return count
-
-
-def _row(one: Scored, chosen: bool, units: list[str]) -> dict[str, Any]:
-    return {
-        "nodes": one.candidate.plan.nodes,
-        "horizon": one.candidate.settings.horizon,
-        "rmse": list(map(float, one.rmse)),
-        "gray_rmse": list(map(float, one.gray_rmse)),
-        "units": units,
-        "score": one.score,
-        "standard_error": one.standard_error,
-        "failures": sorted({f.failure for f in one.folds if f.failure}),
-        "chosen": chosen,
-    }

@@ -4,41 +4,16 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from hybridid.estimators.estimate import Estimate
-from hybridid.hybrid import Hybrid
+from hybridid.estimators.estimate import Progress
+from hybridid.hybrid import FittedHybrid, GrayBox
 from hybridid.model import Model
 from hybridid.plain import build
-from hybridid.records.record import Record
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.watch import Watcher
 
 T = TypeVar("T")
-
-
-@dataclass(frozen=True, eq=False)
-class GrayBox:
-    """The fitted model, and the records that its network is fitted to.
-
-    ``unseen`` are the others: every choice made, networks are scored on them, never the other way round.
-    """
-
-    model: Model
-    estimate: Estimate
-    records: tuple[Record, ...]
-    unseen: tuple[Record, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class Made:
-    """A hybrid, what ``residual.json`` says of how it came about, and what a reader must know."""
-
-    hybrid: Hybrid
-    report: Mapping[str, Any]
-    warnings: tuple[str, ...]
-    estimate: Estimate | None = None
 
 
 class Request(abc.ABC):
@@ -62,7 +37,7 @@ class Request(abc.ABC):
         """
 
     @abc.abstractmethod
-    def make(self, gray: GrayBox, watcher: Watcher) -> Made:
+    def make(self, gray: GrayBox, watcher: Watcher) -> FittedHybrid:
         """Fit the network to what the gray box leaves of its records.
 
         Raises:
@@ -77,8 +52,8 @@ def section_of(cls: type[T], section: Mapping[str, Any]) -> T:
     )
 
 
-def reporter(watcher: Watcher) -> Callable[[Any], None]:
-    """Hands a fit's or training's reports to the watcher."""
+def reporter(watcher: Watcher) -> Callable[[Progress], None]:
+    """Hands a fit's reports to the watcher."""
     return lambda report: watcher.progress(
         report.stage, f"{report.iteration} rounds, {report.cost:.4g}", report.fraction
     )

@@ -8,20 +8,19 @@ is left out.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
-from hybridid.hybrid import save_hybrid
+from hybridid.hybrid import FittedHybrid, GrayBox, save_hybrid
 from hybridid.records.store import load_record
 from pipelines.residual.narx import NARXRequest
 from pipelines.residual.rbf import RBFRequest
-from pipelines.residual.request import GrayBox, Made, Request
+from pipelines.residual.request import Request
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
-from pipelines.shared.findings import prepared_records
 from pipelines.shared.fitted import load
+from pipelines.shared.hybrids import Residual
 from pipelines.shared.modelling import model_of, named_code
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import chosen, fitted_records
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
@@ -48,12 +47,23 @@ def gray_box(settings: Settings, tree: Path) -> GrayBox:
     return GrayBox(model, estimate, records, unseen)
 
 
-def write(job: Job, gray: GrayBox, made: Made) -> None:
-    """The stage's files."""
+def write(job: Job, gray: GrayBox, made: FittedHybrid) -> None:
+    """The stage's files, with how much of the network physics could have explained."""
+    integrator = gray.estimate.settings.integrator
+    explained = tuple(made.hybrid.explained(record, integrator) for record in gray.records)
+    found = Residual(
+        case=job.settings.case,
+        model=made.hybrid.name,
+        records=tuple(record.name for record in gray.records),
+        provenance=made.hybrid.provenance,
+        report=made.report,
+        explained=explained,
+        warnings=(*made.warnings, *(one.warning for one in explained if one.warning)),
+    )
     save_hybrid(made.hybrid, job.folder)
-    write_json(job.folder / "residual.json", _report(made, gray, job.settings.case))
+    write_json(job.folder / "residual.json", found)
     if made.estimate is not None:
-        write_json(job.folder / "estimate.json", made.estimate.to_dict())
+        write_json(job.folder / "estimate.json", made.estimate)
 
 
 def check(settings: Settings) -> None:
@@ -83,22 +93,6 @@ def request_of(settings: Settings) -> Request:
     if section["kind"] not in KINDS:
         raise ConfigError(unknown("residual.kind", str(section["kind"]), KINDS))
     return KINDS[section["kind"]].of(section)
-
-
-def _report(made: Made, gray: GrayBox, case: str) -> dict[str, Any]:
-    """How the network came about, and how much of it physics could have explained."""
-    integrator = gray.estimate.settings.integrator
-    explained = [made.hybrid.explained(record, integrator) for record in gray.records]
-    said = [e.warning for e in explained if e.warning]
-    return {
-        "case": case,
-        "model": made.hybrid.name,
-        "records": [record.name for record in gray.records],
-        "provenance": made.hybrid.provenance,
-        **made.report,
-        "explained": [asdict(e) for e in explained],
-        "warnings": [*made.warnings, *said],
-    }
 
 
 RESIDUAL = Stage(

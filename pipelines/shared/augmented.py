@@ -12,10 +12,10 @@ from hybridid.estimators import Estimate
 from hybridid.model import Term
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.fitted import MAKES_A_MODEL
+from pipelines.shared.fitted import MAKES_A_MODEL, DescribedModel
 from pipelines.shared.imports import make_importable
 from pipelines.shared.modelling import effect_entries
-from pipelines.shared.storage import read_json
+from pipelines.shared.storage import read_as
 
 
 def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
@@ -30,14 +30,13 @@ def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
     if path.is_dir():
         path = path / "model.json"
     try:
-        described = read_json(path)
-        given = {key: described["config"][key] for key in MAKES_A_MODEL}
-        folders = [Path(folder) for folder in described["python_folders"]]
+        described = read_as(DescribedModel, path)
+        given = {key: described.config[key] for key in MAKES_A_MODEL}
     except FileNotFoundError as error:
         raise ConfigError(f"model is {path}: no such file; fit and trace write one, model.json") from error
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError) as error:
         raise ConfigError(f"model is {path}: no model.json as fit and trace write it") from error
-    make_importable(folders)
+    make_importable(described.python_folders)
     return {**config, **given}
 
 

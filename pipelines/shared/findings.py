@@ -2,112 +2,56 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
-from typing import Any
 
-from hybridid.estimators.estimate import Estimate
+from hybridid.hybrid.report import RBFReport
 from hybridid.trace.result import Trace
-from pipelines.shared.storage import read_json
+from pipelines.shared.fitted import ESTIMATE, fit_of
+from pipelines.shared.hybrids import Residual, residual_of
+from pipelines.shared.predictions import metric_rows
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.traced import TRACE, trace_of
-
-RECORDS = "preprocess/records.json"
-ESTIMATE = "fit/estimate.json"
-METRICS = "validate/metrics.json"
-RESIDUAL = "residual/residual.json"
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """A record that ``preprocess`` left: ``file`` lies in the tree, ``row`` is all that it wrote of it."""
-
-    name: str
-    role: str
-    provenance: str
-    file: Path
-    row: Mapping[str, Any]
-
-
-def prepared_records(tree: Path) -> list[Prepared]:
-    """The records of ``preprocess/records.json``."""
-    return [
-        Prepared(r["name"], r["role"], r["provenance"], tree / r["file"], r)
-        for r in read_json(tree / RECORDS)
-    ]
-
-
-def estimate_of(tree: Path) -> dict[str, Any]:
-    """``fit/estimate.json``."""
-    return dict(read_json(tree / ESTIMATE))
-
-
-def metric_rows(tree: Path) -> list[dict[str, Any]]:
-    """``validate/metrics.json``: rows of model, record, output, view, mse, rmse, r2, n."""
-    return list(read_json(tree / METRICS))
-
-
-def loaded_estimate(tree: Path) -> Estimate:
-    """The estimate as the fit left it; JSON's null is what is not finite."""
-    data = estimate_of(tree)
-    nan, inf = float("nan"), float("inf")
-    for parameter in data["parameters"].values():
-        instead = {"lower": -inf, "upper": inf, "std": nan, "value": nan}
-        parameter.update({key: instead[key] for key in instead if parameter[key] is None})
-    numbers = {key: [nan if v is None else v for v in data[key]] for key in ("history", "starts")}
-    matrices = {
-        k: [[nan if v is None else v for v in row] for row in data[k]]
-        for k in ("correlation", "initial_states")
-    }
-    cost = nan if data["cost"] is None else data["cost"]
-    estimate = Estimate.from_dict({**data, **numbers, **matrices, "cost": cost})
-    return replace(estimate, seconds={k: float(v) for k, v in estimate.seconds.items()})
-
-
-def residual_of(tree: Path) -> dict[str, Any]:
-    """``residual/residual.json``: how the network came about, and how much physics could have explained."""
-    return dict(read_json(tree / RESIDUAL))
-
-
-def provenance_of(tree: Path) -> str:
-    """``measured``, ``simulated``, or both."""
-    return " and ".join(sorted({record.provenance for record in prepared_records(tree)}))
 
 
 def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
     """Every finite number found by ``stages``, by a name that says what it is."""
     found: dict[str, float | None] = {}
     if "fit" in stages:
-        estimate = estimate_of(tree)
-        found |= {"fit.cost": estimate["cost"], "fit.iterations": estimate["iterations"]}
-        found |= {f"fit.seconds.{name}": value for name, value in estimate["seconds"].items()}
-        for name, parameter in estimate["parameters"].items():
-            found |= {f"parameter.{name}": parameter["value"], f"std.{name}": parameter["std"]}
+        estimate = fit_of(tree).estimate
+        found |= {"fit.cost": estimate.cost, "fit.iterations": estimate.iterations}
+        found |= {f"fit.seconds.{name}": value for name, value in estimate.seconds.items()}
+        for p in estimate.parameters:
+            found |= {f"parameter.{p.name}": p.value, f"std.{p.name}": p.std}
     if "validate" in stages:
-        gray = estimate_of(tree)["model"]
+        gray = fit_of(tree).model
         for row in metric_rows(tree):
-            where = f"{row['record']}.{row['output']}.{row['view']}"
-            where = where if row["model"] == gray else f"hybrid.{where}"
-            found |= {f"{where}.{score}": row[score] for score in ("mse", "rmse", "r2", "fit_percent")}
+            where = f"{row.record}.{row.output}.{row.view}"
+            where = where if row.model == gray else f"hybrid.{where}"
+            found |= {f"{where}.mse": row.mse, f"{where}.rmse": row.rmse, f"{where}.r2": row.r2}
+            found[f"{where}.fit_percent"] = row.fit_percent
     if "residual" in stages:
         found |= _residual_metrics(residual_of(tree))
     if "trace" in stages:
         found |= _trace_metrics(trace_of(tree).found)
-    return {name: float(value) for name, value in found.items() if value is not None and math.isfinite(value)}
+    return {name: float(value) for name, value in found.items() if value is not None and isfinite(value)}
 
 
-def _residual_metrics(data: Mapping[str, Any]) -> dict[str, float | None]:
+def _residual_metrics(residual: Residual) -> dict[str, float]:
     """Each network's held-out error, and how much of the network physics could have explained."""
-    found: dict[str, float | None] = {"residual.seconds": data["seconds"]}
-    for row in data["explained"]:
-        found[f"residual.explained.{row['record']}"] = row["share"]
-    for row in data.get("networks", ()):
-        size = f"{row['depth']}x{row['width']}"
-        found[f"residual.held_out.{row['output']}.{size}.seed_{row['seed']}"] = row["held_out"]
-    for row in data.get("candidates", ()):
-        horizon = "record" if row["horizon"] is None else row["horizon"]
-        found[f"residual.score.nodes_{row['nodes']}.horizon_{horizon}"] = row["score"]
+    report = residual.report
+    found = {"residual.seconds": report.seconds}
+    for one in residual.explained:
+        found[f"residual.explained.{one.record}"] = one.share
+    if isinstance(report, RBFReport):
+        for row in report.candidates:
+            horizon = "record" if row.horizon is None else row.horizon
+            found[f"residual.score.nodes_{row.nodes}.horizon_{horizon}"] = row.score
+        return found
+    for net in report.networks:
+        at = f"{net.output}.{net.depth}x{net.width}.seed_{net.seed}"
+        found[f"residual.held_out.{at}"] = net.held_out
     return found
 
 
@@ -130,15 +74,15 @@ def _trace_metrics(found: Trace) -> dict[str, float | None]:
 
 def cost_history(tree: Path) -> list[float]:
     """The cost after each iteration of the fit."""
-    return [float(cost) for cost in estimate_of(tree)["history"] if cost is not None]
+    return [cost for cost in fit_of(tree).estimate.history if isfinite(cost)]
 
 
 def facts(tree: Path) -> dict[str, str]:
     """What identifies a run beside its config: digests of its data, status of its fit."""
-    said = {f"data.{record.name}": str(record.row["digest"]) for record in prepared_records(tree)}
+    said = {f"data.{record.name}": record.digest for record in prepared_records(tree)}
     if (tree / ESTIMATE).exists():
-        estimate = estimate_of(tree)
-        said |= {"fit.status": str(estimate["status"]), "fit.converged": str(estimate["converged"]).lower()}
+        estimate = fit_of(tree).estimate
+        said |= {"fit.status": estimate.status, "fit.converged": str(estimate.converged).lower()}
     if (tree / TRACE).exists():
         said["trace.verdict"] = trace_of(tree).found.verdict
     return said

@@ -2,34 +2,83 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from hybridid.estimators.estimate import Estimate
 from hybridid.model import Model
 from pipelines.shared.config import Settings
-from pipelines.shared.findings import loaded_estimate
 from pipelines.shared.imports import make_importable
 from pipelines.shared.modelling import model_of
-from pipelines.shared.storage import read_json
+from pipelines.shared.prepared import NamedUnit
+from pipelines.shared.storage import read_as
 
+ESTIMATE = "fit/estimate.json"
 MODEL = "fit/model.json"
 MAKES_A_MODEL = ("plant", "effects", "parameters")
 
 
-def describe_model(settings: Settings, model: Model) -> dict[str, Any]:
-    """What rebuilds the model, and its equations for a reader."""
-    return {
-        "case": settings.case,
-        "config": {key: settings.get(key) for key in MAKES_A_MODEL},
-        "python_folders": [str(folder.resolve()) for folder in settings.folders],
-        "states": [{"name": s.name, "unit": s.unit} for s in model.states],
-        "inputs": [{"name": s.name, "unit": s.unit} for s in model.inputs],
-        "outputs": [{"name": s.name, "unit": s.unit} for s in model.outputs],
-        "terms": [
-            {"name": t.name, "equation": t.effect.equation, "source": t.effect.source} for t in model.terms
-        ],
-    }
+@dataclass(frozen=True)
+class Fit:
+    """``model``, the gray box of a ``case`` with the terms ``effects``, fitted to ``records``.
+
+    ``provenance`` is that of the records: "measured", "simulated" or both.
+    """
+
+    case: str
+    model: str
+    records: tuple[str, ...]
+    provenance: str
+    effects: tuple[str, ...]
+    estimate: Estimate = field(metadata={"inline": True})
+
+
+def fit_of(tree: Path) -> Fit:
+    """``fit/estimate.json``."""
+    return read_as(Fit, tree / ESTIMATE)
+
+
+@dataclass(frozen=True)
+class TermEquation:
+    """An effect at a port: its name, equation and source."""
+
+    name: str
+    equation: str
+    source: str
+
+
+@dataclass(frozen=True)
+class DescribedModel:
+    """What rebuilds a model, and its equations for a reader.
+
+    ``config`` holds the keys ``plant``, ``effects`` and ``parameters``; the user's own code lies in
+    ``python_folders``. ``provenance`` is that of the records behind its effects and parameters.
+    """
+
+    case: str
+    config: Mapping[str, Any]
+    python_folders: tuple[Path, ...]
+    states: tuple[NamedUnit, ...]
+    inputs: tuple[NamedUnit, ...]
+    outputs: tuple[NamedUnit, ...]
+    terms: tuple[TermEquation, ...]
+    provenance: str
+
+
+def describe_model(settings: Settings, model: Model, provenance: str) -> DescribedModel:
+    """``model.json`` of a model that ``settings`` make."""
+    return DescribedModel(
+        case=settings.case,
+        config={key: settings.get(key) for key in MAKES_A_MODEL},
+        python_folders=tuple(folder.resolve() for folder in settings.folders),
+        states=NamedUnit.each(model.states),
+        inputs=NamedUnit.each(model.inputs),
+        outputs=NamedUnit.each(model.outputs),
+        terms=tuple(TermEquation(t.name, t.effect.equation, t.effect.source) for t in model.terms),
+        provenance=provenance,
+    )
 
 
 def load(tree: Path) -> tuple[Model, Estimate]:
@@ -39,6 +88,6 @@ def load(tree: Path) -> tuple[Model, Estimate]:
         FileNotFoundError: if the tree holds no fit.
         ConfigError: if the plant or an effect can no longer be imported.
     """
-    described = read_json(tree / MODEL)
-    make_importable(Path(folder) for folder in described["python_folders"])
-    return model_of(Settings(described["case"], described["config"])), loaded_estimate(tree)
+    described = read_as(DescribedModel, tree / MODEL)
+    make_importable(described.python_folders)
+    return model_of(Settings(described.case, described.config)), fit_of(tree).estimate

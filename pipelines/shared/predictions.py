@@ -7,20 +7,21 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.validation import Prediction, ResidualTests
-from pipelines.shared.storage import read_json, read_table, write_json, write_table
+from hybridid.validation import Metrics, Prediction, ResidualTests
+from pipelines.shared.storage import read_as, read_table, write_table
 
 FOLDER = "validate"
 HYBRID = "hybrid"
 """Folder, below ``FOLDER``, of what the hybrid predicts; the gray box' predictions lie beside it."""
 RESIDUALS = "residuals.json"
+METRICS = "metrics.json"
 
 
 @dataclass(frozen=True)
@@ -85,21 +86,14 @@ def predictions_in(tree: Path) -> list[Stored]:
     return [read_prediction(path) for path in (*sorted(gray), *sorted(hybrid))]
 
 
-def write_tests(path: Path, tests: Sequence[Tested]) -> None:
-    """Residual tests as JSON, one entry a model, record, output and view."""
-    write_json(path, [asdict(test) for test in tests])
+def metric_rows(tree: Path) -> list[Metrics]:
+    """``validate/metrics.json``: one row for each model, record, view and output."""
+    return list(read_as(tuple[Metrics, ...], tree / FOLDER / METRICS))
 
 
 def residual_tests_in(tree: Path) -> list[Tested]:
     """The residual tests of a run tree."""
-    entries = read_json(tree / FOLDER / RESIDUALS)
-    return [Tested(**{**entry, "found": _residual_tests(entry["found"])}) for entry in entries]
-
-
-def _residual_tests(data: dict[str, Any]) -> ResidualTests:
-    arrays = {key: np.array(data[key], dtype=float) for key in ("lags", "autocorrelation", "input_lags")}
-    cross = {name: np.array(values, dtype=float) for name, values in data["cross_correlation"].items()}
-    return ResidualTests(**{**data, **arrays, "cross_correlation": cross})
+    return list(read_as(tuple[Tested, ...], tree / FOLDER / RESIDUALS))
 
 
 def _matrix(columns: Mapping[str, NDArray[np.float64]], names: Sequence[str]) -> NDArray[np.float64]:

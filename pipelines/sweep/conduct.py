@@ -10,7 +10,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from hybridid.plain import build
 from pipelines.runner import check_stages, is_fresh
@@ -112,7 +111,7 @@ def conduct(sweep: Sweep, crew: Crew, request: SweepRequest, watcher: Watcher) -
     plan = _planned(sound, crew, request, sweep.key)
     for line in plan.lines:
         watcher.say(f"plan: {line}")
-    write_json(sweep.folder / "plan.json", plan.plain())
+    write_json(sweep.folder / "plan.json", plan.described)
     before = {point: _made(point) for work in plan.jobs for point in work.points}
     with _scribe() as log:
         log(open_parent, common(sweep.points), sweep.name, sweep.key, about(sweep), watcher)
@@ -203,8 +202,3 @@ def _fresh(point: Point) -> bool:
 def about(sweep: Sweep) -> dict[str, str]:
     """What the sweep's own run says of it."""
     return {"words": " ".join(sweep.words), "folder": str(sweep.folder.resolve())}
-
-
-def asked_for(sweep: Sweep) -> dict[str, Any]:
-    """The request as JSON takes it."""
-    return {"name": sweep.name, "digest": sweep.key, "words": list(sweep.words)}

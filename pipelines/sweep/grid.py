@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from statistics import fmean, stdev
 from typing import Any
 
 from hybridid.residuals.choice import RULE as SMALLEST_NEAR_BEST
 from hybridid.residuals.choice import smallest_within
-from pipelines.residual.rbf import RULE as FEWEST_NODES
+from hybridid.residuals.held_out import RULE as FEWEST_NODES
 from pipelines.sweep.point import SEEDS, Point, spelt
 from pipelines.sweep.rows import Row, rows_of
 
@@ -32,7 +32,7 @@ class Spread:
 
     mean: float | None
     deviation: float | None
-    lost: int
+    lost: int = field(metadata={"key": "ran_away"})
 
     @classmethod
     def of(cls, values: Iterable[float | None]) -> Spread:

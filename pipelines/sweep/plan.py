@@ -12,7 +12,7 @@ blocks, network after network) are measured: stacks of 1 and 8 networks, 8 to 25
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from hybridid.residuals.settings import SMALL
@@ -26,6 +26,28 @@ A_JOB = 16
 
 
 @dataclass(frozen=True)
+class PlannedJob:
+    """Points, by name, that one process does."""
+
+    name: str
+    points: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PlannedWork:
+    """``plan.json``: the jobs on so many ``cores`` (None: other machines), and ``why`` in words.
+
+    The ``gray_boxes``, by the folders of their run trees, are fitted first; ``fresh`` points need nothing.
+    """
+
+    cores: int | None
+    why: tuple[str, ...]
+    gray_boxes: tuple[str, ...] = field(metadata={"key": "gray boxes"})
+    jobs: tuple[PlannedJob, ...]
+    fresh: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Plan:
     """``grays`` are done before ``jobs``; ``fresh`` are the points that need nothing."""
 
@@ -35,15 +57,16 @@ class Plan:
     fresh: tuple[Point, ...]
     lines: tuple[str, ...]
 
-    def plain(self) -> dict[str, Any]:
-        """As JSON takes it."""
-        return {
-            "cores": self.cores,
-            "why": list(self.lines),
-            "gray boxes": [work.points[0].gray_tree.name for work in self.grays],
-            "jobs": [{"name": work.name, "points": [p.name for p in work.points]} for work in self.jobs],
-            "fresh": [point.name for point in self.fresh],
-        }
+    @property
+    def described(self) -> PlannedWork:
+        """The plan by the names of its points."""
+        return PlannedWork(
+            cores=self.cores,
+            why=self.lines,
+            gray_boxes=tuple(work.points[0].gray_tree.name for work in self.grays),
+            jobs=tuple(PlannedJob(work.name, tuple(p.name for p in work.points)) for work in self.jobs),
+            fresh=tuple(point.name for point in self.fresh),
+        )
 
 
 def planned(

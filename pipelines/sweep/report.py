@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import csv
 import io
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.storage import json_text
 from pipelines.shared.tree import replacing, write_text
-from pipelines.sweep.conduct import Swept, asked_for
+from pipelines.sweep.conduct import Swept
 from pipelines.sweep.figures import heat_maps
 from pipelines.sweep.grid import Group, groups_of
 from pipelines.sweep.point import SEEDS, Point, axes_of, spelt
+from pipelines.sweep.results import place_of, result_of
 from pipelines.sweep.rows import Row
 from pipelines.sweep.thesis import thesis_tables
 from pipelines.sweep.words import choice, gray_note, header, line, run_words
@@ -32,7 +31,7 @@ def write_report(swept: Swept) -> list[Group]:
     pictures = {name: Picture(folder / FIGURES / name, text) for name, text in captions.items()}
     page_of(swept, groups, tuple(pictures.values())).write(folder)
     write_text(folder / "networks.csv", _csv(groups, folder))
-    write_text(folder / "sweep.json", json_text(_data(swept, groups)))
+    write_text(folder / "sweep.json", json_text(result_of(swept, groups)))
     return groups
 
 
@@ -91,61 +90,12 @@ def _csv(groups: Sequence[Group], folder: Path) -> str:
     return text.getvalue()
 
 
-def _flat(row: Row, group: Group, folder: Path) -> dict[str, Any]:
+def _flat(row: Row, group: Group, folder: Path) -> dict[str, object]:
     point = row.point
-    found: dict[str, Any] = {"case": point.settings.case}
+    found: dict[str, object] = {"case": point.settings.case}
     found |= {key: spelt(value) for key, value in point.at.items()}
     found |= {"output": row.output, "unit": row.unit, "size": row.size, "provenance": row.provenance}
     found |= {"held_out_rmse": row.held_out, "gray_held_out_rmse": row.without}
     for score in row.scores:
         found |= {f"rmse.{score.record}": score.rmse, f"r2.{score.record}": score.r2}
-    return {**found, "chosen": row is group.chosen, "tree": _relative(point.tree, folder)}
-
-
-def _data(swept: Swept, groups: Sequence[Group]) -> dict[str, Any]:
-    folder = swept.sweep.folder
-    return {
-        **asked_for(swept.sweep),
-        "seconds": swept.seconds,
-        "axes": axes_of(swept.sweep.points),
-        "plan": swept.plan.plain(),
-        "outputs": [_of_group(group, folder) for group in groups],
-        "failures": [{**_place(p, folder), "reason": reason} for p, reason in swept.failures.items()],
-    }
-
-
-def _of_group(group: Group, folder: Path) -> dict[str, Any]:
-    row = group.chosen
-    chosen = (
-        None if row is None else {**_place(row.point, folder), "size": row.size, "held_out": row.held_out}
-    )
-    return {
-        "title": group.title,
-        "output": group.one.output,
-        "unit": group.one.unit,
-        "provenance": group.provenance,
-        "rule": group.rule,
-        "gray_held_out": group.without,
-        "chosen": chosen,
-        "cells": [
-            {
-                "at": dict(cell.at),
-                "size": cell.rows[0].size,
-                "held_out": _spread(cell.held_out),
-                "records": {name: _spread(cell.on(name)) for name, _ in group.records},
-            }
-            for cell in group.cells
-        ],
-    }
-
-
-def _spread(spread: Any) -> Mapping[str, Any]:
-    return {"mean": spread.mean, "deviation": spread.deviation, "ran_away": spread.lost}
-
-
-def _place(point: Point, folder: Path) -> dict[str, Any]:
-    return {"at": dict(point.at), "tree": _relative(point.tree, folder)}
-
-
-def _relative(tree: Path, folder: Path) -> str:
-    return Path(os.path.relpath(tree, folder)).as_posix()
+    return {**found, "chosen": row is group.chosen, "tree": place_of(point, folder)}

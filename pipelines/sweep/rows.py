@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from math import isfinite
 
-from pipelines.shared.findings import estimate_of, metric_rows, residual_of
+from hybridid.hybrid.report import NARXReport, RBFReport
+from hybridid.validation.metrics import Metrics
+from pipelines.shared.fitted import fit_of
+from pipelines.shared.hybrids import residual_of
+from pipelines.shared.predictions import metric_rows
 from pipelines.sweep.point import Point
 
 
@@ -53,57 +57,56 @@ def rows_of(point: Point) -> list[Row]:
 def _narx(point: Point) -> Iterator[Row]:
     from hybridid.residuals.choice import NEAR
 
-    for one in residual_of(point.tree)["networks"]:
-        yield Row(
-            point,
-            one["output"],
-            one["unit"],
-            tuple(_score(row, row["fitted"]) for row in one["hybrid"]),
-            one["weights"],
-            one["held_out"],
-            one["without"],
-            one["held_out"],
-            None if one["held_out"] is None else NEAR * one["held_out"],
+    report = residual_of(point.tree).report
+    assert isinstance(report, NARXReport)
+    for one in report.networks:
+        held_out = _known(one.held_out)
+        near = None if held_out is None else NEAR * held_out
+        scores = tuple(
+            Score(row.record, row.fitted, row.provenance, _known(row.rmse), _known(row.r2))
+            for row in one.hybrid
         )
+        without = _known(one.without)
+        yield Row(point, one.output, one.unit, scores, one.weights, held_out, without, held_out, near)
 
 
 def _rbf(point: Point) -> Iterator[Row]:
     found = residual_of(point.tree)
-    (judged,) = found["candidates"]
-    for row, (output, unit) in zip(_outputs(judged), _free_runs(point, found["model"]), strict=True):
-        held_out, without = row
-        merit = judged["score"]
-        near = None if merit is None else merit + (judged["standard_error"] or 0.0)
-        scores = _scores_of(point, found["model"], output, found["records"])
-        yield Row(point, output, unit, scores, judged["nodes"], held_out, without, merit, near)
+    assert isinstance(found.report, RBFReport)
+    (judged,) = found.report.candidates
+    merit = _known(judged.score)
+    near = None if merit is None else merit + (_known(judged.standard_error) or 0.0)
+    errors = zip(judged.rmse, judged.gray_rmse, _free_runs(point, found.model), strict=True)
+    for held_out, without, (output, unit) in errors:
+        scores = _scores_of(point, found.model, output, found.records)
+        own = (_known(held_out), _known(without), merit, near)
+        yield Row(point, output, unit, scores, judged.nodes, *own)
 
 
 def _gray(point: Point) -> Iterator[Row]:
-    estimate = estimate_of(point.tree)
-    for output, unit in _free_runs(point, estimate["model"]):
-        yield Row(point, output, unit, _scores_of(point, estimate["model"], output, estimate["records"]))
-
-
-def _outputs(judged: Mapping[str, Any]) -> list[tuple[float | None, float | None]]:
-    return list(zip(judged["rmse"], judged["gray_rmse"], strict=True))
+    fit = fit_of(point.tree)
+    for output, unit in _free_runs(point, fit.model):
+        yield Row(point, output, unit, _scores_of(point, fit.model, output, fit.records))
 
 
 def _free_runs(point: Point, model: str) -> list[tuple[str, str]]:
     """Outputs and their units."""
-    rows = [row for row in metric_rows(point.tree) if row["model"] == model]
-    return list(dict.fromkeys((row["output"], row["unit"]) for row in rows))
+    rows = [row for row in metric_rows(point.tree) if row.model == model]
+    return list(dict.fromkeys((row.output, row.unit) for row in rows))
 
 
-def _scores_of(point: Point, model: str, output: str, fitted: list[str]) -> tuple[Score, ...]:
-    rows = [row for row in metric_rows(point.tree) if (row["model"], row["output"]) == (model, output)]
+def _scores_of(point: Point, model: str, output: str, fitted: Sequence[str]) -> tuple[Score, ...]:
     return tuple(
-        _score({**row, "record": row["record"] + _view(row)}, row["record"] in fitted) for row in rows
+        Score(_label(row), row.record in fitted, row.provenance, _known(row.rmse), _known(row.r2))
+        for row in metric_rows(point.tree)
+        if (row.model, row.output) == (model, output)
     )
 
 
-def _view(row: Mapping[str, Any]) -> str:
-    return f", horizon {row['horizon']:g} s" if row["view"] == "horizon" else ""
+def _label(row: Metrics) -> str:
+    """The record, and the horizon unless the row is of a free run."""
+    return row.record if row.horizon is None else f"{row.record}, horizon {row.horizon:g} s"
 
 
-def _score(row: Mapping[str, Any], fitted: bool) -> Score:
-    return Score(row["record"], fitted, row["provenance"], row["rmse"], row["r2"])
+def _known(value: float) -> float | None:
+    return value if isfinite(value) else None

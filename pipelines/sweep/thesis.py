@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from pipelines.shared.findings import prepared_records, residual_of
+from hybridid.hybrid.report import NARXReport
+from pipelines.shared.hybrids import residual_of
 from pipelines.shared.page import Table
+from pipelines.shared.prepared import prepared_records
 from pipelines.sweep.grid import Group
 from pipelines.sweep.point import SEEDS, Point, axes_of
 from pipelines.thesis import chapter4
@@ -21,14 +24,18 @@ def thesis_tables(name: str, points: Sequence[Point], groups: Sequence[Group]) -
     if name != chapter4.EXPERIMENT or not points or set(axes_of(points)) - _GRID:
         return ()
     chosen = {(g.chosen.point, g.chosen.output) for g in groups if g.chosen is not None}
+    reports = [(point, residual_of(point.tree).report) for point in points]
     rows = [
-        {**row, "chosen": (point, row["output"]) in chosen}
-        for point in points
-        for row in residual_of(point.tree)["networks"]
+        replace(row, chosen=(point, row.output) in chosen)
+        for point, report in reports
+        if isinstance(report, NARXReport)
+        for row in report.networks
     ]
-    tree = points[0].tree
+    tree, gray = points[0].tree, reports[0][1]
+    if not isinstance(gray, NARXReport):
+        return ()
     roles = {record.name: record.role for record in prepared_records(tree)}
-    swept = Networks(rows, residual_of(tree)["gray"], roles)
+    swept = Networks(rows, gray.gray, roles)
     tables = [table for table in chapter4.TABLES if isinstance(table, ScoreTable) and _is_grid(table)]
     return tuple(table_of(table, {chapter4.EXPERIMENT: swept}) for table in tables)
 

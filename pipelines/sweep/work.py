@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hybridid.hybrid import GrayBox, GrayRun, errors_of, gray_runs
+from hybridid.hybrid.narx_grid import narx_hybrid, train_networks
 from pipelines.residual import stage as residual
-from pipelines.residual.narx import NARXRequest, errors_of, train_networks
-from pipelines.residual.request import GrayBox
-from pipelines.residual.scores import GrayRun, gray_runs
+from pipelines.residual.narx import NARXRequest, told
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.freshness import RECEIPT
@@ -114,18 +114,17 @@ def _together(points: Sequence[Point], watcher: Watcher) -> None:
     runs = gray_runs(gray, requests[0].shape.initial_state)
     errors = errors_of(runs)
     tasks = [request.tasks(gray.model, errors) for request in requests]
-    trained = train_networks([t for own in tasks for t in own], requests[0].training, watcher)
+    trained = train_networks([t for own in tasks for t in own], requests[0].training, told(watcher))
     seconds = (time.perf_counter() - began) / len(points)
-    for point, request, own in zip(points, requests, tasks, strict=True):
+    for point, own in zip(points, tasks, strict=True):
         networks, trained = trained[: len(own)], trained[len(own) :]
-        _write(point, _Result(gray, runs, request, networks, seconds), watcher)
+        _write(point, _Result(gray, runs, networks, seconds), watcher)
 
 
 @dataclass(frozen=True, eq=False)
 class _Result:
     gray: GrayBox
     runs: Sequence[GrayRun]
-    request: NARXRequest
     networks: Sequence[Trained]
     seconds: float
 
@@ -134,7 +133,7 @@ def _write(point: Point, found: _Result, watcher: Watcher) -> None:
     """The stage ``residual`` with its training done already."""
 
     def run(job: Job) -> None:
-        made = found.request.made(found.gray, found.runs, found.networks, found.seconds)
+        made = narx_hybrid(found.gray, found.runs, found.networks, found.seconds)
         residual.write(job, found.gray, made)
 
     run_stages(point.settings, point.last, watcher, lambda root: adopt(point), {residual.NAME: run})

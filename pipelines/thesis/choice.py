@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
 
+from hybridid.hybrid.report import CandidateScore, NARXReport, RBFReport
 from hybridid.quantities import quantity
-from pipelines.shared.findings import residual_of
+from pipelines.shared.hybrids import residual_of
 from pipelines.thesis import chapter4, chapter5, chapter6
 from pipelines.thesis.look_up import Missing, Outcomes, tree_of
 from pipelines.thesis.reference import NetworkOf, Printed, ScoreTable
@@ -21,7 +21,7 @@ def choices(chapter: int, outcomes: Outcomes) -> tuple[str, ...]:
 def _vehicle(outcomes: Outcomes) -> Iterator[str]:
     """The network of each output: by our rule, and by the thesis' error."""
     report = _report(chapter4.EXPERIMENT, outcomes)
-    if report is None:
+    if not isinstance(report, NARXReport):
         return
     for table in chapter4.TABLES:
         if not isinstance(table, ScoreTable):
@@ -33,7 +33,7 @@ def _vehicle(outcomes: Outcomes) -> Iterator[str]:
                 f"Table {table.number}: chosen here {_chosen(report, table.rows[0].ours.output)}, the thesis "
                 f"{depth} × {width} by the error on the record that trained it."
             )
-    yield f"Our rule, on the identification record alone: {report['rule']}."
+    yield f"Our rule, on the identification record alone: {report.rule}."
 
 
 def _grid(table: ScoreTable) -> dict[tuple[int, int], Printed]:
@@ -48,10 +48,10 @@ def _grid(table: ScoreTable) -> dict[tuple[int, int], Printed]:
 def _esea(outcomes: Outcomes) -> Iterator[str]:
     """The network of each friction."""
     reports = {name: _report(experiment, outcomes) for name, experiment in chapter5.FRICTIONS.items()}
-    there = {name: report for name, report in reports.items() if report is not None}
+    there = {name: report for name, report in reports.items() if isinstance(report, NARXReport)}
     if there:
         listed = ", ".join(f"{name} {_chosen(report, chapter5.OUTPUT)}" for name, report in there.items())
-        rule = next(iter(there.values()))["rule"]
+        rule = next(iter(there.values())).rule
         yield (
             f"Networks chosen here, hidden layers × neurons: {listed}; on the identification record alone, "
             f"by the rule: {rule}. The thesis has 4 × 256 for every friction, the best by R²."
@@ -61,31 +61,31 @@ def _esea(outcomes: Outcomes) -> Iterator[str]:
 def _emps(outcomes: Outcomes) -> Iterator[str]:
     """The number of nodes that held-out blocks of the identification record choose."""
     report = _report(chapter6.CHOSEN, outcomes)
-    if report is not None:
-        rows = sorted(report["candidates"], key=lambda row: row["nodes"])
-        scored = ", ".join(f"{row['nodes']} nodes {_blocks(row['rmse'], row)}" for row in rows)
+    if isinstance(report, RBFReport):
+        rows = sorted(report.candidates, key=lambda row: row.nodes)
+        scored = ", ".join(f"{row.nodes} nodes {_blocks(row.rmse, row)}" for row in rows)
         yield (
-            f"Nodes chosen without the validation record: {report['nodes']}, by the rule: {report['rule']}. "
-            f"RMSE on those blocks: gray box {_blocks(rows[0]['gray_rmse'], rows[0])}, {scored}."
+            f"Nodes chosen without the validation record: {report.nodes}, by the rule: {report.rule}. "
+            f"RMSE on those blocks: gray box {_blocks(rows[0].gray_rmse, rows[0])}, {scored}."
         )
 
 
-def _blocks(rmse: Sequence[float | None], row: Mapping[str, Any]) -> str:
+def _blocks(rmse: Sequence[float], row: CandidateScore) -> str:
     """The error on held-out blocks; a candidate that failed on one has none."""
-    (value,), (unit,) = rmse, row["units"]
-    if value is None or not math.isfinite(value):
-        return f"failed ({'; '.join(row['failures'])})"
+    (value,), (unit,) = rmse, row.units
+    if not math.isfinite(value):
+        return f"failed ({'; '.join(row.failures)})"
     return quantity(value, unit, 3)
 
 
-def _chosen(report: Mapping[str, Any], output: str) -> str:
-    row = next(row for row in report["networks"] if row["output"] == output and row["chosen"])
-    return f"{row['depth']} × {row['width']}"
+def _chosen(report: NARXReport, output: str) -> str:
+    row = next(row for row in report.networks if row.output == output and row.chosen)
+    return f"{row.depth} × {row.width}"
 
 
-def _report(experiment: str, outcomes: Outcomes) -> dict[str, Any] | None:
+def _report(experiment: str, outcomes: Outcomes) -> NARXReport | RBFReport | None:
     try:
-        return residual_of(tree_of(experiment, outcomes))
+        return residual_of(tree_of(experiment, outcomes)).report
     except Missing:
         return None
 

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
-from typing import Any
 
-from pipelines.shared.findings import estimate_of, metric_rows, prepared_records, residual_of
+from hybridid.estimators.estimate import EstimatedParameter
+from hybridid.hybrid.report import NARXReport, NetworkScore, RecordScore
+from hybridid.validation.metrics import Metrics
+from pipelines.shared.fitted import Fit, fit_of
+from pipelines.shared.hybrids import residual_of
+from pipelines.shared.predictions import metric_rows
+from pipelines.shared.prepared import prepared_records
 from pipelines.thesis.reference import EveryEstimate, NetworkOf, ParameterOf, ScoreOf
 
 
@@ -24,8 +30,8 @@ class Networks:
     """The networks of a sweep in place of a run tree: rows as in ``residual.json``, of them and of the gray
     box, and the role of each record."""
 
-    rows: Sequence[Mapping[str, Any]]
-    gray: Sequence[Mapping[str, Any]]
+    rows: Sequence[NetworkScore]
+    gray: Sequence[RecordScore]
     roles: Mapping[str, str]
 
 
@@ -43,11 +49,11 @@ class NotRun(Missing):
 
 @dataclass(frozen=True)
 class FoundEstimate:
-    """Our estimate, its standard error where it has one, what a reader must know of it."""
+    """Our estimate, its standard error (nan: it has none), what a reader must know of it."""
 
     name: str
-    value: float | None
-    std: float | None
+    value: float
+    std: float
     unit: str
     provenance: str
     remarks: tuple[str, ...] = ()
@@ -86,10 +92,11 @@ def estimate(where: ParameterOf, outcomes: Outcomes) -> FoundEstimate:
     Raises:
         Missing: if the experiment did not estimate it.
     """
-    data = estimate_of(tree_of(where.experiment, outcomes))
-    if where.name not in data["parameters"]:
-        raise Missing("not estimated")
-    return _estimate(where.name, data)
+    fit = fit_of(tree_of(where.experiment, outcomes))
+    for parameter in fit.estimate.parameters:
+        if parameter.name == where.name:
+            return _estimate(parameter, fit)
+    raise Missing("not estimated")
 
 
 def estimates(where: EveryEstimate, outcomes: Outcomes) -> Iterator[FoundEstimate]:
@@ -98,8 +105,8 @@ def estimates(where: EveryEstimate, outcomes: Outcomes) -> Iterator[FoundEstimat
     Raises:
         Missing: if the experiment has no results.
     """
-    data = estimate_of(tree_of(where.experiment, outcomes))
-    yield from (_estimate(name, data) for name in data["parameters"])
+    fit = fit_of(tree_of(where.experiment, outcomes))
+    yield from (_estimate(parameter, fit) for parameter in fit.estimate.parameters)
 
 
 def score(where: ScoreOf | NetworkOf, outcomes: Outcomes) -> FoundScore:
@@ -113,62 +120,58 @@ def score(where: ScoreOf | NetworkOf, outcomes: Outcomes) -> FoundScore:
         names = {name for name, role in swept.roles.items() if role == where.role}
         if isinstance(where, NetworkOf):
             return _network(where, swept.rows, names)
-        return _on(names, [row for row in swept.gray if row["output"] == where.output])
+        return _on(names, [row for row in swept.gray if row.output == where.output])
     tree = tree_of(where.experiment, outcomes)
     names = {record.name for record in prepared_records(tree) if record.role == where.role}
     if not names:
         raise Missing("no such record")
     if isinstance(where, NetworkOf):
-        return _network(where, residual_of(tree)["networks"], names)
+        report = residual_of(tree).report
+        return _network(where, report.networks if isinstance(report, NARXReport) else (), names)
     return _model(where, tree, names)
 
 
-def _estimate(name: str, data: Mapping[str, Any]) -> FoundEstimate:
-    row = data["parameters"][name]
+def _estimate(parameter: EstimatedParameter, fit: Fit) -> FoundEstimate:
     remarks = [
         word
         for word, applies in (
-            ("at its bound", row["at_bound"]),
-            ("not identifiable", not row["identifiable"]),
-            ("fit not converged", not data["converged"]),
+            ("at its bound", parameter.at_bound),
+            ("not identifiable", not parameter.identifiable),
+            ("fit not converged", not fit.estimate.converged),
         )
         if applies
     ]
-    return FoundEstimate(name, row["value"], row["std"], row["unit"], str(data["provenance"]), tuple(remarks))
+    p = parameter
+    return FoundEstimate(p.name, p.value, p.std, p.unit, fit.provenance, tuple(remarks))
 
 
 def _model(where: ScoreOf, tree: Path, names: set[str]) -> FoundScore:
-    gray = estimate_of(tree)["model"]
+    gray = fit_of(tree).model
     for row in metric_rows(tree):
-        of = "gray box" if row["model"] == gray else "hybrid"
-        if row["record"] in names and (of, row["output"], row["view"]) == (
-            where.of,
-            where.output,
-            where.view,
-        ):
+        of = "gray box" if row.model == gray else "hybrid"
+        if row.record in names and (of, row.output, row.view) == (where.of, where.output, where.view):
             return _score(row)
     raise Missing(f"no {where.of} here")
 
 
-def _network(where: NetworkOf, networks: Sequence[Mapping[str, Any]], names: set[str]) -> FoundScore:
+def _network(where: NetworkOf, networks: Sequence[NetworkScore], names: set[str]) -> FoundScore:
     """Of the seeds of one size, the one whose held-out error was lowest."""
     wanted = (where.output, where.depth, where.width)
-    rows = [row for row in networks if (row["output"], row["depth"], row["width"]) == wanted]
+    rows = [row for row in networks if (row.output, row.depth, row.width) == wanted]
     if not rows:
         raise Missing("no such network")
-    best = min(rows, key=lambda row: float("inf") if row["held_out"] is None else row["held_out"])
-    return _on(names, best["hybrid"], any(row["chosen"] for row in rows))
+    best = min(rows, key=lambda row: row.held_out if isfinite(row.held_out) else float("inf"))
+    return _on(names, best.hybrid, any(row.chosen for row in rows))
 
 
-def _on(names: set[str], rows: Sequence[Mapping[str, Any]], chosen: bool = False) -> FoundScore:
+def _on(names: set[str], rows: Sequence[RecordScore], chosen: bool = False) -> FoundScore:
     for row in rows:
-        if row["record"] in names:
+        if row.record in names:
             return _score(row, chosen)
     raise Missing("not simulated on this record")
 
 
-def _score(row: Mapping[str, Any], chosen: bool = False) -> FoundScore:
-    if row["rmse"] is None:
-        raise Missing(f"diverged: {row.get('remark') or 'no finite prediction'}")
-    rmse = float(row["rmse"])
-    return FoundScore(rmse, rmse**2, float(row["r2"]), str(row["provenance"]), chosen)
+def _score(row: Metrics | RecordScore, chosen: bool = False) -> FoundScore:
+    if not isfinite(row.rmse):
+        raise Missing(f"diverged: {row.remark or 'no finite prediction'}")
+    return FoundScore(row.rmse, row.rmse**2, row.r2, row.provenance, chosen)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import save
-from pipelines.shared.findings import provenance_of
 from pipelines.shared.page import Page, Picture, Section, Table
+from pipelines.shared.prepared import provenance_of
 from pipelines.shared.watch import Watcher
 from pipelines.thesis import chapter4, chapter5, chapter6, figures4, figures5, figures6
 from pipelines.thesis.choice import choices

@@ -18,8 +18,8 @@ from hybridid.quantities import number, per_root_hertz
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from pipelines.shared.config import Settings
-from pipelines.shared.findings import prepared_records
 from pipelines.shared.predictions import Stored, predictions_in
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import sources_of
 from pipelines.thesis.look_up import Missing, NotRun, Outcomes, tree_of
 

@@ -12,8 +12,8 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.split import automatic_horizon
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
-from pipelines.shared.findings import Prepared
 from pipelines.shared.modelling import plant_of
+from pipelines.shared.prepared import Prepared
 from pipelines.shared.sections.searches import TraceSection
 from pipelines.shared.sections.stages import ValidateSection
 from pipelines.shared.sources import Named, chosen
@@ -86,7 +86,7 @@ def fitting_horizon(request: Request, prepared: Sequence[Prepared], settings: Se
     """``request``, its horizon shorter where it is automatic and the records are short."""
     if not isinstance(section_of(settings).horizon, str):  # auto
         return request
-    fitted, held_out = ([r.row["n"] * r.row["dt"] for r in part] for part in division(prepared, settings))
+    fitted, held_out = ([r.seconds for r in part] for part in division(prepared, settings))
     return replace(request, horizon=automatic_horizon(fitted, held_out, request.horizon))
 
 

@@ -14,11 +14,11 @@ from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.findings import loaded_estimate, prepared_records
-from pipelines.shared.fitted import describe_model
+from pipelines.shared.fitted import describe_model, fit_of
 from pipelines.shared.imports import code_digests
 from pipelines.shared.modelling import fit_settings, model_of, named_code
 from pipelines.shared.page import Picture
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
@@ -52,7 +52,7 @@ def run(job: Job) -> None:
             ports=request.ports,
             rules=request.rules,
             settings=fit_settings(job.settings),
-            start=loaded_estimate(job.tree).values,
+            start=fit_of(job.tree).estimate.values,
             initial_state=str(job.settings["validate.initial_state"]),
             mapper=mapper,
             report=_Report(job),
@@ -75,8 +75,8 @@ class _Report:
 def _write(job: Job, found: Trace, processes: int) -> None:
     """The model and the numbers first; then the figures and the pages, which only show them."""
     settings = _augmented(job.settings, found)
-    described = describe_model(settings, model_of(settings))
-    write_json(job.folder / "model.json", {**described, "provenance": found.provenance})
+    described = describe_model(settings, model_of(settings), found.provenance)
+    write_json(job.folder / "model.json", described)
     write_missing(job.folder, found.shown.missing)
     samples = found.shown.split.horizon
     said = TraceFile(

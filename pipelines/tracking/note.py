@@ -5,9 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
+
+from hybridid.plain import plain
 
 Status = Literal["RUNNING", "FINISHED", "FAILED"]
 KEY = "hybridid.key"
@@ -58,20 +60,8 @@ class Note:
         """Equal for two notes of one result, wherever its files lie and by whatever code it is logged."""
         tags = {name: tag for name, tag in self.tags.items() if name not in (COMMIT, CHANGED)}
         files = sorted(a.into for a in self.artifacts)
-        said = {**self.plain(), "tags": tags, "artifacts": files, "uri": None}
+        said = {**plain(self), "tags": tags, "artifacts": files, "uri": None}
         return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:16]
-
-    def plain(self) -> dict[str, Any]:
-        """As JSON takes it."""
-        artifacts = [{"source": str(a.source), "into": a.into} for a in self.artifacts]
-        return {**asdict(replace(self, artifacts=())), "artifacts": artifacts}
-
-    @classmethod
-    def of(cls, data: Mapping[str, Any]) -> Note:
-        """What ``plain`` gave."""
-        metrics = tuple(Metric(**one) for one in data["metrics"])
-        artifacts = tuple(Artifact(Path(one["source"]), one["into"]) for one in data["artifacts"])
-        return cls(**{**data, "metrics": metrics, "artifacts": artifacts})
 
 
 def short(text: object) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from filelock import FileLock
 
 from pipelines.shared.config import Settings
-from pipelines.shared.storage import read_json, write_json
+from pipelines.shared.storage import read_as, write_json
 from pipelines.shared.tree import remove
 from pipelines.shared.watch import Watcher
 from pipelines.tracking.note import Artifact, Note
@@ -46,7 +46,7 @@ def keep(note: Note, settings: Settings) -> Path:
     new.chmod(0o755)
     try:
         copies = tuple(_copied(artifact, new, k) for k, artifact in enumerate(note.artifacts))
-        write_json(new / _NOTE, replace(note, artifacts=copies).plain())
+        write_json(new / _NOTE, replace(note, artifacts=copies))
         # by time: a run's later note fills it after the earlier; by the random name: nobody's is replaced
         final = root / f"{time.time_ns()}-{new.name.removeprefix(_UNFINISHED)}"
         return new.rename(final)
@@ -69,7 +69,7 @@ def waiting(settings: Settings) -> list[tuple[Path, Note]]:
     """The notes that wait, the oldest first."""
     found = []
     for place in sorted(folder(settings).glob(f"[0-9]*/{_NOTE}")):
-        note = Note.of(read_json(place))
+        note = read_as(Note, place)
         here = tuple(Artifact(place.parent / a.source, a.into) for a in note.artifacts)
         found.append((place.parent, replace(note, artifacts=here)))
     return found

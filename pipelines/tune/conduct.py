@@ -11,8 +11,8 @@ from pathlib import Path
 from pipelines.runner import run_stages
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.findings import prepared_records, provenance_of
 from pipelines.shared.modelling import model_of
+from pipelines.shared.prepared import prepared_records, provenance_of
 from pipelines.shared.side_by_side import Died, side_by_side
 from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
@@ -51,7 +51,7 @@ def tune(settings: Settings, watcher: Watcher) -> Tuned:
     _check(settings, request)
     began = time.time()
     outcome = run_stages(gray_settings(settings), "fit", watcher)
-    data = {record.name: str(record.row["digest"]) for record in prepared_records(outcome.tree)}
+    data = {record.name: record.digest for record in prepared_records(outcome.tree)}
     digest = study_digest(settings, request, data)
     folder = _folder(settings, digest, provenance_of(outcome.tree))
     _claim(folder, digest)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
+from hybridid.hybrid.narx_grid import HeldOutError
+from hybridid.plain import restored
 from hybridid.residuals.choice import NEAR, smallest_within
 from pipelines.tune.request import Value
 
@@ -30,7 +32,7 @@ class Row:
     values: Mapping[str, Value]
     share: float | None
     weights: int | None
-    outputs: Mapping[str, Mapping[str, Any]]
+    outputs: Mapping[str, HeldOutError]
     began: float
     seconds: float
     remark: str = ""
@@ -42,10 +44,6 @@ class Row:
         if self.share is not None:
             return f"held-out share {self.share:.4g}, {self.weights} weights, {self.seconds:.1f} s"
         return f"{self.state} ({self.remark})" if self.remark else self.state
-
-    def plain(self) -> dict[str, Any]:
-        """As JSON takes it."""
-        return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +61,22 @@ class Findings:
     def best(self) -> list[Row]:
         """Those with a value, the lowest first."""
         return sorted(self.of("done"), key=lambda row: row.share or 0.0)
+
+
+@dataclass(frozen=True)
+class Search:
+    """``tune.json``: the search for a ``case``, the number of the ``chosen`` trial, and all ``trials``.
+
+    ``importance`` is the share of each config key in what tells better trials from the rest.
+    """
+
+    case: str
+    provenance: str
+    objective: str
+    rule: str
+    chosen: int | None
+    importance: Mapping[str, float]
+    trials: tuple[Row, ...]
 
 
 def findings_of(study: Study) -> Findings:
@@ -95,7 +109,7 @@ def row_of(trial: FrozenTrial) -> Row:
         dict(trial.params),
         trial.value if state == "done" else None,
         known.get("weights"),
-        known.get("outputs", {}),
+        restored(dict[str, HeldOutError], known.get("outputs", {}), f"trial {trial.number}: outputs"),
         began.timestamp() if began else 0.0,
         (ended - began).total_seconds() if began and ended else 0.0,
         str(known.get("error") or known.get("pruned") or ("its process ended" if state == "stopped" else "")),

@@ -30,4 +30,4 @@ def log_trial(settings: Settings, row: Row, parent: str, watcher: Watcher) -> No
 
 def _metrics(row: Row) -> dict[str, float]:
     found = {"tune.share": float(row.share or 0.0), "tune.weights": float(row.weights or 0)}
-    return found | {f"tune.held_out.{name}": float(one["held_out"]) for name, one in row.outputs.items()}
+    return found | {f"tune.held_out.{name}": one.held_out for name, one in row.outputs.items()}

@@ -16,7 +16,7 @@ from pipelines.shared.config import MODELLING, Settings
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.storage import json_text
 from pipelines.shared.tree import write_text
-from pipelines.tune.findings import RULE, Findings, Row, number
+from pipelines.tune.findings import RULE, Findings, Row, Search, number
 from pipelines.tune.request import Value, with_values
 from pipelines.tune.trial import OBJECTIVE
 
@@ -28,7 +28,7 @@ _KEPT = (*MODELLING, "validate")
 def written(findings: Findings, settings: Settings, folder: Path, provenance: str) -> list[Path]:
     """Write the report; its files."""
     (folder / "experiment").mkdir(exist_ok=True)
-    files = {"tune.json": json_text(_plain(findings, settings, provenance))}
+    files = {"tune.json": json_text(_search(findings, settings, provenance))}
     pictures = []
     if findings.of("done", "pruned"):
         plot = history_plot(list(_tried(findings)), f"{settings.case}, held-out share by trial", provenance)
@@ -97,7 +97,7 @@ def columns(findings: Findings) -> tuple[list[str], list[str]]:
 def cells(row: Row, keys: list[str], outputs: list[str]) -> list[str]:
     """A finished trial as text: number, share, weights, values, RMSE by output, seconds."""
     found = [row.outputs.get(name) for name in outputs]
-    errors = [quantity(one["held_out"], one["unit"]) if one else "" for one in found]
+    errors = [quantity(one.held_out, one.unit) if one else "" for one in found]
     values = [number(_short(row)[key]) if key in _short(row) else "" for key in keys]
     share, seconds = quantities.number(row.share), fixed(row.seconds, 1)
     return [str(row.number), share, str(row.weights), *values, *errors, seconds]
@@ -148,13 +148,8 @@ def _tried(findings: Findings) -> Iterator[Tried]:
             yield Tried(row.number, share, row.state == "pruned", row is findings.chosen)
 
 
-def _plain(findings: Findings, settings: Settings, provenance: str) -> dict[str, Any]:
-    return {
-        "case": settings.case,
-        "provenance": provenance,
-        "objective": OBJECTIVE,
-        "rule": RULE,
-        "chosen": None if findings.chosen is None else findings.chosen.number,
-        "importance": findings.importance,
-        "trials": [row.plain() for row in findings.rows],
-    }
+def _search(findings: Findings, settings: Settings, provenance: str) -> Search:
+    chosen = None if findings.chosen is None else findings.chosen.number
+    return Search(
+        settings.case, provenance, OBJECTIVE, RULE, chosen, dict(findings.importance), findings.rows
+    )

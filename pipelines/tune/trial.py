@@ -5,15 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from statistics import fmean
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hybridid.estimators.estimate import Progress
-from pipelines.residual.narx import NARXRequest, errors_of
-from pipelines.residual.request import GrayBox
-from pipelines.residual.scores import GrayRun
+from hybridid.hybrid import GrayBox, GrayRun, errors_of
+from hybridid.hybrid.narx_grid import HeldOut, held_out_of
+from pipelines.residual.narx import NARXRequest
 from pipelines.residual.stage import request_of
 from pipelines.shared.watch import Watcher
 from pipelines.tune.request import Value, with_values
@@ -21,7 +20,6 @@ from pipelines.tune.request import Value, with_values
 if TYPE_CHECKING:
     from optuna import Trial
 
-    from hybridid.residuals.training import Trained
     from pipelines.shared.config import Settings
 
 OBJECTIVE = (
@@ -42,12 +40,9 @@ class Bench:
 
 @dataclass(frozen=True)
 class Found:
-    """``share`` is the objective; ``weights`` of one network of each output; ``outputs`` their held-out RMSE,
-    mean over seeds, ``without`` that of no network."""
+    """How well the networks do, and how long they took to train."""
 
-    share: float
-    weights: int
-    outputs: Mapping[str, Mapping[str, Any]]
+    held_out: HeldOut
     seconds: float
 
 
@@ -73,7 +68,7 @@ def carried_out(
     began = time.perf_counter()
     tasks = request.tasks(bench.gray.model, errors_of(bench.runs))
     trained = train_stack(tasks, request.training, _reporter(trial, name, watcher))
-    return _found(trained, time.perf_counter() - began)
+    return Found(held_out_of(trained), time.perf_counter() - began)
 
 
 def _reporter(trial: Trial | None, name: str, watcher: Watcher) -> Callable[[Progress], None]:
@@ -95,18 +90,3 @@ def _reporter(trial: Trial | None, name: str, watcher: Watcher) -> Callable[[Pro
             raise TrialPruned(f"at {percent} % of its training")
 
     return report
-
-
-def _found(trained: Sequence[Trained], seconds: float) -> Found:
-    outputs: dict[str, dict[str, Any]] = {}
-    for name in dict.fromkeys(one.network.output for one in trained):
-        own = [one for one in trained if one.network.output == name]
-        outputs[name] = {
-            "held_out": fmean(one.held_out for one in own),
-            "without": own[0].zero,
-            "unit": own[0].unit,
-        }
-    shares = [one.held_out / one.zero for one in trained]
-    seeds = len(trained) // len(outputs)
-    weights = sum(one.network.weights.count for one in trained) // seeds
-    return Found(float(np.sqrt(np.mean(np.square(shares)))), weights, outputs, seconds)

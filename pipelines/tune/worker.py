@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.residual.scores import gray_runs
+from hybridid.hybrid import gray_runs
+from hybridid.plain import plain
 from pipelines.residual.stage import gray_box
 from pipelines.shared.config import Settings
 from pipelines.shared.imports import make_importable
@@ -82,11 +83,12 @@ def _done(study: Study, trial: Trial, bench: Bench, watcher: Watcher) -> None:
 def _tell(study: Study, trial: Trial, found: Found) -> None:
     from optuna.trial import TrialState
 
-    trial.set_user_attr("weights", found.weights)
-    trial.set_user_attr("outputs", {name: dict(row) for name, row in found.outputs.items()})
+    held_out = found.held_out
+    trial.set_user_attr("weights", held_out.weights)
+    trial.set_user_attr("outputs", plain(held_out.outputs))
     trial.set_user_attr("training_seconds", found.seconds)
-    if np.isfinite(found.share):
-        study.tell(trial, found.share)
+    if np.isfinite(held_out.share):
+        study.tell(trial, held_out.share)
     else:
         trial.set_user_attr("pruned", "every network ran away on the held-out blocks")
         study.tell(trial, state=TrialState.PRUNED)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, field
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 
 from hybridid.rigs.emps import EMPSRig
 from pipelines.shared.config import Settings
@@ -104,6 +106,18 @@ def settings(own_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[...,
         return Settings("short", config, **more)
 
     return changed
+
+
+@pytest.fixture(scope="session")
+def fits_schema() -> Callable[[Path], None]:
+    """``fits_schema(path)`` fails unless a file of results is what its schema in the docs says."""
+    schemas = Path(__file__).parents[2] / "docs" / "schemas"
+
+    def check(path: Path) -> None:
+        schema = json.loads((schemas / f"{path.stem}.schema.json").read_text())
+        Draft202012Validator(schema).validate(json.loads(path.read_text()))
+
+    return check
 
 
 @pytest.fixture

@@ -13,9 +13,10 @@ from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import rendered
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.findings import metrics_of, prepared_records
+from pipelines.shared.findings import metrics_of
 from pipelines.shared.fitted import load
 from pipelines.shared.hybrids import hybrid_of
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.storage import read_json
 
 GRID = {
@@ -74,6 +75,9 @@ class TestGrid:
             assert (row["provenance"], row["unit"]) == ("measured", "m")
             assert gray["record"] == row["record"]
             assert gray["rmse"] != row["rmse"]
+
+    def test_the_file_is_what_its_schema_says(self, tree, fits_schema):
+        fits_schema(tree / "residual/residual.json")
 
     def test_the_choice_keeps_its_rule(self, tree):
         report = read_json(tree / "residual/residual.json")
@@ -142,8 +146,9 @@ def test_a_network_that_runs_away_is_caught_and_reported(made, heard, data):
 
 
 class TestRBF:
-    def test_several_nodes_are_chosen_from_on_held_out_blocks(self, made):
+    def test_several_nodes_are_chosen_from_on_held_out_blocks(self, made, fits_schema):
         tree = made(RBF, "validate")
+        fits_schema(tree / "residual/residual.json")
         report = read_json(tree / "residual/residual.json")
         assert [row["nodes"] for row in report["candidates"]] == [2, 3]
         assert sum(row["chosen"] for row in report["candidates"]) == 1

@@ -11,9 +11,9 @@ import pytest
 from hybridid.records.store import load_record
 from hybridid.validation import free_run, metrics
 from pipelines.runner import run_stages
-from pipelines.shared.findings import loaded_estimate, prepared_records
-from pipelines.shared.fitted import load
+from pipelines.shared.fitted import fit_of, load
 from pipelines.shared.predictions import predictions_in, residual_tests_in
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.storage import read_json, write_json
 
 
@@ -62,7 +62,7 @@ def test_fitted_model_comes_back(tree):
     rows = json.loads((tree / "validate/metrics.json").read_text())
     written = next(r for r in rows if (r["record"], r["view"]) == ("second", "free_run"))
     assert again.rmse == pytest.approx(written["rmse"], rel=1e-9)
-    assert loaded_estimate(tree).parameters[1].upper == math.inf
+    assert fit_of(tree).estimate.parameters[1].upper == math.inf
 
 
 def test_predictions_come_back_whole(tree):
@@ -89,6 +89,11 @@ def test_json_is_strict(tmp_path):
         "a": None, "b": [None, 1.5], "c": [1.0, None], "d": 3, "é": "μ"
     }  # fmt: skip
     assert read_json(tmp_path / "x.json")["é"] == "μ"
+
+
+def test_files_are_what_their_schemas_say(tree, fits_schema):
+    for name in ("preprocess/records", "fit/estimate", "fit/model", "validate/metrics", "validate/residuals"):
+        fits_schema(tree / f"{name}.json")
 
 
 def test_every_json_of_a_tree_is_strict(tree):

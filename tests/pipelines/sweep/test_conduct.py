@@ -28,13 +28,14 @@ def done(sweep, crew, heard):
     return run
 
 
-def test_a_sweep_ends_in_a_table_a_map_and_a_choice(points, done):
+def test_a_sweep_ends_in_a_table_a_map_and_a_choice(points, done, fits_schema):
     swept, crew = done(points({"residual.horizons": [10]}))
     groups = write_report(swept)
     folder = swept.sweep.folder
     assert swept.failures == {}
     assert len(crew.grays) == 1
 
+    fits_schema(folder / "sweep.json")
     data = json.loads((folder / "sweep.json").read_text())
     (output,) = data["outputs"]
     assert output["provenance"] == "measured"

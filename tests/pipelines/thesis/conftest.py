@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from hybridid.estimators import Estimate, EstimatedParameter, FitSettings
+from hybridid.hybrid.report import CandidateScore, NARXReport, NetworkScore, RBFReport, RecordScore
+from hybridid.validation import Metrics
+from pipelines.shared.fitted import Fit
+from pipelines.shared.hybrids import Residual
+from pipelines.shared.prepared import Prepared
+from pipelines.shared.storage import write_json
 from pipelines.thesis import chapter4, chapter5, chapter6
 from pipelines.thesis.reference import EveryEstimate, NetworkOf, ScoreTable, experiments_of
 
 TABLES = (*chapter4.TABLES, *chapter5.TABLES, *chapter6.TABLES)
 EXPERIMENTS = sorted({name for table in TABLES for name in experiments_of(table)})
+INF = float("inf")
 ROLES = ("identification", "validation")
 
 
@@ -30,25 +39,37 @@ def made_up(root: Path) -> dict[str, Path]:
 
 def _tree(tree: Path, experiment: str, numbers: Iterator[float]) -> Path:
     data = provenance(experiment)
-    records = [{"name": r, "role": r, "provenance": data, "file": f"preprocess/{r}.parquet"} for r in ROLES]
-    _write(tree / "preprocess/records.json", records)
-    parameters = {
-        name: {"value": next(numbers), "std": 0.5, "unit": "N", "at_bound": False, "identifiable": True}
+    _write(tree / "preprocess/records.json", [_prepared(role, data) for role in ROLES])
+    parameters = tuple(
+        EstimatedParameter(name, next(numbers), 0.5, "N", -INF, INF, at_bound=False, identifiable=True)
         for name in _parameters(experiment)
-    }
-    about = {"model": "gray box", "provenance": data, "converged": True, "parameters": parameters}
-    _write(tree / "fit/estimate.json", about)
+    )
+    _write(
+        tree / "fit/estimate.json", Fit("", "gray box", ("identification",), data, (), _estimate(parameters))
+    )
     rows = [
-        _scores(numbers, data) | {"model": model, "record": role, "output": output, "view": view}
+        _metrics(next(numbers), data, model, role, output, view)
         for model in ("gray box", "hybrid, a network")
         for role in ROLES
         for output in _outputs(experiment)
         for view in ("free_run", "horizon")
     ]
     _write(tree / "validate/metrics.json", rows)
-    report = {"networks": _networks(experiment, numbers, data), **_candidates(), "rule": "the smallest"}
-    _write(tree / "residual/residual.json", report)
+    report = _candidates() if experiment == chapter6.CHOSEN else _networks(experiment, numbers, data)
+    _write(tree / "residual/residual.json", Residual(experiment, "", (), data, report, (), ()))
     return tree
+
+
+def _prepared(role: str, data: str) -> Prepared:
+    return Prepared(role, role, data, Path(f"preprocess/{role}.parquet"), "", "", 10, 0.1, (), (), (), ())
+
+
+def _estimate(parameters: tuple[EstimatedParameter, ...]) -> Estimate:
+    nothing = np.zeros((0, 0))
+    return Estimate(
+        parameters, {}, nothing, nothing, (), 1.0, "converged", converged=True, iterations=3,
+        seconds={"build": 0.1, "solve": 0.2}, substeps=1, settings=FitSettings(),
+    )  # fmt: skip
 
 
 def _parameters(experiment: str) -> list[str]:
@@ -66,37 +87,45 @@ def _outputs(experiment: str) -> list[str]:
     return sorted({row.ours.output for row in rows if row.ours.experiment == experiment})
 
 
-def _networks(experiment: str, numbers: Iterator[float], data: str) -> list[dict[str, Any]]:
+def _networks(experiment: str, numbers: Iterator[float], data: str) -> NARXReport:
     """Two seeds of each network of a grid; the second has the lower held-out error."""
     rows = [row.ours for table in chapter4.TABLES if isinstance(table, ScoreTable) for row in table.rows]
     sizes = {(n.depth, n.width) for n in rows if isinstance(n, NetworkOf)}
-    return [
-        {
-            "output": output, "depth": depth, "width": width, "seed": seed, "held_out": 2.0 - seed,
-            "chosen": (depth, width, seed) == (3, 8, 1),
-            "hybrid": [_scores(numbers, data) | {"record": role} for role in ROLES],
-        }
+    networks = tuple(
+        NetworkScore(
+            output, depth, width, seed, 10, held_out=2.0 - seed, without=3.0, unit="m", stopped=(),
+            chosen=(depth, width, seed) == (3, 8, 1),
+            hybrid=tuple(_score(next(numbers), data, role, output) for role in ROLES),
+        )
         for output in _outputs(experiment)
         for depth, width in sorted(sizes)
         for seed in (0, 1)
-    ]  # fmt: skip
+    )  # fmt: skip
+    return NARXReport(networks, (), "the smallest", {}, 1.0)
 
 
-def _candidates() -> dict[str, Any]:
-    about = {"gray_rmse": [2e-3], "units": ["m"], "failures": []}
-    rows = [{**about, "nodes": n, "rmse": [1e-3 + n * 1e-5]} for n in chapter6.NODES]
-    rows[-1] |= {"rmse": [None], "failures": ["a simulation diverges"]}
-    return {"candidates": rows, "nodes": 8}
+def _candidates() -> RBFReport:
+    rows = [_candidate(n, 1e-3 + n * 1e-5) for n in chapter6.NODES]
+    rows[-1] = replace(rows[-1], rmse=(INF,), failures=("a simulation diverges",))
+    return RBFReport(8, None, "refitted", tuple(rows), "the smallest", 1.0)
 
 
-def _scores(numbers: Iterator[float], data: str) -> dict[str, Any]:
-    rmse = next(numbers)
-    return {"rmse": rmse, "mse": rmse**2, "r2": 1 - rmse, "unit": "m", "provenance": data}
+def _candidate(nodes: int, rmse: float) -> CandidateScore:
+    return CandidateScore(nodes, None, (rmse,), (2e-3,), ("m",), 1.0, 0.1, (), chosen=nodes == 8)
+
+
+def _metrics(rmse: float, data: str, model: str, role: str, output: str, view: str) -> Metrics:
+    horizon = None if view == "free_run" else 1.0
+    return Metrics(model, role, output, view, rmse**2, rmse, 1 - rmse, 90.0, 10, "m", data, horizon)
+
+
+def _score(rmse: float, data: str, role: str, output: str) -> RecordScore:
+    return RecordScore(role, role == "identification", data, output, rmse**2, rmse, 1 - rmse, 10, "m")
 
 
 def _write(path: Path, content: Any) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(content))
+    write_json(path, content)
 
 
 @pytest.fixture

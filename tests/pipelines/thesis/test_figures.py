@@ -12,6 +12,7 @@ from hybridid.records.record import Channel, Record
 from hybridid.records.store import save_record
 from hybridid.validation import Prediction
 from pipelines.shared.predictions import write_prediction
+from pipelines.shared.prepared import Prepared
 from pipelines.shared.storage import write_json
 from pipelines.thesis import figures4, figures5
 from pipelines.thesis.chapter5 import FRICTIONS
@@ -35,9 +36,8 @@ def made_up_tree(root: Path, experiment: str, hybrid: bool = True) -> Path:
     for role, rate in (("identification", 2.0), ("validation", 3.0)):
         record = made_up_record(role, rate, SIGNALS[experiment])
         save_record(record, tree / f"preprocess/{role}.parquet")
-        rows.append(
-            {"name": role, "role": role, "provenance": "simulated", "file": f"preprocess/{role}.parquet"}
-        )
+        file = Path(f"preprocess/{role}.parquet")
+        rows.append(Prepared(role, role, "simulated", file, "", record.digest, record.n, DT, (), (), (), ()))
         write_prediction(tree / "validate", prediction(record, 0.8), "gray box", None)
         if hybrid:
             write_prediction(tree / "validate/hybrid", prediction(record, 0.95), "hybrid, a network", None)

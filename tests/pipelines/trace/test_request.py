@@ -25,8 +25,8 @@ class Recorded:
     dt: float = 0.01
 
     @property
-    def row(self) -> dict[str, float]:
-        return {"n": self.n, "dt": self.dt}
+    def seconds(self) -> float:
+        return self.n * self.dt
 
 
 def horizon_of(records, horizon="auto", held_out="auto") -> float:

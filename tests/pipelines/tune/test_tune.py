@@ -78,13 +78,16 @@ def test_wrong_requests_are_one_line_before_anything_is_done(asked, heard, secti
     assert not Path("outputs").exists()
 
 
-def test_values_reach_the_networks_and_the_chosen_config_makes_them_again(asked, heard, in_this_process):
+def test_values_reach_the_networks_and_the_chosen_config_makes_them_again(
+    asked, heard, in_this_process, fits_schema
+):
     settings = asked(processes=1)
     tuned = tune(settings, heard)
     assert [row.state for row in tuned.findings.rows].count("running") == 0
+    fits_schema(tuned.folder / "tune.json")
     chosen = tuned.findings.chosen
-    assert chosen.outputs["position"]["held_out"] == pytest.approx(
-        chosen.share * chosen.outputs["position"]["without"]
+    assert chosen.outputs["position"].held_out == pytest.approx(
+        chosen.share * chosen.outputs["position"].without
     )
     kept = yaml.safe_load((tuned.folder / "experiment/tuned.yaml").read_text())
     defaults = kept.pop("defaults")
@@ -92,7 +95,7 @@ def test_values_reach_the_networks_and_the_chosen_config_makes_them_again(asked,
     assert kept["residual"]["width"] == chosen.values["residual.width"]
     again = run_stages(replace(settings, config={**settings.config, **kept}), "residual", heard)
     (row,) = read_json(again.tree / "residual/residual.json")["networks"]
-    assert row["held_out"] == chosen.outputs["position"]["held_out"]
+    assert row["held_out"] == chosen.outputs["position"].held_out
     assert row["weights"] == chosen.weights
 
     shown = tune_results(tuned)
