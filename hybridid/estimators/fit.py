@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators.carried import carries_nothing, carry
+from hybridid.estimators.descent import Descent, Handover, Refinement, Result, Start, descend, refine
 from hybridid.estimators.estimate import Estimate, Progress, Solution
-from hybridid.estimators.findings import SAME_OPTIMUM, estimate_of
+from hybridid.estimators.findings import estimate_of
 from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import GAUSS_NEWTON, Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
@@ -63,23 +63,43 @@ def fit(
     blind = start_values is None and settings.start == "regression"
     short = short_horizon_problem(problem) if blind else None
     built = time.perf_counter()
-    starts = scattered(model, first, settings.starts, settings.seed)
-    found = [_solve(problem, short, p, settings, progress, (k, len(starts))) for k, p in enumerate(starts)]
-    best = min(found, key=lambda solution: solution.cost)
-    if not np.isfinite(best.cost):
-        raise ValueError(
-            f"the model diverges from every start on {', '.join(r.name for r in records)}: {best.status}"
-        )
+    plan = descent_of(settings)
+    values = scattered(model, first, settings.starts, settings.seed)
+    found = descend(_starts(problem, short, values, settings, progress), plan)
+    if not np.isfinite(found.solution.cost):
+        names = ", ".join(r.name for r in records)
+        raise ValueError(f"the model diverges from every start on {names}: {found.solution.status}")
     if settings.substeps is None:
-        problem, best = _refined(problem, best, settings, progress)
+        found = refine(found, plan, partial(_finer, settings, progress))
     solved = time.perf_counter()
+    problem, best = found.problem, found.solution
     return estimate_of(
         problem,
         best,
         uncertainty(problem, best.p, best.x0),
         settings,
         seconds={"build": built - began, "solve": solved - built},
-        starts=tuple(solution.cost for solution in found),
+        starts=found.starts,
+    )
+
+
+def method_of(settings: FitSettings) -> Method:
+    """Transcription and solver that ``settings.method`` names."""
+    if settings.method == "gauss_newton":
+        return GAUSS_NEWTON
+    return Method(MultipleShooting(settings.interval), Ipopt(settings.hessian))
+
+
+def descent_of(settings: FitSettings) -> Descent:
+    """The descent of a fit: each start is carried to the end, and steps are refined up to thrice."""
+    stop = Stop(settings.max_iterations, settings.tolerance)
+    return Descent(
+        handover=Handover(HANDOVERS, stop),
+        refinement=Refinement(REFINEMENTS, Handover(0, stop), must_hold=True),
+        method=method_of(settings),
+        continuation=settings.continuation,
+        stop=stop,
+        cost_limit=np.finfo(float).max,
     )
 
 
@@ -90,24 +110,15 @@ def _problem(model: Model, records: Sequence[Record], settings: FitSettings, sub
     )
 
 
-def _refined(
-    problem: Problem,
-    solution: Solution,
-    settings: FitSettings,
-    progress: Callable[[Progress], None] | None,
-) -> tuple[Problem, Solution]:
-    """The solution with steps as short as it needs itself: stable, and not seen in the residual."""
-    for _ in range(REFINEMENTS):
-        needed = _steps_needed(problem, solution, settings)
-        if not problem.windows.substeps < needed <= MOST:
-            break
-        finer = _problem(problem.model, problem.records, settings, needed)
-        watch = _reporter(progress, f"fit with {needed} steps a sample", 1.0)
-        again = _descend(finer, solution.p, solution.x0, settings, (1.0,), watch)
-        if not np.isfinite(again.cost):
-            break
-        problem, solution = finer, _after(solution, again, again)
-    return problem, solution
+def _finer(settings: FitSettings, progress: Callable[[Progress], None] | None, found: Result) -> Start | None:
+    """The solution in steps as short as it needs itself: stable, and not seen in the residual."""
+    problem, solution = found.problem, found.solution
+    needed = _steps_needed(problem, solution, settings)
+    if not problem.windows.substeps < needed <= MOST:
+        return None
+    watch = _reporter(progress, f"fit with {needed} steps a sample", 1.0)
+    finer = _problem(problem.model, problem.records, settings, needed)
+    return Start(finer, solution.p, solution.x0, watch=watch)
 
 
 def _steps_needed(problem: Problem, solution: Solution, settings: FitSettings) -> int:
@@ -125,9 +136,7 @@ def _steps_needed(problem: Problem, solution: Solution, settings: FitSettings) -
     return 2 * now if np.linalg.norm(closer - r) > COARSE * np.linalg.norm(r) > EXACT else now
 
 
-def _reporter(
-    progress: Callable[[Progress], None] | None, stage: str, fraction: float
-) -> Callable[[int, float], None]:
+def _reporter(progress: Callable[[Progress], None] | None, stage: str, fraction: float) -> Watch:
     return lambda iteration, cost: progress(Progress(stage, iteration, cost, fraction)) if progress else None
 
 
@@ -140,69 +149,19 @@ def _first_start(
     return model.values() if regressed is None else regressed
 
 
-def _solve(
+def _starts(
     problem: Problem,
     short: Problem | None,
-    p: Array,
+    values: Sequence[Array],
     settings: FitSettings,
     progress: Callable[[Progress], None] | None,
-    place: tuple[int, int],
-) -> Solution:
-    """One start: short horizons where they help, choose initial states, descend, then look
-    whether a horizon was trapped."""
-    index, count = place
-    stage = "fit" if count == 1 else f"start {index + 1} of {count}"
-    watch = _reporter(progress, stage, index / count)
-    if short is not None:
-        p = short_horizon_start(short, p, settings.continuation[0], watch)
-    candidates = x0_candidates(problem, p) if problem.estimate_x0 else [problem.measured_x0()]
-    solution = _descend(
-        problem, p, best_initial_states(problem, p, candidates), settings, settings.continuation, watch
-    )
-    if not np.isfinite(solution.cost):
-        return solution
-    freed = best_initial_states(problem, solution.p, [solution.x0, *candidates])
-    if not np.array_equal(freed, solution.x0):
-        again = _descend(problem, solution.p, freed, settings, (1.0,), watch)
-        solution = _after(solution, again if again.cost < solution.cost else solution, again)
-    return _carried(problem, solution, settings, watch)
-
-
-def _carried(
-    problem: Problem, solution: Solution, settings: FitSettings, watch: Callable[[int, float], None]
-) -> Solution:
-    """The solution with the effects' inner states handed on from horizon to horizon, as Gauss-Newton has
-    them anyway."""
-    if carries_nothing(problem) or settings.method == "gauss_newton":
-        return solution
-    for _ in range(HANDOVERS):
-        x0 = carry(problem, solution.p, solution.x0)
-        before, again = solution, _descend(problem, solution.p, x0, settings, (1.0,), watch)
-        solution = _after(before, again, again)
-        if abs(solution.cost - before.cost) <= SAME_OPTIMUM * before.cost:
-            break
-    return solution
-
-
-def _after(first: Solution, kept: Solution, second: Solution) -> Solution:
-    """``kept``, with the iterations of two descents."""
-    return replace(kept, iterations=first.iterations + second.iterations)
-
-
-def _descend(
-    problem: Problem,
-    p: Array,
-    x0: Array,
-    settings: FitSettings,
-    factors: Sequence[float],
-    watch: Watch,
-) -> Solution:
-    stop = Stop(settings.max_iterations, settings.tolerance)
-    return method_of(settings).solve(problem, p, x0, factors, stop, watch)
-
-
-def method_of(settings: FitSettings) -> Method:
-    """Transcription and solver that ``estimator.method`` names."""
-    if settings.method == "gauss_newton":
-        return GAUSS_NEWTON
-    return Method(MultipleShooting(settings.interval), Ipopt(settings.hessian))
+) -> Iterator[Start]:
+    """A start at each of ``values`` (n_p,), improved over short horizons where they help, from the best
+    initial states at hand."""
+    for k, p in enumerate(values):
+        stage = "fit" if len(values) == 1 else f"start {k + 1} of {len(values)}"
+        watch = _reporter(progress, stage, k / len(values))
+        if short is not None:
+            p = short_horizon_start(short, p, settings.continuation[0], watch)
+        candidates = x0_candidates(problem, p) if problem.estimate_x0 else [problem.measured_x0()]
+        yield Start(problem, p, best_initial_states(problem, p, candidates), tuple(candidates), watch)

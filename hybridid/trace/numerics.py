@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.estimators.method import GAUSS_NEWTON, Method
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.model import Model
 from hybridid.records.record import Hold, Record
@@ -22,13 +23,14 @@ MARGIN = 1.1
 @dataclass(frozen=True)
 class Numerics:
     """``smoothing`` multiplies every epsilon, ``finer`` the steps a sample; ``hold`` replaces how every
-    input runs between samples (None: as declared)."""
+    input runs between samples (None: as declared). ``method`` descends."""
 
     name: str = "as declared"
     smoothing: float = 1.0
     finer: int = 1
     integrator: str = "rk4"
     hold: Hold | None = None
+    method: Method = GAUSS_NEWTON
 
     def records(self, split: Split) -> tuple[Record, ...]:
         """The records, their inputs held as this says."""

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators.carried import carries_nothing, carry, run_on
+from hybridid.estimators.carried import carry
+from hybridid.estimators.descent import Descent, Handover, Refinement, Result, Start, descend, refine
 from hybridid.estimators.estimate import Solution
-from hybridid.estimators.method import GAUSS_NEWTON as METHOD
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.estimators.stop import Stop
@@ -32,13 +32,9 @@ GLANCE = Stop(5, 1e-3)
 """Iterations spent on each start at the widest smoothing, and as many at the narrowest, before the best is
 carried to convergence."""
 MOST_ITERATIONS, TOLERANCE = 40, 1e-6
-JUDGED = Stop(30, 1e-5)
-"""Iterations and tolerance of the initial states of held-out horizons, at given parameters."""
 CONTINUATION = (10.0, 3.0, 1.0)
 """Smoothings of sign(v), one after the other: sharp, the cost is rough with stick and slip."""
 HANDOVERS, HANDOVER_ITERATIONS = 3, 12
-SETTLED = 1e-3
-"""Relative change of the cost below which handing inner states on changes nothing more."""
 HOPE = 0.02
 """Relative decrease of the fitted cost below which a converged effect is not polished further."""
 NEVER = -np.inf
@@ -103,18 +99,19 @@ def refit(
         TooStiff: if the model is, at every start.
     """
     began = time.perf_counter()
-    smoothing = [factor * numerics.smoothing for factor in factors]
-    hopeless = np.inf if before is None else (1 - HOPE) * before.cost
-    for begun in _best_starts(model, split, starts, before, numerics, smoothing):
-        solution, x0 = _settled(begun, split, smoothing, hopeless, tolerance)
-        if np.isfinite(solution.cost):
-            break
-    problem = begun.problem
-    needed = min(numerics.steps(model, solution.p, split, paths(problem, solution.p, x0)), STIFF)
-    if needed * numerics.finer > problem.windows.substeps:
-        problem = numerics.problem(model, split, needed)
-        begun = Begun(problem, solution.p, x0)
-        solution, x0 = _settled(begun, split, smoothing[-1:], hopeless, tolerance)
+    cost_limit = np.inf if before is None else (1 - HOPE) * before.cost
+    plan = _descent(numerics, factors, tolerance, len(starts) > 1, cost_limit)
+
+    def finer(found: Result) -> Start | None:
+        problem, p = found.problem, found.solution.p
+        needed = min(numerics.steps(model, p, split, paths(problem, p, found.x0)), STIFF)
+        if needed * numerics.finer <= problem.windows.substeps:
+            return None
+        return Start(numerics.problem(model, split, needed), p, found.x0)
+
+    found = descend(_starts(model, split, starts, before, numerics), plan, split.fitted)
+    found = refine(found, plan, finer, split.fitted)
+    problem, solution, x0 = found.problem, found.solution, found.x0
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
     ours = _errors(fitted, solution.p, solution.x0)
     theirs = _errors(judged, solution.p, x0[list(split.held_out)])
@@ -161,13 +158,20 @@ def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, f
     return before.numerics.problem(model, split, steps)
 
 
-@dataclass(frozen=True)
-class Begun:
-    """A problem, and where to begin in it: parameters (n_p,), initial states of all horizons (w, n_x)."""
-
-    problem: Problem
-    p: Array
-    x0: Array
+def _descent(
+    numerics: Numerics, factors: Sequence[float], tolerance: float, several: bool, cost_limit: float
+) -> Descent:
+    """The descent of a refit: of ``several`` starts one is carried on, and steps are refined once."""
+    handover = Handover(HANDOVERS, Stop(HANDOVER_ITERATIONS, tolerance))
+    return Descent(
+        handover=handover,
+        refinement=Refinement(1, handover, must_hold=False),
+        method=numerics.method,
+        continuation=tuple(factor * numerics.smoothing for factor in factors),
+        stop=Stop(MOST_ITERATIONS, tolerance),
+        glance=GLANCE if several else None,
+        cost_limit=cost_limit,
+    )
 
 
 def _lent(before: Refit, model: Model, split: Split) -> list[Array]:
@@ -181,15 +185,14 @@ def _lent(before: Refit, model: Model, split: Split) -> list[Array]:
     return lent
 
 
-def _best_starts(
+def _starts(
     model: Model,
     split: Split,
     starts: Sequence[Mapping[str, float]],
     before: Refit | None,
     numerics: Numerics,
-    smoothing: Sequence[float],
-) -> list[Begun]:
-    """The starts in the order of how far their first iterations get, each in steps of its own.
+) -> list[Start]:
+    """The starts that are not too stiff, each in steps of its own.
 
     Raises:
         TooStiff: if every start is.
@@ -200,22 +203,14 @@ def _best_starts(
         raise TooStiff(f"needs more than {MOST} steps a sample at every start")
     limit = max(STIFF, min(wanted))
     problems = {n: numerics.problem(model, split, n) for n in sorted(set(wanted)) if n <= limit}
-    rows = list(split.fitted)
-    found: list[tuple[float, Begun]] = []
-    for start, steps in zip(starts, wanted, strict=True):
-        if steps > limit:
-            continue
-        problem = problems[steps]
-        begun = begin(problem, problem.model.values(start), before, numerics)
-        if len(starts) == 1:
-            return [begun]
-        ends = sorted({*smoothing[:1], *smoothing[-1:]}, reverse=True)
-        glance = METHOD.solve(problem.on(rows), begun.p, begun.x0[rows], ends, GLANCE)
-        found.append((glance.cost, replace(begun, p=glance.p, x0=_with(begun.x0, rows, glance.x0))))
-    return [begun for _, begun in sorted(found, key=lambda one: one[0])]
+    return [
+        begin(problems[steps], model.values(start), before, numerics)
+        for start, steps in zip(starts, wanted, strict=True)
+        if steps <= limit
+    ]
 
 
-def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> Begun:
+def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> Start:
     """A start with the initial states of the poorer model, or without one the best at hand."""
     p = problem.smoothed(values, numerics.smoothing)
     x0 = problem.measured_x0()
@@ -226,37 +221,7 @@ def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numer
         for column, state in enumerate(before.model.states):
             if state.name in names:
                 x0[:, names.index(state.name)] = before.x0[:, column]
-    return Begun(problem, p, carry(problem, p, x0))
-
-
-def _settled(
-    begun: Begun, split: Split, smoothing: Sequence[float], hopeless: float, tolerance: float
-) -> tuple[Solution, Array]:
-    """Converged parameters, and the initial states of all horizons at them.
-
-    Where fitted horizons take inner states of effects from held-out ones, these are handed on and the fit
-    goes on, until both agree; a fit that ends at a cost above ``hopeless`` is not carried further.
-    """
-    problem, x0 = begun.problem, begun.x0
-    fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
-    ours, theirs = list(split.fitted), list(split.held_out)
-
-    def handed_on(p: Array, x0: Array) -> Array:
-        """Inner states from horizon to horizon, the held-out ones' own states fitted at ``p``."""
-        x0 = carry(problem, p, x0)
-        return _with(x0, theirs, METHOD.solve(judged, p, x0[theirs], smoothing[-1:], JUDGED).x0)
-
-    solution = METHOD.solve(fitted, begun.p, x0[ours], smoothing, Stop(MOST_ITERATIONS, tolerance))
-    alone = carries_nothing(problem) or fitted.windows.complete or solution.cost > hopeless
-    for _ in range(0 if alone else HANDOVERS):
-        x0, before = handed_on(solution.p, _with(x0, ours, solution.x0)), solution.cost
-        solution = METHOD.solve(
-            fitted, solution.p, x0[ours], smoothing[-1:], Stop(HANDOVER_ITERATIONS, tolerance)
-        )
-        if abs(before - solution.cost) <= SETTLED * solution.cost:
-            break
-    x0 = handed_on(solution.p, _with(x0, ours, solution.x0))
-    return solution, run_on(problem, solution.p, x0)
+    return Start(problem, p, carry(problem, p, x0))
 
 
 def _doubt(fitted: Problem, solution: Solution) -> tuple[dict[str, float], Array]:
@@ -269,12 +234,6 @@ def _doubt(fitted: Problem, solution: Solution) -> tuple[dict[str, float], Array
     moved = found.smoothing
     found = replace(found, covariance=found.covariance - np.outer(moved, moved), smoothing=0.0 * moved)
     return dict(zip(fitted.free, found.std.tolist(), strict=True)), found.correlation
-
-
-def _with(x0: Array, rows: Sequence[int], values: Array) -> Array:
-    changed = np.array(x0)
-    changed[list(rows)] = values
-    return changed
 
 
 def _errors(problem: Problem, p: Array, x0: Array) -> list[Array]:

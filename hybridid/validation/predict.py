@@ -63,17 +63,18 @@ def free_run(
     initial_state: str = "estimated",
     integrator: str = "rk4",
     substeps: int | None = None,
+    method: Method = GAUSS_NEWTON,
 ) -> Prediction:
     """Simulate the whole record from one initial state.
 
     ``initial_state`` is "estimated" (it fits the record best at these parameters) or "measured" (from the
     first samples). ``substeps`` are the integration steps a sample, such as those of an estimate; by default
-    as many as stability and accuracy need.
+    as many as stability and accuracy need. ``method`` estimates the initial state.
 
     Raises:
         Diverged: if the simulation does not stay finite.
     """
-    return _predict(model, values, record, None, initial_state, "free_run", integrator, substeps)
+    return _predict(model, values, record, None, initial_state, "free_run", integrator, substeps, method)
 
 
 def horizon_run(
@@ -83,15 +84,16 @@ def horizon_run(
     horizon: int,
     integrator: str = "rk4",
     substeps: int | None = None,
+    method: Method = GAUSS_NEWTON,
 ) -> Prediction:
     """Simulate each horizon of ``horizon`` samples from its own estimated initial state.
 
-    ``substeps`` as for ``free_run``.
+    ``substeps`` and ``method`` as for ``free_run``.
 
     Raises:
         Diverged: if the simulation does not stay finite.
     """
-    return _predict(model, values, record, horizon, "estimated", "horizon", integrator, substeps)
+    return _predict(model, values, record, horizon, "estimated", "horizon", integrator, substeps, method)
 
 
 def _predict(
@@ -103,6 +105,7 @@ def _predict(
     view: str,
     integrator: str,
     substeps: int | None,
+    method: Method,
 ) -> Prediction:
     if initial_state not in ("estimated", "measured"):
         raise ValueError(f"validate.initial_state is {initial_state!r}, allowed: estimated, measured")
@@ -111,7 +114,7 @@ def _predict(
     estimate = initial_state == "estimated"
     substeps = substeps or substeps_for(model, p, [record], integrator=integrator)
     problem = build_problem(model, [record], horizon, substeps, estimate, free=(), integrator=integrator)
-    x0 = initial_states(problem, p) if estimate else problem.measured_x0()
+    x0 = initial_states(problem, p, method) if estimate else problem.measured_x0()
     shot = problem.shooter(x0, p)
     used = problem.windows.used
     time, predicted, states = (a[used] for a in (problem.windows.time, shot.outputs, shot.states))

@@ -1,0 +1,236 @@
+"""The descent from one or several starts to an optimum, for every fit and every refit.
+
+1. Several starts: a short descent from each shows which to carry to the end; or each is carried there.
+2. Continuation: sign(v) is smoothed widely at first, then as declared, each time from where the last ended.
+3. Second look: horizons that a better initial state at hand would free begin there again.
+4. Handover: inner states of effects go on from horizon to horizon, until that changes the cost no more.
+5. Refinement: where the optimum needs shorter steps a sample, the descent goes on with them.
+
+The problem is ``Problem``, what solves it ``Method``. Callers differ by a ``Descent``, which is data alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators.carried import carries_nothing, carry, run_on
+from hybridid.estimators.estimate import Solution
+from hybridid.estimators.method import GAUSS_NEWTON, STOP, Method
+from hybridid.estimators.problem import Problem
+from hybridid.estimators.start import best_initial_states
+from hybridid.estimators.stop import Stop, Watch
+
+Array = NDArray[np.float64]
+SETTLED = 1e-3
+"""Relative change of the cost below which handing inner states on changes nothing more."""
+OTHERS = Stop(30, 1e-5)
+"""For the initial states of horizons that are not fitted, at given parameters."""
+
+
+@dataclass(frozen=True)
+class Handover:
+    """Inner states are handed on at most ``times``, each time with a descent of its own."""
+
+    times: int
+    stop: Stop
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Shorter steps are taken at most ``times``, each time with its own ``handover``; ``must_hold`` keeps the
+    longer steps where the simulation with the shorter ones diverges."""
+
+    times: int
+    handover: Handover
+    must_hold: bool
+
+
+@dataclass(frozen=True)
+class Descent:
+    """Settings of a descent.
+
+    ``continuation`` multiplies the smoothing widths, one after the other; ``stop`` ends each. ``glance`` ends
+    the short descent from each start, at the widest and the narrowest smoothing alone; the most promising
+    start that can be simulated is then carried on. None: every start is, and the lowest cost kept. Above
+    ``cost_limit`` inner states are not handed on.
+    """
+
+    handover: Handover
+    refinement: Refinement
+    method: Method = GAUSS_NEWTON
+    continuation: tuple[float, ...] = (1.0,)
+    stop: Stop = STOP
+    glance: Stop | None = None
+    cost_limit: float = np.inf
+
+
+@dataclass(frozen=True)
+class Start:
+    """A problem, and where to begin in it: parameters (n_p,), initial states of all horizons (w, n_x).
+
+    ``candidates`` are the initial states (w, n_x) that the second look chooses from, none for no second look.
+    """
+
+    problem: Problem
+    p: Array
+    x0: Array
+    candidates: tuple[Array, ...] = ()
+    watch: Watch | None = None
+
+
+@dataclass(frozen=True)
+class Result:
+    """Where a descent ended: the ``solution`` on the fitted horizons, initial states ``x0`` (w, n_x) of all
+    horizons, and the cost at which each of the ``starts`` ended that were carried to the end."""
+
+    problem: Problem
+    solution: Solution
+    x0: Array
+    starts: tuple[float, ...] = ()
+
+
+Finer = Callable[[Result], Start | None]
+"""Where to go on with shorter steps; None where those in use are short enough."""
+
+
+def descend(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None = None) -> Result:
+    """The lowest cost that is reached from ``starts``, infinite if each start diverges.
+
+    ``fitted`` are the numbers of the horizons that count (None: all). Of the others the initial states are
+    estimated at the parameters found.
+    """
+    results: list[Result] = []
+    for start in _promising(starts, plan, fitted):
+        results.append(_settled(start, plan, plan.continuation, plan.handover, fitted))
+        if plan.glance and np.isfinite(results[-1].solution.cost):
+            break
+    costs = tuple(one.solution.cost for one in results)
+    return replace(results[int(np.argmin(costs))], starts=costs)
+
+
+def refine(found: Result, plan: Descent, finer: Finer, fitted: Sequence[int] | None = None) -> Result:
+    """``found``, or where the descent ends that goes on from it with as many steps a sample as ``finer`` asks
+    for; ``fitted`` as for ``descend``."""
+    for _ in range(plan.refinement.times):
+        start = finer(found)
+        if start is None:
+            break
+        again = _settled(start, plan, plan.continuation[-1:], plan.refinement.handover, fitted)
+        if plan.refinement.must_hold and not np.isfinite(again.solution.cost):
+            break
+        solution = _after(found.solution, again.solution, again.solution)
+        found = replace(again, solution=solution, starts=found.starts)
+    return found
+
+
+def _promising(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None) -> Iterable[Start]:
+    """The starts, in the order of how far a short descent gets from each."""
+    if plan.glance is None:
+        return starts
+    ends = sorted({plan.continuation[0], plan.continuation[-1]}, reverse=True)
+    found: list[tuple[float, Start]] = []
+    for start in starts:
+        task = _Task.of(start, plan.method, fitted)
+        seen = task.solve(start.p, start.x0, ends, plan.glance)
+        found.append((seen.cost, replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0))))
+    return [start for _, start in sorted(found, key=lambda one: one[0])]
+
+
+def _settled(
+    start: Start, plan: Descent, factors: Sequence[float], handover: Handover, fitted: Sequence[int] | None
+) -> Result:
+    """One start carried to the end."""
+    task, final = _Task.of(start, plan.method, fitted), factors[-1:]
+    solution = task.solve(start.p, start.x0, factors, plan.stop)
+    if start.candidates and np.isfinite(solution.cost):
+        solution = _second_look(task, solution, final, plan.stop)
+    x0 = task.with_ours(start.x0, solution.x0)
+    if task.needs_handover and solution.cost <= plan.cost_limit:
+        solution, x0 = _handed_over(task, solution, x0, final, handover)
+    if task.theirs:
+        x0 = run_on(start.problem, solution.p, task.handed_on(solution.p, x0, final))
+    return Result(start.problem, solution, x0)
+
+
+def _second_look(task: _Task, solution: Solution, factors: Sequence[float], stop: Stop) -> Solution:
+    """The lower of ``solution`` and of a descent from the best initial states at hand: where a horizon first
+    began, it may have been trapped."""
+    x0 = task.with_ours(task.start.x0, solution.x0)
+    freed = best_initial_states(task.start.problem, solution.p, [x0, *task.start.candidates])
+    if np.array_equal(freed, x0):
+        return solution
+    again = task.solve(solution.p, freed, factors, stop)
+    return _after(solution, again if again.cost < solution.cost else solution, again)
+
+
+def _handed_over(
+    task: _Task, solution: Solution, x0: Array, factors: Sequence[float], handover: Handover
+) -> tuple[Solution, Array]:
+    """The solution, and ``x0`` (w, n_x), with inner states handed on until the cost stays."""
+    for _ in range(handover.times):
+        x0 = task.handed_on(solution.p, x0, factors)
+        before, again = solution, task.solve(solution.p, x0, factors, handover.stop)
+        solution, x0 = _after(before, again, again), task.with_ours(x0, again.x0)
+        if abs(before.cost - solution.cost) <= SETTLED * solution.cost:
+            break
+    return solution, x0
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A start, the method, and which horizons count, by number: ``ours`` do, ``theirs`` do not."""
+
+    start: Start
+    method: Method
+    ours: list[int]
+    theirs: list[int]
+
+    @classmethod
+    def of(cls, start: Start, method: Method, fitted: Sequence[int] | None) -> _Task:
+        every = range(start.problem.windows.count)
+        ours = every if fitted is None else fitted
+        return cls(start, method, list(ours), [k for k in every if k not in ours])
+
+    @cached_property
+    def counting(self) -> Problem:
+        """The problem on the horizons that count."""
+        return self.start.problem.on(self.ours) if self.theirs else self.start.problem
+
+    @cached_property
+    def others(self) -> Problem:
+        """The problem on the horizons that do not, with every parameter known."""
+        return self.start.problem.on(self.theirs).estimating(())
+
+    def solve(self, p: Array, x0: Array, factors: Sequence[float], stop: Stop) -> Solution:
+        """A descent on the horizons that count, from the initial states ``x0`` (w, n_x) of all."""
+        return self.method.solve(self.counting, p, x0[self.ours], factors, stop, self.start.watch)
+
+    def with_ours(self, x0: Array, values: Array) -> Array:
+        """``x0`` (w, n_x) with ``values`` for the horizons that count."""
+        changed = np.array(x0)
+        changed[self.ours] = values
+        return changed
+
+    @property
+    def needs_handover(self) -> bool:
+        """Whether inner states come from horizons that do not count, or the solver does not hand them on."""
+        alone = self.method.solver.hands_on and self.counting.windows.complete
+        return not (carries_nothing(self.counting) or alone)
+
+    def handed_on(self, p: Array, x0: Array, factors: Sequence[float]) -> Array:
+        """``x0`` (w, n_x) with inner states as the horizons before have left them, then the initial states of
+        those that do not count estimated at ``p`` (n_p,)."""
+        x0 = np.array(carry(self.start.problem, p, x0))
+        if self.theirs:
+            x0[self.theirs] = self.method.solve(self.others, p, x0[self.theirs], factors, OTHERS).x0
+        return x0
+
+
+def _after(first: Solution, kept: Solution, second: Solution) -> Solution:
+    """``kept``, with the iterations of two descents."""
+    return replace(kept, iterations=first.iterations + second.iterations)

@@ -1,0 +1,21 @@
+"""A refit is data and settings: another method descends to the same."""
+
+from __future__ import annotations
+
+import pytest
+
+from hybridid.estimators.ipopt import Ipopt
+from hybridid.estimators.method import Method
+from hybridid.estimators.multiple_shooting import MultipleShooting
+from hybridid.trace.numerics import Numerics
+from hybridid.trace.refit import refit
+
+
+def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
+    split = split_of()
+    thesis = Numerics(method=Method(MultipleShooting(25), Ipopt()))
+    fast, slow = (refit(make_model(), split, numerics=one, tolerance=1e-8) for one in (Numerics(), thesis))
+    assert slow.converged
+    assert slow.cost == pytest.approx(fast.cost, rel=1e-5)
+    assert slow.score.loss == pytest.approx(fast.score.loss, rel=1e-3)
+    assert slow.cost != fast.cost, "another method was used"
