@@ -1,11 +1,11 @@
-"""``Method``: how a problem becomes decision variables, and who solves for them, chosen apart.
+"""``Method``: how a problem becomes decision variables, and which solver finds them, chosen apart.
 
-| transcription     | Levenberg-Marquardt               | IPOPT                                       |
-|-------------------|-----------------------------------|---------------------------------------------|
-| reduced           | the default: ``gauss_newton``     | the same least squares by an interior point |
-| multiple shooting | refused: the gaps are constraints | the thesis' own: ``multiple_shooting``      |
+    transcription        Levenberg-Marquardt                  IPOPT
+    reduced              ``gauss_newton``, the default        the same least squares, by an interior point
+    multiple shooting    refused: the gaps are constraints    ``multiple_shooting``, the thesis' own
 
-All minimise the cost of ``Problem`` and reach the same optimum.
+All minimise the cost of ``Problem`` and reach the same optimum. Problem, transcription and solver are kept
+apart as in rockit, the Rapid Optimal Control Kit (rockit-meco on PyPI).
 """
 
 from __future__ import annotations
