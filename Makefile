@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format docs schemas reproduce-thesis study-coverage study-recovery study-sweep study-slurm league clean distclean FORCE
+.PHONY: help install test lint format docs schemas readme-picture reproduce-thesis study-coverage study-recovery study-sweep study-slurm league clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -39,6 +39,10 @@ docs: $(READY) ## build all pages, the API's too; a warning is an error: outputs
 
 schemas: $(READY) ## docs/results.md and docs/schemas from the types of the result files
 	$(BIN)/python docs/write_schemas.py
+
+readme-picture: $(READY) ## draw the README's picture from a trace of the measured EMPS records (a minute or two)
+	$(BIN)/hybridid trace case=emps estimator.horizon=1000
+	$(BIN)/python docs/readme_picture.py outputs/emps/latest/trace/trace.json
 
 reproduce-thesis: $(READY) ## the thesis' tables and figures beside ours: outputs/thesis/index.html
 	$(BIN)/hybridid reproduce
