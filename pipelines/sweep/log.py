@@ -8,13 +8,13 @@ from functools import reduce
 from typing import Any
 
 from pipelines.shared.config import Settings
-from pipelines.shared.findings import facts, metrics_of
 from pipelines.shared.freshness import RECEIPT
 from pipelines.shared.prepared import provenance_of
 from pipelines.shared.storage import read_json
 from pipelines.shared.watch import Watcher
 from pipelines.sweep.point import Point
 from pipelines.tracking.facts import parameters
+from pipelines.tracking.metrics import facts, metrics_of
 from pipelines.tracking.runs import Point as Logged
 from pipelines.tracking.runs import log_point
 

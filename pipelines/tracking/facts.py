@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from pipelines.shared.config import Settings, flat
-from pipelines.shared.findings import cost_history, facts, metrics_of
 from pipelines.shared.prepared import provenance_of
 from pipelines.shared.stage import Outcome
+from pipelines.tracking.metrics import cost_history, facts, metrics_of
 from pipelines.tracking.note import CHANGED, COMMIT, Artifact, Metric, short
 
 

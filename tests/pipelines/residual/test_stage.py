@@ -13,11 +13,11 @@ from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import rendered
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.findings import metrics_of
 from pipelines.shared.fitted import load
 from pipelines.shared.hybrids import hybrid_of
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.storage import read_json
+from pipelines.tracking.metrics import metrics_of
 
 GRID = {
     "kind": "narx",

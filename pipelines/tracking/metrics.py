@@ -1,4 +1,4 @@
-"""What a run tree says: read from its files, for the terminal and for MLflow."""
+"""The numbers and facts that a run tree holds, by the names under which MLflow keeps them."""
 
 from __future__ import annotations
 
