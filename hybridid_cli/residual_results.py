@@ -12,7 +12,7 @@ from rich.text import Text
 from hybridid.hybrid.report import CandidateScore, NARXReport, NetworkScore, RBFReport
 from hybridid.quantities import percent, quantity
 from hybridid.residuals.explained import Explained
-from hybridid_cli.tables import table
+from hybridid_cli.tables import table, warnings
 from pipelines.shared.hybrids import residual_of
 
 
@@ -32,7 +32,7 @@ def residual_results(tree: Path) -> list[RenderableType]:
         parts.append(Text(f"rule: {report.rule}"))
     parts.append(Text(line))
     parts += [_explained(one) for one in found.explained]
-    return parts + [Text(f"WARNING: {warning}", style="yellow") for warning in found.warnings]
+    return parts + warnings(found.warnings)
 
 
 def _how(report: RBFReport) -> str:
@@ -41,14 +41,8 @@ def _how(report: RBFReport) -> str:
 
 
 def _candidates(candidates: Sequence[CandidateScore], fitted: str) -> RenderableType:
-    columns = [
-        ("nodes", "right"),
-        ("horizon", "right"),
-        ("held-out RMSE", "right"),
-        ("gray box", "right"),
-        ("", ""),
-    ]
-    made = table(f"Networks on held-out blocks of {fitted}", columns)
+    columns = ("nodes", "horizon", "held-out RMSE", "gray box", "")
+    made = table(f"Networks on held-out blocks of {fitted}", columns, words=(4,))
     for row in candidates:
         horizon = "record" if row.horizon is None else str(row.horizon)
         note = "chosen" if row.chosen else "; ".join(row.failures)
@@ -60,10 +54,10 @@ def _candidates(candidates: Sequence[CandidateScore], fitted: str) -> Renderable
 def _networks(report: NARXReport, fitted: str) -> RenderableType:
     """One row a size and output: the seed that held-out blocks prefer, and its hybrid on every record."""
     records = [(one.record, one.fitted) for one in report.networks[0].hybrid]
-    columns = [("output", ""), ("layers", ""), ("seed", "right"), ("weights", "right")]
-    columns += [("held-out RMSE", "right"), ("without", "right")]
-    columns += [(f"{name}{'' if seen else ', unseen'}", "right") for name, seen in records] + [("", "")]
-    made = table(f"Networks running free, on held-out blocks of {fitted}; then the hybrid's RMSE", columns)
+    scored = [f"{name}{'' if seen else ', unseen'}" for name, seen in records]
+    columns = ("output", "layers", "seed", "weights", "held-out RMSE", "without", *scored, "")
+    title = f"Networks running free, on held-out blocks of {fitted}; then the hybrid's RMSE"
+    made = table(title, columns, words=(0, 1, len(columns) - 1))
     for row in _best_seeds(report.networks):
         blocks = (quantity(value, row.unit, missing="failed") for value in (row.held_out, row.without))
         scores = (quantity(one.rmse, row.unit) for one in row.hybrid)

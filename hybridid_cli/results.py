@@ -10,9 +10,8 @@ from rich.text import Text
 
 from hybridid.estimators.estimate import EstimatedParameter
 from hybridid.quantities import fixed, mean_square, number, quantity, r_squared
-from hybridid.validation.metrics import Metrics
 from hybridid_cli.residual_results import residual_results
-from hybridid_cli.tables import rendered, table
+from hybridid_cli.tables import provenance, rendered, table, view, warnings
 from hybridid_cli.trace_results import trace_results
 from pipelines.shared.fitted import fit_of
 from pipelines.shared.predictions import metric_rows
@@ -28,20 +27,12 @@ def summary(outcome: Outcome, command: str) -> str:
 
 
 def _records(tree: Path) -> list[RenderableType]:
-    columns = [
-        ("record", ""),
-        ("role", ""),
-        ("samples", "right"),
-        ("rate", "right"),
-        ("data", ""),
-        ("from", ""),
-    ]
-    made = table("Records", columns)
+    made = table("Records", ("record", "role", "samples", "rate", "data", "from"), words=(0, 1, 4, 5))
     notes: list[RenderableType] = []
     for one in prepared_records(tree):
         rate = f"{1 / one.dt:.6g} Hz"
-        made.add_row(one.name, one.role, str(one.n), rate, _provenance(one.provenance), one.source)
-        notes += [Text(f"WARNING: record {one.name}: {line}", style="yellow") for line in one.warnings]
+        made.add_row(one.name, one.role, str(one.n), rate, provenance(one.provenance), one.source)
+        notes += warnings(f"record {one.name}: {line}" for line in one.warnings)
     return [made, *notes]
 
 
@@ -49,15 +40,8 @@ def _estimates(tree: Path) -> list[RenderableType]:
     found = fit_of(tree)
     estimate = found.estimate
     fitted = ", ".join(found.records)
-    columns = [
-        ("parameter", ""),
-        ("value", "right"),
-        ("std", "right"),
-        ("unit", ""),
-        ("bounds", ""),
-        ("", ""),
-    ]
-    made = table(f"Estimates from {fitted} ({found.provenance})", columns)
+    columns = ("parameter", "value", "std", "unit", "bounds", "")
+    made = table(f"Estimates from {fitted} ({found.provenance})", columns, words=(0, 3, 4, 5))
     for p in estimate.parameters:
         bounds = f"[{number(p.lower, 6, '−∞')}, {number(p.upper, 6, '∞')}]"
         made.add_row(p.name, number(p.value, 6), number(p.std, 2), p.unit, bounds, _flags(p))
@@ -71,45 +55,34 @@ def _estimates(tree: Path) -> list[RenderableType]:
         lines.append(
             Text("NOT CONVERGED: these numbers are where the solver stopped, no optimum", style="bold red")
         )
-    return lines + [Text(f"WARNING: {warning}", style="yellow") for warning in estimate.warnings]
+    return lines + warnings(estimate.warnings)
 
 
 def _flags(parameter: EstimatedParameter) -> Text:
-    flags = [
-        word
-        for word, on in (
-            ("AT BOUND", parameter.at_bound),
-            ("NOT IDENTIFIABLE", not parameter.identifiable),
-        )
-        if on
-    ]
-    return Text(", ".join(flags), style="bold red")
+    flags = {"AT BOUND": parameter.at_bound, "NOT IDENTIFIABLE": not parameter.identifiable}
+    return Text(", ".join(word for word, raised in flags.items() if raised), style="bold red")
 
 
 def _scores(tree: Path) -> list[RenderableType]:
     rows = metric_rows(tree)
     several = len({row.model for row in rows}) > 1
-    names = [(name, "") for name in (*(("model",) if several else ()), "record", "output", "view")]
-    scores = [(name, "right") for name in ("RMSE", "MSE", "R²", "fit %", "n")]
-    made = table("Scores", [*names, *scores, ("data", "")])
+    names = (*(("model",) if several else ()), "record", "output", "view")
+    columns = (*names, "RMSE", "MSE", "R²", "fit %", "n", "data")
+    made = table("Scores", columns, words=(*range(len(names)), len(columns) - 1))
     for row in rows:
         made.add_row(
             *((row.model,) if several else ()),
             row.record,
             row.output,
-            _view(row),
+            view(row.horizon),
             quantity(row.rmse, row.unit),
             mean_square(row.mse, row.unit),
             r_squared(row.r2),
             fixed(row.fit_percent, 2, missing=""),
             str(row.n),
-            _provenance(row.provenance),
+            provenance(row.provenance),
         )
     return [made]
-
-
-def _view(row: Metrics) -> str:
-    return "free run" if row.horizon is None else f"horizon {row.horizon:g} s"
 
 
 def _figures(tree: Path) -> list[RenderableType]:
@@ -117,10 +90,6 @@ def _figures(tree: Path) -> list[RenderableType]:
         p.relative_to(tree) for p in (tree / "plot").iterdir() if p.suffix != ".json"
     )
     return [Text("Figures", style="bold"), *(Text(f"  {path}") for path in files), Text("")]
-
-
-def _provenance(word: str) -> Text:
-    return Text(word, style="bold magenta" if word == "simulated" else "")
 
 
 _SECTIONS: dict[str, Callable[[Path], list[RenderableType]]] = {

@@ -59,9 +59,8 @@ def _first(points: Sequence[Point]) -> str:
 def _grid(swept: Swept, group: Group) -> list[RenderableType]:
     axes = [key for key in axes_of(swept.sweep.points) if key != SEEDS]
     names = header(group, axes)
-    words = {*range(len(axes)), len(names) - 1}
     title = f"{group.title}, RMSE running free ({group.provenance})"
-    made = table(title, [(name, "" if k in words else "right") for k, name in enumerate(names)])
+    made = table(title, names, words=(*range(len(axes)), len(names) - 1))
     shown = _shown(group)
     for cell in shown:
         made.add_row(*line(cell, group, axes))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from rich import box
 from rich.console import Console, RenderableType
 from rich.table import Table
+from rich.text import Text
 
 _WIDE = 200
 
@@ -22,9 +23,24 @@ def rendered(parts: Sequence[RenderableType]) -> str:
     return "\n".join(line.rstrip() for line in capture.get().splitlines())
 
 
-def table(title: str, columns: Sequence[tuple[str, str]]) -> Table:
-    """An empty table; ``columns`` are (name, ``left`` or ``right``)."""
+def table(title: str, columns: Sequence[str], words: Sequence[int] = (0,)) -> Table:
+    """An empty table; ``words`` are the columns that hold words, which stand left; numbers stand right."""
     made = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
-    for name, side in columns:
-        made.add_column(name, justify="right" if side == "right" else "left")
+    for column, name in enumerate(columns):
+        made.add_column(name, justify="left" if column in words else "right")
     return made
+
+
+def provenance(word: str) -> Text:
+    """``measured`` or ``simulated``; what is simulated stands out."""
+    return Text(word, style="bold magenta" if word == "simulated" else "")
+
+
+def view(horizon: float | None) -> str:
+    """How a model was run: free, or anew every ``horizon`` seconds."""
+    return "free run" if horizon is None else f"horizon {horizon:g} s"
+
+
+def warnings(lines: Iterable[str]) -> list[RenderableType]:
+    """A line each."""
+    return [Text(f"WARNING: {line}", style="yellow") for line in lines]

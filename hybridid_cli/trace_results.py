@@ -10,7 +10,7 @@ from rich.text import Text
 from hybridid.quantities import NONE, UNKNOWN, change, probability, quantity, r_squared, share
 from hybridid.trace.result import Trace
 from hybridid.trace.words import VERDICTS, completeness_in_words, parameters_in_words
-from hybridid_cli.tables import table
+from hybridid_cli.tables import provenance, table, view
 from pipelines.shared.traced import trace_of
 
 _COLOURS = {"effect_found": "green", "ambiguous": "yellow", "nothing_missing": "green", "unexplained": "red"}
@@ -40,11 +40,10 @@ def trace_results(tree: Path) -> list[RenderableType]:
 
 
 def _accepted(found: Trace) -> RenderableType:
-    columns = [
-        ("effect", ""), ("port", ""), ("estimate ± 95 %", ""), ("gain", "right"), ("adjusted p", "right"),
-        ("cannot be told from", ""), ("survives", "right"),
-    ]  # fmt: skip
-    made = table(f"Accepted ({found.provenance})", columns)
+    columns = (
+        "effect", "port", "estimate ± 95 %", "gain", "adjusted p", "cannot be told from", "survives",
+    )  # fmt: skip
+    made = table(f"Accepted ({found.provenance})", columns, words=(0, 1, 2, 5))
     for entry in found.accepted:
         survived = [s.survives for s in entry.survivals if s.simulated]
         made.add_row(
@@ -60,23 +59,21 @@ def _accepted(found: Trace) -> RenderableType:
 
 
 def _before_after(found: Trace) -> RenderableType:
-    columns = [
-        ("record", ""), ("output", ""), ("view", ""), ("network", ""),
-        ("RMSE before", "right"), ("after", "right"),
-        ("change", "right"), ("R² before", "right"), ("after", "right"), ("data", ""),
-    ]  # fmt: skip
-    made = table("Before and after", columns)
+    columns = (
+        "record", "output", "view", "network", "RMSE before", "after", "change", "R² before", "after", "data",
+    )  # fmt: skip
+    made = table("Before and after", columns, words=(0, 1, 2, 3, 9))
     for before, after in zip(found.before, found.after, strict=True):
         made.add_row(
             f"{before.record} ({before.role})",
             before.output,
-            "free run" if before.horizon is None else f"horizon {before.horizon:g} s",
+            view(before.horizon),
             "with" if before.network else NONE,
             quantity(before.rmse, before.unit),
             quantity(after.rmse, after.unit),
             change(before.rmse, after.rmse),
             r_squared(before.r2, UNKNOWN),
             r_squared(after.r2, UNKNOWN),
-            Text(before.provenance, style="bold magenta" if before.provenance == "simulated" else ""),
+            provenance(before.provenance),
         )
     return made

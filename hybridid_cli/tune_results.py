@@ -60,10 +60,9 @@ def shortfall(tuned: Tuned) -> str:
 
 def _table(tuned: Tuned) -> RenderableType:
     keys, outputs = columns(tuned.findings)
-    errors = [(f"RMSE of {name}", "right") for name in outputs]
-    values = [(key.replace("orders.", ""), "right") for key in keys]
-    header = [("trial", "right"), ("share", "right"), ("weights", "right"), *values, *errors, ("s", "right")]
-    made = table(f"Best trials on the held-out blocks ({tuned.provenance})", header)
+    values = (key.replace("orders.", "") for key in keys)
+    header = ("trial", "share", "weights", *values, *(f"RMSE of {name}" for name in outputs), "s")
+    made = table(f"Best trials on the held-out blocks ({tuned.provenance})", header, words=())
     for row in tuned.findings.best[:_MOST]:
         made.add_row(*cells(row, keys, outputs))
     return made

@@ -119,10 +119,11 @@ def row_of(trial: FrozenTrial) -> Row:
 
 def said(values: Mapping[str, Value]) -> str:
     """``depth=3 width=16``."""
-    return " ".join(f"{key.removeprefix('residual.')}={number(value)}" for key, value in values.items())
+    return " ".join(f"{key.removeprefix('residual.')}={setting(value)}" for key, value in values.items())
 
 
-def number(value: Value) -> str:
+def setting(value: Value) -> str:
+    """A config value as text."""
     return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 

@@ -8,15 +8,14 @@ from typing import Any
 
 import yaml
 
-from hybridid import quantities
 from hybridid.plotting.search_history import Tried, history_plot
 from hybridid.plotting.style import save
-from hybridid.quantities import fixed, percent, quantity
+from hybridid.quantities import fixed, number, percent, quantity
 from pipelines.shared.config import MODELLING, Settings
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.storage import json_text
 from pipelines.shared.tree import write_text
-from pipelines.tune.findings import RULE, Findings, Row, Search, number
+from pipelines.tune.findings import RULE, Findings, Row, Search, setting
 from pipelines.tune.request import Value, with_values
 from pipelines.tune.trial import OBJECTIVE
 
@@ -69,7 +68,7 @@ def page_of(
     lead = "No trial came to an end."
     commands: tuple[str, ...] = ()
     if chosen is not None:
-        values = ", ".join(f"{key} {number(value)}" for key, value in _short(chosen).items())
+        values = ", ".join(f"{key} {setting(value)}" for key, value in _short(chosen).items())
         lead = (
             f"Chosen: trial {chosen.number} with {values}. Of the {provenance} error on the held-out blocks "
             f"{percent(chosen.share, 1)} is left, by {chosen.weights} weights."
@@ -98,8 +97,8 @@ def cells(row: Row, keys: list[str], outputs: list[str]) -> list[str]:
     """A finished trial as text: number, share, weights, values, RMSE by output, seconds."""
     found = [row.outputs.get(name) for name in outputs]
     errors = [quantity(one.held_out, one.unit) if one else "" for one in found]
-    values = [number(_short(row)[key]) if key in _short(row) else "" for key in keys]
-    share, seconds = quantities.number(row.share), fixed(row.seconds, 1)
+    values = [setting(_short(row)[key]) if key in _short(row) else "" for key in keys]
+    share, seconds = number(row.share), fixed(row.seconds, 1)
     return [str(row.number), share, str(row.weights), *values, *errors, seconds]
 
 
@@ -131,7 +130,7 @@ def _importance(findings: Findings) -> Table:
 
 def _failed(findings: Findings) -> Table:
     rows = tuple(
-        (str(row.number), " ".join(f"{k}={number(v)}" for k, v in _short(row).items()), row.remark)
+        (str(row.number), " ".join(f"{k}={setting(v)}" for k, v in _short(row).items()), row.remark)
         for row in findings.of("failed")
     )
     return Table("Trials that failed", ("trial", "values", "why"), rows, words=(0, 1, 2))
