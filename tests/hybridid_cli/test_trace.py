@@ -9,6 +9,7 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
+from jsonschema import Draft202012Validator
 
 HIDDEN = 73.718  # N s/m: f_v of the worn screw, one way less the other
 FEW = ("trace.effects=[asymmetric_viscous, cubic_stiffness]", "trace.horizon=0.5", "trace.processes=1")
@@ -28,6 +29,11 @@ def traced(say, tree, quick):
     said = say("trace", *quick, "rig.duration=6", *FEW, f"out={tree}")
     assert said.code == 0, said.err
     return said, json.loads((tree / "trace/trace.json").read_text())
+
+
+def test_the_file_is_what_its_schema_says(traced):
+    schema = Path(__file__).parents[2] / "docs/schemas/trace.schema.json"
+    Draft202012Validator(json.loads(schema.read_text())).validate(traced[1])
 
 
 def test_the_hidden_effect_is_named_with_its_size(traced):
