@@ -62,8 +62,10 @@ def completeness_in_words(found: Trace) -> str:
 
 
 def _what_the_network_finds(found: Trace, check: Completeness) -> str:
+    if check.gain < found.rules.worth:
+        return f"That is less than {percent(found.rules.worth)}: it finds nothing more that is worth having"
     if check.complete:
-        return f"That is less than {percent(found.rules.worth)}, or not significant: it finds nothing more"
+        return "That is not significant: it finds nothing more"
     if not found.remains:
         return "That gain does not survive other ways of solving the equations"
     return "It finds what no effect in the library names"
