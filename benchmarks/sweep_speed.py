@@ -171,7 +171,7 @@ def _bare_loop(seed: int, epochs: int) -> dict[str, float]:
     request = NARXRequest.of(plain["residual"])
     (tree,) = {path.resolve().parent.parent for path in _out("bare loop").glob("vehicle/*/fit/stage.json")}
     gray = gray_box(Settings("vehicle", plain), tree)
-    tasks = request.tasks(gray.model, errors_of(gray_runs(gray, request.shape.initial_state)))
+    tasks = request.tasks(gray.model, errors_of(gray_runs(gray, request.initial_state)))
     found = {}
     for task in tasks:
         one = training.train(task, request.training)

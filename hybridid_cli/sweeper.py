@@ -22,8 +22,9 @@ from hybridid_cli.tasks import settings_from
 from hybridid_cli.terminal import Terminal
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.sections.searches import SweepSection
 from pipelines.shared.tree import locked
-from pipelines.sweep.conduct import Sweep, SweepRequest, conduct, folder_of
+from pipelines.sweep.conduct import Sweep, conduct, folder_of
 from pipelines.sweep.log import common, in_one_experiment
 from pipelines.sweep.point import Point, expanded
 from pipelines.sweep.report import write_report
@@ -47,7 +48,7 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
     with Terminal() as terminal:
         points = expanded(list(Configs(overrides, parser, context.config_loader, config)))
         settings = points[0].settings
-        request = SweepRequest.of(settings)
+        request = settings.section("sweep", SweepSection)
         name = _name(points, config)
         points = in_one_experiment(points, name)
         shared = tuple(str(o.input_line) for o in overrides if not o.is_sweep_override() and _is_model(o))

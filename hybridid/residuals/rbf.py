@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from types import SimpleNamespace
-from typing import Literal
 
 import casadi as ca
 import numpy as np
@@ -19,50 +18,14 @@ from numpy.typing import NDArray
 from hybridid.declarations import Port
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Law, Local
+from hybridid.residuals.settings import Over, RBFBounds
 
 Array = NDArray[np.float64]
-Over = Literal["velocity", "position"]
 DIMENSIONS: dict[Over, Dimension] = {
     "velocity": Dimension(position=1, time=-1),
     "position": Dimension(position=1),
 }
 EFFECT = "rbf"
-
-
-@dataclass(frozen=True)
-class RBFBounds:
-    """Bounds on the nodes in a fit.
-
-    The initial nodes are evenly spaced and one spacing wide. By default, each centre stays in its own cell
-    (``centre_room`` spacings to either side), each width within ``width_room`` spacings, and each
-    weight within ``weight_room`` times the port's effort scale. Then no two nodes exchange places or
-    cancel each other by large weights, and a node with few samples in its range stays small.
-    ``centre``, ``width`` and ``weight`` give bounds in the port's units instead, as in the thesis
-    (Table 6.1: [-1, 1] m/s, [0.01, 1] m/s, [-100, 100] N).
-
-    Raises:
-        ValueError: if bounds are crossed or a width may become zero.
-    """
-
-    centre_room: float = 0.5
-    width_room: tuple[float, float] = (0.5, 1.5)
-    weight_room: float = 1 / 3
-    centre: tuple[float, float] | None = None
-    width: tuple[float, float] | None = None
-    weight: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("centre", "width", "weight"):
-            pair = getattr(self, name)
-            if pair is not None and not pair[0] < pair[1]:
-                raise ValueError(f"residual.bounds.{name} is {list(pair)}: the lower bound comes first")
-        for name, pair in (("width", self.width), ("width_room", self.width_room)):
-            if pair is not None and not 0 < pair[0] < pair[1]:
-                raise ValueError(f"residual.bounds.{name} is {list(pair)}: two rising positive numbers")
-        if not (self.centre_room >= 0 and self.weight_room > 0):
-            raise ValueError(
-                "residual.bounds: centre_room must not be negative, weight_room must be positive"
-            )
 
 
 @dataclass(frozen=True)

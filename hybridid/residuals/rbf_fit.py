@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import get_args
 
 import casadi as ca
 
@@ -13,12 +13,12 @@ from hybridid.estimators.fit import fit
 from hybridid.model import Model
 from hybridid.naming import unknown
 from hybridid.records.record import Record
-from hybridid.residuals.rbf import Over, RBFBounds, RBFNetwork
+from hybridid.residuals.rbf import RBFNetwork
+from hybridid.residuals.settings import Over, Physics, RBFBounds
 from hybridid.settings.fit import FitSettings
 from hybridid.validation.predict import free_run
 
-Physics = Literal["refitted", "fixed"]
-PHYSICS: tuple[Physics, ...] = ("refitted", "fixed")
+PHYSICS: tuple[Physics, ...] = get_args(Physics)
 MARGIN = 0.05
 """Share of the visited range by which the nodes' span exceeds it on each side."""
 

@@ -1,4 +1,4 @@
-"""Settings of a NARX network and of its training."""
+"""Settings of a NARX network and of its training; bounds on the nodes of an RBF network."""
 
 from __future__ import annotations
 
@@ -6,6 +6,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hybridid.residuals.orders import Orders
+from hybridid.settings import check, setting
+
+Over = Literal["velocity", "position"]
+"""What the argument of a radial basis function is."""
+Physics = Literal["refitted", "fixed"]
+"""Whether the parameters are estimated together with the network, or kept."""
 
 SMALL = 64
 """Width up to which networks train faster together than one after the other. A training step of a narrow
@@ -59,37 +65,38 @@ class Training:
         ValueError: if a setting is outside what is allowed.
     """
 
-    horizons: tuple[int, ...] = (1, 10, 50)
-    epochs: int = 200
-    patience: int = 20
-    batch: int = 512
-    learning_rate: float = 1e-3
-    weight_decay: float = 0.0
-    held_out: float = 0.2
-    blocks: int = 10
-    guard: float = 10.0
-    precision: Literal["single", "double"] = "single"
-    criterion: Literal["free_run", "horizon"] = "free_run"
+    horizons: tuple[int, ...] = setting(
+        (1, 10, 50),
+        "how long the network runs free in training, one length after the other; [1]: one step ahead, "
+        "as in the thesis",
+        unit="samples",
+        least=1,
+        some=True,
+    )
+    criterion: Literal["free_run", "horizon"] = setting(
+        "free_run",
+        "held-out error that ends the training; horizon: of windows that start from measured errors",
+    )
+    epochs: int = setting(200, "epochs on each horizon at most", least=1)
+    patience: int = setting(20, "epochs without a lower held-out error that end the training", least=1)
+    batch: int = setting(512, "predicted samples in each step", least=1)
+    learning_rate: float = setting(1e-3, "of Adam", above=0)
+    weight_decay: float = setting(0.0, "L2 term of Adam", least=0)
+    held_out: float = setting(0.2, "share of the blocks that no gradient sees", above=0, most=0.5)
+    blocks: int = setting(10, "contiguous blocks of each record", least=2)
+    guard: float = setting(
+        10.0,
+        "a network whose |error| exceeds the largest that trained it so many times has run away",
+        above=1,
+    )
+    precision: Literal["single", "double"] = setting("single", "of the arithmetic")
 
     def __post_init__(self) -> None:
-        for name, least in (("epochs", 1), ("patience", 1), ("batch", 1), ("blocks", 2)):
-            if getattr(self, name) < least:
-                raise ValueError(f"residual.{name} is {getattr(self, name)}: at least {least}")
-        if not self.horizons or min(self.horizons) < 1 or sorted(self.horizons) != list(self.horizons):
+        check(self, "residual")
+        if sorted(self.horizons) != list(self.horizons):
             raise ValueError(
                 f"residual.horizons is {list(self.horizons)}: rising numbers of samples, such as [1, 10, 50]"
             )
-        if not 0 < self.held_out <= 0.5:
-            raise ValueError(f"residual.held_out is {self.held_out}: a share above 0 and up to 0.5")
-        for name, allowed in (("precision", ("single", "double")), ("criterion", ("free_run", "horizon"))):
-            if getattr(self, name) not in allowed:
-                raise ValueError(f"residual.{name} is {getattr(self, name)!r}, allowed: {', '.join(allowed)}")
-        if not self.learning_rate > 0:
-            raise ValueError(f"residual.learning_rate is {self.learning_rate}: must be positive")
-        if not self.weight_decay >= 0:
-            raise ValueError(f"residual.weight_decay is {self.weight_decay}: must not be negative")
-        if not self.guard > 1:
-            raise ValueError(f"residual.guard is {self.guard}: must be above 1")
 
 
 @dataclass(frozen=True)
@@ -100,3 +107,43 @@ class Epoch:
     horizon: int
     train: float
     held_out: float
+
+
+@dataclass(frozen=True)
+class RBFBounds:
+    """Bounds on the nodes in a fit.
+
+    The initial nodes are evenly spaced and one spacing wide. By default, each centre stays in its own cell
+    (``centre_room`` spacings to either side), each width within ``width_room`` spacings, and each
+    weight within ``weight_room`` times the port's effort scale. Then no two nodes exchange places or
+    cancel each other by large weights, and a node with few samples in its range stays small.
+    ``centre``, ``width`` and ``weight`` give bounds in the port's units instead, as in the thesis
+    (Table 6.1: [-1, 1] m/s, [0.01, 1] m/s, [-100, 100] N).
+
+    Raises:
+        ValueError: if bounds are crossed or a width may become zero.
+    """
+
+    centre_room: float = setting(0.5, "room of a centre to either side, in spacings of the nodes", least=0)
+    width_room: tuple[float, float] = setting(
+        (0.5, 1.5), "from which to which width, in spacings of the nodes", above=0
+    )
+    weight_room: float = setting(
+        0.3333, "room of a weight to either side, in multiples of the port's effort scale", above=0
+    )
+    centre: tuple[float, float] | None = setting(
+        None, "bounds of a centre in the port's unit", null="by centre_room", shown="[from,to]"
+    )
+    width: tuple[float, float] | None = setting(
+        None, "bounds of a width in the port's unit", above=0, null="by width_room", shown="[from,to]"
+    )
+    weight: tuple[float, float] | None = setting(
+        None, "bounds of a weight in the port's unit", null="by weight_room", shown="[from,to]"
+    )
+
+    def __post_init__(self) -> None:
+        check(self, "residual.bounds")
+        for name in ("width_room", "centre", "width", "weight"):
+            pair = getattr(self, name)
+            if pair is not None and not pair[0] < pair[1]:
+                raise ValueError(f"residual.bounds.{name} is {list(pair)}: the lower bound comes first")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from contextlib import nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import starmap
 from typing import Any
 
@@ -14,49 +14,24 @@ from joblib import cpu_count
 from hybridid.hybrid import FittedHybrid, GrayBox
 from hybridid.hybrid.rbf_grid import rbf_hybrid
 from hybridid.model import Model
+from hybridid.plain import build
 from hybridid.residuals.held_out import Candidate, Mapper
-from hybridid.residuals.rbf import Over, RBFBounds
-from hybridid.residuals.rbf_fit import Physics, RBFPlan, port_of
+from hybridid.residuals.rbf_fit import RBFPlan, port_of
 from hybridid.settings.fit import FitSettings
-from pipelines.residual.request import Request, reporter, section_of
+from pipelines.residual.request import Request, reporter
 from pipelines.shared.errors import ConfigError
+from pipelines.shared.sections.residual import RBFSection
 from pipelines.shared.watch import Watcher
 from pipelines.shared.workers import workers
 
 
 @dataclass(frozen=True)
-class RBFRequest(Request):
-    """The keys of the section. Several ``nodes`` or ``horizons`` are chosen from on ``folds`` blocks of
-    the fitted records, each held out in turn; ``horizons`` None is the gray box' own. ``judged``: on those
-    blocks, though there may be nothing to choose from."""
-
-    nodes: tuple[int, ...] = (8,)
-    horizons: tuple[int | None, ...] | None = None
-    port: str | None = None
-    over: Over = "velocity"
-    span: tuple[float, float] | None = None
-    physics: Physics = "refitted"
-    bounds: RBFBounds = field(default_factory=RBFBounds)
-    max_iterations: int = 30
-    folds: int = 4
-    processes: int | None = None
-    judged: bool = False
-
-    def __post_init__(self) -> None:
-        if not self.nodes or self.horizons == ():
-            raise ValueError("residual.nodes and residual.horizons: give at least one number")
-        if self.folds < 2:
-            raise ValueError(f"residual.folds is {self.folds}: at least 2")
-        if self.processes is not None and self.processes < 1:
-            raise ValueError(f"residual.processes is {self.processes}: at least 1, or null for one a core")
-        for nodes in self.nodes:
-            self._plan(nodes)
-        for horizon in self.horizons or ():
-            self._settings(FitSettings(), horizon)
+class RBFRequest(RBFSection, Request):
+    """Networks of ``nodes`` numbers of nodes, fitted over ``horizons``."""
 
     @classmethod
     def of(cls, section: Mapping[str, Any]) -> RBFRequest:
-        return section_of(cls, section)
+        return build(cls, section, "residual", ConfigError)
 
     def check(self, model: Model) -> None:
         try:

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 from hybridid.estimators.estimate import Progress
 from hybridid.hybrid import FittedHybrid, GrayBox
 from hybridid.model import Model
-from hybridid.plain import build
-from pipelines.shared.errors import ConfigError
 from pipelines.shared.watch import Watcher
-
-T = TypeVar("T")
 
 
 class Request(abc.ABC):
@@ -43,13 +39,6 @@ class Request(abc.ABC):
         Raises:
             ValueError: if it cannot be done.
         """
-
-
-def section_of(cls: type[T], section: Mapping[str, Any]) -> T:
-    """``section``, less its ``kind``, as a dataclass ``cls``."""
-    return build(
-        cls, {key: value for key, value in section.items() if key != "kind"}, "residual", ConfigError
-    )
 
 
 def reporter(watcher: Watcher) -> Callable[[Progress], None]:

@@ -11,11 +11,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from hybridid.plain import build
 from pipelines.runner import check_stages, is_fresh
-from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.freshness import RECEIPT
+from pipelines.shared.sections.searches import SweepSection
 from pipelines.shared.sources import sources_of
 from pipelines.shared.storage import write_json
 from pipelines.shared.watch import Watcher
@@ -25,29 +24,6 @@ from pipelines.sweep.plan import Plan, planned
 from pipelines.sweep.point import Point
 from pipelines.sweep.work import Failures, Work
 from pipelines.tracking.runs import open_parent
-
-
-@dataclass(frozen=True)
-class SweepRequest:
-    """The section ``sweep``: ``stack`` points train together at most, ``processes`` run side by side here."""
-
-    stack: int | None = None
-    processes: int | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("stack", "processes"):
-            value = getattr(self, name)
-            if value is not None and value < 1:
-                raise ValueError(f"sweep.{name} is {value}: at least 1, or null")
-
-    @classmethod
-    def of(cls, settings: Settings) -> SweepRequest:
-        """
-        Raises:
-            ConfigError: if a key or value is not allowed.
-        """
-        section = {k: v for k, v in (settings.get("sweep") or {}).items() if k != "job"}
-        return build(cls, section, "sweep", ConfigError)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +75,7 @@ def digest_of(points: Sequence[Point]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
-def conduct(sweep: Sweep, crew: Crew, request: SweepRequest, watcher: Watcher) -> Swept:
+def conduct(sweep: Sweep, crew: Crew, request: SweepSection, watcher: Watcher) -> Swept:
     """Do what is missing of the sweep.
 
     Raises:
@@ -157,7 +133,7 @@ def _refused(points: Sequence[Point], watcher: Watcher) -> dict[Point, str]:
     return refused
 
 
-def _planned(points: Sequence[Point], crew: Crew, request: SweepRequest, key: str) -> Plan:
+def _planned(points: Sequence[Point], crew: Crew, request: SweepSection, key: str) -> Plan:
     fresh = [p for p in points if not p.settings.lone.force and _fresh(p)]
     grays = {p.gray_tree: p for p in points if p not in fresh and p.kind is not None}
     there = [p for p in grays.values() if is_fresh(p.gray, "fit", p.gray_tree)]

@@ -111,7 +111,7 @@ def _together(points: Sequence[Point], watcher: Watcher) -> None:
     gray = residual.gray_box(points[0].settings, points[0].gray_tree)
     requests = [_request(point) for point in points]
     began = time.perf_counter()
-    runs = gray_runs(gray, requests[0].shape.initial_state)
+    runs = gray_runs(gray, requests[0].initial_state)
     errors = errors_of(runs)
     tasks = [request.tasks(gray.model, errors) for request in requests]
     trained = train_networks([t for own in tasks for t in own], requests[0].training, told(watcher))

@@ -85,7 +85,7 @@ def _check(settings: Settings, request: TuneRequest) -> None:
         asked = narx_of(settings, values)
         asked.check(model_of(with_values(settings, values)))
         for name in ("depth", "width"):
-            given = getattr(asked.shape, name)
+            given = getattr(asked, name)
             if len(given) > 1:
                 raise ConfigError(
                     f"residual.{name} is {list(given)}: one number, or vary it (tune.space.residual.{name})"

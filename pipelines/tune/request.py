@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING, Any
 
 from pipelines.shared.config import Settings, digest
 from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.sections.searches import TuneSection
 
 if TYPE_CHECKING:
     from optuna.distributions import BaseDistribution
@@ -61,31 +62,11 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class TuneRequest:
-    """``space`` by dotted config key. ``trials`` are to be done in all, by whoever takes part; ``seconds``
-    bounds this command alone; ``startup`` trials are random before the search adapts."""
+class TuneRequest(TuneSection):
+    """The section ``tune``, its ``space`` by dotted config key. ``trials`` are to be done in all, by whoever
+    takes part; ``seconds`` bounds this command alone."""
 
-    space: Mapping[str, Range | Choice]
-    trials: int = 60
-    seconds: float | None = None
-    processes: int | None = None
-    startup: int = 10
-    pruner: Literal["median", "hyperband", "none"] = "median"
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        for name, least in (("trials", 1), ("startup", 1), ("seed", 0)):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int) or value < least:
-                raise ConfigError(f"tune.{name} is {value!r}: a whole number of at least {least}")
-        if self.processes is not None and (not isinstance(self.processes, int) or self.processes < 1):
-            raise ConfigError(f"tune.processes is {self.processes!r}: at least 1, or null for one a core")
-        if self.seconds is not None and not (isinstance(self.seconds, int | float) and self.seconds > 0):
-            raise ConfigError(f"tune.seconds is {self.seconds!r}: a positive number, or null")
-        if self.pruner not in ("median", "hyperband", "none"):
-            raise ConfigError(
-                unknown("value of tune.pruner", str(self.pruner), ("median", "hyperband", "none"))
-            )
+    space: Mapping[str, Range | Choice] = field(default_factory=dict)
 
     @classmethod
     def of(cls, settings: Settings) -> TuneRequest:
@@ -95,17 +76,14 @@ class TuneRequest:
         """
         if settings.get("residual.kind") != "narx":
             raise ConfigError("tune searches for NARX networks: choose residual=narx; sweep compares others")
-        section = dict(settings.get("tune") or {})
-        names = [f.name for f in fields(cls)]
-        for key in section:
-            if key not in names:
-                raise ConfigError(unknown("config key below tune", key, names))
-        space = dict(_axes(section.pop("space", None) or {}, "tune.space"))
+        section = settings.section("tune", TuneSection)
+        space = dict(_axes(section.space or {}, "tune.space"))
         if not space:
             raise ConfigError("tune.space is empty: give a key at least, as in tune.space.residual.width")
         for key in space:
             _check_key(key, settings)
-        return cls(space, **section)
+        rest = {f.name: getattr(section, f.name) for f in fields(section) if f.name != "space"}
+        return cls(space, **rest)
 
     def distributions(self) -> dict[str, BaseDistribution]:
         return {key: axis.distribution() for key, axis in self.space.items()}

@@ -43,8 +43,8 @@ def work(given: Work, watcher: Watcher) -> int:
     make_importable(given.settings.folders)
     request = TuneRequest.of(given.settings)
     gray = gray_box(given.settings, given.gray_tree)
-    shape = narx_of(given.settings, next(request.corners())).shape
-    bench = Bench(given.settings, gray, gray_runs(gray, shape.initial_state))
+    network = narx_of(given.settings, next(request.corners()))
+    bench = Bench(given.settings, gray, gray_runs(gray, network.initial_state))
     done = 0
     with seated(given.folder) as seat:
         study = opened(given.folder, request, seat)

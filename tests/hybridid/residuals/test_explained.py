@@ -7,7 +7,8 @@ import pytest
 
 from hybridid.estimators.problem import build_problem
 from hybridid.residuals.explained import effort_explained, explained_share, output_explained
-from hybridid.residuals.rbf import RBFBounds, RBFNetwork
+from hybridid.residuals.rbf import RBFNetwork
+from hybridid.residuals.settings import RBFBounds
 from hybridid.validation import free_run
 
 

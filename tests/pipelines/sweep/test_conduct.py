@@ -11,10 +11,11 @@ import pytest
 from hybridid.residuals.choice import NEAR
 from hybridid_cli.sweep_results import failed, summary
 from pipelines.shared.errors import ConfigError
-from pipelines.sweep.conduct import SweepRequest, conduct
+from pipelines.shared.sections.searches import SweepSection
+from pipelines.sweep.conduct import conduct
 from pipelines.sweep.report import write_report
 
-REQUEST = SweepRequest()
+REQUEST = SweepSection()
 
 
 @pytest.fixture
@@ -75,7 +76,7 @@ class TestFailures:
         found = points({"residual.seeds": 0})
         lost = found[1].name
         own = crew(kills=(lost,))
-        swept = conduct(sweep(found), own, SweepRequest(stack=1), heard)
+        swept = conduct(sweep(found), own, SweepSection(stack=1), heard)
         assert [p.name for p in swept.failures] == [lost]
         write_report(swept)
         assert lost in (swept.sweep.folder / "index.md").read_text().partition("Failed")[2]
