@@ -29,23 +29,6 @@ complete -F _hybridid_complete hybridid
 """.strip()
 
 _SETTINGS = ("guess", "lower", "upper", "fixed")
-_CHOICES = {
-    "data": ("auto", "measured", "simulated"),
-    "validate.initial_state": ("estimated", "measured"),
-    "estimator.initial_state": ("estimated", "measured"),
-    "estimator.method": ("gauss_newton", "multiple_shooting"),
-    "estimator.hessian": ("gauss_newton", "exact"),
-    "estimator.start": ("regression", "guess"),
-    "residual.physics": ("refitted", "fixed"),
-    "residual.over": ("velocity", "position"),
-    "residual.criterion": ("free_run", "horizon"),
-    "residual.precision": ("single", "double"),
-    "residual.increment": ("true", "false"),
-    "residual.initial_state": ("estimated", "measured"),
-    "trace.held_out": ("auto", "null"),
-    "mlflow.enabled": ("true", "false"),
-    "force": ("true", "false"),
-}
 
 
 def command(name: str, words: Sequence[str]) -> int:
@@ -102,7 +85,9 @@ def _overrides(name: str, words: Sequence[str], current: str, folders: Sequence[
     elif key in ("effects", "trace.effects"):
         yield from _effect_lists(key, value)
     else:
-        yield from (f"{key}={choice}" for choice in _CHOICES.get(key, ()))
+        from hybridid_cli import keys as declared  # not needed for names
+
+        yield from (f"{key}={choice}" for choice in declared.choices().get(key, ()))
 
 
 def _parameter_keys(name: str, choices: dict[str, str], folders: Sequence[Path]) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What ``--help`` says: plain text, written for a person, ready without importing anything."""
+"""What ``--help`` says: plain text, written for a person; the keys are made from their declarations."""
 
 from __future__ import annotations
 
@@ -60,13 +60,6 @@ Estimates the parameters of plant and effects on the records of fit.records and 
   hybridid fit case=emps                            over the whole record, free running
   hybridid fit case=emps estimator.horizon=1000     over horizons of 1000 samples
   hybridid fit case=emps estimator=multiple_shooting parameters.M.fixed=95.1
-
-Its own keys
-  fit.records=[...]        roles or names of the records to fit; default: [identification]
-  estimator=NAME           gauss_newton | multiple_shooting
-  estimator.horizon=N      samples over which the model runs free; null: the whole record
-  estimator.interval=N     samples between shooting states
-  estimator.starts=N       how many starts; the best is kept
 """
 
 RESIDUAL = """\
@@ -79,24 +72,6 @@ up the hybrid beside the gray box.
   hybridid residual case=emps residual=narx                             after the output
   hybridid run case=emps residual=rbf                                   gray box and hybrid, with figures
   hybridid run experiment=vehicle_narx                                  the grid of Tables 4.4 and 4.5
-
-Keys of residual=narx
-  residual.orders.error=N  past errors that the network sees; orders.gray: of the gray box' output;
-                           orders.inputs: of each input, or orders.inputs={torque: 6} by name
-  residual.depth=N         hidden layers; residual.width=N neurons in each. Lists, such as depth=[3,4,5]
-                           width=[8,16,32], make a grid: of all sizes and seeds the smallest network is kept
-                           whose error on the held-out blocks is within 5 % of the lowest
-  residual.horizons=[...]  samples the network runs free in training; [1]: one step ahead, as in the thesis
-  residual.every=N         the network works on every n-th sample; residual.increment=true for slow errors
-  residual.seeds=[...]     one network of each size for each, trained together
-  residual.epochs=N, patience, batch, learning_rate, weight_decay, held_out, blocks, criterion, guard
-Keys of residual=rbf
-  residual.nodes=[...]     numbers of nodes to choose from
-  residual.horizons=[...]  samples over which it is fitted (null: the whole record) to choose from
-  residual.physics=refitted|fixed   whether the parameters are estimated with the network or kept
-  residual.port=NAME       effort port; residual.over=velocity|position; residual.span=[from,to]
-  residual.bounds.KEY=X    where the nodes may go; residual.folds=N, max_iterations, processes;
-                           residual.judged=true: on those blocks though nothing is to be chosen
 """
 
 SWEEP = """\
@@ -110,13 +85,6 @@ and leaves the others; the same command again does what is missing, and so does 
   hybridid sweep experiment=vehicle_narx residual.depth=2,4,6 residual.width=8,1024 residual.orders.error=1,7
   hybridid sweep case=esea friction=linear,dahl residual=narx_esea
   hybridid sweep experiment=emps_rbf launcher=joblib             other processes; launcher=slurm: a cluster
-
-Its own keys
-  sweep.stack=N            points that train together at most; 1: every point is a job of its own
-  sweep.processes=N        side by side on this machine; default: one a core
-  launcher=local|joblib|slurm   who does the jobs
-  out=DIR                  the report and every point's run tree; default: outputs/sweeps/<name>-<digest>, and
-                           each point where hybridid run would put it
 """
 
 VALIDATE = """\
@@ -124,13 +92,6 @@ Runs the fitted model against every record and writes validate/metrics.json: MSE
 by record, output and view, and tests of the residual.
 
   hybridid validate case=emps validate.horizon=0.5
-
-Its own keys
-  validate.views=[...]     free_run: the whole record in one go; horizon: many short runs
-  validate.horizon=S       length of each short run in s, each from an initial state of its own; default: 1.0
-  validate.initial_state=estimated|measured   of the free run
-  validate.records=[...]   roles or names; default: all
-  validate.lags=N          lags in samples of the residual's correlations
 """
 
 PLOT = """\
@@ -139,9 +100,6 @@ spread of errors, as files for a paper.
 
   hybridid plot case=emps
   hybridid run case=emps plot.formats=[svg]    one kind of file: less than half the time
-
-Its own keys
-  plot.formats=[svg,pdf,png]   files of each figure; default: all three
 """
 
 TRACE = """\
@@ -157,23 +115,6 @@ augmented model.
   hybridid trace case=emps trace.effects=[stribeck,dahl,lugre]     try only these
   hybridid trace --config-dir mylab case=mine trace.extra_effects=[mymodule:MY_EFFECT]
   hybridid run case=emps model=TREE/trace/model.json               go on with the augmented model
-
-Its own keys
-  trace.horizon=S          length of each horizon in s; default: auto, validate.horizon, or shorter where the
-                           records would not give ten of them to judge by
-  trace.records=[...]      roles or names of the records to fit; default: fit.records
-  trace.held_out=[...]     of those that judge; null: alternate horizons of the fitted ones do;
-                           default: auto, the validation records, or null if there are none
-  trace.worth=X            smallest decrease of the held-out RMSE worth having; default: 0.05
-  trace.alpha=X            probability of one false effect among all tried in a step; default: 0.01
-  trace.tie=X              relative difference below which two effects are alike; default: 0.02
-  trace.stands_in=X        share of what an effect and a learned effort beside it take from the squared error
-                           that may be the latter's; above, the effect only stands in; default: 0.1
-  trace.effects=[...]      ids to try; default: the whole library (hybridid effects)
-  trace.extra_effects=[module:NAME,...]   effects of your own, tried beside them
-  trace.ports=[...]        ports to try; default: all
-  trace.most_effects=N     that may be accepted; default: 6
-  trace.processes=N        side by side; default: one a core
 """
 
 CASES = """\
@@ -203,10 +144,6 @@ where it stopped. An experiment that fails is named, on the page too, and does n
 
   hybridid reproduce
   hybridid reproduce experiments=[emps_free_run] paths.outputs=/data/outputs
-
-Its own keys
-  experiments=[NAME,...]   files of conf/experiment
-  processes=N              experiments side by side; default: one a core
 """
 
 FETCH = """\
@@ -214,9 +151,6 @@ Downloads the public records of a case to paths.data, checks their SHA-256 and r
 
   hybridid fetch emps
   hybridid fetch emps paths.data=/data/recordings
-
-Its own keys
-  archive.url=URL          a mirror of the archive
 """
 
 TUNE = """\
@@ -229,16 +163,6 @@ or killed goes on where it was. Writes index.html, tune.json and the chosen conf
   hybridid tune experiment=vehicle_narx tune.trials=200 tune.seconds=3600
   hybridid tune case=esea friction=linear residual=narx_esea tune.space.residual.width.high=32
   hybridid run --config-dir FOLDER experiment=tuned             take up what was chosen
-
-Its own keys
-  tune.space.KEY={low: 1, high: 8, log: true}   vary a key, such as residual.width; or [a,b] to choose from
-  tune.space.KEY=null      do not vary it
-  tune.trials=N            in all, of every process, node and earlier command; default: 60
-  tune.seconds=S           begin no trial after that time; default: no limit
-  tune.processes=N         side by side on this machine; default: one a core
-  tune.startup=N           random trials before the search adapts; default: 10
-  tune.pruner=median|hyperband|none   which trials are ended early
-  tune.seed=N              of the search
 """
 
 LOG = """\
@@ -249,9 +173,6 @@ or doubled. While something still waits, the exit code is 1.
   hybridid log
   hybridid log paths.outputs=/data/outputs
   hybridid log mlflow.tracking_uri=http://server:5000   all of them to this server
-
-Its own keys
-  mlflow.tracking_uri=URI  default: where each run was to go
 """
 
 UI = """\
@@ -259,10 +180,6 @@ Opens MLflow's page on this machine alone (127.0.0.1): every run with its config
 
   hybridid ui
   hybridid ui port=8080 paths.outputs=/data/outputs
-
-Its own keys
-  port=N                   default: 5000
-  mlflow.tracking_uri=URI  default: sqlite:///outputs/mlflow.db
 """
 
 COMPLETION = """\
@@ -281,5 +198,11 @@ def overview(commands: Sequence[tuple[str, str]]) -> str:
 
 def of_command(name: str, summary: str, details: str, stages: bool) -> str:
     """The text of ``hybridid <command> --help``."""
-    head = f"hybridid {name}: {summary}\n\n{details}"
-    return f"{head}\n{_SHARED.format(name=name)}" if stages and name not in ("ui", "fetch", "log") else head
+    parts = [f"hybridid {name}: {summary}\n\n{details}"]
+    if stages:
+        from hybridid_cli import keys  # the overview needs no keys
+
+        parts.append(keys.of_command(name))
+    if stages and name not in ("ui", "fetch", "log"):
+        parts.append(_SHARED.format(name=name))
+    return "\n".join(part for part in parts if part)

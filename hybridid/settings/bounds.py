@@ -104,7 +104,8 @@ def _check(value: Any, hint: Any, setting: Setting, where: str) -> None:
             raise ValueError(f"{where} is {value!r}: {nearest(value, known)}allowed: {', '.join(known)}")
     elif isinstance(value, tuple | list):
         if setting.some and not value:
-            raise ValueError(f"{where} is []: give at least one")
+            words = words_of(hint)
+            raise ValueError(f"{where} is []: give at least one{' of ' + ', '.join(words) if words else ''}")
         inner = next((o for o in options(hint) if typing.get_origin(o) is tuple), Any)
         for item, own in zip(value, _item_hints(inner, len(value)), strict=False):
             _check(item, own, setting, where)

@@ -84,3 +84,19 @@ def test_reader_that_leaves_early_is_no_error(environment):
     assert done.returncode == 0
     assert done.stderr == ""
     assert len(done.stdout.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("command", "key", "said"),
+    [
+        ("trace", "trace.worth=X", "default: 0.05"),
+        ("fit", "estimator.horizon=N", "in samples; default: null, the whole record"),
+        ("validate", "validate.initial_state=estimated|measured", "default: estimated"),
+        ("residual", "residual.bounds.centre_room=X", "default: 0.5"),
+        ("ui", "port=N", "default: 5000"),
+        ("reproduce", "processes=N", "default: null, one a core"),
+    ],
+)
+def test_help_tells_each_key_its_values_and_its_default(say, command, key, said):
+    told = " ".join(say(command, "--help").out.split())
+    assert said in told.partition(key)[2][:250]

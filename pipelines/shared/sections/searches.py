@@ -55,7 +55,7 @@ class SweepSection:
         None,
         "points that train together at most; 1: every point is a job of its own",
         least=1,
-        null="as the machine suggests",
+        null="what the machine suggests",
     )
     processes: int | None = setting(None, "side by side on this machine", least=1, null=_CORES)
     job: str | None = setting(

@@ -24,9 +24,9 @@ def test_only_the_formats_asked_for_are_written(settings, data, heard):
 @pytest.mark.parametrize(
     ("formats", "said"),
     [
-        (["svgg"], "unknown format in plot.formats: 'svgg'"),
-        ([], "plot.formats is []"),
-        ("svg", "plot.formats is 'svg'"),
+        (["svgg"], "plot.formats[0] is 'svgg': did you mean 'svg'?"),
+        ([], "plot.formats is []: give at least one of svg, pdf, png"),
+        ("svgg", "plot.formats[0] is 'svgg': did you mean 'svg'?"),
     ],
 )
 def test_a_wrong_format_is_said_before_anything_is_done(settings, data, heard, formats, said):
