@@ -16,7 +16,6 @@ import functools
 import hashlib
 import os
 import platform
-import re
 import shutil
 import subprocess
 import warnings
@@ -42,10 +41,14 @@ WORTH = 3e6
 fit simulates some thirty times, and the code is kept."""
 ONLY = "_only"
 """Behind the names of the functions without sensitivities."""
-BODY = re.compile(r"/\* (\w+):[^\n]*\*/\nstatic int \w+(\(.*?\n\})\n", re.DOTALL)
-"""One function as CasADi writes it: its name, and its arguments with what it does."""
-GIVEN = re.compile(r"(arg\[\d+\])\? (\1\[\d+\]) : 0|if \(res\[\d+\]!=0\) ")
-"""Where it asks whether an argument or a result is there."""
+STATIC = "#define CASADI_SYMBOL_EXPORT static\n"
+"""CasADi's own switch: the compiler drops the functions that tell names and sparsities, which nobody calls.
+A model of an EMPS trace compiles in 0.13 s of CPU time instead of 0.20 s; regular expressions that cut
+CasADi's text down would save 0.02 s more."""
+STEPS = """
+int (*steps[])(const casadi_real**, casadi_real**, casadi_int*, casadi_real*, int) = {%s};
+"""
+"""The functions that are called, where ``ctypes`` finds them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,9 +91,9 @@ class Code:
         shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y), (w, 1 + n_s, n_x)]
         results = [np.empty(shape) for shape in shapes]
         whole, real = ([ctypes.c_void_p(a.ctypes.data) for a in of] for of in (integers, (*arrays, *results)))
-        suffix = "" if sensitivities else ONLY
-        code = (model[f"{name}{suffix}"] for name in ("model_advance", "model_observe"))
-        if shoot(*code, *whole, ctypes.c_double(windows.dt / windows.substeps), *real):
+        steps = (ctypes.c_void_p * 4).in_dll(model, "steps")
+        advance, observe = map(ctypes.c_void_p, steps[:2] if sensitivities else steps[2:])
+        if shoot(advance, observe, *whole, ctypes.c_double(windows.dt / windows.substeps), *real):
             raise MemoryError("no memory left to simulate in")
         final, states, outputs, slopes, ends = results
         return states, outputs, final, slopes, ends[:, 1:]
@@ -105,7 +108,8 @@ class Code:
         generator = ca.CodeGenerator("model.c")
         for function in self._functions:
             generator.add(function)
-        return _compiled(_bare(generator.dump()))
+        names = ", ".join(function.name() for function in self._functions)
+        return _compiled(STATIC + generator.dump() + STEPS % names)
 
 
 def _pair(
@@ -137,14 +141,6 @@ def total_derivative(model: Model, value: ca.SX, x: ca.SX, p: ca.SX, s: ca.SX, f
         direct = ca.jacobian(value, p)[:, [order.index(name) for name in free]]
         through = ca.horzcat(through[:, :n_x], through[:, n_x:] + direct)
     return through
-
-
-def _bare(source: str) -> str:
-    """CasADi's C without what it says of each function (names, sparsities) and without asking for what
-    ``shoot.c`` always gives: compiled in half the time. As it is, if CasADi comes to write otherwise."""
-    head, found, _ = source.partition("/* Configuration")
-    bodies = [f"int {name}{body}" for name, body in BODY.findall(source)]
-    return GIVEN.sub(r"\2", "\n".join([head, *bodies, ""])) if found and bodies else source
 
 
 @functools.cache
