@@ -5,9 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -23,6 +21,7 @@ from pipelines.sweep.log import common, log_failures, log_points
 from pipelines.sweep.plan import Plan, planned
 from pipelines.sweep.point import Point
 from pipelines.sweep.work import Failures, Work
+from pipelines.tracking.patience import in_background
 from pipelines.tracking.runs import open_parent
 
 
@@ -89,7 +88,7 @@ def conduct(sweep: Sweep, crew: Crew, request: SweepSection, watcher: Watcher) -
         watcher.say(f"plan: {line}")
     write_json(sweep.folder / "plan.json", plan.described)
     before = {point: _made(point) for work in plan.jobs for point in work.points}
-    with _scribe() as log:
+    with in_background() as log:
         log(open_parent, common(sweep.points), sweep.name, sweep.key, about(sweep), watcher)
         log(log_points, plan.fresh, sweep.key, watcher)
         reasons = _carried_out(
@@ -99,20 +98,6 @@ def conduct(sweep: Sweep, crew: Crew, request: SweepSection, watcher: Watcher) -
     failures = {p: (refused | lost)[p] for p in sweep.points if p in refused or p in lost}
     log_failures(failures, sweep.key, began, watcher)
     return Swept(sweep, plan, failures, time.time() - began)
-
-
-@contextmanager
-def _scribe() -> Iterator[Callable[..., None]]:
-    """Does what it is told in a thread of its own, in order: MLflow takes seconds that jobs need not wait."""
-    with ThreadPoolExecutor(1, "scribe") as thread:
-        told: list[Future[None]] = []
-        try:
-            yield lambda task, *given: told.append(thread.submit(task, *given))
-        except BaseException:
-            thread.shutdown(cancel_futures=True)
-            raise
-        for one in told:
-            one.result()
 
 
 def _refused(points: Sequence[Point], watcher: Watcher) -> dict[Point, str]:

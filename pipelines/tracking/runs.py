@@ -1,7 +1,7 @@
 """MLflow: each command is a run, written after its results are safe. Nothing here can lose a result.
 
 A sweep is a parent run with a nested run for each of its points. What the store does not take, since it is
-down, slow or broken, is kept in a file (``tracking_waiting``), and ``hybridid log`` sends it later.
+down, slow or broken, is kept in a file (``waiting``), and ``hybridid log`` sends it later.
 """
 
 from __future__ import annotations
@@ -23,14 +23,13 @@ from pipelines.shared.stage import Outcome
 from pipelines.shared.watch import Watcher
 from pipelines.tracking.facts import about, artifacts_of, finite, metrics_of_run, parameters, tags_of
 from pipelines.tracking.note import Artifact, Note, Status, short
-from pipelines.tracking.send import Slow, send
+from pipelines.tracking.patience import Slow, pause, paused
+from pipelines.tracking.send import send
 from pipelines.tracking.store import client, tracking_uri
 from pipelines.tracking.waiting import SILENT, keep, reason, waiting
 
 __all__ = ["Point", "Run", "client", "close_parent", "log_point", "open_parent", "tracked", "tracking_uri"]
 
-_PAUSE = 60.0  # s for which a store that failed is not tried again
-_failed: dict[str, float] = {}
 _warned: set[str] = set()
 
 
@@ -165,14 +164,14 @@ def _log(settings: Settings, note_of: Callable[[], Note], watcher: Watcher) -> N
 def _sent(note: Note, settings: Settings) -> str:
     """Send it; why it could not be, if so. A store that kept us waiting a moment ago is not asked again."""
     uri = tracking_uri(settings)
-    if time.monotonic() < _failed.get(uri, 0.0):
+    if paused(uri):
         return "it did not answer in time, less than a minute ago"
     try:
         send(note, settings, settings.mlflow.patience)
     except Exception as error:
         trouble = reason(error, uri)
         if trouble == SILENT or isinstance(error, (Slow, Timeout)):
-            _failed[uri] = time.monotonic() + _PAUSE
+            pause(uri)
         return trouble
     return ""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from itertools import islice
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from pipelines.shared.config import Settings
 from pipelines.tracking.note import KEY, Artifact, Note
+from pipelines.tracking.patience import clock
 from pipelines.tracking.store import alone, client, experiment_id, tracking_uri
 
 if TYPE_CHECKING:
@@ -24,10 +24,6 @@ _PARAMETERS_A_CALL = 100
 _PARENT = "mlflow.parentRunId"
 
 
-class Slow(RuntimeError):
-    """The store took longer than it may."""
-
-
 def send(note: Note, settings: Settings, patience: float | None = None) -> None:
     """Fill the note's run, made if there is none.
 
@@ -39,7 +35,7 @@ def send(note: Note, settings: Settings, patience: float | None = None) -> None:
     """
     uri = note.uri or tracking_uri(settings)
     remote = uri.startswith("http")
-    in_time = _clock(patience if remote else None)
+    in_time = clock(patience if remote else None)
     store = client(settings, uri)
     experiment = experiment_id(store, settings, note.experiment, remote)
     in_time()
@@ -48,16 +44,6 @@ def send(note: Note, settings: Settings, patience: float | None = None) -> None:
         run = _run_of(store, settings, experiment, note.key, note.name, note.began)
         if run.data.tags.get(LOGGED) != note.digest:
             _fill(store, settings, experiment, run, note, in_time)
-
-
-def _clock(patience: float | None) -> Callable[[], None]:
-    end = None if patience is None else time.monotonic() + patience
-
-    def in_time() -> None:
-        if end is not None and time.monotonic() > end:
-            raise Slow(f"it took more than {patience:g} s (mlflow.patience)")
-
-    return in_time
 
 
 def _run_of(store: MlflowClient, settings: Settings, experiment: str, key: str, name: str, began: int) -> Run:

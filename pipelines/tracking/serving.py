@@ -17,10 +17,10 @@ from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.sections.stages import UiKeys
 from pipelines.shared.watch import Watcher
+from pipelines.tracking.patience import END
 from pipelines.tracking.runs import client, tracking_uri
 
 HOST = "127.0.0.1"
-_PATIENCE = 5.0
 
 
 def serve(settings: Settings, watcher: Watcher) -> None:
@@ -77,7 +77,7 @@ def _end(server: subprocess.Popen[bytes]) -> None:
     for number in (signal.SIGTERM, signal.SIGKILL):
         try:
             os.killpg(server.pid, number)
-            server.wait(_PATIENCE)
+            server.wait(END)
         except ProcessLookupError:
             return
         except subprocess.TimeoutExpired:

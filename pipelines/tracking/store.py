@@ -13,24 +13,16 @@ from typing import TYPE_CHECKING
 from filelock import FileLock
 
 from pipelines.shared.config import Settings
+from pipelines.tracking import patience
 
 if TYPE_CHECKING:
     from mlflow.tracking import MlflowClient
 
-# MLflow would wait minutes for a server that is down; a user's own values win
-_IMPATIENT = {
-    "MLFLOW_HTTP_REQUEST_MAX_RETRIES": "1",
-    "MLFLOW_HTTP_REQUEST_TIMEOUT": "10",
-    "MLFLOW_HTTP_REQUEST_BACKOFF_FACTOR": "1",
-    "MLFLOW_ARTIFACT_UPLOAD_DOWNLOAD_TIMEOUT": "30",
-}
 _SILENT = {
     "MLFLOW_DISABLE_TELEMETRY": "true",
     "DO_NOT_TRACK": "true",
     "MLFLOW_SUPPRESS_PRINTING_URL_TO_STDOUT": "true",  # stdout is for results
 }
-_ANSWER_WITHIN = 5.0  # s
-_LONGEST_QUEUE = 120.0  # s, behind other processes that write to the sqlite file
 
 
 def tracking_uri(settings: Settings) -> str:
@@ -45,7 +37,7 @@ def store_folder(settings: Settings) -> Path:
 
 def client(settings: Settings, uri: str | None = None) -> MlflowClient:
     """A client of the store (at ``uri``, if given), which exists from then on."""
-    for name, value in (_SILENT | _IMPATIENT).items():
+    for name, value in (_SILENT | patience.REQUESTS).items():
         os.environ.setdefault(name, value)
     with alone(settings):
         return _client(uri or tracking_uri(settings), os.getpid())
@@ -66,7 +58,7 @@ def alone(settings: Settings) -> Iterator[None]:
     """Hold the store for this process: one after the other nobody meets a locked database."""
     folder = store_folder(settings)
     folder.mkdir(parents=True, exist_ok=True)
-    with FileLock(str(folder / ".mlflow.lock"), timeout=_LONGEST_QUEUE, is_singleton=True):
+    with FileLock(str(folder / ".mlflow.lock"), timeout=patience.QUEUE, is_singleton=True):
         yield
 
 
@@ -77,7 +69,7 @@ def answers(uri: str) -> bool:
     import requests
 
     try:
-        requests.get(uri, timeout=_ANSWER_WITHIN)
+        requests.get(uri, timeout=patience.ANSWER)
     except requests.RequestException:
         return False
     return True

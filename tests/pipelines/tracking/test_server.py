@@ -15,6 +15,7 @@ import pytest
 import requests
 
 from hybridid_cli.main import dispatch
+from pipelines.tracking import patience
 from pipelines.tracking import runs as tracking
 from pipelines.tracking.note import KEY
 from pipelines.tracking.runs import Point, client, close_parent, log_point, open_parent
@@ -59,7 +60,7 @@ def _answers(port: int) -> bool:
 def test_what_a_server_that_is_down_did_not_take_is_sent_when_it_is_up(
     settings, heard, port, monkeypatch, capsys
 ):
-    monkeypatch.setattr(tracking, "_failed", {})
+    monkeypatch.setattr(patience, "_paused", {})
     uri = f"http://127.0.0.1:{port}"
     there = settings({"mlflow.tracking_uri": uri})
     Path("files").mkdir()
@@ -84,7 +85,7 @@ def test_what_a_server_that_is_down_did_not_take_is_sent_when_it_is_up(
         said = capsys.readouterr().out
         assert f"sent width=8 of short to {uri}" in said
         assert "no run waits" in said
-        monkeypatch.setattr(tracking, "_failed", {})
+        monkeypatch.setattr(patience, "_paused", {})
         log_point(there, point, "all", heard)  # up now: sent at once, and there already
         store = client(there)
         runs = store.search_runs([store.get_experiment_by_name("short").experiment_id])
@@ -100,10 +101,10 @@ def test_what_a_server_that_is_down_did_not_take_is_sent_when_it_is_up(
 
 
 def test_server_that_never_answers_is_not_waited_for(settings, heard, monkeypatch):
-    monkeypatch.setattr(tracking, "_failed", {})
+    monkeypatch.setattr(patience, "_paused", {})
     monkeypatch.setattr(tracking, "_warned", set())
     monkeypatch.setenv("MLFLOW_HTTP_REQUEST_TIMEOUT", "1")
-    monkeypatch.setattr("pipelines.tracking.store._ANSWER_WITHIN", 1.0)
+    monkeypatch.setattr(patience, "ANSWER", 1.0)
     with socket.socket() as mute:
         mute.bind(("127.0.0.1", 0))
         mute.listen()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from pipelines.tracking import patience
 from pipelines.tracking import runs as tracking
 from pipelines.tracking import send as tracking_send
 from pipelines.tracking.note import COMMIT, KEY
@@ -17,7 +18,7 @@ from pipelines.tracking.waiting import send_waiting, waiting
 @pytest.fixture(autouse=True)
 def fresh_memory(monkeypatch):
     """What failed in one test is not remembered in the next."""
-    monkeypatch.setattr(tracking, "_failed", {})
+    monkeypatch.setattr(patience, "_paused", {})
     monkeypatch.setattr(tracking, "_warned", set())
 
 

@@ -1,0 +1,67 @@
+"""How long anybody waits for MLflow, all in s. Results are safe before they are sent: nothing waits long.
+
+What a server may take for one run is the user's to say: ``mlflow.patience``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+
+PAUSE = 60.0
+"""A store that kept us waiting is not asked again for so long: a sweep would wait anew for every point."""
+ANSWER = 5.0
+"""A server that says nothing for so long is taken to be down."""
+QUEUE = 120.0
+"""For the sqlite file, which takes one writer at a time, behind all other processes."""
+END = 5.0
+"""For the server of ``hybridid ui`` to end when it is told to."""
+REQUESTS = {
+    "MLFLOW_HTTP_REQUEST_MAX_RETRIES": "1",
+    "MLFLOW_HTTP_REQUEST_TIMEOUT": "10",
+    "MLFLOW_HTTP_REQUEST_BACKOFF_FACTOR": "1",
+    "MLFLOW_ARTIFACT_UPLOAD_DOWNLOAD_TIMEOUT": "30",
+}
+"""MLflow's own settings; by default it waits minutes for a server that is down. A user's own values win."""
+_paused: dict[str, float] = {}
+
+
+class Slow(RuntimeError):
+    """The store took longer than it may."""
+
+
+def clock(patience: float | None) -> Callable[[], None]:
+    """Raises ``Slow`` when it is called later than ``patience`` seconds from now (None: never)."""
+    end = None if patience is None else time.monotonic() + patience
+
+    def in_time() -> None:
+        if end is not None and time.monotonic() > end:
+            raise Slow(f"it took more than {patience:g} s (mlflow.patience)")
+
+    return in_time
+
+
+def pause(uri: str) -> None:
+    """The store at ``uri`` kept us waiting."""
+    _paused[uri] = time.monotonic() + PAUSE
+
+
+def paused(uri: str) -> bool:
+    """Whether it did so a moment ago."""
+    return time.monotonic() < _paused.get(uri, 0.0)
+
+
+@contextmanager
+def in_background() -> Iterator[Callable[..., None]]:
+    """Calls what it is given in one thread of its own, in order: MLflow takes seconds, and jobs go on."""
+    with ThreadPoolExecutor(1, "mlflow") as thread:
+        begun: list[Future[None]] = []
+        try:
+            yield lambda task, *given: begun.append(thread.submit(task, *given))
+        except BaseException:
+            thread.shutdown(cancel_futures=True)
+            raise
+        for one in begun:
+            one.result()
