@@ -43,7 +43,7 @@ def run(command: str, words: Sequence[str]) -> int:
 def _load_early(words: Sequence[str]) -> None:
     """Begin to load what a sweep works with, unless ``words`` only look at its config or name a launcher."""
     if {"-m", "--multirun"} & set(words) and not any("launcher=" in word for word in words):
-        from pipelines.shared.side_by_side import load_early
+        from pipelines.shared.pool import load_early
 
         load_early("pipelines.sweep.work", "hybridid.residuals.training")
 

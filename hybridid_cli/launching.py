@@ -10,9 +10,9 @@ from typing import Any
 
 from hydra._internal.core_plugins.basic_launcher import BasicLauncher
 from hydra.core.utils import JobReturn, JobStatus
-from joblib import cpu_count
 
 from pipelines.shared.errors import ConfigError
+from pipelines.shared.pool import core_count
 from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
 from pipelines.shared.watch import Watcher
@@ -29,11 +29,11 @@ def crew_of(launcher: Any, words: Sequence[str], folder: Path, processes: int | 
     ``words`` are overrides with which a job's own config can be composed.
     """
     if isinstance(launcher, BasicLauncher):
-        return Here(processes or cpu_count())
+        return Here(processes or core_count())
     cores = None
     if type(launcher).__name__ == "JoblibLauncher":
         given = int(launcher.joblib.get("n_jobs") or -1)
-        cores = given if given > 0 else cpu_count()
+        cores = given if given > 0 else core_count()
     return Launched(launcher, tuple(words), folder / "jobs", cores)
 
 

@@ -6,7 +6,6 @@ stopped; one that fails leaves its reason on the page and the others their resul
 
 from __future__ import annotations
 
-import os
 import time
 import traceback
 from collections.abc import Mapping
@@ -18,7 +17,7 @@ from pipelines.shared.board import Board
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
 from pipelines.shared.page import Page
-from pipelines.shared.side_by_side import Died, side_by_side
+from pipelines.shared.pool import Lost, core_count, side_by_side
 from pipelines.shared.tree import replacing, write_text
 from pipelines.shared.watch import Watcher
 from pipelines.thesis.look_up import Failed
@@ -50,7 +49,7 @@ def reproduce(
     """
     if processes is not None and (isinstance(processes, bool) or processes < 1):
         raise ConfigError(f"processes is {processes!r}: at least 1, or null for one a core")
-    outcomes = _run(experiments, processes or os.cpu_count() or 1, watcher)
+    outcomes = _run(experiments, processes or core_count(), watcher)
     folder = outputs / "thesis"
     folder.mkdir(parents=True, exist_ok=True)
     page = _page(experiments, outcomes, folder, watcher).write(folder)
@@ -88,7 +87,7 @@ def _run(experiments: Mapping[str, Settings], processes: int, watcher: Watcher) 
             found[name] = _told(board, name, attempt(settings, board.of(name)))
     else:
         for name, outcome in side_by_side(attempt, experiments, processes, board.of):
-            told = Failed(outcome.reason) if isinstance(outcome, Died) else outcome
+            told = Failed(outcome.reason) if isinstance(outcome, Lost) else outcome
             found[name] = _told(board, name, told)
     return {name: found[name] for name in experiments}
 

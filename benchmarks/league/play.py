@@ -16,7 +16,9 @@ from typing import Any
 from benchmarks.league import ours, rivals
 from benchmarks.league.machines import records_of
 from benchmarks.league.scenario import CATEGORIES, Scenario
+from pipelines.shared.pool import Lost, side_by_side
 from pipelines.shared.source_code import code_of
+from pipelines.shared.watch import Watcher
 
 ORACLE = "oracle"
 PLAYERS = (ORACLE, ours.NAME, "regression", "regression_own_cutoff", "regression_memory", "pysindy")
@@ -50,18 +52,23 @@ def answer(scenario: Scenario, players: Sequence[str], most_effects: int = 2) ->
     records = records_of(scenario)
     lines = []
     for player in players:
-        line: dict[str, Any] = {
-            "key": scenario.key,
-            "player": player,
-            "digest": scenario.digest(version(player)),
-            "scenario": {**scenario.described(), "truth": scenario.truth},
-        }
+        line = _line(scenario, player)
         try:
             line["answer"] = _answered(scenario, records, player, most_effects)
         except Exception:
             line["failure"] = traceback.format_exc(limit=-3)
         lines.append(line)
     return lines
+
+
+def _line(scenario: Scenario, player: str) -> dict[str, Any]:
+    """A line without its answer."""
+    return {
+        "key": scenario.key,
+        "player": player,
+        "digest": scenario.digest(version(player)),
+        "scenario": {**scenario.described(), "truth": scenario.truth},
+    }
 
 
 def _answered(scenario: Scenario, records, player: str, most_effects: int) -> dict[str, Any] | None:
@@ -98,15 +105,18 @@ def played(
     scenarios: Sequence[Scenario], players: Sequence[str], file: Path, processes: int, most_effects: int
 ) -> Iterator[list[Line]]:
     """Plays what ``file`` does not hold yet and appends it as it comes; yields the lines of each scenario."""
-    from joblib import Parallel, delayed, parallel_config
-
     there = known(file, scenarios, players)
-    todo = [(s, [p for p in players if (s.key, p) not in there]) for s in scenarios]
-    todo = [(s, missing) for s, missing in todo if missing]
+    asked = {s.key: (s, [p for p in players if (s.key, p) not in there], most_effects) for s in scenarios}
+    todo = {key: given for key, given in asked.items() if given[1]}
     file.parent.mkdir(parents=True, exist_ok=True)
-    with parallel_config(backend="loky", n_jobs=processes, inner_max_num_threads=1):
-        pool = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch=processes + 1)
-        for lines in pool(delayed(answer)(s, missing, most_effects) for s, missing in todo):
-            with file.open("a", encoding="utf-8") as out:
-                out.writelines(json.dumps(line, default=float) + "\n" for line in lines)
-            yield lines
+    for key, lines in side_by_side(_answers, todo, processes):
+        if isinstance(lines, Lost):
+            scenario, missing, _ = todo[key]
+            lines = [{**_line(scenario, player), "failure": lines.reason} for player in missing]
+        with file.open("a", encoding="utf-8") as out:
+            out.writelines(json.dumps(line, default=float) + "\n" for line in lines)
+        yield lines
+
+
+def _answers(given: tuple[Scenario, Sequence[str], int], watcher: Watcher) -> list[dict[str, Any]]:
+    return answer(*given)

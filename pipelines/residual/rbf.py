@@ -9,8 +9,6 @@ from dataclasses import dataclass, replace
 from itertools import starmap
 from typing import Any
 
-from joblib import cpu_count
-
 from hybridid.hybrid import FittedHybrid, GrayBox
 from hybridid.hybrid.rbf_grid import rbf_hybrid
 from hybridid.model import Model
@@ -20,9 +18,9 @@ from hybridid.residuals.rbf_fit import RBFPlan, port_of
 from hybridid.settings.fit import FitSettings
 from pipelines.residual.request import Request, reporter
 from pipelines.shared.errors import ConfigError
+from pipelines.shared.pool import core_count, mapper_of
 from pipelines.shared.sections.residual import RBFSection
 from pipelines.shared.watch import Watcher
-from pipelines.shared.workers import workers
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,7 @@ class RBFRequest(RBFSection, Request):
     def make(self, gray: GrayBox, watcher: Watcher) -> FittedHybrid:
         candidates = self._candidates(gray.estimate.settings)
         judged = self.judged or len(candidates) > 1
-        with workers(self.processes or cpu_count()) if judged else nullcontext(starmap) as mapper:
+        with mapper_of(self.processes or core_count()) if judged else nullcontext(starmap) as mapper:
             counted = _counted(mapper, watcher, (len(candidates) + 1) * self.folds)
             return rbf_hybrid(gray, candidates, self.folds, judged, counted, reporter(watcher))
 

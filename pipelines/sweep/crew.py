@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from pipelines.shared.board import Board
-from pipelines.shared.side_by_side import Died, side_by_side
+from pipelines.shared.pool import Lost, side_by_side
 from pipelines.shared.watch import Watcher
 from pipelines.sweep.log import log_points
 from pipelines.sweep.work import Failures, Work, carry_out
@@ -41,7 +41,7 @@ class Here:
         began: dict[str, float] = {}
         for name, outcome in side_by_side(carry_out, names, self.cores, lambda n: _begun(began, n, board)):
             of_job = outcome
-            if isinstance(of_job, Died):
+            if isinstance(of_job, Lost):
                 of_job = {point.key: died(names[name], of_job.reason) for point in names[name].points}
             failures |= of_job
             if of_job:

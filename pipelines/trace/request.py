@@ -13,6 +13,7 @@ from hybridid.trace.split import automatic_horizon
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.modelling import plant_of
+from pipelines.shared.pool import core_count
 from pipelines.shared.prepared import Prepared
 from pipelines.shared.sections.searches import TraceSection
 from pipelines.shared.sections.stages import ValidateSection
@@ -131,6 +132,4 @@ def _horizon(settings: Settings, section: TraceSection) -> float:
 def _processes(settings: Settings, section: TraceSection) -> int:
     if section.processes is not None:
         return section.processes
-    from joblib import cpu_count
-
-    return 1 if settings.in_sweep else int(cpu_count())
+    return 1 if settings.in_sweep else core_count()

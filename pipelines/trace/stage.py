@@ -18,12 +18,12 @@ from pipelines.shared.fitted import describe_model, fit_of
 from pipelines.shared.imports import code_digests
 from pipelines.shared.modelling import fit_settings, model_of, named_code
 from pipelines.shared.page import Picture
+from pipelines.shared.pool import mapper_of
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
 from pipelines.shared.traced import TraceFile
-from pipelines.shared.workers import workers
 from pipelines.trace.missing import write_missing
 from pipelines.trace.page import trace_page
 from pipelines.trace.request import division, fitting_horizon, own_effects, request_of
@@ -42,7 +42,7 @@ def run(job: Job) -> None:
             f"trace.horizon: {request.horizon:.3g} s; the records are too short for {asked.horizon:g} s"
         )
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
-    with workers(request.processes) as mapper:
+    with mapper_of(request.processes) as mapper:
         found = trace(
             model_of(job.settings),
             fitted,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,8 +11,8 @@ from pipelines.runner import run_stages
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.modelling import model_of
+from pipelines.shared.pool import Lost, core_count, side_by_side
 from pipelines.shared.prepared import prepared_records, provenance_of
-from pipelines.shared.side_by_side import Died, side_by_side
 from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
 from pipelines.shared.watch import Watcher
@@ -76,7 +75,7 @@ def tune(settings: Settings, watcher: Watcher) -> Tuned:
 
 
 def _processes(request: TuneRequest) -> int:
-    return request.processes or len(os.sched_getaffinity(0))
+    return request.processes or core_count()
 
 
 def _check(settings: Settings, request: TuneRequest) -> None:
@@ -124,7 +123,7 @@ def _searched(given: Work, processes: int, watcher: Watcher) -> tuple[str, ...]:
     lost = []
     for name, outcome in side_by_side(work, names, processes, lambda n: _Told(n, states, watcher)):
         states.pop(name, None)
-        if isinstance(outcome, Died):
+        if isinstance(outcome, Lost):
             lost.append(f"{name}: {outcome.reason}")
             watcher.warn(lost[-1])
     return tuple(lost)

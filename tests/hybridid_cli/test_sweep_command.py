@@ -13,7 +13,7 @@ import pytest
 
 from hybridid_cli import hydra_app
 from hybridid_cli.config_files import conf_folder
-from pipelines.shared import side_by_side
+from pipelines.shared import pool
 
 NETWORKS = (
     "residual=narx", "residual.orders.error=2", "residual.orders.gray=1", "residual.every=5",
@@ -130,7 +130,7 @@ def test_values_are_what_hydra_itself_makes_of_them(configs):
 )
 def test_what_workers_need_is_loaded_early_only_where_they_are_ours(monkeypatch, words, loads):
     loaded = []
-    monkeypatch.setattr(side_by_side, "load_early", lambda *modules: loaded.extend(modules))
+    monkeypatch.setattr(pool, "load_early", lambda *modules: loaded.extend(modules))
     hydra_app._load_early(words)
     assert bool(loaded) is loads
     assert all(importlib.util.find_spec(module) for module in loaded)

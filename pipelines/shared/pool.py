@@ -1,0 +1,233 @@
+"""Processes of one thread that work side by side; one that is killed costs only its own task.
+
+``side_by_side`` does named tasks and passes on what each says. ``mapper_of`` gives results in order, for
+refits. Both stand on ``Pool``.
+
+Three libraries were tried before this was kept (Linux, Python 3.11, 2026-11):
+
+- ``concurrent.futures`` and loky 3.7 (joblib): a worker that is killed breaks the pool, and the other four
+  of five tasks are lost with it.
+- pebble 5.2.3: a worker that is killed costs its own task. But workers share one pipe: one that is killed
+  while it sends a result leaves the pool without any further result, for good.
+- All three: the workers still ran 15 s after ``kill -9`` of the parent. None carries a task's progress.
+
+Here each worker has a pipe of its own, and ends when its parent does.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from multiprocessing import forkserver
+from multiprocessing.connection import Connection, wait
+from typing import Any, TypeVar
+
+from hybridid.trace.mapper import Mapper, serial
+from pipelines.shared.pool_worker import ENDED, PATIENCE, Lost, serve
+from pipelines.shared.watch import Watcher
+
+__all__ = ["Lost", "Pool", "core_count", "load_early", "mapper_of", "side_by_side"]
+
+Given = TypeVar("Given")
+Result = TypeVar("Result")
+Key = TypeVar("Key")
+Work = Callable[[Any, Watcher], Any]
+LIBRARIES = ("OMP", "MKL", "OPENBLAS", "BLIS", "NUMBA", "NUMEXPR")
+THREADS = (*(f"{name}_NUM_THREADS" for name in LIBRARIES), "VECLIB_MAXIMUM_THREADS")
+METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+
+
+def core_count() -> int:
+    """The cores that this process may use."""
+    from joblib import cpu_count
+
+    return int(cpu_count())
+
+
+def side_by_side(
+    work: Callable[[Given, Watcher], Result],
+    tasks: Mapping[str, Given],
+    processes: int,
+    watcher_of: Callable[[str], Watcher] | None = None,
+) -> Iterator[tuple[str, Result | Lost]]:
+    """``work(given, watcher)`` of every task, in ``processes`` processes; names and results as they come.
+
+    ``work`` and what it takes and gives must pickle. What it tells its watcher reaches
+    ``watcher_of(name)`` in this process, if there is one. Whatever ends the iteration ends the processes.
+    """
+    with closing(Pool(processes)) as pool:
+        for name, kind, said in pool.events((name, work, given) for name, given in tasks.items()):
+            if kind == ENDED:
+                yield name, said
+            elif watcher_of is not None:
+                getattr(watcher_of(name), kind)(*said)
+
+
+@contextmanager
+def mapper_of(processes: int) -> Iterator[Mapper]:
+    """A mapper over ``processes`` processes, which are gone when the context ends, however it ends.
+
+    What a call raises in a worker is raised here, in the place of its result. A worker that is killed raises
+    ``ChildProcessError``. 1 process is this one.
+    """
+    if processes == 1:
+        yield serial
+        return
+    with closing(Pool(processes)) as pool:
+        yield lambda function, arguments: _in_order(pool, function, arguments)
+
+
+def _in_order(
+    pool: Pool, function: Callable[..., object], arguments: Iterable[tuple[Any, ...]]
+) -> Iterator[Any]:
+    calls = ((k, _called, (function, given)) for k, given in enumerate(arguments))
+    early: dict[int, Any] = {}
+    due = 0
+    for k, kind, said in pool.events(calls):
+        if kind == ENDED:
+            early[k] = said
+        while due in early:
+            result = early.pop(due)
+            if isinstance(result, Lost):
+                raise result.error or ChildProcessError(f"{function.__name__}: {result.reason}")
+            due += 1
+            yield result
+
+
+def _called(call: tuple[Callable[..., Any], tuple[Any, ...]], watcher: Watcher) -> Any:
+    function, arguments = call
+    return function(*arguments)
+
+
+def load_early(*modules: str) -> None:
+    """Begin to import ``modules`` in the process that workers are forked from, while this one goes on: torch
+    and scipy take seconds. Does nothing where processes cannot be forked."""
+    if METHOD == "forkserver":
+        multiprocessing.get_context(METHOD).set_forkserver_preload(list(modules))
+        with _one_thread():
+            forkserver.ensure_running()
+
+
+@dataclass(eq=False)
+class _Worker:
+    process: Any
+    pipe: Connection
+    busy: bool = False
+
+
+class Pool:
+    """Workers, at most ``processes`` at a time; started when there is work, kept until ``close``."""
+
+    def __init__(self, processes: int) -> None:
+        self._processes = processes
+        self._workers: list[_Worker] = []
+
+    def events(self, tasks: Iterable[tuple[Key, Work, Any]]) -> Iterator[tuple[Key, str, Any]]:
+        """Do every task ``(key, work, given)``; yields (key, a watcher's method, its arguments) as workers
+        call it, and at last (key, ENDED, the result or ``Lost``). Whoever stops listening stops the tasks."""
+        waiting = iter(tasks)
+        doing: dict[Any, tuple[_Worker, Key]] = {}
+        try:
+            while True:
+                while len(doing) < self._processes and (task := next(waiting, None)):
+                    key, work, given = task
+                    worker = self._handed((work, given))
+                    if worker is None:
+                        yield key, ENDED, Lost("its process was killed as it started")
+                        continue
+                    doing[worker.pipe] = worker, key
+                    yield key, "say", ("begins",)
+                if not doing:
+                    return
+                for pipe in wait(list(doing)):
+                    worker, key = doing[pipe]
+                    kind, said = self._heard(worker)
+                    if kind == ENDED:
+                        del doing[pipe]
+                    yield key, kind, said
+        finally:
+            self._end([worker for worker, _ in doing.values()])
+
+    def close(self) -> None:
+        """End all processes."""
+        self._end(self._workers)
+
+    def _heard(self, worker: _Worker) -> tuple[str, Any]:
+        """One message of a busy worker; with the last it is idle, or gone."""
+        try:
+            kind, said = worker.pipe.recv()
+        except (EOFError, OSError):
+            worker.process.join()
+            self._workers.remove(worker)
+            return ENDED, Lost(_how(worker.process.exitcode))
+        worker.busy = kind != ENDED
+        return kind, said
+
+    def _handed(self, call: tuple[Work, Any]) -> _Worker | None:
+        """The worker that took the call: an idle one, unless it was killed, or a new one, unless it is."""
+        for worker in [w for w in self._workers if not w.busy]:
+            try:
+                worker.pipe.send(call)
+            except OSError:
+                self._end([worker])
+            else:
+                worker.busy = True
+                return worker
+        try:
+            worker = _started()
+            worker.pipe.send(call)
+        except (EOFError, OSError):  # the server that forks it may be gone; the next one starts anew
+            return None
+        worker.busy = True
+        self._workers.append(worker)
+        return worker
+
+    def _end(self, workers: Sequence[_Worker]) -> None:
+        """Workers end when their pipes close; one that is busy is told to, and killed if it does not."""
+        for worker in workers:
+            worker.pipe.close()
+            if worker.busy:
+                worker.process.terminate()
+        last = time.monotonic() + PATIENCE
+        for worker in workers:
+            worker.process.join(max(0.0, last - time.monotonic()))
+            if worker.process.is_alive():
+                worker.process.kill()
+                worker.process.join()
+        self._workers = [worker for worker in self._workers if worker not in workers]
+
+
+def _started() -> _Worker:
+    context: Any = multiprocessing.get_context(METHOD)
+    ours, theirs = context.Pipe()
+    with _one_thread():
+        process = context.Process(target=serve, args=(theirs, dict(os.environ)))
+        process.start()
+    theirs.close()
+    return _Worker(process, ours)
+
+
+def _how(exitcode: int | None) -> str:
+    if exitcode is not None and exitcode < 0:
+        return f"its process was killed by {signal.Signals(-exitcode).name}"
+    return f"its process ended with code {exitcode}"
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Processes fill the cores: threads inside them would only fight."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

@@ -1,0 +1,108 @@
+"""A process of the pool, seen from inside: takes calls from a pipe, sends back what they tell and give."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from types import FrameType
+from typing import Any, NoReturn
+
+from pipelines.shared.watch import Watcher
+
+PATIENCE = 10.0
+"""Seconds that a worker has to tidy up when it is told to stop."""
+BETWEEN = 0.2
+"""Seconds between two reports of progress."""
+ENDED = "ended"
+"""The last message of a task: its result, or ``Lost``. All others are calls of a watcher's methods."""
+
+
+@dataclass(frozen=True)
+class Lost:
+    """A task without a result: its process ended, or it raised ``error``."""
+
+    reason: str
+    error: Exception | None = None
+
+
+class Stopped(BaseException):
+    """The parent told this process to stop."""
+
+
+class _Teller:
+    """The watcher inside a worker: passes on what is said; raises if the parent has said stop."""
+
+    def __init__(self, pipe: Connection) -> None:
+        self._pipe = pipe
+        self._last = ("", 0.0)
+
+    def say(self, line: str) -> None:
+        self._tell("say", line)
+
+    def warn(self, line: str) -> None:
+        self._tell("warn", line)
+
+    def carry_on(self) -> None:
+        if _stopped:
+            raise Stopped
+
+    def progress(self, work: str, state: str, fraction: float | None) -> None:
+        self.carry_on()
+        now = time.monotonic()
+        if work != self._last[0] or now - self._last[1] > BETWEEN:
+            self._last = (work, now)
+            self._tell("progress", work, state, fraction)
+
+    def _tell(self, kind: str, *said: Any) -> None:
+        self.carry_on()
+        self._pipe.send((kind, said))
+
+
+_stopped = False
+
+
+def _stop(number: int, frame: FrameType | None) -> NoReturn:
+    """Remembered, for a library may swallow the exception."""
+    global _stopped
+    _stopped = True
+    raise Stopped
+
+
+def _outlive_nobody() -> None:
+    """Ends this process soon after its parent, which may have been killed without a word."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(PATIENCE)
+    os._exit(1)
+
+
+def serve(pipe: Connection, environment: Mapping[str, str]) -> None:
+    """A worker's life: tasks come and results go through ``pipe`` until it closes."""
+    os.environ.update(environment)  # what it was forked from may be older than a setting
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which says what to do
+    signal.signal(signal.SIGTERM, _stop)
+    threading.Thread(target=_outlive_nobody, daemon=True).start()
+    try:
+        while True:
+            work, given = pipe.recv()
+            pipe.send((ENDED, _outcome(work, given, _Teller(pipe))))
+    except (EOFError, OSError, Stopped):
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)  # on the way out there is nothing left to tidy
+
+
+def _outcome(work: Callable[[Any, Watcher], Any], given: Any, watcher: Watcher) -> Any:
+    """The result; or what was raised, with the traceback that pickling would lose."""
+    try:
+        return work(given, watcher)
+    except Exception as error:
+        error.add_note(f"In a process of the pool:\n{traceback.format_exc()}")
+        return Lost(" ".join(f"{type(error).__name__}: {error}".split()), error)
