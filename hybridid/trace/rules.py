@@ -9,20 +9,20 @@ from hybridid.settings import check, setting
 
 @dataclass(frozen=True)
 class Rules:
-    """What a verdict needs.
+    """What a verdict needs. A config gives those that are declared as settings.
 
-    ``alpha`` bounds the probability of one false effect among all tried in a step (Holm);
-    ``worth`` is the smallest decrease of held-out RMSE worth having; ``tie`` the relative
-    difference of RMSE below which two effects explain the record equally well; ``vague``
-    the standard error, as a share of the value, above which a parameter is not determined,
-    and ``collinear`` the correlation with another parameter above which the two are one;
-    ``steady`` the share of its value that a parameter may move when the numerics change, and
-    ``kept`` the least share of what an effect explains that must outlive the change; ``refuted``
-    how many times the error a change may leave before it counts as refuted by the records;
-    ``near_floor`` how close to the noise floor nothing more can be found; ``stands_in`` the share of
-    what an effect takes from the squared error, and a learned effort beyond it, that may be the learned
-    effort's: above, the effect only stands in for something else. A config gives those that are declared
-    as settings.
+    ``alpha``: the probability of one false effect among all that are tried in a step (Holm).
+    ``worth``: the smallest decrease of the held-out RMSE worth having.
+    ``tie``: the relative difference of RMSE below which two effects explain the record equally well.
+    ``vague``: the standard error, as a share of the value, above which a parameter is not determined.
+    ``collinear``: the correlation of two parameters above which the records cannot tell them apart.
+    ``steady``: the share of its value that an amplitude may move when the numerics change.
+    ``kept``: the least share of its gain that an effect must keep when the numerics change.
+    ``refuted``: how many times the error a change of the numerics may leave; above, the records refute it.
+    ``near_floor``: how close to the noise floor, as a factor, the search ends.
+    ``stands_in``: the largest share of what an effect and a learned effort beside it take from the squared
+    error that may be the learned effort's; above it, the trace tests whether the effect only stands in for
+    something else.
 
     Raises:
         ValueError: if a setting is outside what is allowed.
@@ -46,8 +46,8 @@ class Rules:
     near_floor: float = 1.05
     stands_in: float = setting(
         0.1,
-        "share of what an effect and a learned effort beside it take from the squared error that may "
-        "be the learned effort's; above, the effect only stands in for something else",
+        "a learned effort beside an accepted effect may take at most this share of what both take from the "
+        "squared error; above it, the effect may only stand in for something else",
         above=0,
         below=1,
     )
