@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format docs schemas readme-picture reproduce-thesis study-coverage study-recovery study-sweep study-slurm league clean distclean FORCE
+.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-recovery study-sweep study-slurm league clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -39,6 +39,9 @@ docs: $(READY) ## build all pages, the API's too; a warning is an error: outputs
 
 schemas: $(READY) ## docs/results.md and docs/schemas from the types of the result files
 	$(BIN)/python docs/write_schemas.py
+
+configuration: $(READY) ## docs/configuration.md from the dataclasses that declare the keys of a config
+	$(BIN)/python docs/write_configuration.py
 
 readme-picture: $(READY) ## draw the README's picture from a trace of the measured EMPS records (a minute or two)
 	$(BIN)/hybridid trace case=emps estimator.horizon=1000

@@ -80,7 +80,7 @@ class Training:
     epochs: int = setting(200, "epochs on each horizon at most", least=1)
     patience: int = setting(20, "epochs without a lower held-out error that end the training", least=1)
     batch: int = setting(512, "predicted samples in each step", least=1)
-    learning_rate: float = setting(1e-3, "of Adam", above=0)
+    learning_rate: float = setting(1e-3, "learning rate of Adam", above=0)
     weight_decay: float = setting(0.0, "L2 term of Adam", least=0)
     held_out: float = setting(0.2, "share of the blocks that no gradient sees", above=0, most=0.5)
     blocks: int = setting(10, "contiguous blocks of each record", least=2)
@@ -89,7 +89,7 @@ class Training:
         "a network whose |error| exceeds the largest that trained it so many times has run away",
         above=1,
     )
-    precision: Literal["single", "double"] = setting("single", "of the arithmetic")
+    precision: Literal["single", "double"] = setting("single", "precision of the arithmetic")
 
     def __post_init__(self) -> None:
         check(self, "residual")

@@ -72,6 +72,7 @@ class TuneSection:
         "config keys to vary, such as residual.width: {low: 1, high: 8}, with log: true or a step, or "
         "[a, b] to choose from; null: the key is not varied",
         shown="{...}",
+        follows="conf/tune.yaml",
     )
     trials: int = setting(60, "in all, of every process, node and earlier command", least=1)
     seconds: float | None = setting(
@@ -83,4 +84,4 @@ class TuneSection:
         "median",
         "which trials are ended early; median: those worse than the others at the same share of training",
     )
-    seed: int = setting(0, "of the search", least=0)
+    seed: int = setting(0, "seed of the search", least=0)

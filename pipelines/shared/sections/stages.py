@@ -71,7 +71,7 @@ class RigSection:
     path: str = setting(
         REQUIRED, "import path of the rig, as in hybridid.rigs.emps:EMPSRig", shown="MODULE:NAME"
     )
-    seed: int | None = setting(0, "of the noise", least=0, null="0")
+    seed: int | None = setting(0, "seed of the noise", least=0, null="0")
     duration: float | None = setting(
         None, "length of the simulated records", unit="s", above=0, null="as long as the measured ones"
     )
@@ -91,7 +91,7 @@ class PreprocessSection:
     """What is done to every record after it is read."""
 
     steps: Any = setting(
-        (), "in order, as in [{step: decimate, factor: 10}]; hybridid preprocess --help", shown="[...]"
+        (), "what is done to each record, in order, as in [{step: decimate, factor: 10}]", shown="[...]"
     )
 
 
