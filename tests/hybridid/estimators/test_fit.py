@@ -129,7 +129,10 @@ def test_what_cannot_be_fitted_is_refused_in_one_line(carriage, make_model, symm
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"method": "newton"}, "estimator.method is 'newton', allowed: gauss_newton, multiple_shooting"),
+        (
+            {"method": "newton"},
+            "estimator.method is 'newton': did you mean 'gauss_newton'\\? allowed: gauss_newton",
+        ),
         ({"hessian": "bfgs"}, "estimator.hessian"),
         ({"start": "random"}, "estimator.start"),
         ({"initial_state": "zero"}, "estimator.initial_state"),

@@ -178,12 +178,12 @@ def test_progress_runs_to_the_end(series, small):
     ("settings", "words"),
     [
         ({"horizons": (10, 1)}, "rising numbers"),
-        ({"horizons": ()}, "rising numbers"),
-        ({"held_out": 0.9}, "up to 0.5"),
+        ({"horizons": ()}, "give at least one"),
+        ({"held_out": 0.9}, "at most 0.5"),
         ({"epochs": 0}, "epochs is 0: at least 1"),
         ({"learning_rate": 0.0}, "must be positive"),
         ({"guard": 1.0}, "above 1"),
-        ({"weight_decay": -1.0}, "not be negative"),
+        ({"weight_decay": -1.0}, "at least 0"),
     ],
 )
 def test_settings_that_cannot_be(settings, words):
