@@ -1,4 +1,4 @@
-"""``fetch``: the public records of a case, into the first data root."""
+"""``fetch``: downloads the public records of a case into the first data root."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from pipelines.shared.watch import Watcher
 
 
 def fetch_case(settings: Settings, watcher: Watcher) -> list[Path]:
-    """Download the case's archive, or find it there; returns the files.
+    """Download the case's archive unless it is there already; returns the paths of its files.
 
     Raises:
         ConfigError: if the case has no public archive.
-        FetchError: if it cannot be had; the message gives the page to visit.
+        FetchError: if the download fails; the message gives the page to visit.
     """
     section = settings.section("archive", ArchiveSection)
     if section.name is None:

@@ -38,10 +38,10 @@ def run(job: Job) -> None:
 
 
 def check(settings: Settings) -> None:
-    """Whether model, estimator and records can be had as configured.
+    """Check the config of model, estimator and fitted records.
 
     Raises:
-        ConfigError: if not.
+        ConfigError: if a name or a value is wrong.
     """
     model_of(settings), fit_settings(settings)
     chosen(sources_of(settings).found, fitted_records(settings), "fit.records")

@@ -20,8 +20,8 @@ KEYS = (*sources.KEYS, "preprocess")
 
 
 def run(job: Job) -> None:
-    """Read every record of the case, apply its own steps and then ``preprocess.steps``, store it
-    beside what is to know of it."""
+    """Read every record of the case, apply its own steps and then ``preprocess.steps``, store samples and
+    description."""
     rows = []
     for source in sources_of(job.settings).found:
         steps = [*source.steps, *job.settings.get("preprocess.steps", [])]
@@ -51,11 +51,11 @@ def _described(source: Source, record: Record) -> Prepared:
 
 
 def check(settings: Settings) -> None:
-    """Whether the records can be found and the steps are steps.
+    """Check that the records can be found and that the filter steps are valid.
 
     Raises:
         ConfigError: if a name or number in the config is wrong.
-        RecordNotFoundError: if there is neither a record nor a rig to stand in.
+        RecordNotFoundError: if a record is not found and the case has no rig to simulate it.
     """
     found = sources_of(settings).found
     try:

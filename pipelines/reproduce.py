@@ -1,7 +1,7 @@
-"""``reproduce``: the thesis' experiments, and its tables and figures beside ours on one page.
+"""``reproduce``: runs the thesis' experiments and writes its tables and figures beside ours on one page.
 
-Experiments run side by side. What is fresh is reused, so an interrupted run goes on where it
-stopped; one that fails leaves its reason on the page and the others their results.
+Experiments run in parallel. Fresh results are reused, so an interrupted run continues where it stopped. If an
+experiment fails, the page gives the reason and shows the results of the others.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from pipelines.thesis.look_up import Failed
 from pipelines.tracking.runs import tracked
 
 LAST_STAGE = "validate"
-"""Experiments run up to here: the page draws the thesis' figures itself, ``hybridid plot`` all others."""
+"""The last stage of an experiment. Plots are not needed: the page draws the thesis' figures itself."""
 _LONGEST = 300
 
 
 @dataclass(frozen=True)
 class Done:
-    """An experiment's run tree and how long it took in s."""
+    """A finished experiment: its run tree and its duration in s."""
 
     tree: Path
     seconds: float
@@ -39,16 +39,17 @@ class Done:
 def reproduce(
     experiments: Mapping[str, Settings], outputs: Path, watcher: Watcher, processes: int | None = None
 ) -> Path:
-    """Run every experiment, ``processes`` side by side (None: one a core), and write
+    """Run every experiment, ``processes`` in parallel (None: one per core), and write
     ``outputs/thesis/index.html`` and ``index.md``.
 
     Returns the page's path.
 
     Raises:
-        Incomplete: if experiments failed, after the page is written; names them.
+        ConfigError: if ``processes`` is not a positive integer.
+        Incomplete: if experiments failed. The page is written before; the message names them.
     """
     if processes is not None and (isinstance(processes, bool) or processes < 1):
-        raise ConfigError(f"processes is {processes!r}: at least 1, or null for one a core")
+        raise ConfigError(f"processes is {processes!r}: at least 1, or null for one per core")
     outcomes = _run(experiments, processes or core_count(), watcher)
     folder = outputs / "thesis"
     folder.mkdir(parents=True, exist_ok=True)
@@ -58,13 +59,13 @@ def reproduce(
         listed = "; ".join(f"{name} ({reason})" for name, reason in failed.items())
         raise Incomplete(
             f"{len(failed)} of {len(outcomes)} experiments failed: {listed}; "
-            f"the page holds the others: {page}"
+            f"the page shows the others: {page}"
         )
     return page
 
 
 def attempt(settings: Settings, watcher: Watcher) -> Done | Failed:
-    """One experiment up to its validation; whatever goes wrong with it becomes its result."""
+    """Run one experiment up to its validation; an exception becomes the result ``Failed``."""
     began = time.monotonic()
     try:
         with tracked(settings, "run", watcher) as logged:
@@ -78,21 +79,22 @@ def attempt(settings: Settings, watcher: Watcher) -> Done | Failed:
 
 
 def _run(experiments: Mapping[str, Settings], processes: int, watcher: Watcher) -> dict[str, Done | Failed]:
-    """Every experiment's outcome, in the order in which they were asked for."""
+    """The outcome of every experiment, in the order of ``experiments``."""
     board = Board("thesis", list(experiments), watcher)
     found: dict[str, Done | Failed] = {}
     if processes == 1 or len(experiments) == 1:
         for name, settings in experiments.items():
             board.of(name).say("begins")
-            found[name] = _told(board, name, attempt(settings, board.of(name)))
+            found[name] = _reported(board, name, attempt(settings, board.of(name)))
     else:
         for name, outcome in side_by_side(attempt, experiments, processes, board.of):
-            told = Failed(outcome.reason) if isinstance(outcome, Lost) else outcome
-            found[name] = _told(board, name, told)
+            result = Failed(outcome.reason) if isinstance(outcome, Lost) else outcome
+            found[name] = _reported(board, name, result)
     return {name: found[name] for name in experiments}
 
 
-def _told(board: Board, name: str, outcome: Done | Failed) -> Done | Failed:
+def _reported(board: Board, name: str, outcome: Done | Failed) -> Done | Failed:
+    """Show the outcome on the board and return it."""
     if isinstance(outcome, Failed):
         board.failed(name, outcome.reason)
     else:
@@ -106,7 +108,7 @@ def _page(
     folder: Path,
     watcher: Watcher,
 ) -> Page:
-    """The page, its figures drawn, and the traceback of each failure beside it."""
+    """Draw the figures, write the traceback of each failed experiment, and return the page."""
     from pipelines.thesis.page import drawn, thesis_page
     from pipelines.thesis.views import Runs  # matplotlib takes a second to import
 

@@ -1,4 +1,4 @@
-"""Runs the stages a command needs: those whose results are missing or stale, and no others."""
+"""Runs the stages of a command whose results are missing or stale."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from pipelines.trace.stage import TRACE
 from pipelines.validate import VALIDATE
 
 RUN: tuple[Stage, ...] = (PREPROCESS, FIT, RESIDUAL, VALIDATE, PLOT)
-"""What the command ``run`` brings up to date."""
+"""The stages of the command ``run``, in order."""
 STAGES: tuple[Stage, ...] = (*RUN, TRACE)
 
 
@@ -38,8 +38,8 @@ def run_stages(
 ) -> Outcome:
     """Bring the stages of ``command`` (a stage's name, or ``run`` for all) up to date.
 
-    ``first`` is done in the tree before them; ``instead`` has other ways than its own to run a stage, for
-    who has its result already.
+    ``first`` is called with the run tree before the stages run. ``instead`` replaces the function that runs a
+    stage, by the stage's name: for callers that have computed its result already.
 
     Raises:
         ConfigError: before anything is written, if the request cannot be carried out.
@@ -50,7 +50,7 @@ def run_stages(
     sources = sources_of(settings)
     root = tree_of(settings, sources.simulated)
     if root.exists() and not root.is_dir():
-        raise ConfigError(f"out is {root}: a file stands there; give a folder")
+        raise ConfigError(f"out is {root}: this is a file; give a folder")
     for remark in sources.remarks:
         watcher.warn(remark)
     with locked(root, watcher.say):
@@ -75,18 +75,18 @@ def check_stages(settings: Settings, command: str) -> tuple[Stage, ...]:
     """
     stages = tuple(s for s in wanted(command) if s.name == command or s.asked(settings))
     for stage in stages:
-        stage.check(settings)  # a wrong name is said now, not after minutes
+        stage.check(settings)  # reports a wrong name now, not after minutes
     return stages
 
 
 def is_fresh(settings: Settings, command: str, root: Path) -> bool:
-    """Whether ``command`` would find all its results in the tree ``root``, and nothing to do."""
+    """Whether all results of ``command`` are in the tree ``root`` and none is stale."""
     stages = (s for s in wanted(command) if s.name == command or s.asked(settings))
     return all(not why_stale(root / stage.name, _made_from(stage, settings, root)) for stage in stages)
 
 
 def wanted(command: str) -> tuple[Stage, ...]:
-    """The stage called ``command`` and all that it reads, in order; those of ``RUN`` for ``run``."""
+    """The stage called ``command`` after the stages whose results it needs; ``RUN`` for ``run``."""
     if command == "run":
         return RUN
     names = {command}
@@ -99,7 +99,7 @@ def wanted(command: str) -> tuple[Stage, ...]:
 def _bring_up_to_date(
     stages: tuple[Stage, ...], settings: Settings, root: Path, watcher: Watcher
 ) -> list[str]:
-    """Run the stages whose results are missing or stale, saying why; returns their names."""
+    """Run the stages whose results are missing or stale, report why, and return their names."""
     ran: list[str] = []
     outdated: set[str] = set()
     for stage in stages:
@@ -116,7 +116,7 @@ def _bring_up_to_date(
         ran.append(stage.name)
     for name in sorted(outdated - set(ran)):
         watcher.say(
-            f"{name}: removed, it was made from results that have changed; hybridid {name} makes it again"
+            f"{name}: removed, it was made from results that have changed; hybridid {name} makes it anew"
         )
     return ran
 
@@ -124,13 +124,13 @@ def _bring_up_to_date(
 def _changed_by(
     stage: Stage, made_from: Fingerprint, settings: Settings, root: Path, watcher: Watcher
 ) -> bool:
-    """Run ``stage``; whether its results differ from those that were there."""
+    """Run ``stage`` and return whether its results differ from the earlier ones."""
     folder = root / stage.name
     before = folder_digest(folder)
     began = time.perf_counter()
     with replacing(folder) as new:
         stage.run(Job(settings, root, new, watcher))
-        watcher.carry_on()  # IPOPT takes Ctrl-C for an early end of its own
+        watcher.carry_on()  # on Ctrl-C IPOPT returns as if it had ended early
         write_receipt(new, stage.name, made_from, time.perf_counter() - began)
     return folder_digest(folder) != before
 
@@ -151,7 +151,7 @@ def _because(reasons: list[str]) -> str:
 
 
 def _remove_readers(name: str, root: Path) -> set[str]:
-    """Remove the results that were made from those of ``name``: beside new ones they would contradict."""
+    """Remove the results that were made from those of ``name``: they would contradict the new ones."""
     gone = {name}
     removed = set()
     for stage in STAGES:

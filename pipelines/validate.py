@@ -1,4 +1,4 @@
-"""``validate``: the fitted model, and its hybrid, against every record, in free run and over horizons."""
+"""``validate``: compares the fitted model and its hybrid with every record, in free run and over horizons."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from pipelines.shared.storage import write_json
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """A model to be validated: its ``name``, how it runs over a record, where its predictions go."""
+    """A model to validate: its ``name``, its two simulations of a record, the folder for its predictions."""
 
     name: str
     free_run: Callable[[Record, str], Prediction]
@@ -58,10 +58,10 @@ def run(job: Job) -> None:
 
 
 def check(settings: Settings) -> None:
-    """Whether the section ``validate`` can be carried out.
+    """Check the section ``validate``.
 
     Raises:
-        ConfigError: if it cannot.
+        ConfigError: if a key or value is wrong.
     """
     chosen(sources_of(settings).found, _section(settings).records, "validate.records")
 
@@ -120,7 +120,7 @@ def _predicted(
     if samples < 2:
         raise ConfigError(
             f"validate.horizon is {seconds:g} s: record {record.name} is sampled every {record.dt:g} s, "
-            "a horizon needs 2 samples"
+            "a horizon needs at least 2 samples"
         )
     return candidate.horizon_run(record, samples)
 

@@ -1,6 +1,7 @@
-"""The figures of a fitted and validated model, by the name of their file.
+"""The figures of a fitted and validated model, each with the name of its file.
 
-Apart from the stage ``plot``, for matplotlib takes half a second to import and not every process draws.
+This is not in the module of the stage ``plot``: importing matplotlib takes half a second, and not every
+process draws.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ Named = Iterator[tuple[str, Plot]]
 
 
 def figures(job: Job) -> Named:
-    """All of them; files are to be called ``<record>.<output or port>.<figure>``."""
+    """All figures of a run tree, each with its file's name ``<record>.<output or port>.<figure>``."""
     model, _ = load(job.tree)
     laws = laws_of(job.tree)
     stored = predictions_in(job.tree)
@@ -55,7 +56,10 @@ def _of_record(
         stem = f"{record.name}.{output}"
         yield f"{stem}.comparison", comparison_plot(responses)
         yield f"{stem}.error", error_plot(responses)
-        yield f"{stem}.spectrum", spectrum_plot(free or responses)  # horizons' jumps are in every frequency
+        yield (
+            f"{stem}.spectrum",
+            spectrum_plot(free or responses),
+        )  # the jumps between horizons would show at all frequencies
         for test in tests:
             if (test.found.record, test.found.output) == (record.name, output):
                 kind = "residual" if test.model == laws[0].name else "hybrid.residual"

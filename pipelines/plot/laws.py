@@ -1,4 +1,4 @@
-"""The frictions of a run tree, ready to be drawn: gray box and hybrid, their efforts along a prediction."""
+"""The friction figures of a run tree: efforts of the gray box and of the hybrid along a prediction."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pipelines.shared.predictions import Stored
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A model whose efforts are drawn, by the name under which it was validated."""
+    """A model whose efforts are drawn; ``name`` is the one under which it was validated."""
 
     name: str
     model: Model
@@ -30,7 +30,7 @@ class Law:
 
 
 def laws_of(tree: Path) -> list[Law]:
-    """The gray box, and the hybrid where its network stands inside the equations."""
+    """The gray box, and the hybrid if its network is inside the equations."""
     model, estimate = load(tree)
     laws = [Law(fit_of(tree).model, model, estimate.values)]
     hybrid = hybrid_of(tree, model)
@@ -42,7 +42,7 @@ def laws_of(tree: Path) -> list[Law]:
 def friction_plots(
     laws: Sequence[Law], record: Record, stored: Sequence[Stored]
 ) -> Iterator[tuple[Port, Plot]]:
-    """The efforts at each port, of every law along the last of its own predictions."""
+    """A figure for each port: the efforts of every model along the last of its own predictions."""
     curves: dict[str, list[FrictionCurve]] = {}
     ports: dict[str, Port] = {}
     for law in laws:

@@ -9,7 +9,7 @@ from pipelines.shared.stage import Job, Stage
 
 
 def run(job: Job) -> None:
-    """Draw everything."""
+    """Draw every figure in every format."""
     from hybridid.plotting.style import save
     from pipelines.plot.figures import figures  # matplotlib takes half a second to import
 
@@ -19,10 +19,10 @@ def run(job: Job) -> None:
 
 
 def check(settings: Settings) -> None:
-    """Whether the formats can be written.
+    """Check the section ``plot``.
 
     Raises:
-        ConfigError: if not.
+        ConfigError: if a format is not allowed.
     """
     _kinds(settings)
 

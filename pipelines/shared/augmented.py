@@ -1,4 +1,4 @@
-"""A model as a file that any command takes up: ``model=.../trace/model.json`` for plant and effects."""
+"""Models as files: ``model=.../trace/model.json`` replaces plant, effects and parameters of a config."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pipelines.shared.storage import read_as
 
 
 def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
-    """``config`` with plant, effects and parameters of the file that its key ``model`` names, if any.
+    """``config`` with plant, effects and parameters from the file that its key ``model`` names, if any.
 
     Raises:
         ConfigError: if there is no such file, or it holds no model.
@@ -43,10 +43,10 @@ def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
 def augmented(
     settings: Settings, terms: Sequence[Term], paths: Mapping[str, str], estimate: Estimate
 ) -> Settings:
-    """The settings with ``terms`` among their effects, beginning where ``estimate`` ended.
+    """The settings with ``terms`` among their effects and the values of ``estimate`` as first guesses.
 
-    ``paths`` gives the import path of each effect that is the user's own, by id. A known constant of
-    a term (the side of an end stop) stays what it was found to be.
+    ``paths`` gives the import path of each of the user's own effects, by id. A constant of a term that is not
+    estimated (the side of an end stop) keeps its value.
     """
     names = [f"{paths.get(term.effect.id, term.effect.id)}@{term.port}" for term in terms]
     parameters = _copied(settings.get("parameters", {}))
@@ -61,7 +61,7 @@ def augmented(
 
 
 def commands(settings: Settings, model: Path, samples: int) -> tuple[str, ...]:
-    """What to type to go on with the augmented model: by its file, or by its effects alone."""
+    """Two commands that fit the augmented model: one names its file, the other its effects alone."""
     own = "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
     start = f"hybridid run case={settings.case}{own}"
     effects = shlex.quote(f"effects=[{','.join(effect_entries(settings))}]")

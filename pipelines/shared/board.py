@@ -1,4 +1,4 @@
-"""Tasks side by side on one terminal: which of how many, and for how long, every line says it."""
+"""Progress of parallel tasks on one terminal: each line says which task of how many, and the time elapsed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pipelines.shared.watch import Watcher
 
 
 class Board:
-    """``names`` are the tasks of the ``whole`` in order."""
+    """Reports on the tasks ``names`` of a job called ``whole`` to ``watcher``."""
 
     def __init__(self, whole: str, names: list[str], watcher: Watcher) -> None:
         self._whole, self._names, self._watcher = whole, names, watcher
@@ -22,29 +22,36 @@ class Board:
         return _Labelled(name, self)
 
     def line(self, name: str, line: str) -> str:
+        """``line`` with the elapsed time and the task's number and name before it."""
         number = self._names.index(name) + 1
         return f"[{self._elapsed()}] {number} of {len(self._names)} {name}: {line}"
 
     def say(self, name: str, line: str) -> None:
+        """Report a fact about the task ``name``."""
         self._watcher.say(self.line(name, line))
 
     def warn(self, name: str, line: str) -> None:
+        """Report a warning about the task ``name``."""
         self._watcher.warn(self.line(name, line))
 
     def carry_on(self) -> None:
+        """Raise if the user has asked to stop."""
         self._watcher.carry_on()
 
     def progress(self, name: str, state: str) -> None:
+        """Show ``state`` of the task ``name`` beside those of the other running tasks."""
         self._states[name] = state
         now = " | ".join(f"{name}: {state}" for name, state in self._states.items())
         total = len(self._names)
         self._watcher.progress(self._whole, f"{self._done} of {total} done, {self._elapsed()}; {now}", None)
 
     def done(self, name: str, seconds: float) -> None:
+        """Report that the task ``name`` has finished after ``seconds``."""
         self._end(name)
         self.say(name, f"done in {seconds:.0f} s; {self._done} of {len(self._names)} are done")
 
     def failed(self, name: str, reason: str) -> None:
+        """Report that the task ``name`` has failed."""
         self._end(name)
         self.warn(name, f"failed: {reason}")
 

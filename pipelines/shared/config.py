@@ -1,4 +1,4 @@
-"""The plain configuration a stage works with: checked names, a digest, flat keys."""
+"""The configuration of a run as plain data: checks of its names, its digest, its keys in dotted form."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pipelines.shared.sections.stages import CaseSection, LoneKeys, MLflowSectio
 
 T = TypeVar("T")
 
-# What makes a model what it is: runs that agree in these share a tree.
+# The keys that a model depends on: runs with the same values here share a run tree.
 MODELLING = (
     "plant", "rig", "data", "records", "signals", "preprocess", "effects", "parameters", "estimator", "fit",
     "residual",
@@ -30,8 +30,8 @@ class Settings:
     """A case's name, its resolved config as plain containers, and the user's own folders.
 
     Raises:
-        ConfigError: if a key is none of ``KEYS``, or below a section none of its own; if a key that every
-            command reads has a value that is not allowed.
+        ConfigError: if a key is not in ``KEYS``, or a key of a section does not belong to it; if a key that
+            every command reads has a value that is not allowed.
     """
 
     case: str
@@ -51,7 +51,7 @@ class Settings:
 
     @property
     def lone(self) -> LoneKeys:
-        """The keys that stand in no section."""
+        """The keys that belong to no section."""
         given = {key: self.config[key] for key in keys(LoneKeys) if key in self.config}
         return build(LoneKeys, given, "", ConfigError)
 
@@ -116,6 +116,7 @@ def _case_key(case: str, value: Mapping[str, Any]) -> str:
     strange = sorted(set(value) - set(keys(CaseSection)))[0]
     if strange in KEYS:
         return (
-            f"case {case}: its file must begin with '# @package _global_', or {strange} is no key of its own"
+            f"case {case}: its file must begin with '# @package _global_'; without it {strange} is read as a "
+            f"key below case"
         )
     return unknown("config key below case", strange, keys(CaseSection))

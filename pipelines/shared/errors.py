@@ -1,4 +1,4 @@
-"""What a user asked for and cannot have, said in one line. Imports nothing heavy."""
+"""Errors of a user's request, each with a message of one line. Imports no slow module."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ __all__ = ["ConfigError", "Incomplete", "unknown"]
 
 
 class ConfigError(ValueError):
-    """A wrong request: the message names it, where it stands and what is allowed."""
+    """A wrong request: the message says what is wrong, where, and what is allowed."""
 
 
 class Incomplete(RuntimeError):
-    """Part of what was asked for failed, the rest is there: the message names both."""
+    """Part of a request failed; the message names what failed and what is there."""

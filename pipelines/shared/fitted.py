@@ -1,4 +1,4 @@
-"""A fitted model as files, and back: ``load(tree)`` gives what ``fit`` left, ready to simulate."""
+"""The files of a fitted model: ``load(tree)`` gives the model and estimate of ``fit``, ready to simulate."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Fit:
 
 
 def fit_of(tree: Path) -> Fit:
-    """``fit/estimate.json``."""
+    """The fit of a run tree, from ``fit/estimate.json``."""
     return read_as(Fit, tree / ESTIMATE)
 
 
@@ -68,7 +68,7 @@ class DescribedModel:
 
 
 def describe_model(settings: Settings, model: Model, provenance: str) -> DescribedModel:
-    """``model.json`` of a model that ``settings`` make."""
+    """The content of ``model.json`` for a ``model`` that ``settings`` configure."""
     return DescribedModel(
         case=settings.case,
         config={key: settings.get(key) for key in MAKES_A_MODEL},

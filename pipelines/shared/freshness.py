@@ -1,4 +1,4 @@
-"""Whether a stage's results still answer the question: what they were made from, then and now."""
+"""Whether a stage's results are still valid: compares what they were made from with what is there now."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ Fingerprint = dict[str, dict[str, Any]]
 
 
 def fingerprint(config: Mapping[str, Any], inputs: Mapping[str, str], module: str) -> Fingerprint:
-    """What results depend on: flat config keys, digests of what is read, and the code that ``module`` runs
-    with the versions of the numerical libraries below it."""
+    """What results depend on: config keys, digests of the files read and of the code that ``module`` runs,
+    and the versions of the numerical libraries that this code imports."""
     code = {"hybridid": hybridid.__version__, **code_of(module)}
     return {"config": dict(config), "inputs": dict(inputs), "code": code}
 
 
 def why_stale(folder: Path, now: Fingerprint) -> list[str]:
-    """What has changed since ``folder`` was made, in words; empty if nothing has."""
+    """What has changed since ``folder`` was made, a phrase for each change; empty if nothing has."""
     try:
         then = json.loads((folder / RECEIPT).read_text(encoding="utf-8"))["fingerprint"]
     except (OSError, ValueError, KeyError):
@@ -39,13 +39,13 @@ def why_stale(folder: Path, now: Fingerprint) -> list[str]:
 
 
 def write_receipt(folder: Path, stage: str, made_from: Fingerprint, seconds: float) -> None:
-    """Leave in ``folder`` what its files were made from."""
+    """Write into ``folder`` what its files were made from."""
     receipt = {"stage": stage, "seconds": round(seconds, 3), "fingerprint": made_from}
     (folder / RECEIPT).write_text(json.dumps(receipt, indent=1, default=str) + "\n", encoding="utf-8")
 
 
 def folder_digest(folder: Path) -> str:
-    """SHA-256 over the names and contents of a stage's files, its receipt apart."""
+    """SHA-256 over the names and contents of a stage's files without its receipt."""
     total = hashlib.sha256()
     for path in sorted(p for p in folder.rglob("*") if p.is_file() and p.name != RECEIPT):
         total.update(path.relative_to(folder).as_posix().encode() + b"\0" + file_digest(path).encode())

@@ -1,4 +1,4 @@
-"""The hybrid of a run tree, as ``residual`` left it, and how it came about."""
+"""The hybrid model that the stage ``residual`` wrote into a run tree, and the report of its training."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Residual:
 
 
 def residual_of(tree: Path) -> Residual:
-    """``residual/residual.json``."""
+    """The report of a run tree, from ``residual/residual.json``."""
     return read_as(Residual, tree / RESIDUAL)
 
 

@@ -27,7 +27,7 @@ def named(path: object, what: str) -> Any:
         module = importlib.import_module(module_name)
     except ImportError as error:
         raise ConfigError(f"{what} {path}: {error}; Python files in --config-dir are found too") from error
-    except Exception as error:  # the user's own file: whatever it raises, say where
+    except Exception as error:  # the user's own file may raise anything: the message says where
         raise ConfigError(f"{what} {path}: {module_name} fails when imported: {_where(error)}") from error
     if not hasattr(module, attribute):
         raise ConfigError(f"{what} {path}: {unknown(f'name in {module_name}', attribute, _public(module))}")
@@ -37,7 +37,8 @@ def named(path: object, what: str) -> Any:
 def make_importable(folders: Iterable[Path]) -> None:
     """Let Python files in a user's folder, and beside its case files, be imported by name.
 
-    First in the path, as a script's own folder is: the user's ``pendulum.py`` wins over a package.
+    The folders come first in the path, as a script's own folder does: the user's ``pendulum.py`` takes
+    precedence over a package of that name.
     """
     for folder in folders:
         for place in (folder / "case", folder):
@@ -46,10 +47,10 @@ def make_importable(folders: Iterable[Path]) -> None:
 
 
 def code_digests(paths: Iterable[str]) -> dict[str, str]:
-    """SHA-256 of the code behind import paths, by what it is.
+    """SHA-256 of the code behind import paths, each with a description of the code as its key.
 
-    Of a user's module every Python file beside it counts, and what these import of hybridid; of a module of
-    hybridid's, all that it runs.
+    For a user's module the digests cover the Python files beside it and the modules of hybridid that they
+    import. For a module of hybridid they cover the module and all that it imports.
     """
     found: dict[str, str] = {}
     for path in paths:

@@ -20,7 +20,11 @@ KEYS = ("plant", "effects", "parameters")
 
 
 def plant_of(settings: Settings) -> Plant:
-    """The plant at the import path ``plant``: an instance, or a class to make one of."""
+    """The plant at the import path ``plant``, which names an instance or a class without arguments.
+
+    Raises:
+        ConfigError: if the path names neither.
+    """
     found = named(settings["plant"], "plant")
     if inspect.isclass(found) and issubclass(found, Plant):
         try:
@@ -37,10 +41,10 @@ def plant_of(settings: Settings) -> Plant:
 def model_of(settings: Settings) -> Model:
     """The case's plant with its effects and adjusted parameters.
 
-    Entries of ``parameters`` for effects that are not selected are kept for when they are.
+    Entries of ``parameters`` for effects that are not selected are checked and then ignored.
 
     Raises:
-        ConfigError: if an effect, port or parameter is unknown, or a number cannot be.
+        ConfigError: if an effect, port or parameter is unknown, or a number is not allowed.
     """
     plant = plant_of(settings)
     entries = effect_entries(settings)
@@ -56,7 +60,7 @@ def model_of(settings: Settings) -> Model:
             if name not in ownable:
                 raise ConfigError(unknown("parameter", name, ownable, allowed=names))
         model = compose(plant, entries, {name: given[name] for name in given if name in names})
-        _ = model.parameters  # crossed bounds show here
+        _ = model.parameters  # raises if bounds contradict each other
     except ConfigError:
         raise
     except ValueError as error:
@@ -84,10 +88,10 @@ def effect_entries(settings: Settings) -> list[str]:
 
 
 def adjustments(parameters: Mapping[str, Any]) -> dict[str, dict[str, float]]:
-    """Nested ``parameters`` as ``{"carriage.viscous.f_v": {"lower": 100.0}}``; nulls adjust nothing.
+    """Nested ``parameters`` as ``{"carriage.viscous.f_v": {"lower": 100.0}}``; null entries are left out.
 
     Raises:
-        ConfigError: if a setting is none of guess, lower, upper, fixed, or no number.
+        ConfigError: if a setting is not one of guess, lower, upper, fixed, or its value is not a number.
     """
     if not isinstance(parameters, Mapping):
         raise ConfigError(f"parameters is {parameters!r}: give names with {', '.join(ADJUSTABLE)}")
@@ -123,7 +127,7 @@ def _leaves(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, dict[str,
 
 
 def _ownable(plant: Plant, selected: list[Effect]) -> set[str]:
-    """Names that parameters would have, were any effect put at any port."""
+    """The names of all parameters that the plant could have with any effect at any port."""
     names = {p.name for p in plant.parameters} | {
         f"{p.name}.epsilon" for p in plant.ports if p.kind == "effort"
     }

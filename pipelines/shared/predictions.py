@@ -1,6 +1,6 @@
-"""What ``validate`` hands on: predictions as Parquet, one a record and view, and tests of the residuals.
+"""The results of ``validate``: predictions as Parquet, one file for each record and view, and residual tests.
 
-Units and provenance stand in each file's metadata.
+Units and provenance are in each file's metadata.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from pipelines.shared.storage import read_as, read_table, write_table
 
 FOLDER = "validate"
 HYBRID = "hybrid"
-"""Folder, below ``FOLDER``, of what the hybrid predicts; the gray box' predictions lie beside it."""
+"""Folder, below ``FOLDER``, of the hybrid's predictions; those of the gray box are in ``FOLDER`` itself."""
 RESIDUALS = "residuals.json"
 METRICS = "metrics.json"
 
 
 @dataclass(frozen=True)
 class Stored:
-    """A prediction as ``validate`` left it; ``horizon`` in s, None for a free run."""
+    """A prediction that ``validate`` wrote; ``horizon`` in s, None for a free run."""
 
     model: str
     horizon: float | None
@@ -44,7 +44,8 @@ class Tested:
 
 
 def write_prediction(folder: Path, prediction: Prediction, model: str, horizon: float | None) -> Path:
-    """Columns ``time`` [s], ``<output>.measured``, ``<output>.predicted``, ``state.<name>``."""
+    """Write a prediction with the columns ``time`` [s], ``<output>.measured``, ``<output>.predicted`` and
+    ``state.<name>``; returns the file's path."""
     columns = {"time": prediction.time}
     for k, name in enumerate(prediction.output_names):
         columns[f"{name}.measured"] = prediction.measured[:, k]
@@ -87,7 +88,7 @@ def predictions_in(tree: Path) -> list[Stored]:
 
 
 def metric_rows(tree: Path) -> list[Metrics]:
-    """``validate/metrics.json``: one row for each model, record, view and output."""
+    """The scores of a run tree, a row for each model, record, view and output; from ``metrics.json``."""
     return list(read_as(tuple[Metrics, ...], tree / FOLDER / METRICS))
 
 

@@ -1,4 +1,4 @@
-"""``preprocess/records.json``: the records that ``preprocess`` left, and where their samples are."""
+"""``preprocess/records.json``: the records that ``preprocess`` wrote, and the files of their samples."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ class NamedUnit:
 
     @classmethod
     def each(cls, signals: Sequence[Channel] | Sequence[Signal] | Sequence[State]) -> tuple[NamedUnit, ...]:
+        """Name and unit of each signal."""
         return tuple(cls(signal.name, signal.unit) for signal in signals)
 
 
 @dataclass(frozen=True)
 class Prepared:
-    """A record that ``preprocess`` left: ``n`` samples every ``dt`` s.
+    """A record that ``preprocess`` wrote: ``n`` samples every ``dt`` s.
 
     ``file`` lies in the run tree; ``role`` is what the case uses the record for, ``provenance`` "measured"
     or "simulated", ``source`` where it comes from, ``digest`` the SHA-256 of its data.
@@ -48,7 +49,7 @@ class Prepared:
 
     @property
     def seconds(self) -> float:
-        """How long it is."""
+        """The duration of the record in s."""
         return self.n * self.dt
 
 
@@ -58,5 +59,5 @@ def prepared_records(tree: Path) -> list[Prepared]:
 
 
 def provenance_of(tree: Path) -> str:
-    """``measured``, ``simulated``, or both."""
+    """Provenance of a run tree's records: ``measured``, ``simulated``, or ``measured and simulated``."""
     return " and ".join(sorted({record.provenance for record in prepared_records(tree)}))

@@ -1,4 +1,4 @@
-"""The case's virtual rig as ``rig:`` configures it: which, with what noise, and what the truth is."""
+"""The case's virtual rig as the section ``rig`` configures it."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from pipelines.shared.sections.stages import RigSection
 
 
 def rig_of(given: Mapping[str, Any]) -> Rig:
-    """The rig of the section ``rig``: at the import path ``path``, an instance or a class to make one of.
+    """The rig of the section ``rig``: ``path`` is the import path of an instance or of a class.
 
-    ``truth`` (numbers by name) and ``planted`` (a list of laws) give it another truth; null leaves each as
-    the rig has it.
+    ``truth`` (numbers by name) replaces true parameter values and ``planted`` (a list of laws) the added
+    physics; null keeps those of the rig.
 
     Raises:
         ConfigError: in one line for an unknown key, rig, number, law, port or parameter.

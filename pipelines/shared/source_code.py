@@ -1,9 +1,9 @@
-"""The source code that a result is made by: which files, their digests, the versions of the libraries below.
+"""The source code that a result depends on: its files, their digests, the versions of numerical libraries.
 
-It is found from the imports: a module's own file, every module of the project that it imports, directly or
-through others, at its top or inside a function, and the ``__init__`` of the packages that hold them. Files of
-another kind (``shoot.c``) count where a module of their folder, or of one above, names them in its text.
-Imports are read from the text: nothing is run, and there is no list to keep.
+The files follow from the imports: a module's own file, every module of the project that it imports, directly
+or through others, at its top or inside a function, and the ``__init__`` of the packages that hold them. Files
+that are not Python (``shoot.c``) count if a module in their folder, or in one above, contains their name.
+Imports are read from the text of the files: no code is run, and no list must be maintained.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ _COMMENT = re.compile(r"#.*")
 
 @cache
 def code_of(module: str, root: str = PROJECT) -> dict[str, str]:
-    """What ``module`` runs: SHA-256 of the source files by room, ``hybridid.model``, and the version of each
-    numerical library. The name of a package stands for all modules in it.
+    """The code that ``module`` runs: SHA-256 of its files by subpackage (``hybridid.model``), and the version
+    of each numerical library. The name of a package stands for all its modules.
 
     Raises:
         ValueError: if there is no such module below ``root``.
@@ -48,7 +48,7 @@ def code_of(module: str, root: str = PROJECT) -> dict[str, str]:
 
 
 def files_of(module: str, root: str = PROJECT) -> list[str]:
-    """Every source file that ``module`` runs, its own included, as names below ``root``, sorted; see
+    """Every source file that ``module`` runs, its own included, as sorted paths relative to ``root``; see
     ``code_of``."""
     place = module.replace(".", "/")
     own = [name for name in _tree(root) if name == f"{place}.py" or name.startswith(f"{place}/")]
@@ -58,7 +58,7 @@ def files_of(module: str, root: str = PROJECT) -> list[str]:
 
 
 def with_imports(files: Iterable[str], root: str = PROJECT) -> list[str]:
-    """``files`` and all that they reach below ``root`` by imports, sorted."""
+    """``files`` and all files below ``root`` that they import, directly or through others, sorted."""
     found: set[str] = set()
     todo = list(files)
     while todo:
@@ -70,10 +70,10 @@ def with_imports(files: Iterable[str], root: str = PROJECT) -> list[str]:
 
 
 def digest(files: Iterable[str], root: str = PROJECT) -> str:
-    """SHA-256 over the names and contents of ``files``; a user's own have absolute names, of which the last
-    part counts."""
-    said = [(Path(f).name if f.startswith("/") else f, _source(f, root).digest) for f in files]
-    return hashlib.sha256(repr(said).encode()).hexdigest()
+    """SHA-256 over the names and contents of ``files``. A user's own files have absolute paths; of these only
+    the last part counts."""
+    parts = [(Path(f).name if f.startswith("/") else f, _source(f, root).digest) for f in files]
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
 def imported(text: str) -> set[str]:
@@ -89,7 +89,7 @@ def imported(text: str) -> set[str]:
 
 @dataclass(frozen=True)
 class _Source:
-    """A file's SHA-256, the files that it uses at first hand and the numerical libraries that it imports."""
+    """A file's SHA-256, the files that it uses directly and the numerical libraries that it imports."""
 
     digest: str
     uses: tuple[str, ...] = ()
@@ -98,7 +98,7 @@ class _Source:
 
 @cache
 def _source(file: str, root: str) -> _Source:
-    path = Path(root, file)  # an absolute name stays as it is
+    path = Path(root, file)  # an absolute path stays as it is
     with path.open("rb") as stream:
         sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
     if path.suffix != ".py":  # a user's data may be large: it is not kept in memory
@@ -113,8 +113,8 @@ def _source(file: str, root: str) -> _Source:
 
 
 def _run_by(name: str, root: str) -> list[str]:
-    """The files that importing ``name`` runs, its module and the packages that hold it; none if not below
-    ``root``."""
+    """The files that run when ``name`` is imported: its module and the packages that hold it; none if it is
+    not below ``root``."""
     found = []
     parts = name.split(".")
     for k in range(1, len(parts) + 1):
@@ -125,7 +125,7 @@ def _run_by(name: str, root: str) -> list[str]:
 
 @cache
 def _tree(root: str) -> frozenset[str]:
-    """Every file of the project's packages, as names below ``root``."""
+    """Every file of the project's packages, as paths relative to ``root``."""
     walks = (walk for package in PACKAGES for walk in os.walk(f"{root}/{package}"))
     return frozenset(
         f"{folder}/{file}".removeprefix(f"{root}/")
@@ -137,7 +137,7 @@ def _tree(root: str) -> frozenset[str]:
 
 @cache
 def _not_python(folder: str, root: str) -> tuple[str, ...]:
-    """The files that are no Python: below a ``folder`` of the project, in a user's own."""
+    """The files that are not Python: in a ``folder`` of the project and below, or in a user's own folder."""
     if folder.startswith("/"):
         names = [entry.path for entry in os.scandir(folder) if entry.is_file()]
     else:

@@ -1,4 +1,4 @@
-"""Where a case's records come from: measured files where they are found, else the case's virtual rig."""
+"""The sources of a case's records: measured files if they are found, else the case's virtual rig."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from pipelines.shared.sections.stages import ArchiveSection, FitSection, PathsSe
 KEYS = ("data", "records", "signals", "rig", "paths.data")
 ROLES = ("identification", "validation")
 _OWN = ("role", "run", "steps")
-_STANDS_IN = "no measured record found; the virtual rig stands in, all that follows is SIMULATED"
+_STANDS_IN = "no measured record found; the virtual rig simulates them, so all results are SIMULATED"
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A record whose files are at hand."""
+    """A measured record whose files were found."""
 
     name: str
     role: str
@@ -35,9 +35,11 @@ class Measured:
 
     @property
     def digest(self) -> str:
+        """SHA-256 of the files."""
         return digest_of(self.files)
 
     def record(self) -> Record:
+        """Read the record from its files."""
         plan = self.plan
         return build_record(
             self.name, self.files, plan.time, plan.inputs, plan.outputs, plan.auxiliary, plan.resample
@@ -58,9 +60,11 @@ class Simulated:
 
     @property
     def digest(self) -> str:
+        """Digest of the rig, its truth and the settings of the run."""
         return self.rig.digest(self.run, self.seed, self.duration)
 
     def record(self) -> Record:
+        """Simulate the record."""
         return replace(self.rig.record(self.run, self.seed, self.duration), name=self.name, warnings=())
 
 
@@ -68,13 +72,15 @@ Source = Measured | Simulated
 
 
 class HasRole(Protocol):
-    """A record's name and what it is for."""
+    """A record with a name and a role."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """The record's name in the config."""
 
     @property
-    def role(self) -> str: ...
+    def role(self) -> str:
+        """``identification`` or ``validation``."""
 
 
 Named = TypeVar("Named", bound=HasRole)
@@ -82,24 +88,25 @@ Named = TypeVar("Named", bound=HasRole)
 
 @dataclass(frozen=True)
 class Sources:
-    """A case's records, and in words what is not as one would wish."""
+    """The sources of a case's records; ``remarks`` warn of records that are missing or simulated."""
 
     found: tuple[Source, ...]
     remarks: tuple[str, ...] = ()
 
     @property
     def simulated(self) -> bool:
+        """Whether any record comes from the virtual rig."""
         return any(isinstance(source, Simulated) for source in self.found)
 
 
 def sources_of(settings: Settings) -> Sources:
     """The case's records under ``data``: measured, simulated, or ``auto``.
 
-    ``auto`` takes the measured records that are found; with none found the rig makes them all.
+    ``auto`` takes the measured records that are found; if none is found, the rig simulates all.
 
     Raises:
         ConfigError: if the config of records, signals or rig is wrong.
-        RecordNotFoundError: if a measured record is insisted on, or there is no rig to stand in.
+        RecordNotFoundError: if a record is missing and ``data`` is ``measured``, or the case has no rig.
     """
     choice = settings.lone.data
     records = _records(settings)
@@ -124,7 +131,7 @@ def sources_of(settings: Settings) -> Sources:
 
 
 def roots_of(settings: Settings) -> tuple[DataRoot, ...]:
-    """``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, then the user's own folders."""
+    """The folders searched for records: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, the user's own."""
     own = [DataRoot(folder, "--config-dir") for folder in settings.folders]
     return (*data_roots(_data_folder(settings)), *own)
 
@@ -134,17 +141,17 @@ def _data_folder(settings: Settings) -> str | None:
 
 
 def digests(settings: Settings) -> dict[str, str]:
-    """What tells the records from others, by name; of simulated ones also the code of their rig."""
+    """Digests that identify the records, by name; for simulated records also the code of their rig."""
     sources = sources_of(settings)
     rig = code_digests([str(settings["rig"]["path"])]) if sources.simulated else {}
     return {f"record {s.name}": f"{type(s).__name__.lower()} {s.digest}" for s in sources.found} | rig
 
 
 def chosen(records: Sequence[Named], wanted: Sequence[str] | None, key: str) -> list[Named]:
-    """The records whose name or role is in ``wanted``; all if it is null.
+    """The records whose name or role is in ``wanted``; all if it is None.
 
     Raises:
-        ConfigError: if an entry matches none; ``key`` is the config key that holds them.
+        ConfigError: if an entry matches no record; the message names the config key ``key``.
     """
     if wanted is None:
         return list(records)
@@ -156,7 +163,7 @@ def chosen(records: Sequence[Named], wanted: Sequence[str] | None, key: str) -> 
 
 
 def fitted_records(settings: Settings) -> tuple[str, ...] | None:
-    """The key ``fit.records``: what ``chosen`` takes of the records that the model is fitted to."""
+    """The key ``fit.records``: names or roles of the records that the model is fitted to; None for all."""
     return settings.section("fit", FitSection).records
 
 

@@ -1,4 +1,4 @@
-"""What a stage is, and what running some did."""
+"""The types that describe a stage, one run of it, and the outcome of a command."""
 
 from __future__ import annotations
 
@@ -22,13 +22,12 @@ class Job:
 
 @dataclass(frozen=True)
 class Stage:
-    """Makes the files of one folder of a run tree.
+    """A step of the pipeline; it writes the files of one folder of a run tree.
 
-    ``keys`` are the config keys its results depend on, ``reads`` the stages whose files it
-    reads, ``inputs`` digests of whatever else it reads. ``check`` raises a ``ConfigError``,
-    before anything is done, if the config cannot be carried out. A stage that is not ``asked``
-    for by the config is left out, and an older result of it removed. The code of a stage is the module
-    or room of its name, ``pipelines.<name>``, and all that this imports.
+    ``keys`` are the config keys that its results depend on, ``reads`` the stages whose files it reads,
+    ``inputs`` gives digests of everything else that it reads. ``check`` raises a ``ConfigError`` for a wrong
+    config before any stage runs. If ``asked`` is False for a config, the stage is skipped and its earlier
+    result removed. Its code is the module or package ``pipelines.<name>`` and all that this imports.
     """
 
     name: str
@@ -42,7 +41,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command did: the run tree, the stages that are now up to date in it, those made anew."""
+    """The outcome of a command: its run tree, the stages now up to date in it, the stages that ran."""
 
     tree: Path
     stages: tuple[str, ...]
@@ -50,4 +49,5 @@ class Outcome:
 
     @property
     def reused(self) -> tuple[str, ...]:
+        """The stages whose earlier results were still fresh."""
         return tuple(name for name in self.stages if name not in self.ran)

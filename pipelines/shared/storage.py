@@ -1,4 +1,4 @@
-"""Numbers in files that any program can read: strict JSON, and Parquet for series."""
+"""Results as files that any program can read: strict JSON, and Parquet for time series."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ T = TypeVar("T")
 
 
 def write_json(path: Path, data: Any) -> None:
-    """Strict JSON of what ``plain`` understands: dataclasses, arrays; what is not finite becomes null."""
+    """Write dataclasses, arrays and plain data as strict JSON; numbers that are not finite become null."""
     path.write_text(json_text(data), encoding="utf-8")
 
 
 def json_text(data: Any) -> str:
-    """What ``write_json`` writes."""
+    """The text that ``write_json`` writes."""
     return json.dumps(plain(data), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def read_json(path: Path) -> Any:
-    """What ``write_json`` wrote, as plain data."""
+    """The content of a JSON file as plain data."""
     return json.loads(path.read_text(encoding="utf-8"))
 
 
 def read_as(cls: type[T], path: Path) -> T:
-    """What ``write_json`` wrote of a ``cls``: a dataclass, or a tuple or mapping of some.
+    """The content of a file from ``write_json`` as ``cls``: a dataclass, or a tuple or mapping of them.
 
     Raises:
         FileNotFoundError: if there is no such file.
-        ConfigError: if the file is no such result, in one line that names the file and the key.
+        ConfigError: if the content does not fit ``cls``; the message names the file and the key.
     """
     return restored(cls, read_json(path), str(path), ConfigError)
 
 
 def write_table(path: Path, columns: Mapping[str, NDArray[Any]], about: Mapping[str, str]) -> None:
-    """Columns of equal length as Parquet, with notes on the whole in its metadata."""
+    """Write columns of equal length as Parquet, with the notes ``about`` them in the file's metadata."""
     import pyarrow
     from pyarrow import parquet
 

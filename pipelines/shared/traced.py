@@ -1,4 +1,4 @@
-"""``trace/trace.json``: what a trace found, and the command that found it."""
+"""``trace/trace.json``: the result of a trace, and the commands that use its model."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ TRACE = "trace/trace.json"
 
 @dataclass(frozen=True)
 class TraceFile:
-    """A trace of a ``case`` on so many ``processes``, and the ``commands`` that go on with its model."""
+    """A trace of a ``case`` in parallel ``processes``, and the ``commands`` that fit its model."""
 
     case: str
     processes: int
@@ -23,5 +23,5 @@ class TraceFile:
 
 
 def trace_of(tree: Path) -> TraceFile:
-    """``trace/trace.json`` of a run tree; without the evidence, which is not stored."""
+    """The trace of a run tree, from ``trace/trace.json``; models and time series are not stored there."""
     return read_as(TraceFile, tree / TRACE)

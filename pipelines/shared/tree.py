@@ -1,4 +1,4 @@
-"""A run's folder: where it lies, who may write in it, and stage folders that appear whole or not at all."""
+"""A run's folder: its path, its lock, and stage folders that are replaced in one step."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _REPLACED = ".replaced-"
 
 
 def tree_of(settings: Settings, simulated: bool) -> Path:
-    """``out`` (in a sweep: ``out``/<digest>), else ``paths.outputs``/<case>/<digest>.
+    """The run tree: ``out`` (in a sweep: ``out``/<digest>), else ``paths.outputs``/<case>/<digest>.
 
-    Results from a virtual rig never take the place of measured ones: their digest says ``-simulated``.
+    Results from a virtual rig never replace measured ones: their folder's name ends in ``-simulated``.
     """
     name = f"{digest(settings)}-simulated" if simulated else digest(settings)
     out = settings.get("out")
@@ -31,27 +31,27 @@ def tree_of(settings: Settings, simulated: bool) -> Path:
 
 @contextmanager
 def locked(root: Path, waiting: Callable[[str], None]) -> Iterator[None]:
-    """Hold the tree for this process alone; says so once if another has it.
+    """Lock the tree for this process. While another process holds it, report so once and wait.
 
-    What an earlier process left unfinished (killed, machine off) is removed.
+    Unfinished folders of an earlier process that was killed are removed.
     """
     root.mkdir(parents=True, exist_ok=True)
     lock = FileLock(str(root / ".lock"))
     try:
         lock.acquire(timeout=0.2)
     except Timeout:
-        waiting(f"waiting: another hybridid works in {root}")
+        waiting(f"waiting: another hybridid process is writing in {root}")
         lock.acquire()
     try:
         _clear(root)
         yield
     finally:
-        _clear(root)  # an interrupt may strike between a folder's making and its guard
+        _clear(root)  # an interrupt may come after a folder is made and before its ``try`` begins
         lock.release()
 
 
 def _clear(root: Path) -> None:
-    """Remove what was left unfinished; only who holds the lock may."""
+    """Remove unfinished folders; only the holder of the lock may call this."""
     for prefix in (_UNFINISHED, _REPLACED):
         for left in root.glob(f"{prefix}*"):
             shutil.rmtree(left, ignore_errors=True)
@@ -59,7 +59,7 @@ def _clear(root: Path) -> None:
 
 @contextmanager
 def replacing(folder: Path) -> Iterator[Path]:
-    """A new folder to write in, that takes the place of ``folder`` if all goes well and vanishes if not."""
+    """A new folder to write in. It replaces ``folder`` at the end, or is removed after an exception."""
     new = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=folder.parent))
     new.chmod(0o755)
     try:
@@ -71,7 +71,7 @@ def replacing(folder: Path) -> Iterator[Path]:
 
 
 def remove(folder: Path) -> bool:
-    """Remove a stage's folder at once, never leaving half of it; False if there is none."""
+    """Remove a stage's folder in one step, so that no part of it remains; False if there is none."""
     if not folder.exists():
         return False
     old = Path(tempfile.mkdtemp(prefix=_REPLACED, dir=folder.parent))
@@ -81,7 +81,7 @@ def remove(folder: Path) -> bool:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file that is whole at every moment."""
+    """Write a file in one step: a reader sees the old text or the new one, never a part."""
     handle, name = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as stream:
@@ -94,11 +94,11 @@ def write_text(path: Path, text: str) -> None:
 
 
 def point_latest(root: Path) -> None:
-    """Make ``latest`` beside ``root`` lead to it."""
+    """Let the link ``latest`` beside ``root`` point to it."""
     link = root.parent / "latest"
     new = root.parent / f".latest-{os.getpid()}"
     if link.exists() and not link.is_symlink():
-        return  # somebody's own folder
+        return  # a user's own folder of this name
     new.unlink(missing_ok=True)
     new.symlink_to(root.name, target_is_directory=True)
     new.replace(link)

@@ -1,4 +1,4 @@
-"""How a stage speaks to whoever watches it. The terminal implements this; stages print nothing."""
+"""The interface through which stages report progress. The terminal implements it; stages print nothing."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ from typing import Protocol
 
 
 class Watcher(Protocol):
+    """Receives the reports of a running stage."""
+
     def say(self, line: str) -> None:
-        """A fact worth a line: what is done and why, or where something went."""
+        """Report a fact in one line: what is done and why, or where a file is."""
 
     def warn(self, line: str) -> None:
-        """A fact that must not be overlooked."""
+        """Report a warning in one line."""
 
     def carry_on(self) -> None:
-        """Raises if the person watching has asked to stop, though a library may have hidden it."""
+        """Raise if the user has asked to stop, even if a library has swallowed the interrupt."""
 
     def progress(self, work: str, state: str, fraction: float | None) -> None:
-        """How far a long ``work`` is: its ``state`` in words, the ``fraction`` done where it is known."""
+        """Report the ``state`` of a long ``work`` in words, and the ``fraction`` done if it is known."""

@@ -18,8 +18,8 @@ VELOCITY, PITCH = "vertical_velocity", "pitch_rate"
 _UNITS = "The thesis prints I_yy in kg·m⁴; a moment of inertia is kg·m²."
 _TYRE = "k_t of the thesis' tables is k_p of its half-car equations: one tyre stiffness."
 _HELD_OUT = (
-    "The thesis has no held-out record: its hybrid is scored on the run that trained it. The rows of the "
-    "held-out speed are ours alone: 15 km/h, where gray box and networks have seen 20 km/h only."
+    "The thesis has no held-out record: it scores its hybrid on the training record. The rows of the "
+    "held-out speed are ours alone: they are at 15 km/h; gray box and networks were fitted at 20 km/h only."
 )
 _GRAY = "gray box"
 _GRAY_HELD_OUT = "gray box, held-out speed"

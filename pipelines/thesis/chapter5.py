@@ -22,7 +22,7 @@ _VARIANCES = (
     "from the Coulomb, hybrid Coulomb, Dahl and hybrid Dahl rows."
 )
 _UNITS = "The thesis prints I and J (Table 5.1) in m⁴; a moment of inertia is kg·m²."
-_ILLEGIBLE = "The thesis' values are not legible in its text: no reference beside ours."
+_ILLEGIBLE = "The thesis' values are not legible in its text, so ours have no reference beside them."
 _SIGMA = (
     "Dahl and LuGre are written with the pre-sliding displacement s [rad]: the thesis' stiffness is f_c / s."
 )

@@ -29,14 +29,14 @@ _OPTIMUM = (
 )
 _FREE_RUN = (
     "Free run over the whole record misleads here: the EMPS integrates, and a 3 % change of friction between "
-    "the recordings grows to millimetres. The table over horizons of 1 s stands below; decide on that one."
+    "the recordings grows to millimetres. Compare the models by the table below, over horizons of 1 s."
 )
 _HORIZONS = (
-    "Each horizon of 1 s starts from its own estimated initial state. The thesis has no such view, nor the "
-    "gray boxes fitted over horizons and with viscous friction that differs by direction."
+    "Each horizon of 1 s starts from its own estimated initial state. The thesis has no scores over "
+    "horizons, no gray box fitted over horizons, and none with viscous friction that differs by direction."
 )
 _UNIT = "The thesis prints f_c in N·s/m; a Coulomb friction is a force, N."
-_GRAY, _BY_RULE = "gray box", "hybrid, nodes by our rule"
+_GRAY, _BY_RULE = "gray box", "hybrid, nodes chosen by our rule"
 
 _PARAMETERS = {
     "M": ("M", 95.4520),

@@ -1,4 +1,4 @@
-"""Which network our rule took, without looking at the validation record, and which the thesis took."""
+"""The network that our rule chose without the validation record, beside the one that the thesis chose."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pipelines.thesis.reference import NetworkOf, Printed, ScoreTable
 
 
 def choices(chapter: int, outcomes: Outcomes) -> tuple[str, ...]:
-    """What the chapter's results say of how their networks were chosen, in sentences."""
+    """Sentences on how the networks of a chapter were chosen, from the results."""
     return tuple(_MAKERS[chapter](outcomes))
 
 
@@ -30,10 +30,10 @@ def _vehicle(outcomes: Outcomes) -> Iterator[str]:
         if grid:
             depth, width = min(grid, key=lambda size: grid[size].error)
             yield (
-                f"Table {table.number}: chosen here {_chosen(report, table.rows[0].ours.output)}, the thesis "
-                f"{depth} × {width} by the error on the record that trained it."
+                f"Table {table.number}: chosen here {_chosen(report, table.rows[0].ours.output)}; the thesis "
+                f"chose {depth} × {width} by the error on the training record."
             )
-    yield f"Our rule, on the identification record alone: {report.rule}."
+    yield f"Our rule uses the identification record alone: {report.rule}."
 
 
 def _grid(table: ScoreTable) -> dict[tuple[int, int], Printed]:
@@ -54,7 +54,7 @@ def _esea(outcomes: Outcomes) -> Iterator[str]:
         rule = next(iter(there.values())).rule
         yield (
             f"Networks chosen here, hidden layers × neurons: {listed}; on the identification record alone, "
-            f"by the rule: {rule}. The thesis has 4 × 256 for every friction, the best by R²."
+            f"by the rule: {rule}. The thesis chose 4 × 256 for every friction, by R²."
         )
 
 

@@ -17,7 +17,7 @@ Draw = Callable[[Runs], Plot]
 class Figure:
     """``number`` as in the thesis ("" if it has none); ``shows`` says what is drawn.
 
-    ``draw`` raises ``Missing`` where the results are not there.
+    ``draw`` raises ``Missing`` if the results do not exist.
     """
 
     number: str
@@ -32,10 +32,11 @@ class Figure:
 
     @property
     def title(self) -> str:
+        """The figure's heading, with its number in the thesis if it has one."""
         return f"Figure {self.number}: {self.shows}" if self.number else f"Not in the thesis: {self.shows}"
 
 
-def plot_of(record: Record, said: str, panels: Sequence[Panel], columns: int = 1, row: float = ROW) -> Plot:
-    """Panels of one record; ``said`` is the caption without its first capital and its end."""
-    caption = f"{said[0].upper()}{said[1:]} ({record.provenance})."
-    return panels_plot("thesis", f"{record.name} · {said}", panels, caption, record.provenance, columns, row)
+def plot_of(record: Record, shows: str, panels: Sequence[Panel], columns: int = 1, row: float = ROW) -> Plot:
+    """Panels of one record; ``shows`` is the caption in lower case, without provenance."""
+    caption = f"{shows[0].upper()}{shows[1:]} ({record.provenance})."
+    return panels_plot("thesis", f"{record.name} · {shows}", panels, caption, record.provenance, columns, row)

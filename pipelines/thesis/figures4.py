@@ -19,8 +19,8 @@ def _filtered(runs: Runs) -> Plot:
 
 def _used(runs: Runs) -> Plot:
     record = runs[EXPERIMENT].record("identification")
-    said = "pitch rate and vertical velocity that the models are fitted to"
-    return plot_of(record, said, signal_panels(record, (PITCH, VELOCITY)))
+    shows = "pitch rate and vertical velocity that the models are fitted to"
+    return plot_of(record, shows, signal_panels(record, (PITCH, VELOCITY)))
 
 
 def _responses(role: str) -> Draw:
@@ -45,8 +45,8 @@ def _scatter(role: str) -> Draw:
     def draw(runs: Runs) -> Plot:
         run = runs[EXPERIMENT]
         panels = [scatter_panel(word, run.both(role, name)) for word, name in OUTPUTS.items()]
-        said = "models over data, sample by sample; a perfect model lies on the line"
-        return plot_of(run.record(role), said, panels, columns=2, row=84.0)
+        shows = "models over data, sample by sample; a perfect model lies on the line"
+        return plot_of(run.record(role), shows, panels, columns=2, row=84.0)
 
     return draw
 

@@ -34,14 +34,14 @@ def _excitation(role: str) -> Draw:
 
 def _each(
     role: str,
-    said: str,
+    shows: str,
     panel: Callable[[str, Mapping[str, Response]], Panel],
     hybrid: bool = True,
     columns: int = 1,
 ) -> Draw:
     """A panel for each friction; without the hybrid, the gray box alone.
 
-    A friction without results is left out, and the caption says so: one failure spoils no figure.
+    A friction without results is left out and the caption says so; the others are drawn all the same.
     """
 
     def draw(runs: Runs) -> Plot:
@@ -58,7 +58,7 @@ def _each(
         if not panels:
             raise Missing(without[0].partition(": ")[2])
         left_out = f"; left out: {'; '.join(without)}" if without else ""
-        return plot_of(run.record(role), said + left_out, panels, columns)
+        return plot_of(run.record(role), shows + left_out, panels, columns)
 
     return draw
 
@@ -68,7 +68,7 @@ def _network(title: str, shown: Mapping[str, Response]) -> Panel:
 
 
 _GRAY, _HYBRID = "data and gray box in free run", "data, gray box and hybrid in free run"
-_NETWORK = "error of the gray box, and what the network says of it in free run"
+_NETWORK = "error of the gray box, and the network's prediction of it in free run"
 _SPECTRUM, _SPECTRA = "spectra of data and gray box", "spectra of data, gray box and hybrid"
 
 

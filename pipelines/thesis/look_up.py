@@ -1,4 +1,4 @@
-"""Finds our number beside each of the thesis' in the run trees, or says why there is none."""
+"""Finds our value for each number of the thesis in the run trees, or the reason why there is none."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pipelines.thesis.reference import EveryEstimate, NetworkOf, ParameterOf, Sc
 
 @dataclass(frozen=True)
 class Failed:
-    """An experiment without results: why, in one line, and where in the code."""
+    """An experiment without results: the reason in one line, and the traceback."""
 
     reason: str
     traceback: str = ""
@@ -27,8 +27,8 @@ class Failed:
 
 @dataclass(frozen=True)
 class Networks:
-    """The networks of a sweep in place of a run tree: rows as in ``residual.json``, of them and of the gray
-    box, and the role of each record."""
+    """The networks of a sweep, used in place of a run tree: scores of the networks and of the gray box as in
+    ``residual.json``, and the role of each record."""
 
     rows: Sequence[NetworkScore]
     gray: Sequence[RecordScore]
@@ -36,20 +36,20 @@ class Networks:
 
 
 Outcomes = Mapping[str, Path | Failed | Networks]
-"""Each experiment that was asked for: its run tree or its sweep, or why there is none."""
+"""The outcome of each requested experiment: its run tree, its sweep, or why it failed."""
 
 
 class Missing(Exception):
-    """A number that is not there; the message stands in its place on the page."""
+    """A number that does not exist; the page shows the message in its place."""
 
 
 class NotRun(Missing):
-    """Nobody asked for the experiment."""
+    """The experiment was not requested."""
 
 
 @dataclass(frozen=True)
 class FoundEstimate:
-    """Our estimate, its standard error (nan: it has none), what a reader must know of it."""
+    """Our estimate, its standard error (nan: it has none), and remarks such as "at its bound"."""
 
     name: str
     value: float
@@ -61,7 +61,7 @@ class FoundEstimate:
 
 @dataclass(frozen=True)
 class FoundScore:
-    """Our errors and R² of one model on one record; ``chosen`` if our rule took that network."""
+    """Our errors and R² of one model on one record; ``chosen`` if our rule chose that network."""
 
     rmse: float
     mse: float
@@ -74,7 +74,7 @@ def tree_of(experiment: str, outcomes: Outcomes) -> Path:
     """The run tree of an experiment.
 
     Raises:
-        Missing: if it failed; ``NotRun`` if it was not asked for.
+        Missing: if it failed; ``NotRun`` if it was not requested.
     """
     if experiment not in outcomes:
         raise NotRun("not run")
@@ -155,7 +155,7 @@ def _model(where: ScoreOf, tree: Path, names: set[str]) -> FoundScore:
 
 
 def _network(where: NetworkOf, networks: Sequence[NetworkScore], names: set[str]) -> FoundScore:
-    """Of the seeds of one size, the one whose held-out error was lowest."""
+    """The score of the network of one size; of several seeds, that with the lowest held-out error."""
     wanted = (where.output, where.depth, where.width)
     rows = [row for row in networks if (row.output, row.depth, row.width) == wanted]
     if not rows:

@@ -1,4 +1,4 @@
-"""The page of the reproduced thesis: what was run, then a section a chapter with its tables and figures."""
+"""The page of the reproduced thesis: the experiments, then the tables and figures of each chapter."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ KIND = "svg"
 
 @dataclass(frozen=True)
 class Chapter:
-    """A chapter's tables and figures; ``not_drawn`` names the figures that show no result."""
+    """A chapter's tables and figures; ``not_drawn`` lists the figures that are not drawn and why."""
 
     number: int
     title: str
@@ -34,6 +34,7 @@ class Chapter:
 
     @property
     def experiments(self) -> set[str]:
+        """The experiments that the chapter's tables need."""
         return {name for table in self.tables for name in experiments_of(table)}
 
 
@@ -44,43 +45,44 @@ CHAPTERS = (
 )
 _RIG = (
     "The thesis' recordings of this machine are not public: a virtual rig repeats its experiment. Our "
-    "numbers are simulated and say how the method behaves, not how the thesis' machine does."
+    "numbers are simulated: they show how the method behaves, not how the thesis' machine behaves."
 )
-_STANDS_IN = "The measured records were not used; the virtual rig stands in, and its numbers are simulated."
+_STANDS_IN = "The measured records were not used: all numbers are simulated by the virtual rig."
 _READ = (
-    "± gives the 95 % interval of an estimate, with autocorrelated residuals allowed for. SI units. Scores "
-    "without another word are of free runs over the whole record."
+    "± gives the 95 % interval of an estimate; it allows for autocorrelated residuals. Units are SI. Scores "
+    "are of free runs over the whole record unless a table says otherwise."
 )
 
 
 def drawn(runs: Runs, folder: Path, watcher: Watcher) -> dict[str, str]:
-    """Draw every figure whose chapter has an experiment into ``folder``.
+    """Draw into ``folder`` the figures of every chapter of which an experiment was requested.
 
-    Returns each figure's caption by its stem, or why it is not there.
+    Returns the caption of each figure by its stem, or the reason why it was not drawn.
     """
-    said = {}
+    captions = {}
     for chapter in _asked(runs):
         for figure in chapter.figures:
             watcher.progress("figures", figure.title, None)
             try:
                 plot = figure.draw(runs)
             except (Missing, PlotError) as reason:
-                said[figure.stem] = str(reason)
+                captions[figure.stem] = str(reason)
                 if not isinstance(reason, NotRun):
                     watcher.warn(f"{figure.title}: not drawn, {reason}")
                 continue
             save(plot, folder, figure.stem, kinds=(KIND,))
-            said[figure.stem] = plot.caption
-    return said
+            captions[figure.stem] = plot.caption
+    return captions
 
 
 def thesis_page(runs: Runs, captions: Mapping[str, str], figures: Path, seconds: Mapping[str, float]) -> Page:
-    """All chapters of which an experiment was asked for. ``figures`` holds what ``drawn`` drew."""
+    """The page with all chapters of which an experiment was requested; ``figures`` is the folder of
+    ``drawn``."""
     chapters = [_chapter(chapter, runs, captions, figures) for chapter in _asked(runs)]
     data = _data(runs, set(runs.outcomes))
     return Page(
         "The thesis, reproduced",
-        f"Tables and figures of Chapters 4 to 6 beside ours. Data: {data}; each row and figure says which.",
+        f"Tables and figures of Chapters 4 to 6 beside ours. Data: {data}, as stated in each row and figure.",
         (_what_was_run(runs, seconds), *chapters),
     )
 
@@ -97,7 +99,9 @@ def _what_was_run(runs: Runs, seconds: Mapping[str, float]) -> Section:
         took = "" if failed else f"{seconds[name]:.0f} s"
         rows.append((name, runs.experiments[name].case, _data(runs, {name}), took, result))
     header = ("experiment", "case", "data", "this time", "result")
-    note = "What was fresh was reused and took no time. hybridid run experiment=NAME runs one alone."
+    note = (
+        "Fresh results were reused and took no time. hybridid run experiment=NAME runs one experiment alone."
+    )
     table = Table("Experiments", header, tuple(rows), (note,), words=(0, 1, 2, 4))
     return Section("What was run", (_READ,), (table,))
 
@@ -105,9 +109,9 @@ def _what_was_run(runs: Runs, seconds: Mapping[str, float]) -> Section:
 def _chapter(chapter: Chapter, runs: Runs, captions: Mapping[str, str], figures: Path) -> Section:
     own = chapter.experiments & set(runs.outcomes)
     data = _data(runs, own)
-    said = [f"Data: {data}."]
+    about_data = [f"Data: {data}."]
     if "simulated" in data:
-        said.append(_STANDS_IN if chapter.number == 6 else _RIG)
+        about_data.append(_STANDS_IN if chapter.number == 6 else _RIG)
     there = [figure for figure in chapter.figures if _file(figure, figures).exists()]
     missing: dict[str, list[str]] = {}
     for figure in chapter.figures:
@@ -120,7 +124,7 @@ def _chapter(chapter: Chapter, runs: Runs, captions: Mapping[str, str], figures:
     tables = tuple(table_of(table, runs.outcomes) for table in chapter.tables)
     return Section(
         f"Chapter {chapter.number}: {chapter.title}",
-        (*said, *choices(chapter.number, runs.outcomes), *not_drawn, chapter.not_drawn),
+        (*about_data, *choices(chapter.number, runs.outcomes), *not_drawn, chapter.not_drawn),
         tables,
         tuple(pictures),
     )
@@ -131,7 +135,7 @@ def _file(figure: Figure, folder: Path) -> Path:
 
 
 def _data(runs: Runs, names: set[str]) -> str:
-    """``measured``, ``simulated``, or both, of the experiments that have results."""
+    """Provenance of the experiments' data: ``measured``, ``simulated``, or both."""
     trees = [runs.outcomes[name] for name in names]
     kinds = {provenance_of(tree) for tree in trees if isinstance(tree, Path)}
-    return " and ".join(sorted(kinds)) or "none, for no experiment has results"
+    return " and ".join(sorted(kinds)) or "none, because no experiment has results"

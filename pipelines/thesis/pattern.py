@@ -1,4 +1,4 @@
-"""Which rows improve most, in the thesis and here: said in words that follow from the numbers alone."""
+"""Sentences on which rows improve most, in the thesis and here; they follow from the numbers alone."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from itertools import combinations
 from hybridid.quantities import percent
 
 LISTED = 5
-"""Rows up to which all are named in order; of more only the first."""
+"""The number of rows named in order; of further rows only the count is given."""
 
 
 @dataclass(frozen=True)
 class Improved:
-    """A row's reduction of the error, in %: the thesis' and ours; below zero it got worse."""
+    """A row's reduction of the error in %, the thesis' and ours; negative if the error grew."""
 
     label: str
     thesis: float
@@ -22,23 +22,23 @@ class Improved:
 
 
 def reduction(before: float, after: float) -> float:
-    """``100 (1 - after / before)``: by how much of itself the error fell, in %."""
+    """``100 (1 - after / before)``: the relative reduction of the error, in %."""
     return 100.0 * (1.0 - after / before)
 
 
 def pattern(rows: Sequence[Improved], provenance: str) -> tuple[str, ...]:
     """Two sentences: the rows by reduction in the thesis and here, then where they differ.
 
-    Nothing where fewer than two rows have both numbers.
+    Empty if fewer than two rows have both numbers.
     """
     if len(rows) < 2:
         return ()
     thesis, ours = _ranked(rows, lambda row: row.thesis), _ranked(rows, lambda row: row.ours)
-    said = (
+    most = (
         f"Improve most, thesis: {_listed(thesis, lambda row: row.thesis)}. "
         f"Ours ({provenance}): {_listed(ours, lambda row: row.ours)}."
     )
-    return said, f"{_order(rows, thesis, ours)} {_worse(rows)}"
+    return most, f"{_order(rows, thesis, ours)} {_worse(rows)}"
 
 
 def _ranked(rows: Sequence[Improved], key: Callable[[Improved], float]) -> list[Improved]:
@@ -62,7 +62,7 @@ def _order(rows: Sequence[Improved], thesis: list[Improved], ours: list[Improved
         if thesis.index(row) != ours.index(row)
     ]
     which = "; ".join(moved) if len(rows) <= LISTED else moved[0]
-    return f"The orders differ ({alike} of {len(pairs)} pairs stand alike): {which}."
+    return f"The orders differ ({alike} of {len(pairs)} pairs have the same order): {which}."
 
 
 def _worse(rows: Sequence[Improved]) -> str:

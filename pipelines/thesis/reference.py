@@ -1,6 +1,6 @@
-"""What a chapter of the thesis shows, as data: each number it printed and where ours stands in the run trees.
+"""The tables of the thesis as data: each printed number, and where to find ours in the run trees.
 
-Source: PUC-Rio thesis (2023), Tables 4.2 to 6.4. ``care`` are the errata that bear on a table.
+Source: PUC-Rio thesis (2023), Tables 4.2 to 6.4. ``care`` are the errata of a table.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class EveryEstimate:
 
 @dataclass(frozen=True)
 class Printed:
-    """The thesis' error and R² of a model, and the reduction in % that it printed beside them."""
+    """The error and R² of a model as the thesis printed them, with the printed reduction in %."""
 
     error: float
     r2: float
@@ -69,7 +69,7 @@ class Printed:
 
 @dataclass(frozen=True)
 class Scores:
-    """A row of scores. ``against`` is the label of the row whose error this one reduces; "" for none."""
+    """A row of scores. ``against`` is the label of the row that its reduction refers to; "" for none."""
 
     label: str
     thesis: Printed | None
@@ -89,7 +89,7 @@ class EstimateTable:
 
 @dataclass(frozen=True)
 class ScoreTable:
-    """A table of errors and of R²; an error in SI units times ``factor`` is one in ``unit``."""
+    """A table of errors and R². An error in SI units, times ``factor``, is an error in ``unit``."""
 
     number: str
     title: str

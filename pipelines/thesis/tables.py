@@ -24,7 +24,7 @@ Row = tuple[str, ...]
 
 
 def table_of(table: ThesisTable, outcomes: Outcomes) -> Table:
-    """The thesis' table with ours beside it, its errata below, and how both patterns compare."""
+    """The thesis' table with our columns, then sentences that compare the reductions, then its errata."""
     caption = f"Table {table.number}: {table.title}"
     if isinstance(table, EstimateTable):
         rows = [row for spec in table.rows for row in _estimates(spec, outcomes)]
@@ -84,7 +84,7 @@ def _percent(reduction_in_percent: float | None) -> str:
 
 
 def _thesis_reduction(row: Scores, table: ScoreTable) -> float | None:
-    """In %: as the thesis printed it, else from its errors."""
+    """The reduction in % as the thesis printed it, else computed from its errors."""
     against = next((other.thesis for other in table.rows if other.label == row.against), None)
     if not isinstance(row.thesis, Printed) or against is None:
         return None
@@ -101,7 +101,8 @@ def _our_reduction(row: Scores, measure: Measure, found: dict[str, FoundScore | 
 
 
 def _patterns(table: ScoreTable, found: dict[str, FoundScore | Missing]) -> tuple[str, ...]:
-    """How the rows' reductions compare. Where each row has a gray box of its own, that one names it."""
+    """Sentences that compare the rows' reductions. If rows have different gray boxes, each is called by the
+    name of its own."""
     several = len({row.against for row in table.rows if row.thesis is not None and row.against}) > 1
     improved: list[Improved] = []
     for row in table.rows:

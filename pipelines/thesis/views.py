@@ -1,4 +1,4 @@
-"""What the thesis' figures are drawn from: records, predictions and efforts of the run trees."""
+"""Data and panels of the thesis' figures: records, predictions and efforts from the run trees."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from pipelines.thesis.look_up import Missing, NotRun, Outcomes, tree_of
 
 Array = NDArray[np.float64]
 FOCUS = 0.08
-"""Part of a record that the panel beside the whole enlarges."""
+"""The fraction of a record that the enlarged panel shows."""
 LOOKS: Mapping[str, Look] = {"gray box": look(0), "hybrid": look(1), "network": look(1)}
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One experiment's results, read when they are asked for."""
+    """The results of one experiment, read on demand."""
 
     settings: Settings
     tree: Path
@@ -48,7 +48,11 @@ class Run:
         raise Missing(f"no record for {role}")
 
     def raw(self, role: str) -> Record:
-        """The same record before any step."""
+        """The record with this role before any preprocessing.
+
+        Raises:
+            Missing: if there is none.
+        """
         for source in sources_of(self.settings).found:
             if source.role == role:
                 return source.record()
@@ -56,6 +60,7 @@ class Run:
 
     @cached_property
     def stored(self) -> list[Stored]:
+        """Every prediction of the experiment."""
         return predictions_in(self.tree)
 
     def of(self, role: str, output: str, view: str = "free_run") -> dict[str, Response]:
@@ -76,7 +81,7 @@ class Run:
         return found
 
     def both(self, role: str, output: str, view: str = "free_run") -> dict[str, Response]:
-        """The same, of gray box and hybrid.
+        """The responses to a record by gray box and hybrid.
 
         Raises:
             Missing: if one of them has no prediction.
@@ -89,7 +94,7 @@ class Run:
 
 @dataclass(frozen=True, eq=False)
 class Runs:
-    """All experiments that were asked for."""
+    """All requested experiments."""
 
     experiments: Mapping[str, Settings]
     outcomes: Outcomes
@@ -98,7 +103,7 @@ class Runs:
         """An experiment's results.
 
         Raises:
-            Missing: if it was not asked for, or failed.
+            Missing: if it was not requested, or failed.
         """
         tree = tree_of(experiment, self.outcomes)
         return Run(self.experiments[experiment], tree)
@@ -121,7 +126,7 @@ class Runs:
 
 
 def response_panel(title: str, shown: Mapping[str, Response], focus: bool = True) -> Panel:
-    """The recorded output with each model's response on it, and in the title their RMSE."""
+    """The recorded output and each model's response; the title gives their RMSE."""
     data = next(iter(shown.values()))
     lines = [Line(data.provenance, data.time, data.measured, DATA)]
     lines += [Line(name, r.time, r.predicted, LOOKS[name]) for name, r in shown.items()]
@@ -137,16 +142,17 @@ def response_panel(title: str, shown: Mapping[str, Response], focus: bool = True
 def error_panel(
     title: str, shown: Mapping[str, Response], network: bool = False, focus: bool = True
 ) -> Panel:
-    """Each model's error, recorded minus model; or the gray box' with what the ``network`` says of it."""
+    """Each model's error, recorded minus model; with ``network`` the gray box' error and the network's
+    prediction of it."""
     data = next(iter(shown.values()))
     gray = shown["gray box"]
     lines = [Line("gray box, error", gray.time, gray.error, DATA if network else LOOKS["gray box"])]
     if "hybrid" in shown:
         hybrid = shown["hybrid"]
         n = min(len(gray.time), len(hybrid.time))
-        says = hybrid.predicted[:n] - gray.predicted[:n]
+        of_network = hybrid.predicted[:n] - gray.predicted[:n]
         lines += (
-            [Line("network, free run", hybrid.time[:n], says, LOOKS["network"])]
+            [Line("network, free run", hybrid.time[:n], of_network, LOOKS["network"])]
             if network
             else [Line("hybrid, error", hybrid.time, hybrid.error, LOOKS["hybrid"])]
         )
@@ -181,13 +187,13 @@ def scatter_panel(title: str, shown: Mapping[str, Response]) -> Panel:
 
 
 def signal_panels(record: Record, names: tuple[str, ...], raw: Record | None = None) -> list[Panel]:
-    """Signals of a record over time, on the same signals of ``raw`` if it is given."""
+    """Signals of a record over time, drawn over the same signals of ``raw`` if it is given."""
     panels = []
     for name in names:
         values, unit = _signal(record, name)
         lines = [] if raw is None else [Line("as recorded", raw.time, _signal(raw, name)[0], DATA)]
-        said = "as used" if raw is not None else record.provenance
-        lines.append(Line(said, record.time, values, LOOKS["gray box"]))
+        label = "as used" if raw is not None else record.provenance
+        lines.append(Line(label, record.time, values, LOOKS["gray box"]))
         panels.append(Panel(name.replace("_", " "), ("time", "s"), (name, unit), lines))
     return panels
 
@@ -216,8 +222,8 @@ def _signal(record: Record, name: str) -> tuple[Array, str]:
 
 
 def _scores(shown: Mapping[str, Response]) -> str:
-    said = ", ".join(f"{name} {number(response.rmse, 3)}" for name, response in shown.items())
-    return f"RMSE {said} {next(iter(shown.values())).unit}"
+    errors = ", ".join(f"{name} {number(response.rmse, 3)}" for name, response in shown.items())
+    return f"RMSE {errors} {next(iter(shown.values())).unit}"
 
 
 def _worst_part(response: Response) -> tuple[float, float]:

@@ -22,7 +22,7 @@ Named = Iterator[tuple[str, Plot]]
 
 
 def figures(found: Trace) -> Named:
-    """Each figure under its file's name."""
+    """Every figure of a trace, with the name of its file."""
     yield from waterfalls(found)
     for number, step in enumerate(found.steps, 1):
         if step.trials:
@@ -38,7 +38,7 @@ def figures(found: Trace) -> Named:
 
 
 def waterfalls(found: Trace) -> Named:
-    """The held-out error of each output, from the declared model to the last."""
+    """The held-out error of each output for each model of the search, from the declared to the last."""
     for output, floor in found.noise_floor.items():
         levels = [Level(entry.label, entry.held_out_rmse[output]) for entry in found.path]
         plot = waterfall_plot(levels, floor.value, output, floor.unit, found.judged, found.provenance)
@@ -50,7 +50,7 @@ def _tried(step: StepTaken) -> list[Tried]:
 
 
 def _errors(found: Trace, record: Record) -> Named:
-    """Over horizons: that is what was judged."""
+    """The errors over horizons, because the search judges models by these."""
     shown = [(m.name, over) for m in found.shown.models if (over := m.over_horizons(record.name)) is not None]
     for output in found.noise_floor if shown else ():
         responses = [Response.of(name, over, output) for name, over in shown]
@@ -69,7 +69,7 @@ def _missing(found: Trace) -> Named:
 
 
 def _ceilings(found: Trace) -> Named:
-    """What a learned effort over one variable looks like beside each model, port by port."""
+    """The learned effort over one variable beside each model, a figure for each port."""
     curves = [
         (one.port, _curve(model.name, one))
         for model, of_model in zip(found.shown.models, found.shown.ceilings, strict=True)

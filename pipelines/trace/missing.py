@@ -12,7 +12,7 @@ COLUMNS = ("time", "effort", "std", "position", "velocity", "acceleration", "sin
 
 
 def write_missing(folder: Path, missing: Missing) -> None:
-    """``<record>.<port>.missing_effort.before.parquet``, ``.after``: SI units, named in its notes."""
+    """Write ``<record>.<port>.missing_effort.before.parquet`` and ``.after``; the metadata give SI units."""
     for (record, port), efforts in missing.items():
         for when, (model, e) in zip(("before", "after"), efforts.items(), strict=False):
             columns = {name: getattr(e, name) for name in COLUMNS}

@@ -1,4 +1,4 @@
-"""The report of a trace as a page: verdict, proof, evidence, what was refused and why, what is left."""
+"""The report of a trace as a page: verdict, scores, accepted effects, rejected effects, remaining error."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.traced import TraceFile
 
 KINDS = ("waterfall", "trials", "missing_effort", "ceiling", "error")
-"""Of the figures, as their files' names say."""
+"""Kinds of figures, as in the names of their files."""
 _TRIED = (
     "Every effect at every port of its kind was added to the model and all parameters refitted together; the "
     "gain is the relative decrease of the RMSE on horizons that no fit has seen. p-values are adjusted for "
     "all effects tried in a step (Holm)."
 )
 _RESIDUAL = (
-    "The missing effort is what would have to act at the port, beyond the model, for the model to agree with "
-    "the record: estimated by a smoother, never by differentiating noise twice."
+    "The missing effort is the effort at the port that the model would need in addition to agree with the "
+    "record. A smoother estimates it: differentiating the record twice would amplify its noise."
 )
 
 
-def trace_page(said: TraceFile, pictures: Sequence[Picture]) -> Page:
+def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
     """The page of a stored trace with its figures, each named ``<...>.<kind>``."""
-    found = said.found
+    found = traced.found
     about = {kind: tuple(p for p in pictures if kind in p.path.stem.split(".")) for kind in KINDS}
     sections = (
         Section("Before and after", tables=_scores(found), pictures=about["waterfall"]),
@@ -56,16 +56,16 @@ def trace_page(said: TraceFile, pictures: Sequence[Picture]) -> Page:
         Section("What was tried", (_TRIED,), _refused(found), about["trials"]),
         Section("The residual", (_RESIDUAL,), pictures=(*about["error"], *about["missing_effort"])),
         _remaining(found, about["ceiling"]),
-        Section("How it was decided", tables=(_rules(said),)),
-        _use(said),
+        Section("How it was decided", tables=(_rules(traced),)),
+        _use(traced),
     )
-    marks = (VERDICTS[found.verdict], found.provenance, f"case {said.case}")
+    marks = (VERDICTS[found.verdict], found.provenance, f"case {traced.case}")
     shown = tuple(section for section in sections if section is not None)
-    return Page(f"Trace of {said.case}", found.sentence, shown, marks)
+    return Page(f"Trace of {traced.case}", found.sentence, shown, marks)
 
 
 def _scores(found: Trace) -> tuple[Table, ...]:
-    """A table an output; in it a row a model, those of one record and view together."""
+    """A table for each output with a row for each model, grouped by record and view."""
     rows = [*found.before, *(found.after if found.accepted else ())]
     models = [[r for r in rows if r.model == name] for name in dict.fromkeys(r.model for r in rows)]
     groups = list(zip(*models, strict=True))
@@ -75,7 +75,7 @@ def _scores(found: Trace) -> tuple[Table, ...]:
         f"{listed([entry.name for entry in found.accepted] or ['none'])}. "
         f"Each with every parameter refitted over horizons of {found.horizon:g} s of "
         f"{listed(found.fitted_records)}.",
-        *(("The network has seen only the fitted horizons.",) if found.completeness else ()),
+        *(("The network was trained on the fitted horizons only.",) if found.completeness else ()),
     )
     tables = []
     for output in found.noise_floor:
@@ -137,22 +137,23 @@ def _survivals(entry: AcceptedEffect) -> Table:
         for s in entry.survivals
     ]  # fmt: skip
     notes = [
-        "Kept: of what the effect takes from the squared error as declared. A gain or a parameter that went "
-        "away with these would belong to the numerics, not to the machine."
+        "Kept: the reduction of the squared error, relative to that as declared. If the gain or a parameter "
+        "vanished here, it would come from the numerical method, not from the machine."
     ]
     if any(s.refuted for s in entry.survivals):
         notes.append(
-            "Refuted: solved so, even the augmented model errs far more: this is no other explanation."
+            "Refuted: solved this way, even the augmented model has a far larger error. So the variation is "
+            "not another explanation of the effect."
         )
     units = [f"{name} [{entry.parameters[name].unit}]" for name in names]
     header = ("variation", "gain", "kept", "p", *units, "")
-    title = f"{entry.effect} at {entry.port} when the equations are solved another way"
+    title = f"{entry.effect} at {entry.port} with other numerical settings"
     return Table(title, header, tuple(rows), tuple(notes), words=(0, len(header) - 1))
 
 
 def _outcome(survival: Survival) -> str:
     if not survival.simulated:
-        return "too stiff to be tried" if survival.survives else DIVERGES
+        return "too stiff to simulate" if survival.survives else DIVERGES
     if survival.refuted:
         return "refuted by the records"
     return "survives" if survival.survives else "lost"
@@ -171,7 +172,7 @@ def _parameters(found: Trace) -> Table:
         rows.append((name, *(text for cell in cells for text in cell), either.unit))
     header = ("parameter", BEFORE, "95 % interval", AFTER, "95 % interval", "unit")
     notes = (
-        "Intervals allow for autocorrelated residuals; they say nothing of physics that is still missing.",
+        "Intervals allow for autocorrelated residuals. They do not cover errors from physics still missing.",
     )
     title = f"Estimates from {listed(found.fitted_records)} ({found.provenance})"
     return Table(title, header, tuple(rows), notes, words=(0, 5))
@@ -191,20 +192,18 @@ def _refused(found: Trace) -> tuple[Table, ...]:
     rows = tuple(
         (r.effect, r.port, share(r.gain), probability(r.p_value), r.status, r.reason) for r in found.rejected
     )
-    title = f"Tried and not accepted: {len(rows)}, as last judged ({found.provenance})"
+    title = f"Tried and not accepted: {len(rows)}, each as judged last ({found.provenance})"
     return (Table(title, header, rows, words=(0, 1, 4, 5)),) if rows else ()
 
 
 def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:
-    header = ("port", "over", BEFORE, AFTER, "p of the latter")
+    header = ("port", "over", BEFORE, AFTER, f"p {AFTER}")
     before = {(c.port, c.over): c for c in found.ceilings.before}
     rows = tuple(
         (c.port, c.over, _taken(before[c.port, c.over]), _taken(c), probability(c.p_value))
         for c in found.ceilings.after
     )
-    tables = (
-        [Table("Error that a learned effort would take away", header, rows, words=(0, 1))] if rows else []
-    )
+    tables = [Table("Reduction of the error by a learned effort", header, rows, words=(0, 1))] if rows else []
     errors = [
         f"{quantity(found.path[-1].held_out_rmse[name], floor.unit, 3)} of {name} "
         f"(noise floor of its sensor: {quantity(floor.value, floor.unit, 3)})"
@@ -217,12 +216,12 @@ def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:
 
 
 def _taken(learned: LearnedGain) -> str:
-    """What a learned effort could take away; one that only learned noise takes nothing."""
+    """The reduction of the error by a learned effort; zero for one that learned only noise."""
     return share(max(learned.gain, 0.0))
 
 
-def _rules(said: TraceFile) -> Table:
-    found = said.found
+def _rules(traced: TraceFile) -> Table:
+    found = traced.found
     rules, (fitted, held_out) = found.rules, found.horizons
     rows = (
         ("horizons", f"{found.split}; {found.horizon:g} s each, {fitted} fitted, {held_out} held out"),
@@ -232,19 +231,19 @@ def _rules(said: TraceFile) -> Table:
         ("alike", f"effects whose errors differ by less than {percent(rules.tie)}, or not significantly"),
         ("identifiable", f"standard errors at most {percent(rules.vague)} of the value, correlations at "
                          f"most {rules.collinear:g}"),
-        ("name trusted", "a learned effort beside it takes at most "
-                         f"{percent(rules.stands_in)} of what both take from the squared error"),
+        ("form trusted", "a learned effort added to the effect contributes at most "
+                         f"{percent(rules.stands_in)} of the reduction of the squared error by both"),
         ("search ended", found.stopped),
-        ("took", f"{found.seconds:.0f} s on {said.processes} processes"),
+        ("took", f"{found.seconds:.0f} s on {traced.processes} processes"),
     )  # fmt: skip
     return Table("Rules", ("", ""), rows, words=(0, 1))
 
 
-def _use(said: TraceFile) -> Section | None:
-    if not said.found.accepted:
+def _use(traced: TraceFile) -> Section | None:
+    if not traced.found.accepted:
         return None
-    text = "The augmented model is a model like any other: fit, validate and plot take it up."
-    return Section("How to go on", (text,), commands=said.commands)
+    text = "fit, validate and plot work with the augmented model as with any other model."
+    return Section("How to go on", (text,), commands=traced.commands)
 
 
 def _capital(text: str) -> str:

@@ -1,4 +1,4 @@
-"""The section ``trace`` of a config: what is tried where, on which horizons, by which rules."""
+"""The section ``trace`` of a config: the effects to try, their ports, the horizons and the rules."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ from pipelines.shared.sources import Named, chosen
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be tried: ``effects`` at their ports (``ports`` None: all), by ``rules``."""
+    """A trace as configured: ``effects`` to try at ``ports`` (None: all), judged by ``rules``, over horizons
+    of ``horizon`` s, in parallel ``processes``."""
 
     effects: tuple[Effect, ...]
     ports: tuple[str, ...] | None
@@ -35,7 +36,7 @@ def request_of(settings: Settings) -> Request:
     """The section ``trace`` as configured.
 
     Raises:
-        ConfigError: if an effect or port is unknown or a number cannot be.
+        ConfigError: if an effect or port is unknown or a number is not allowed.
     """
     section = section_of(settings)
     effects = (*_library(section), *_own(section))
@@ -47,24 +48,24 @@ def request_of(settings: Settings) -> Request:
 
 
 def section_of(settings: Settings) -> TraceSection:
-    """The section ``trace``, its keys and values checked.
+    """The section ``trace`` with its keys and values checked.
 
     Raises:
-        ConfigError: if one is not allowed.
+        ConfigError: if a key or a value is not allowed.
     """
     return settings.section("trace", TraceSection)
 
 
 def own_effects(settings: Settings) -> list[str]:
-    """Import paths of the user's own effects that are tried beside the library."""
+    """Import paths of the user's own effects, tried in addition to the library."""
     return list(section_of(settings).extra_effects)
 
 
 def division(records: Sequence[Named], settings: Settings) -> tuple[list[Named], list[Named]]:
-    """The records to fit, and those to judge on (none: alternate horizons of the fitted judge).
+    """The records to fit, and those to judge on (none: alternate horizons of the fitted records judge).
 
     Raises:
-        ConfigError: if a name matches no record, or one record were to serve both ways.
+        ConfigError: if a name matches no record, or a record is in both lists.
     """
     section = section_of(settings)
     fitted = chosen(records, section.records, "trace.records")
@@ -84,7 +85,7 @@ def division(records: Sequence[Named], settings: Settings) -> tuple[list[Named],
 
 
 def fitting_horizon(request: Request, prepared: Sequence[Prepared], settings: Settings) -> Request:
-    """``request``, its horizon shorter where it is automatic and the records are short."""
+    """``request`` with a shorter horizon if the horizon is automatic and the records are short."""
     if not isinstance(section_of(settings).horizon, str):  # auto
         return request
     fitted, held_out = ([r.seconds for r in part] for part in division(prepared, settings))

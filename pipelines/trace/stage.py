@@ -1,4 +1,4 @@
-"""``trace``: what the model lacks, found by refitting every effect, proved, and reported.
+"""``trace``: finds the physics that the model lacks by refitting it with each effect, and reports it.
 
 Writes ``trace.json``, ``model.json`` (the augmented model), ``report.html`` and ``report.md`` with their
 figures, and the missing efforts as Parquet.
@@ -29,7 +29,7 @@ from pipelines.trace.page import trace_page
 from pipelines.trace.request import division, fitting_horizon, own_effects, request_of
 
 FORMATS = ("svg",)
-"""Of the figures: the report holds them; what is wanted elsewhere any browser prints."""
+"""Formats of the figures. SVG is enough: the report embeds it, and a browser prints it."""
 
 
 def run(job: Job) -> None:
@@ -73,26 +73,26 @@ class _Report:
 
 
 def _write(job: Job, found: Trace, processes: int) -> None:
-    """The model and the numbers first; then the figures and the pages, which only show them."""
+    """Write the model and the numbers, then the figures and the pages, which only show them."""
     settings = _augmented(job.settings, found)
     described = describe_model(settings, model_of(settings), found.provenance)
     write_json(job.folder / "model.json", described)
     write_missing(job.folder, found.shown.missing)
     samples = found.shown.split.horizon
-    said = TraceFile(
+    traced = TraceFile(
         case=job.settings.case,
         processes=processes,
         fitted_records=found.fitted_records,
         commands=commands(settings, job.tree / "trace" / "model.json", samples),
         found=found,
     )
-    write_json(job.folder / "trace.json", said)
+    write_json(job.folder / "trace.json", traced)
     job.watcher.progress("report", "figures and pages", None)
-    trace_page(said, _drawn(job, found)).write(job.folder, "report")
+    trace_page(traced, _drawn(job, found)).write(job.folder, "report")
 
 
 def _augmented(settings: Settings, found: Trace) -> Settings:
-    """The case's settings with the accepted effects; the user's own by their import paths."""
+    """The case's settings with the accepted effects; the user's own effects by their import paths."""
     terms = found.model.terms[len(found.declared) :]
     paths = {effect_named(path).id: path for path in own_effects(settings)}
     return augmented(settings, terms, paths, found.estimate)
@@ -106,10 +106,10 @@ def _drawn(job: Job, found: Trace) -> list[Picture]:
 
 
 def check(settings: Settings) -> None:
-    """Whether the section ``trace`` can be carried out.
+    """Check the section ``trace``.
 
     Raises:
-        ConfigError: if it cannot.
+        ConfigError: if a key or value is wrong, or no effect fits a port of the plant.
     """
     request = request_of(settings)
     division(sources_of(settings).found, settings)

@@ -19,7 +19,7 @@ def test_a_failure_exits_non_zero_and_names_experiment_and_page(say):
     said = say("reproduce", "experiments=[emps_free_run]", "parameters.M.lower=200", *SHORT)
     assert said.code == 1
     assert said.complaint.startswith("hybridid: 1 of 1 experiments failed: emps_free_run (")
-    assert said.complaint.endswith("the page holds the others: outputs/thesis/index.html")
+    assert said.complaint.endswith("the page shows the others: outputs/thesis/index.html")
     assert "failed: " in Path("outputs/thesis/index.md").read_text()
 
 

@@ -61,7 +61,7 @@ def test_latest_that_is_somebodys_folder_stays(tmp_path):
 
 def test_out_that_is_a_file(settings, heard, data):
     Path("here").write_text("mine")
-    with pytest.raises(ConfigError, match="a file stands there"):
+    with pytest.raises(ConfigError, match="this is a file; give a folder"):
         run_stages(settings({"out": "here"}), "preprocess", heard)
     assert Path("here").read_text() == "mine"
 
@@ -111,4 +111,4 @@ def test_second_process_waits_for_the_tree(tmp_path):
         assert not entered.wait(0.6)
     other.join(10)
     assert entered.is_set()
-    assert said == [f"waiting: another hybridid works in {tmp_path}"]
+    assert said == [f"waiting: another hybridid process is writing in {tmp_path}"]

@@ -24,7 +24,7 @@ def test_one_order_is_said_to_be_one():
 
 def test_other_orders_and_rows_that_got_worse_are_named():
     found = pattern(rows(("a", 80.0, 10.0), ("b", 20.0, 50.0), ("c", -27.2, 5.0)), "simulated")[1]
-    assert "The orders differ (2 of 3 pairs stand alike)" in found
+    assert "The orders differ (2 of 3 pairs have the same order)" in found
     assert "a is 1st there and 2nd here" in found
     assert "b is 2nd there and 1st here" in found
     assert "c is" not in found  # third in both
@@ -36,7 +36,7 @@ def test_of_many_rows_the_first_are_named():
     listed, order = pattern(many, "simulated")
     assert "0 90.0 %" in listed
     assert "and 4 more" in listed
-    assert "(0 of 36 pairs stand alike): 0 is 1st there and 9th here." in order
+    assert "(0 of 36 pairs have the same order): 0 is 1st there and 9th here." in order
 
 
 def test_one_row_has_no_order():

@@ -53,7 +53,7 @@ def test_an_accepted_effect_shows_its_class_and_what_would_tell_it_apart(section
     assert column(effects, "estimate ± 95 %") == ["f_c = 2.000 ± 0.098 N"]
     assert "To tell coulomb and dahl apart, record: slow reversals." in accepted.paragraphs
     outcomes = [row[-1] for row in survivals.rows]
-    assert outcomes == ["", "survives", "lost", "refuted by the records", "too stiff to be tried"]
+    assert outcomes == ["", "survives", "lost", "refuted by the records", "too stiff to simulate"]
 
 
 def test_parameters_before_and_after(section):
