@@ -140,7 +140,7 @@ def test_records_of_the_virtual_rig_are_said_to_be_simulated(settings, heard):
     html, markdown = pages()
     assert row(markdown, "gray box")[-1] == "simulated"
     assert "Data: simulated." in markdown
-    assert "the virtual rig stands in" in markdown
+    assert "all numbers are simulated by the virtual rig" in markdown
     assert "(simulated): force" in html
     assert "(measured)" not in html
 

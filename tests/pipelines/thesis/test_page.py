@@ -45,7 +45,7 @@ def test_every_chapter_has_its_tables_and_says_what_its_data_are(page):
 def test_a_chapter_that_nobody_asked_for_is_not_there(page):
     made = page(only="emps")
     assert [one.title[:9] for one in made.sections] == ["What was ", "Chapter 6"]
-    assert "measured; each row" in made.lead
+    assert "measured, as stated in each row" in made.lead
 
 
 def test_what_was_run_names_what_failed_and_how_long_the_others_took(page):
@@ -53,7 +53,7 @@ def test_what_was_run_names_what_failed_and_how_long_the_others_took(page):
     (table,) = section(made, "What was run").tables
     rows = {row[0]: row for row in table.rows}
     failed = rows.pop(chapter5.FRICTIONS["Dahl"])
-    assert failed == (chapter5.FRICTIONS["Dahl"], "esea", "none, for no experiment has results", "",
+    assert failed == (chapter5.FRICTIONS["Dahl"], "esea", "none, because no experiment has results", "",
                       "failed: no memory left")  # fmt: skip
     assert {row[1:] for row in rows.values()} == {("esea", "simulated", "12 s", "done")}
 
