@@ -1,4 +1,4 @@
-"""A sweep's jobs through a launcher of Hydra's: this machine's processes, joblib, Slurm."""
+"""Runs a sweep's jobs through one of Hydra's launchers: processes of this machine, joblib or Slurm."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ from pipelines.shared.pool import core_count
 from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
 from pipelines.shared.watch import Watcher
-from pipelines.sweep.crew import Crew, Ended, Here, died, log_work
+from pipelines.sweep.job_runner import JobRunner, LocalProcesses, OnJobEnd, log_job, lost_reason
 from pipelines.sweep.point import spelt
-from pipelines.sweep.work import Failures, Work, said
+from pipelines.sweep.work import Failures, SweepJob, one_line
 
 BEGUN, OUTCOME = ".begun", ".outcome"
 
 
-def crew_of(launcher: Any, words: Sequence[str], folder: Path, processes: int | None) -> Crew:
-    """Who does the jobs: processes of our own for the basic launcher, which would do one after the other.
+def runner_of(launcher: Any, words: Sequence[str], folder: Path, processes: int | None) -> JobRunner:
+    """The runner of the jobs. The basic launcher runs one job at a time, so local processes replace it.
 
-    ``words`` are overrides with which a job's own config can be composed.
+    ``words`` are the overrides from which each job composes its config.
     """
     if isinstance(launcher, BasicLauncher):
-        return Here(processes or core_count())
+        return LocalProcesses(processes or core_count())
     cores = None
     if type(launcher).__name__ == "JoblibLauncher":
         given = int(launcher.joblib.get("n_jobs") or -1)
         cores = given if given > 0 else core_count()
-    return Launched(launcher, tuple(words), folder / "jobs", cores)
+    return LauncherProcesses(launcher, tuple(words), folder / "jobs", cores)
 
 
 @dataclass
-class Launched:
-    """Jobs as files in ``folder``, each named to a process that the launcher starts."""
+class LauncherProcesses:
+    """Writes jobs as files into ``folder``; the launcher starts a process for each."""
 
     launcher: Any
     words: tuple[str, ...]
@@ -47,36 +47,40 @@ class Launched:
     cores: int | None
     _launched: int = field(default=0, init=False)
 
-    def carry_out(self, works: Sequence[Work], watcher: Watcher, ended: Ended) -> Failures:
+    def carry_out(self, sweep_jobs: Sequence[SweepJob], watcher: Watcher, ended: OnJobEnd) -> Failures:
+        """Run all jobs. A broken pool is started again for the jobs that had not begun."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        left = {self._written(work): work for work in works}
+        left = {self._written(sweep_job): sweep_job for sweep_job in sweep_jobs}
         paths = dict(left)
         troubles: dict[Path, str] = {}
         while left:
             before = len(left)
             lost, broke = self._launch(left, watcher)
             troubles |= lost
-            # a broken pool takes jobs with it that had not begun: they are launched again. What the launcher
-            # itself says is lost, somebody cancelled
-            left = {path: work for path, work in left.items() if broke and not _marked(path, BEGUN)}
+            # a broken pool also loses jobs that had not begun: they are launched again. A job that the
+            # launcher itself reports as failed was cancelled: it is not
+            left = {path: sweep_job for path, sweep_job in left.items() if broke and not _marked(path, BEGUN)}
             if len(left) == before:
                 break
         failures: dict[str, str] = {}
-        for path, work in paths.items():
-            failures |= _outcome(work, path, troubles.get(path, ""))
+        for path, sweep_job in paths.items():
+            failures |= _outcome(sweep_job, path, troubles.get(path, ""))
         return failures
 
-    def _written(self, work: Work) -> Path:
-        path = self.folder / f"{self._launched}-{work.points[0].key}{'-gray' * work.gray}.json"
+    def _written(self, sweep_job: SweepJob) -> Path:
+        path = self.folder / f"{self._launched}-{sweep_job.points[0].key}{'-gray' * sweep_job.gray}.json"
         for old in (path.with_suffix(BEGUN), path.with_suffix(OUTCOME)):
             old.unlink(missing_ok=True)
-        write_text(path, json_text(work.plain()))
+        write_text(path, json_text(sweep_job.plain()))
         return path.resolve()
 
-    def _launch(self, works: Mapping[Path, Work], watcher: Watcher) -> tuple[dict[Path, str], bool]:
-        """Launch jobs and wait for all; what the launcher says of those it lost, and whether it broke."""
+    def _launch(self, sweep_jobs: Mapping[Path, SweepJob], watcher: Watcher) -> tuple[dict[Path, str], bool]:
+        """Launch jobs and wait for all; returns why jobs failed, and whether the launcher itself failed."""
         own = f"hydra.sweep.dir={self.folder}"  # a job composes its config anew, from words
-        jobs = [[*self.words, *_coordinates(work), own, f"sweep.job={path}"] for path, work in works.items()]
+        jobs = [
+            [*self.words, *_coordinates(sweep_job), own, f"sweep.job={path}"]
+            for path, sweep_job in sweep_jobs.items()
+        ]
         number = self._launched
         self._launched += len(jobs)
         try:
@@ -85,14 +89,14 @@ class Launched:
             raise
         except Exception as error:
             watcher.carry_on()
-            return dict.fromkeys(works, said(error)), True
-        lost = {path: given for path, given in zip(works, returns, strict=True) if _failed(given)}
-        return {path: said(given._return_value) for path, given in lost.items()}, False
+            return dict.fromkeys(sweep_jobs, one_line(error)), True
+        lost = {path: given for path, given in zip(sweep_jobs, returns, strict=True) if _failed(given)}
+        return {path: one_line(given._return_value) for path, given in lost.items()}, False
 
 
-def _coordinates(work: Work) -> list[str]:
-    """Where the job's first point lies, as overrides; a key may be one that the config lacks."""
-    at = work.points[0].at.items()
+def _coordinates(sweep_job: SweepJob) -> list[str]:
+    """The coordinates of the job's first point as overrides; ``++`` adds a key that the config lacks."""
+    at = sweep_job.points[0].at.items()
     return [f"{'++' if '.' in key else ''}{key}={spelt(value)}" for key, value in at]
 
 
@@ -104,21 +108,23 @@ def _marked(path: Path, mark: str) -> bool:
     return path.with_suffix(mark).exists()
 
 
-def _outcome(work: Work, path: Path, trouble: str) -> Failures:
-    """Why points of a job have no result: as it said itself, or that it ended without a word."""
+def _outcome(sweep_job: SweepJob, path: Path, trouble: str) -> Failures:
+    """Why points of a job have no result: from its outcome file, or because it ended without one."""
     if _marked(path, OUTCOME):
         return dict(read_json(path.with_suffix(OUTCOME)))
-    reason = trouble or "without a word"
+    reason = trouble or "its process ended without a result"
     if not _marked(path, BEGUN):
         reason = f"it never began; {reason}"
-    return {point.key: died(work, reason) for point in work.points}
+    return {point.key: lost_reason(sweep_job, reason) for point in sweep_job.points}
 
 
 def job(path: Path, watcher: Watcher) -> None:
-    """One job, in the process that a launcher started: done in a child, so that its end is heard of."""
-    # joblib's workers have a start method of their own, which their children would not find
+    """Run one job in the process that a launcher started; a child does the work, so a crash is noticed."""
+    # joblib's workers use a start method that is not available in their children
     multiprocessing.set_start_method("spawn", force=True)
-    work = Work.of(read_json(path))
+    sweep_job = SweepJob.of(read_json(path))
     write_text(path.with_suffix(BEGUN), "")
-    failures = Here(1).carry_out([work], watcher, lambda done, lost: log_work(done, lost, watcher))
+    failures = LocalProcesses(1).carry_out(
+        [sweep_job], watcher, lambda done, lost: log_job(done, lost, watcher)
+    )
     write_text(path.with_suffix(OUTCOME), json_text(failures))

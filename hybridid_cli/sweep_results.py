@@ -8,7 +8,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from hybridid_cli.tables import rendered, table
-from pipelines.sweep.conduct import Swept
+from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.grid import Cell, Group
 from pipelines.sweep.point import SEEDS, Point, axes_of
 from pipelines.sweep.words import choice, gray_note, header, line, run_words
@@ -18,7 +18,7 @@ MOST = 30
 _NAMED = 5
 
 
-def summary(swept: Swept, groups: Sequence[Group]) -> str:
+def summary(swept: SweepOutcome, groups: Sequence[Group]) -> str:
     """Tables, choices and the page's path."""
     parts: list[RenderableType] = [part for group in groups for part in _grid(swept, group)]
     parts += [Text(f"rule of choice: {rule}") for rule in dict.fromkeys(group.rule for group in groups)]
@@ -36,7 +36,7 @@ def summary(swept: Swept, groups: Sequence[Group]) -> str:
     return rendered(parts)
 
 
-def failed(swept: Swept) -> str:
+def failed(swept: SweepOutcome) -> str:
     """Which points have no result, and why."""
     by_reason: dict[str, list[Point]] = {}
     for point, reason in swept.failures.items():
@@ -46,7 +46,7 @@ def failed(swept: Swept) -> str:
     listed = "; ".join(named) + (f"; {more} more reasons on the page" if more > 0 else "")
     return (
         f"{len(swept.failures)} of {len(swept.sweep.points)} points have no result: {listed}. "
-        "The same command again does what is missing"
+        "Repeat the command to run them again"
     )
 
 
@@ -56,7 +56,7 @@ def _first(points: Sequence[Point]) -> str:
     return (points[0].name or points[0].settings.case) + (f" and {others} more" if others else "")
 
 
-def _grid(swept: Swept, group: Group) -> list[RenderableType]:
+def _grid(swept: SweepOutcome, group: Group) -> list[RenderableType]:
     axes = [key for key in axes_of(swept.sweep.points) if key != SEEDS]
     names = header(group, axes)
     title = f"{group.title}, RMSE running free ({group.provenance})"

@@ -16,7 +16,7 @@ from hydra.core.plugins import Plugins
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 
-from hybridid_cli.launching import crew_of
+from hybridid_cli.launching import runner_of
 from hybridid_cli.sweep_results import failed, summary
 from hybridid_cli.tasks import settings_from
 from hybridid_cli.terminal import Terminal
@@ -55,9 +55,9 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         asked = Sweep(name, tuple(words), shared, tuple(points), folder_of(name, points))
         plain = [word for o in overrides if not o.is_sweep_override() for word in _words(o)]
         launcher = _launcher(asked.folder, context, task, config)
-        crew = crew_of(launcher, plain, asked.folder, request.processes)
+        runner = runner_of(launcher, plain, asked.folder, request.processes)
         with locked(asked.folder, terminal.say):
-            swept = conduct(asked, crew, request, terminal)
+            swept = conduct(asked, runner, request, terminal)
             groups = write_report(swept)
         numbers = {"points": len(points), "points.failed": len(swept.failures), "seconds": swept.seconds}
         files = [asked.folder / file for file in ("index.html", "networks.csv", "sweep.json")]

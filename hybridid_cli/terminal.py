@@ -1,4 +1,4 @@
-"""What is seen while a command works: lines, warnings, a bar with the cost; log lines if nobody watches.
+"""What a running command shows: lines, warnings and a progress bar; log lines if stderr is not a terminal.
 
 Results go to stdout, everything else to stderr.
 """
@@ -41,22 +41,26 @@ class Terminal:
         self._stop_bar()
 
     def say(self, line: str) -> None:
+        """Print a line to stderr."""
         interrupt.check()
         self._line(Text(line))
 
     def warn(self, line: str) -> None:
+        """Print a warning to stderr."""
         self._line(Text(f"WARNING: {line}", style="bold yellow"))
 
     def show(self, text: str) -> None:
-        """A result, to stdout, in one piece however many processes share it."""
+        """Print a result to stdout in one write, so that parallel processes do not mix their lines."""
         self._stop_bar()
         sys.stdout.write(f"{self._label}{text}\n" if self._label else f"{text}\n")
         sys.stdout.flush()
 
     def carry_on(self) -> None:
+        """Raise ``Interrupted`` if Ctrl-C was pressed."""
         interrupt.check()
 
     def progress(self, work: str, state: str, fraction: float | None) -> None:
+        """Update the bar, or without a terminal print a line every few seconds."""
         interrupt.check()
         if self._watched:
             self._draw(f"{work}: {state}", fraction)

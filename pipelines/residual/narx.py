@@ -45,7 +45,7 @@ class NARXRequest(NARXSection, Request):
     def make(self, gray: GrayBox, watcher: Watcher) -> FittedHybrid:
         began = time.perf_counter()
         runs = gray_runs(gray, self.initial_state)
-        trained = train_networks(self.tasks(gray.model, errors_of(runs)), self.training, told(watcher))
+        trained = train_networks(self.tasks(gray.model, errors_of(runs)), self.training, report_to(watcher))
         return narx_hybrid(gray, runs, trained, time.perf_counter() - began)
 
     def tasks(self, model: Model, errors: Errors) -> list[Task]:
@@ -70,7 +70,7 @@ class NARXRequest(NARXSection, Request):
         ]
 
 
-def told(watcher: Watcher) -> Callable[[str, Progress], None]:
+def report_to(watcher: Watcher) -> Callable[[str, Progress], None]:
     """Hands the reports of a training to the watcher."""
     return lambda name, report: watcher.progress(
         name,

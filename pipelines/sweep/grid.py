@@ -36,6 +36,7 @@ class Spread:
 
     @classmethod
     def of(cls, values: Iterable[float | None]) -> Spread:
+        """Mean and deviation of the finite values."""
         given = list(values)
         found = [value for value in given if value is not None and math.isfinite(value)]
         return cls(
@@ -52,6 +53,7 @@ class Cell:
 
     @property
     def held_out(self) -> Spread:
+        """RMSE on the held-out blocks."""
         return Spread.of(row.held_out for row in self.rows)
 
     def on(self, record: str) -> Spread:
@@ -75,8 +77,9 @@ class Group:
 
     @property
     def provenance(self) -> str:
-        said = {word for cell in self.cells for row in cell.rows for word in row.provenance.split(" and ")}
-        return " and ".join(sorted(said))
+        """``measured``, ``simulated``, or both."""
+        words = {word for cell in self.cells for row in cell.rows for word in row.provenance.split(" and ")}
+        return " and ".join(sorted(words))
 
     @property
     def without(self) -> list[float]:

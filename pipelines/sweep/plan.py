@@ -19,7 +19,7 @@ from typing import Any
 
 from hybridid.residuals.settings import SMALL
 from pipelines.sweep.point import GRIDS, Point
-from pipelines.sweep.work import Work
+from pipelines.sweep.work import SweepJob
 
 CALL = 12_000.0
 RUN = 4_000.0
@@ -54,8 +54,8 @@ class Plan:
     """``grays`` are done before ``jobs``; ``fresh`` are the points that need nothing."""
 
     cores: int | None
-    grays: tuple[Work, ...]
-    jobs: tuple[Work, ...]
+    grays: tuple[SweepJob, ...]
+    jobs: tuple[SweepJob, ...]
     fresh: tuple[Point, ...]
     lines: tuple[str, ...]
 
@@ -65,8 +65,8 @@ class Plan:
         return PlannedWork(
             cores=self.cores,
             why=self.lines,
-            gray_boxes=tuple(work.points[0].gray_tree.name for work in self.grays),
-            jobs=tuple(PlannedJob(work.name, tuple(p.name for p in work.points)) for work in self.jobs),
+            gray_boxes=tuple(job.points[0].gray_tree.name for job in self.grays),
+            jobs=tuple(PlannedJob(job.name, tuple(p.name for p in job.points)) for job in self.jobs),
             fresh=tuple(point.name for point in self.fresh),
         )
 
@@ -93,8 +93,8 @@ def planned(
     jobs = sorted([*stacks, *((point,) for point in large)], key=cost, reverse=True)
     return Plan(
         cores,
-        tuple(Work(f"gray box {k}", (p,), gray=True) for k, p in enumerate(grays.values(), 1)),
-        tuple(Work(_name(job, k), tuple(job)) for k, job in enumerate(jobs, 1)),
+        tuple(SweepJob(f"gray box {k}", (p,), gray=True) for k, p in enumerate(grays.values(), 1)),
+        tuple(SweepJob(_name(job, k), tuple(job)) for k, job in enumerate(jobs, 1)),
         tuple(point for point in points if point in there),
         tuple(_words(points, missing, stacks, large, cores)),
     )

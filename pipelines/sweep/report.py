@@ -10,7 +10,7 @@ from pathlib import Path
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.storage import json_text
 from pipelines.shared.tree import replacing, write_text
-from pipelines.sweep.conduct import Swept
+from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.figures import heat_maps
 from pipelines.sweep.grid import Group, groups_of
 from pipelines.sweep.point import SEEDS, Point, axes_of, spelt
@@ -22,7 +22,7 @@ from pipelines.sweep.words import choice, gray_note, header, line, run_words
 FIGURES = "figures"
 
 
-def write_report(swept: Swept) -> list[Group]:
+def write_report(swept: SweepOutcome) -> list[Group]:
     """Write all four files and the figures; returns what they say."""
     groups = groups_of(swept.done, axes_of(swept.sweep.points))
     folder = swept.sweep.folder
@@ -35,7 +35,7 @@ def write_report(swept: Swept) -> list[Group]:
     return groups
 
 
-def page_of(swept: Swept, groups: Sequence[Group], pictures: tuple[Picture, ...]) -> Page:
+def page_of(swept: SweepOutcome, groups: Sequence[Group], pictures: tuple[Picture, ...]) -> Page:
     """The page of the sweep: what was chosen, the grid, what failed, how the work was planned."""
     sweep, axes = swept.sweep, [key for key in axes_of(swept.sweep.points) if key != SEEDS]
     tables = tuple(
@@ -75,7 +75,7 @@ UNSEEN = (
 )
 
 
-def _commands(swept: Swept, chosen: Sequence[Point]) -> tuple[str, ...]:
+def _commands(swept: SweepOutcome, chosen: Sequence[Point]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(run_words(point, swept.sweep.common) for point in chosen))
 
 

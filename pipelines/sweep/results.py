@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipelines.sweep.conduct import Swept
+from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.grid import Cell, Group, Spread
 from pipelines.sweep.plan import PlannedWork
 from pipelines.sweep.point import Point, axes_of
@@ -79,7 +79,7 @@ class SweepResult:
     failures: tuple[FailedPoint, ...]
 
 
-def result_of(swept: Swept, groups: Sequence[Group]) -> SweepResult:
+def result_of(swept: SweepOutcome, groups: Sequence[Group]) -> SweepResult:
     """All that ``sweep.json`` says."""
     sweep = swept.sweep
     return SweepResult(

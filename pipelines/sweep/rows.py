@@ -46,6 +46,7 @@ class Row:
 
     @property
     def provenance(self) -> str:
+        """``measured``, ``simulated``, or both."""
         return " and ".join(sorted({score.provenance for score in self.scores}))
 
 

@@ -47,12 +47,12 @@ def line(cell: Cell, group: Group, axes: Sequence[str]) -> list[str]:
 
 
 def gray_note(group: Group) -> str:
-    """What the gray box leaves on the same blocks; empty where nothing is held out."""
+    """The RMSE of the gray box on the same blocks; empty if nothing is held out."""
     if not group.without:
         return ""
     ends = dict.fromkeys((group.without[0], group.without[-1]))
-    said = " to ".join(quantity(value, group.one.unit) for value in ends)
-    return f"the gray box alone leaves {said} on the same blocks"
+    errors = " to ".join(quantity(value, group.one.unit) for value in ends)
+    return f"the gray box alone has an RMSE of {errors} on the same blocks"
 
 
 def choice(group: Group) -> str:

@@ -1,4 +1,4 @@
-"""What one process of a sweep does: a gray box, or points whose networks train together."""
+"""A job of a sweep, run by one process: it fits a gray box, or trains the networks of several points."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from hybridid.hybrid import GrayBox, GrayRun, errors_of, gray_runs
 from hybridid.hybrid.narx_grid import narx_hybrid, train_networks
 from pipelines.residual import stage as residual
-from pipelines.residual.narx import NARXRequest, told
+from pipelines.residual.narx import NARXRequest, report_to
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.freshness import RECEIPT
@@ -34,8 +34,9 @@ Failures = Mapping[str, str]
 
 
 @dataclass(frozen=True, eq=False)
-class Work:
-    """Points that one process does; of a ``gray`` one only what they share. ``sweep`` is whose they are."""
+class SweepJob:
+    """Points that one process computes; if ``gray``, only their common gray box. ``sweep`` is the sweep's
+    key."""
 
     name: str
     points: tuple[Point, ...]
@@ -48,19 +49,19 @@ class Work:
         return {"name": self.name, "points": points, "gray": self.gray, "sweep": self.sweep}
 
     @classmethod
-    def of(cls, data: Mapping[str, Any]) -> Work:
+    def of(cls, data: Mapping[str, Any]) -> SweepJob:
         """What ``plain`` gave."""
         return cls(**{**data, "points": tuple(Point.of(point) for point in data["points"])})
 
 
-def carry_out(work: Work, watcher: Watcher) -> Failures:
-    """Do all points of ``work``; what goes wrong with one becomes its result, not that of others."""
-    make_importable(work.points[0].settings.folders)
-    quiet = _Quiet(watcher)
-    if work.gray:
-        return _attempted(work.points, lambda point: run_stages(point.gray, "fit", quiet))
-    narx = [point for point in work.points if point.kind == "narx"]
-    others = [point for point in work.points if point.kind != "narx"]
+def carry_out(job: SweepJob, watcher: Watcher) -> Failures:
+    """Compute all points of ``job``; returns why points failed. A failed point does not stop the others."""
+    make_importable(job.points[0].settings.folders)
+    quiet = _ProgressOnly(watcher)
+    if job.gray:
+        return _attempted(job.points, lambda point: run_stages(point.gray, "fit", quiet))
+    narx = [point for point in job.points if point.kind == "narx"]
+    others = [point for point in job.points if point.kind != "narx"]
     failures = dict(_attempted(others, lambda point: _alone(point, quiet)))
     if not narx:
         return failures
@@ -68,19 +69,19 @@ def carry_out(work: Work, watcher: Watcher) -> Failures:
         _together(narx, quiet)
     except Exception as error:
         if len(narx) == 1:
-            return failures | {narx[0].key: said(error)}
+            return failures | {narx[0].key: one_line(error)}
         failures |= _attempted(narx, lambda point: _together([point], quiet))
     return failures
 
 
-def said(error: Exception) -> str:
+def one_line(error: Exception) -> str:
     """An exception in one line."""
     kind = "" if isinstance(error, ConfigError) else f"{type(error).__name__}: "
     return " ".join(f"{kind}{error}".split())[:_LONGEST]
 
 
 def adopt(point: Point) -> None:
-    """Give the point's tree what its gray box has; hard links where the file system has them."""
+    """Link the stages of the gray box into the point's tree; copy them where hard links are impossible."""
     for stage in SHARED:
         source, target = point.gray_tree / stage, point.tree / stage
         if _receipt(source) != _receipt(target):
@@ -95,7 +96,7 @@ def _attempted(points: Sequence[Point], do: Any) -> dict[str, str]:
         try:
             do(point)
         except Exception as error:
-            failures[point.key] = said(error)
+            failures[point.key] = one_line(error)
     return failures
 
 
@@ -107,14 +108,14 @@ def _alone(point: Point, watcher: Watcher) -> None:
 
 
 def _together(points: Sequence[Point], watcher: Watcher) -> None:
-    """Train the networks of all points in one go, then write each point's own result."""
+    """Train the networks of all points together, then write the result of each point."""
     gray = residual.gray_box(points[0].settings, points[0].gray_tree)
     requests = [_request(point) for point in points]
     began = time.perf_counter()
     runs = gray_runs(gray, requests[0].initial_state)
     errors = errors_of(runs)
     tasks = [request.tasks(gray.model, errors) for request in requests]
-    trained = train_networks([t for own in tasks for t in own], requests[0].training, told(watcher))
+    trained = train_networks([t for own in tasks for t in own], requests[0].training, report_to(watcher))
     seconds = (time.perf_counter() - began) / len(points)
     for point, own in zip(points, tasks, strict=True):
         networks, trained = trained[: len(own)], trained[len(own) :]
@@ -130,7 +131,7 @@ class _Result:
 
 
 def _write(point: Point, found: _Result, watcher: Watcher) -> None:
-    """The stage ``residual`` with its training done already."""
+    """Run the stages of a point; the stage ``residual`` takes the networks of ``found``."""
 
     def run(job: Job) -> None:
         made = narx_hybrid(found.gray, found.runs, found.networks, found.seconds)
@@ -159,8 +160,8 @@ def _link(source: Path, target: Path) -> None:
         shutil.copy2(source, target)
 
 
-class _Quiet:
-    """Passes on how far the work is, and nothing that would be said of every point again."""
+class _ProgressOnly:
+    """Passes on progress and drops lines and warnings, which would repeat for every point."""
 
     def __init__(self, watcher: Watcher) -> None:
         self._watcher = watcher

@@ -22,6 +22,8 @@ LONGEST = 6000
 
 @dataclass(frozen=True)
 class Metric:
+    """A number to log, with its step."""
+
     name: str
     value: float
     step: int = 0

@@ -42,6 +42,7 @@ class Run:
         self.outcome: Outcome | None = None
 
     def finish(self, outcome: Outcome) -> None:
+        """Log the outcome when the run ends."""
         self.outcome = outcome
 
 

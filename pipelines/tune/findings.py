@@ -55,6 +55,7 @@ class Findings:
     importance: Mapping[str, float] = field(default_factory=dict)
 
     def of(self, *states: State) -> list[Row]:
+        """The trials in any of these states."""
         return [row for row in self.rows if row.state in states]
 
     @property
@@ -95,6 +96,7 @@ def chosen_of(done: Sequence[Row]) -> Row | None:
 
 
 def row_of(trial: FrozenTrial) -> Row:
+    """A trial of Optuna as a row."""
     from optuna.trial import TrialState
 
     known = trial.user_attrs

@@ -26,7 +26,7 @@ Value = bool | int | float | str
 
 @dataclass(frozen=True)
 class Range:
-    """Numbers from ``low`` to ``high``, whole ones if both are; ``log`` searches their logarithm."""
+    """Numbers from ``low`` to ``high``, integers if both are; ``log`` searches on a logarithmic scale."""
 
     low: float
     high: float
@@ -35,9 +35,11 @@ class Range:
 
     @property
     def ends(self) -> tuple[Value, Value]:
+        """The lowest and the highest value."""
         return self.low, self.high
 
     def distribution(self) -> BaseDistribution:
+        """The range as Optuna's distribution."""
         from optuna.distributions import FloatDistribution, IntDistribution
 
         if isinstance(self.low, int) and isinstance(self.high, int):
@@ -53,9 +55,11 @@ class Choice:
 
     @property
     def ends(self) -> tuple[Value, Value]:
+        """The first and the last value."""
         return self.values[0], self.values[-1]
 
     def distribution(self) -> BaseDistribution:
+        """The choice as Optuna's distribution."""
         from optuna.distributions import CategoricalDistribution
 
         return CategoricalDistribution(self.values)
@@ -86,6 +90,7 @@ class TuneRequest(TuneSection):
         return cls(space, **rest)
 
     def distributions(self) -> dict[str, BaseDistribution]:
+        """Optuna's distribution of each varied key."""
         return {key: axis.distribution() for key, axis in self.space.items()}
 
     def corners(self) -> Iterator[dict[str, Value]]:

@@ -1,4 +1,4 @@
-"""Points on the short carriage of ``tests/pipelines``, and a crew that works in this process."""
+"""Points on the short carriage of ``tests/pipelines``, and a runner that works in this process."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from pipelines.shared.config import Settings
 from pipelines.shared.tree import locked
 from pipelines.shared.watch import Watcher
 from pipelines.sweep.conduct import Sweep, folder_of
-from pipelines.sweep.crew import Ended
+from pipelines.sweep.job_runner import OnJobEnd
 from pipelines.sweep.point import Point, expanded
-from pipelines.sweep.work import Failures, Work, carry_out
+from pipelines.sweep.work import Failures, SweepJob, carry_out
 
 GRID: dict[str, Any] = {
     "kind": "narx",
@@ -35,21 +35,21 @@ GRID: dict[str, Any] = {
 
 @dataclass
 class InProcess:
-    """A crew that remembers what it was given; jobs that hold a point of ``kills`` end without a word."""
+    """A runner that remembers what it was given; jobs that hold a point of ``kills`` end as if killed."""
 
     cores: int = 2
     kills: tuple[str, ...] = ()
-    grays: list[Work] = field(default_factory=list)
-    jobs: list[Work] = field(default_factory=list)
+    grays: list[SweepJob] = field(default_factory=list)
+    jobs: list[SweepJob] = field(default_factory=list)
 
-    def carry_out(self, works: Sequence[Work], watcher: Watcher, ended: Ended) -> Failures:
+    def carry_out(self, jobs: Sequence[SweepJob], watcher: Watcher, ended: OnJobEnd) -> Failures:
         failures: dict[str, str] = {}
-        for work in works:
-            (self.grays if work.gray else self.jobs).append(work)
-            killed = {p.key: "killed" for p in work.points if p.name in self.kills}
-            of_job = killed or carry_out(work, watcher)
+        for job in jobs:
+            (self.grays if job.gray else self.jobs).append(job)
+            killed = {p.key: "killed" for p in job.points if p.name in self.kills}
+            of_job = killed or carry_out(job, watcher)
             failures |= of_job
-            ended(work, of_job)
+            ended(job, of_job)
         return failures
 
 
@@ -86,5 +86,5 @@ def sweep() -> Callable[[Sequence[Point]], Sweep]:
 
 
 @pytest.fixture
-def crew() -> Callable[..., InProcess]:
+def runner() -> Callable[..., InProcess]:
     return InProcess

@@ -19,22 +19,22 @@ REQUEST = SweepSection()
 
 
 @pytest.fixture
-def done(sweep, crew, heard):
+def done(sweep, runner, heard):
     """``done(points)``: what became of them."""
 
     def run(points, **more):
-        own = crew(**more)
+        own = runner(**more)
         return conduct(sweep(points), own, REQUEST, heard), own
 
     return run
 
 
 def test_a_sweep_ends_in_a_table_a_map_and_a_choice(points, done, fits_schema):
-    swept, crew = done(points({"residual.horizons": [10]}))
+    swept, runner = done(points({"residual.horizons": [10]}))
     groups = write_report(swept)
     folder = swept.sweep.folder
     assert swept.failures == {}
-    assert len(crew.grays) == 1
+    assert len(runner.grays) == 1
 
     fits_schema(folder / "sweep.json")
     data = json.loads((folder / "sweep.json").read_text())
@@ -72,10 +72,10 @@ def test_validation_records_take_no_part_in_the_choice(points, done):
 
 
 class TestFailures:
-    def test_a_killed_job_is_named_and_the_same_again_does_it_alone(self, points, done, sweep, crew, heard):
+    def test_a_killed_job_is_named_and_the_same_again_does_it_alone(self, points, done, sweep, runner, heard):
         found = points({"residual.seeds": 0})
         lost = found[1].name
-        own = crew(kills=(lost,))
+        own = runner(kills=(lost,))
         swept = conduct(sweep(found), own, SweepSection(stack=1), heard)
         assert [p.name for p in swept.failures] == [lost]
         write_report(swept)

@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from pipelines.shared.page import Picture
-from pipelines.sweep.conduct import Swept
+from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.grid import Cell, Group
 from pipelines.sweep.plan import Plan
 from pipelines.sweep.report import page_of
@@ -36,7 +36,7 @@ def grid(points, sweep):
         for own in [list(group)]
     ]
     group = Group("position", tuple(cells), rows[0], "the smallest within 5 %")
-    return Swept(sweep(made), Plan(2, (), (), (), LINES), {}, 1.0), [group]
+    return SweepOutcome(sweep(made), Plan(2, (), (), (), LINES), {}, 1.0), [group]
 
 
 def section(page, title):
@@ -52,7 +52,7 @@ def test_a_row_for_each_cell_with_its_mean_and_spread(grid):
     assert table.rows[-1][3:] == ("7 mm (1 diverged)", "100 ± 0 µm", "500 µm (1 diverged)", "")
     assert [row[-1] for row in table.rows] == ["chosen", "", "", ""]
     assert table.words == (0, 1, 6)
-    assert table.notes == ("the gray box alone leaves 2 mm on the same blocks",)
+    assert table.notes == ("the gray box alone has an RMSE of 2 mm on the same blocks",)
 
 
 def test_the_choice_comes_first_with_its_rule_and_command(grid):
@@ -72,7 +72,7 @@ def test_points_without_a_result_are_listed_with_the_reason(grid):
     swept, groups = grid
     assert "Failed" not in [one.title for one in page_of(swept, groups, ()).sections]
     lost = swept.sweep.points[3]
-    page = page_of(Swept(swept.sweep, swept.plan, {lost: "killed"}, 1.0), groups, ())
+    page = page_of(SweepOutcome(swept.sweep, swept.plan, {lost: "killed"}, 1.0), groups, ())
     assert section(page, "Failed").tables[0].rows == ((lost.name, "killed"),)
     assert page.lead == "7 of 8 points have results."
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipelines.runner import is_fresh, run_stages
 from pipelines.shared.storage import read_json
-from pipelines.sweep.work import Work, adopt, carry_out
+from pipelines.sweep.work import SweepJob, adopt, carry_out
 
 
 def networks(tree):
@@ -15,8 +15,8 @@ def networks(tree):
 
 def test_stacked_points_are_those_of_hybridid_residual(points, heard, tmp_path):
     found = points()
-    assert carry_out(Work("gray", (found[0],), gray=True), heard) == {}
-    assert carry_out(Work("all", tuple(found)), heard) == {}
+    assert carry_out(SweepJob("gray", (found[0],), gray=True), heard) == {}
+    assert carry_out(SweepJob("all", tuple(found)), heard) == {}
     for point in found[::3]:
         assert is_fresh(point.settings, "residual", point.tree)
         config = {**point.settings.config, "out": str(tmp_path / point.key)}
@@ -32,7 +32,7 @@ def test_stacked_points_are_those_of_hybridid_residual(points, heard, tmp_path):
 
 def test_a_point_takes_over_its_gray_box_without_doing_it_again(points, heard):
     (point, *_) = points()
-    carry_out(Work("gray", (point,), gray=True), heard)
+    carry_out(SweepJob("gray", (point,), gray=True), heard)
     point.tree.mkdir(parents=True)
     adopt(point)
     before = (point.tree / "fit/stage.json").stat().st_ino
@@ -44,8 +44,8 @@ def test_a_point_takes_over_its_gray_box_without_doing_it_again(points, heard):
 def test_one_that_fails_leaves_those_that_train_with_it(points, heard):
     """Orders that reach farther back than a block is long cannot be trained."""
     found = points({"residual.seeds": 0}, {"residual.seeds": 0, "residual.orders.error": 150})
-    carry_out(Work("gray", (found[0],), gray=True), heard)
-    failures = carry_out(Work("all", tuple(found)), heard)
+    carry_out(SweepJob("gray", (found[0],), gray=True), heard)
+    failures = carry_out(SweepJob("all", tuple(found)), heard)
     too_far = {p.key for p in found if p.at.get("residual.orders.error") == 150}
     assert set(failures) == too_far
     assert all("shorten them" in reason for reason in failures.values())

@@ -152,7 +152,7 @@ def test_the_choices_are_told_with_their_rule(trees):
     assert "gray box 2 mm, 4 nodes 1.04 mm, 8 nodes 1.08 mm" in nodes
     assert "32 nodes failed (a simulation diverges)" in nodes
     velocity, pitch, rule = choices(4, trees)
-    assert velocity.startswith("Table 4.4: chosen here 3 × 8, the thesis 4 × 16")
+    assert velocity.startswith("Table 4.4: chosen here 3 × 8; the thesis chose 4 × 16")
     assert pitch.startswith("Table 4.5: chosen here 3 × 8, the thesis 3 × 16")
     assert rule == "Our rule, on the identification record alone: the smallest."
     (joint,) = choices(5, trees)
