@@ -36,7 +36,12 @@ def undocumented(module: ModuleType) -> Iterator[str]:
 
 def undocumented_members(owner: type) -> Iterator[str]:
     """The public methods and properties that ``owner`` defines without a docstring, own or inherited."""
+    fields = getattr(
+        owner, "__dataclass_fields__", {}
+    )  # a function as default: the class describes the field
     for name, value in vars(owner).items():
+        if name in fields:
+            continue
         if isinstance(value, staticmethod | classmethod):
             value = value.__func__
         is_method = inspect.isfunction(value) or isinstance(value, property)

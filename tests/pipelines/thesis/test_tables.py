@@ -153,8 +153,8 @@ def test_the_choices_are_told_with_their_rule(trees):
     assert "32 nodes failed (a simulation diverges)" in nodes
     velocity, pitch, rule = choices(4, trees)
     assert velocity.startswith("Table 4.4: chosen here 3 × 8; the thesis chose 4 × 16")
-    assert pitch.startswith("Table 4.5: chosen here 3 × 8, the thesis 3 × 16")
-    assert rule == "Our rule, on the identification record alone: the smallest."
+    assert pitch.startswith("Table 4.5: chosen here 3 × 8; the thesis chose 3 × 16")
+    assert rule == "Our rule uses the identification record alone: the smallest."
     (joint,) = choices(5, trees)
     assert "linear 3 × 8, Coulomb and Stribeck 3 × 8, Dahl 3 × 8, LuGre 3 × 8" in joint
 
