@@ -110,7 +110,9 @@ def descend(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None
         if plan.glance and np.isfinite(results[-1].solution.cost):
             break
     costs = tuple(one.solution.cost for one in results)
-    return replace(results[int(np.argmin(costs))], starts=costs)
+    # where each start diverges, the last one is refined: as long as this stands, traces keep their numbers
+    best = len(results) - 1 if plan.glance and not np.isfinite(min(costs)) else int(np.argmin(costs))
+    return replace(results[best], starts=costs)
 
 
 def refine(found: Result, plan: Descent, finer: Finer, fitted: Sequence[int] | None = None) -> Result:
