@@ -45,7 +45,7 @@ def engineering(magnitude: float, unit: str) -> tuple[float, str]:
 
     ``engineering(0.0026, "m")`` is ``(1000.0, "mm")``. A unit that takes no prefix keeps its
     name while its numbers are readable, else a power of ten goes in front of it. Seconds get
-    no prefix above one: nobody reads kiloseconds.
+    no prefix above one: kiloseconds are not in use.
     """
     printed = typeset(unit)
     if not (math.isfinite(magnitude) and magnitude >= _TINY):

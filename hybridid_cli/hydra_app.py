@@ -28,7 +28,7 @@ def run(command: str, words: Sequence[str]) -> int:
 
     application = hydra.main(config_path=str(conf_folder()), config_name=command, version_base="1.3")
     try:
-        with _as_hydra_wants([f"hybridid {command}", *ready]):
+        with _sys_argv([f"hybridid {command}", *ready]):
             application(task_of(command))()
     except (Exception, Unfinished) as raised:
         interrupt.check()
@@ -49,8 +49,8 @@ def _load_early(words: Sequence[str]) -> None:
 
 
 @contextmanager
-def _as_hydra_wants(words: list[str]) -> Iterator[None]:
-    """Hydra reads ``sys.argv``, and hands exceptions on only in its own debugging mode."""
+def _sys_argv(words: list[str]) -> Iterator[None]:
+    """``words`` in ``sys.argv``, which Hydra reads, in the debugging mode, which lets exceptions pass."""
     argv, full_error = sys.argv, os.environ.get(FULL_ERROR)
     sys.argv, os.environ[FULL_ERROR] = words, "1"
     try:

@@ -44,7 +44,7 @@ def settings_from(cfg: DictConfig, hydra: Any, in_sweep: bool) -> Settings:
 
 
 class Unfinished(BaseException):
-    """Carries a command's exception past Hydra, which would print its own words first."""
+    """Carries a command's exception through Hydra, which would otherwise print a message of its own."""
 
     def __init__(self, cause: Exception) -> None:
         super().__init__(str(cause))
@@ -57,8 +57,8 @@ def task_of(command: str) -> Callable[[DictConfig], None]:
     return own.get(command, stages)
 
 
-def _said_by_us(task: Callable[[DictConfig], None]) -> Callable[[DictConfig], None]:
-    """``task`` whose exceptions leave Hydra at once; a sweep keeps them, so that other jobs go on."""
+def _raises_past_hydra(task: Callable[[DictConfig], None]) -> Callable[[DictConfig], None]:
+    """``task`` whose exceptions pass through Hydra unprinted. In a sweep Hydra keeps them."""
 
     @functools.wraps(task)
     def run(cfg: DictConfig) -> None:
@@ -72,7 +72,7 @@ def _said_by_us(task: Callable[[DictConfig], None]) -> Callable[[DictConfig], No
     return run
 
 
-@_said_by_us
+@_raises_past_hydra
 def stages(cfg: DictConfig) -> None:
     """Bring the stages of a command up to date, show what they found, and log the run."""
     from hybridid_cli.results import summary
@@ -95,7 +95,7 @@ def stages(cfg: DictConfig) -> None:
         run.finish(outcome)
 
 
-@_said_by_us
+@_raises_past_hydra
 def sweep_job(cfg: DictConfig) -> None:
     """One job of a sweep, in the process that a launcher started for it."""
     from hybridid_cli.launching import job
@@ -105,7 +105,7 @@ def sweep_job(cfg: DictConfig) -> None:
         job(Path(str(settings["sweep.job"])), terminal)
 
 
-@_said_by_us
+@_raises_past_hydra
 def reproduce(cfg: DictConfig) -> None:
     """Run the thesis' experiments and write its tables beside ours."""
     from pipelines.reproduce import reproduce as run
@@ -129,7 +129,7 @@ def _composed(experiment: str, words: list[str]) -> Settings:
     return Settings(case, {str(k): v for k, v in config.items()})
 
 
-@_said_by_us
+@_raises_past_hydra
 def fetch(cfg: DictConfig) -> None:
     """Download the records of a case."""
     from pipelines.fetching import fetch_case
@@ -140,7 +140,7 @@ def fetch(cfg: DictConfig) -> None:
             terminal.show(str(path))
 
 
-@_said_by_us
+@_raises_past_hydra
 def tune(cfg: DictConfig) -> None:
     """Search for a network adaptively."""
     from hybridid_cli.tune_results import shortfall, tune_results
@@ -154,7 +154,7 @@ def tune(cfg: DictConfig) -> None:
             raise Incomplete(missing)
 
 
-@_said_by_us
+@_raises_past_hydra
 def log(cfg: DictConfig) -> None:
     """Send the runs that wait to MLflow."""
     from pipelines.tracking.waiting import folder, send_waiting
@@ -173,7 +173,7 @@ def log(cfg: DictConfig) -> None:
         terminal.show(f"no run waits in {folder(settings)}")
 
 
-@_said_by_us
+@_raises_past_hydra
 def ui(cfg: DictConfig) -> None:
     """Serve MLflow's page on 127.0.0.1 until interrupted."""
     from pipelines.tracking.serving import serve

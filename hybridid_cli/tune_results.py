@@ -6,14 +6,14 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from hybridid_cli.tables import rendered, table
-from pipelines.tune.conduct import Tuned
+from pipelines.tune.conduct import TuneOutcome
 from pipelines.tune.findings import RULE, said
 from pipelines.tune.report import cells, columns, command
 
 _MOST = 10
 
 
-def tune_results(tuned: Tuned) -> str:
+def tune_results(tuned: TuneOutcome) -> str:
     """The table, the choice with its rule, and how to take it up."""
     findings = tuned.findings
     counts = ", ".join(
@@ -44,7 +44,7 @@ def tune_results(tuned: Tuned) -> str:
     return rendered([*parts, Text(f"page: {tuned.folder / 'index.html'}")])
 
 
-def shortfall(tuned: Tuned) -> str:
+def shortfall(tuned: TuneOutcome) -> str:
     """What is missing, in one line; empty if nothing is."""
     failed, findings = tuned.findings.of("failed"), tuned.findings
     if failed:
@@ -58,7 +58,7 @@ def shortfall(tuned: Tuned) -> str:
     return "" if findings.chosen else "no trial came to its end; the same command goes on"
 
 
-def _table(tuned: Tuned) -> RenderableType:
+def _table(tuned: TuneOutcome) -> RenderableType:
     keys, outputs = columns(tuned.findings)
     values = (key.replace("orders.", "") for key in keys)
     header = ("trial", "share", "weights", *values, *(f"RMSE of {name}" for name in outputs), "s")

@@ -1,10 +1,9 @@
-"""Inner states of effects run on from one horizon to the next: nothing estimates them there.
+"""Inner states of effects continue from one horizon to the next; they are not estimated at each start.
 
-A bristle's deflection or the load behind a spring is what the motion before has made it.
-Freed at the start of every horizon it would be a force of its own choosing, with which any
-effect that has a memory explains whatever a horizon lacks. So an inner state begins at
-nothing with the record, or with what an output shows of it, and each further horizon takes
-it from where the one before ended: ``Shooter`` hands it on.
+A bristle's deflection, or the position of a load behind a spring, follows from the motion before.
+Estimated anew for every horizon, it would be a free force, and any effect with a memory could
+explain any error. So an inner state is zero where the record begins, or what an output shows of
+it. Each further horizon takes it from the end of the one before: ``Shooter`` hands it on.
 """
 
 from __future__ import annotations
@@ -34,11 +33,11 @@ def carry(problem: Problem, p: Array, x0: Array) -> Array:
 
 
 def run_on(problem: Problem, p: Array, x0: Array) -> Array:
-    """``x0`` (w, n_x) such that what no output feels of it goes on from horizon to horizon.
+    """``x0`` (w, n_x) whose unobservable part continues from horizon to horizon.
 
-    Where a machine stands is nothing to an output of its velocities. Horizons then may begin anywhere; but an
-    effect of the place wants one way through the whole record. The directions in which outputs feel nothing
-    (the null space of dy/dx0) are moved along, the others stay.
+    Outputs that are velocities do not depend on the position. The initial position of a horizon is then
+    arbitrary, but an effect that depends on position needs one continuous path through the record. The
+    directions on which no output depends (the null space of dy/dx0) are continued, the others stay.
     """
     if not any(s.observed_by is None for s in problem.model.plant.states) or not problem.estimate_x0:
         return x0

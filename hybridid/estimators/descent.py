@@ -1,12 +1,12 @@
 """The descent from one or several starts to an optimum, for every fit and every refit.
 
-1. Several starts: a short descent from each shows which to carry to the end; or each is carried there.
-2. Continuation: sign(v) is smoothed widely at first, then as declared, each time from where the last ended.
-3. Second look: horizons that a better initial state at hand would free begin there again.
-4. Handover: inner states of effects go on from horizon to horizon, until that changes the cost no more.
-5. Refinement: where the optimum needs shorter steps a sample, the descent goes on with them.
+1. Several starts: a short descent from each selects one, which then converges; or each converges.
+2. Continuation: sign(v) is smoothed widely first, then as declared. Each descent starts where the last ended.
+3. Second look: a horizon whose initial state is worse than another candidate starts again from that one.
+4. Handover: inner states of effects pass from horizon to horizon, until the cost no longer changes.
+5. Refinement: where the optimum needs shorter steps a sample, the descent continues with them.
 
-The problem is ``Problem``, what solves it ``Method``. Callers differ by a ``Descent``, which is data alone.
+``Problem`` is what is solved, ``Method`` what solves it. A ``Descent`` holds the settings of a caller.
 """
 
 from __future__ import annotations
@@ -54,10 +54,10 @@ class Refinement:
 class Descent:
     """Settings of a descent.
 
-    ``continuation`` multiplies the smoothing widths, one after the other; ``stop`` ends each. ``glance`` ends
-    the short descent from each start, at the widest and the narrowest smoothing alone; the most promising
-    start that can be simulated is then carried on. None: every start is, and the lowest cost kept. Above
-    ``cost_limit`` inner states are not handed on.
+    ``continuation`` multiplies the smoothing widths, one after the other; ``stop`` ends each. ``screening``
+    ends the short descent from each start, at the widest and the narrowest smoothing alone. The start with
+    the lowest cost then descends to convergence. None: every start does, and the lowest cost is kept.
+    Above ``cost_limit`` inner states are not handed on.
     """
 
     handover: Handover
@@ -65,7 +65,7 @@ class Descent:
     method: Method = GAUSS_NEWTON
     continuation: tuple[float, ...] = (1.0,)
     stop: Stop = STOP
-    glance: Stop | None = None
+    screening: Stop | None = None
     cost_limit: float = np.inf
 
 
@@ -107,11 +107,11 @@ def descend(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None
     results: list[Result] = []
     for start in _promising(starts, plan, fitted):
         results.append(_settled(start, plan, plan.continuation, plan.handover, fitted))
-        if plan.glance and np.isfinite(results[-1].solution.cost):
+        if plan.screening and np.isfinite(results[-1].solution.cost):
             break
     costs = tuple(one.solution.cost for one in results)
     # where each start diverges, the last one is refined: as long as this stands, traces keep their numbers
-    best = len(results) - 1 if plan.glance and not np.isfinite(min(costs)) else int(np.argmin(costs))
+    best = len(results) - 1 if plan.screening and not np.isfinite(min(costs)) else int(np.argmin(costs))
     return replace(results[best], starts=costs)
 
 
@@ -132,13 +132,13 @@ def refine(found: Result, plan: Descent, finer: Finer, fitted: Sequence[int] | N
 
 def _promising(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None) -> Iterable[Start]:
     """The starts, in the order of how far a short descent gets from each."""
-    if plan.glance is None:
+    if plan.screening is None:
         return starts
     ends = sorted({plan.continuation[0], plan.continuation[-1]}, reverse=True)
     found: list[tuple[float, Start]] = []
     for start in starts:
         task = _Task.of(start, plan.method, fitted)
-        seen = task.solve(start.p, start.x0, ends, plan.glance)
+        seen = task.solve(start.p, start.x0, ends, plan.screening)
         found.append((seen.cost, replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0))))
     return [start for _, start in sorted(found, key=lambda one: one[0])]
 

@@ -3,9 +3,9 @@
     min f(w)  subject to  g(w) = 0  and bounds:   the bounds become a logarithmic barrier, whose weight falls.
 
 Its Newton steps need the Hessian of the Lagrangian: the exact one, or the Gauss-Newton one ``J' J`` of the
-residuals' Jacobian. That leaves out the curvature of the gaps, which a residual that is not small makes
-matter: it then circles about the optimum where the exact one arrives. Source: Wächter, Biegler (2006), Math.
-Program. 106, 25-57.
+residuals' Jacobian. The latter leaves out the curvature of the gap constraints. Where the residual is not
+small, its iterations may circle about the optimum, and those with the exact Hessian converge. Source:
+Wächter, Biegler (2006), Math. Program. 106, 25-57.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Levenberg-Marquardt on the reduced least squares, parameters and initial states together.
 
-Each step d solves ``(J' J + lambda diag(J' J)) d = J' r``, with lambda adapted by how much of the promised
-decrease of the cost came true. Source: Björck (1996), Numerical Methods for Least Squares Problems, sec. 9.2;
-damping by Nielsen (1999), IMM-REP-1999-05.
+Each step d solves ``(J' J + lambda diag(J' J)) d = J' r``, with lambda adapted by the ratio of the actual
+to the predicted decrease of the cost. Source: Björck (1996), Numerical Methods for Least Squares Problems,
+sec. 9.2; damping by Nielsen (1999), IMM-REP-1999-05.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ EXACT = 1e-10
 class LevenbergMarquardt:
     """Damped Gauss-Newton steps.
 
-    Converged means that a full Gauss-Newton step promises a relative decrease of the cost below the
-    tolerance, that nothing but rounding is left, or that the cost is rough: the last ``SLOW_STEPS`` steps
-    together gained hardly more, or no step lowers it and none promised more.
+    Converged means that the predicted relative decrease of a full Gauss-Newton step is below the tolerance,
+    that only rounding is left, or that the cost is rough: the last ``SLOW_STEPS`` steps together gained
+    hardly more than the tolerance, or no step lowers the cost and none predicted more.
     """
 
     solves: ClassVar[tuple[type, ...]] = (Reduced,)

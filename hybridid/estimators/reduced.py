@@ -127,8 +127,8 @@ def _pushed(now: Array, gradient: Array, lower: Array, upper: Array) -> NDArray[
 
 
 def promise(problem: Problem, p: Array, x0: Array) -> float:
-    """Decrease of the cost that a full Gauss-Newton step from ``p``, ``x0`` promises: a score test's answer,
-    good for telling which of many starts is worth a descent. 0 where the sensitivities diverge."""
+    """Predicted decrease of the cost by a full Gauss-Newton step from ``p``, ``x0``, as in a score test.
+    It ranks starts. 0 where the sensitivities diverge."""
     variables = LeastSquares.of(problem)
     normal = variables.linearised(problem.shooter(x0, p, sensitivities=True))
     if not normal.finite:

@@ -46,7 +46,7 @@ def gray_runs(gray: GrayBox, initial_state: str = "estimated") -> list[GrayRun]:
     """Free runs over the fitted records, then over the others.
 
     Raises:
-        Diverged: if the gray box runs away on a record that it was fitted to.
+        Diverged: if the gray box diverges on a record that it was fitted to.
     """
     integrator = gray.estimate.settings.integrator
     made = []

@@ -33,7 +33,7 @@ class Hybrid(abc.ABC):
         """Simulate the whole record; see ``hybridid.validation.free_run``.
 
         Raises:
-            Diverged: if the gray box or the network runs away; the message says when.
+            Diverged: if the gray box or the network diverges; the message says when.
         """
 
     @abc.abstractmethod
@@ -41,7 +41,7 @@ class Hybrid(abc.ABC):
         """Simulate each horizon of ``horizon`` samples from its own estimated initial state.
 
         Raises:
-            Diverged: if the gray box or the network runs away; the message says when.
+            Diverged: if the gray box or the network diverges; the message says when.
         """
 
     @abc.abstractmethod

@@ -79,7 +79,7 @@ def narx_hybrid(
     ``runs`` are the gray box' on every record, ``seconds`` what the training took.
 
     Raises:
-        ValueError: if every network of an output ran away on the held-out blocks.
+        ValueError: if every network of an output diverged on the held-out blocks.
     """
     outputs = list(dict.fromkeys(one.network.output for one in trained))
     best = [smallest_near_best([one for one in trained if one.network.output == o]) for o in outputs]

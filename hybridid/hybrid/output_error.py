@@ -82,7 +82,7 @@ class OutputErrorHybrid(Hybrid):
             run = network.free_run(surroundings(prediction, record, network.output))
             if run.diverged_at is not None:
                 raise Diverged(
-                    f"the network for {network.output} ran away on record {record.name} at t = "
+                    f"the network for {network.output} diverged on record {record.name} at t = "
                     f"{record.time[0] + run.diverged_at:.4g} s: |error| above {run.limit:.3g} {run.unit}, "
                     "far beyond what trained it"
                 )

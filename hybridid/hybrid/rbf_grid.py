@@ -54,7 +54,7 @@ def rbf_hybrid(
         rule=RULE if scored else None,
         seconds=time.perf_counter() - began,
     )
-    # of the network's own parameters nobody asks
+    # the network's own parameters are not reported
     warnings = tuple(w for w in found.estimate.warnings if ".rbf." not in w)
     return FittedHybrid(hybrid, said, warnings, found.estimate)
 

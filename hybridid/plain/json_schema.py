@@ -92,20 +92,20 @@ def _object(cls: Any, below: dict[str, Schema]) -> Schema:
 
 def _form(cls: Any, hints: Mapping[str, Any], below: dict[str, Schema]) -> Schema:
     properties: dict[str, Schema] = {}
-    said = [_described(cls)]
+    descriptions = [_described(cls)]
     for f in dataclasses.fields(cls):
         if not f.metadata.get("stored", True):
             continue
         if f.metadata.get("inline"):
             properties |= _object(hints[f.name], below)["properties"]
-            said.append(_described(hints[f.name]))
+            descriptions.append(_described(hints[f.name]))
         elif "by" in f.metadata:
             properties[key_of(f)] = _by(typing.get_args(hints[f.name])[0], f.metadata["by"], below)
         else:
-            properties[key_of(f)] = _of(hints[f.name], below) | _said(f)
+            properties[key_of(f)] = _of(hints[f.name], below) | _field_description(f)
     return {
         "title": cls.__name__,
-        "description": "\n\n".join(filter(None, said)),
+        "description": "\n\n".join(filter(None, descriptions)),
         "type": "object",
         "properties": properties,
         "required": list(properties),
@@ -130,13 +130,13 @@ def _by(cls: Any, name: str, below: dict[str, Schema]) -> Schema:
     }
 
 
-def _said(field: dataclasses.Field[Any]) -> Schema:
+def _field_description(field: dataclasses.Field[Any]) -> Schema:
     known = of_field(field)
-    meaning, unit = (known.meaning, known.unit) if known else _own(field.metadata)
+    meaning, unit = (known.meaning, known.unit) if known else _meaning_and_unit(field.metadata)
     return {"description": f"{meaning}, in {unit}" if unit else meaning} if meaning else {}
 
 
-def _own(metadata: Mapping[str, Any]) -> tuple[str, str]:
+def _meaning_and_unit(metadata: Mapping[str, Any]) -> tuple[str, str]:
     return str(metadata.get("meaning", "")), str(metadata.get("unit", ""))
 
 

@@ -27,7 +27,7 @@ def smallest_near_best(trained: Sequence[Trained]) -> Trained:
     """
     lowest = min(one.held_out for one in trained)
     if not np.isfinite(lowest):
-        raise ValueError(f"every network for {trained[0].network.output} ran away on the held-out blocks")
+        raise ValueError(f"every network for {trained[0].network.output} diverged on the held-out blocks")
     sizes = [one.network.weights.count for one in trained]
     return trained[smallest_within([one.held_out for one in trained], sizes, NEAR * lowest)]
 

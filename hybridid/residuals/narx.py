@@ -72,7 +72,7 @@ class ErrorRun:
         """``bounded``, or when the network diverged and beyond which error."""
         if self.diverged_at is None:
             return "bounded"
-        return f"ran away at t = {self.diverged_at:.4g} s: |error| above {self.limit:.3g} {self.unit}"
+        return f"diverged at t = {self.diverged_at:.4g} s: |error| above {self.limit:.3g} {self.unit}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,7 +42,7 @@ fit simulates some thirty times, and the code is kept."""
 ONLY = "_only"
 """Behind the names of the functions without sensitivities."""
 STATIC = "#define CASADI_SYMBOL_EXPORT static\n"
-"""CasADi's own switch: the compiler drops the functions that tell names and sparsities, which nobody calls.
+"""CasADi's own switch: the compiler drops the functions that tell names and sparsities, never called here.
 A model of an EMPS trace compiles in 0.13 s of CPU time instead of 0.20 s; regular expressions that cut
 CasADi's text down would save 0.02 s more."""
 STEPS = """

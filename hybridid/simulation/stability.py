@@ -37,6 +37,10 @@ HORIZON = 100
 HORIZONS = 50
 
 
+class TooStiff(ValueError):
+    """A model would need more than ``MOST`` steps a sample."""
+
+
 def substeps_for(
     model: Model, p: Array, records: Sequence[Record], margin: float = 1.0, integrator: str = "rk4"
 ) -> int:
@@ -45,11 +49,12 @@ def substeps_for(
     ``margin`` is a safety factor, 1 or more.
 
     Raises:
-        ValueError: if more than ``MOST`` steps would be needed, or there is no such integrator.
+        TooStiff: if more than ``MOST`` steps would be needed.
+        ValueError: if there is no such integrator.
     """
     steps = substeps_wanted(model, p, records, margin, integrator)
     if steps > MOST:
-        raise ValueError(REMEDY[integrator].format(most=MOST))
+        raise TooStiff(REMEDY[integrator].format(most=MOST))
     return steps
 
 

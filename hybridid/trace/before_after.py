@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from hybridid.estimators import Estimate, FitSettings, fit
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.simulate import Diverged
+from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
 from hybridid.trace.verdict import Conclusion
-from hybridid.validation import Prediction, free_run, horizon_run, metrics
+from hybridid.validation import Metrics, Prediction, diverged, free_run, horizon_run, metrics
 
 BEFORE, AFTER = "gray box", "gray box + effects"
 """What the two models are called wherever a person reads of them."""
@@ -21,30 +20,17 @@ FITTED, HELD_OUT = "fitted", "held out"
 """The roles of a record."""
 
 
-@dataclass(frozen=True)
-class ScoreRow:
-    """One output of one record in one view, in SI units, as ``hybridid.validation.Metrics`` has it.
+@dataclass(frozen=True, kw_only=True)
+class ScoreRow(Metrics):
+    """Error measures of one output of one record in one view, in SI units.
 
-    ``view`` is ``free_run`` or ``horizon``, with ``horizon`` its length in s; ``role`` is ``fitted`` or
-    ``held out``; ``network``: with the network of the completeness check beside the model. The scores are
-    nan where the model diverges; then ``remark`` says so.
+    ``view`` is ``free_run`` or ``horizon``, with ``horizon`` its length in s. ``role`` of the record is
+    ``fitted`` or ``held out``. ``network``: the network of the completeness check runs beside the model. The
+    scores are nan where the model cannot be simulated; then ``remark`` says why.
     """
 
-    model: str
-    record: str
     role: str
-    output: str
-    view: str
-    horizon: float | None
     network: bool
-    mse: float
-    rmse: float
-    r2: float
-    fit_percent: float
-    n: int
-    unit: str
-    provenance: str
-    remark: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,11 +90,12 @@ def scored(
             for horizon in (None, validation.seconds):
                 try:
                     prediction = _predicted(model, values, record, horizon, validation)
-                except Diverged as error:
-                    rows += _diverged(name, model, record, role, horizon, network, str(error))
+                except (Diverged, TooStiff) as error:
+                    found = diverged(record, model.outputs, name, str(error), horizon)
                 else:
                     predictions.append(prediction)
-                    rows += _rows(name, prediction, role, horizon, network)
+                    found = metrics(prediction, name, horizon)
+                rows += [ScoreRow(**vars(row), role=role, network=network) for row in found]
     return tuple(rows), tuple(predictions)
 
 
@@ -119,29 +106,3 @@ def _predicted(
     if horizon is None:
         return free_run(model, values, record, how.initial_state, integrator)
     return horizon_run(model, values, record, round(horizon / record.dt), integrator)
-
-
-def _rows(
-    name: str, prediction: Prediction, role: str, horizon: float | None, network: bool
-) -> Sequence[ScoreRow]:
-    return [
-        ScoreRow(
-            row.model, row.record, role, row.output, row.view, horizon, network,
-            row.mse, row.rmse, row.r2, row.fit_percent, row.n, row.unit, row.provenance,
-        )
-        for row in metrics(prediction, name)
-    ]  # fmt: skip
-
-
-def _diverged(
-    name: str, model: Model, record: Record, role: str, horizon: float | None, network: bool, remark: str
-) -> Sequence[ScoreRow]:
-    """Rows without scores."""
-    view = "free_run" if horizon is None else "horizon"
-    return [
-        ScoreRow(
-            name, record.name, role, y.name, view, horizon, network,
-            np.nan, np.nan, np.nan, np.nan, record.n, y.unit, record.provenance, remark,
-        )
-        for y in model.outputs
-    ]  # fmt: skip

@@ -19,13 +19,13 @@ from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.learned_effort import OVERS, RECENT, Over, learned_effort
 from hybridid.trace.path import Path
-from hybridid.trace.refit import NEVER, Refit, refit
+from hybridid.trace.refit import WITHOUT_STD, Refit, refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-4
-"""Of the fits: what a learned effort could gain need not be known to the last digit."""
+"""Of the fits: the gain of a learned effort is needed to a few digits only."""
 BINS, LEAST_IN_BIN = 60, 20
 """Of the curve that is shown."""
 
@@ -78,7 +78,7 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     effect = learned_effort(over, fitted.motion(port, over.variable), memory=fitted.memory)
     model: Model = base.model.plus(effect, port)
     starts = _starts(model, effect, port, base)
-    found = refit(model, split, starts, base, base.numerics, tolerance=TOLERANCE, doubted=NEVER)
+    found = refit(model, split, starts, base, base.numerics, tolerance=TOLERANCE, std_up_to=WITHOUT_STD)
     evidence = compare(base.score, found.score)
     seen = (
         replace(path, states=np.column_stack([path.states, path.motion(port, RECENT)]))

@@ -16,4 +16,4 @@ def serial(function: Callable[..., object], arguments: Iterable[tuple]) -> Itera
 
 
 def silent(stage: str, done: int, of: int, what: str) -> None:
-    """The report that tells nobody."""
+    """A report that does nothing."""

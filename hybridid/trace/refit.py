@@ -1,7 +1,7 @@
 """Refit a model on the fitted horizons and score it on the held-out ones.
 
-All parameters are refitted together: an effect left out has moved every one of them, so a
-candidate tried with the others frozen is judged by the wrong model.
+All parameters are refitted together: an effect that is left out biases every one of them, so a
+candidate tried with the others frozen would be judged by the wrong model.
 """
 
 from __future__ import annotations
@@ -22,33 +22,29 @@ from hybridid.estimators.stop import Stop
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import MOST
+from hybridid.simulation.stability import MOST, TooStiff
 from hybridid.trace.numerics import DECLARED, Numerics, paths
 from hybridid.trace.score import Score, score_of
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
-GLANCE = Stop(5, 1e-3)
-"""Iterations spent on each start at the widest smoothing, and as many at the narrowest, before the best is
-carried to convergence."""
+SCREENING = Stop(5, 1e-3)
+"""Ends the short descent from each of several starts, once at the widest and once at the narrowest smoothing.
+Only the best start then descends to convergence."""
 MOST_ITERATIONS, TOLERANCE = 40, 1e-6
 CONTINUATION = (10.0, 3.0, 1.0)
-"""Smoothings of sign(v), one after the other: sharp, the cost is rough with stick and slip."""
+"""Smoothings of sign(v), one after the other. With a sharp sign(v) the cost has many local minima."""
 HANDOVERS, HANDOVER_ITERATIONS = 3, 12
-HOPE = 0.02
-"""Relative decrease of the fitted cost below which a converged effect is not polished further."""
-NEVER = -np.inf
-"""``doubted`` where nobody looks at standard errors."""
+LEAST_DECREASE = 0.02
+"""Share by which an effect must lower the fitted cost before inner states are handed on."""
+WITHOUT_STD = -np.inf
+"""``std_up_to`` of a refit whose standard errors nothing reads."""
 STIFF = 8
-"""Steps a sample beyond which a start is left to those that are less stiff."""
-
-
-class TooStiff(ValueError):
-    """A model would need more steps a sample than anybody wants to wait for."""
+"""A start that needs more steps a sample is left out if another one needs fewer."""
 
 
 FAILURES = (Diverged, ArithmeticError, np.linalg.LinAlgError)
-"""What else may happen to a model that cannot be simulated."""
+"""Other errors of a model that cannot be simulated."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +75,7 @@ class Refit:
         return self.numerics.problem(self.model, split, self.substeps // self.numerics.finer)
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what runs away has a cost without end, and that is all
+@np.errstate(over="ignore", invalid="ignore")  # a simulation that diverges has an infinite cost
 def refit(
     model: Model,
     split: Split,
@@ -88,18 +84,18 @@ def refit(
     numerics: Numerics = DECLARED,
     factors: Sequence[float] = (1.0,),
     tolerance: float = TOLERANCE,
-    doubted: float = np.inf,
+    std_up_to: float = np.inf,
 ) -> Refit:
     """Fit ``model`` from the best of ``starts`` (values by name over guesses) and score it.
 
     ``before`` lends its initial states. ``factors`` is the continuation in epsilon; ``tolerance``
-    as ``Stop`` has it. Standard errors are stated if the held-out loss is at most ``doubted``.
+    as ``Stop`` has it. Standard errors are computed if the held-out loss is at most ``std_up_to``.
 
     Raises:
         TooStiff: if the model is, at every start.
     """
     began = time.perf_counter()
-    cost_limit = np.inf if before is None else (1 - HOPE) * before.cost
+    cost_limit = np.inf if before is None else (1 - LEAST_DECREASE) * before.cost
     plan = _descent(numerics, factors, tolerance, len(starts) > 1, cost_limit)
 
     def finer(found: Result) -> Start | None:
@@ -116,7 +112,9 @@ def refit(
     ours = _errors(fitted, solution.p, solution.x0)
     theirs = _errors(judged, solution.p, x0[list(split.held_out)])
     score = score_of(ours, theirs, problem.scale)
-    std, correlation = _doubt(fitted, solution) if score.loss <= doubted else ({}, np.empty((0, 0)))
+    std, correlation = (
+        _standard_errors(fitted, solution) if score.loss <= std_up_to else ({}, np.empty((0, 0)))
+    )
     return Refit(
         model=model,
         values={q.name: float(v) for q, v in zip(model.parameters, solution.p, strict=True)},
@@ -140,11 +138,11 @@ def refit_if_possible(
     starts: Sequence[Mapping[str, float]],
     before: Refit,
     numerics: Numerics,
-    doubted: float = NEVER,
+    std_up_to: float = WITHOUT_STD,
 ) -> Refit | None:
-    """``refit``, or None where the model cannot be simulated so."""
+    """``refit``, or None where the model cannot be simulated with ``numerics``."""
     try:
-        return refit(model, split, starts, before, numerics, doubted=doubted)
+        return refit(model, split, starts, before, numerics, std_up_to=std_up_to)
     except (TooStiff, *FAILURES):
         return None
 
@@ -169,13 +167,13 @@ def _descent(
         method=numerics.method,
         continuation=tuple(factor * numerics.smoothing for factor in factors),
         stop=Stop(MOST_ITERATIONS, tolerance),
-        glance=GLANCE if several else None,
+        screening=SCREENING if several else None,
         cost_limit=cost_limit,
     )
 
 
 def _lent(before: Refit, model: Model, split: Split) -> list[Array]:
-    """The paths of ``before`` as states of ``model``; what it does not have rests."""
+    """The paths of ``before`` as states of ``model``; a state that ``before`` lacks is zero."""
     names = [state.name for state in before.model.states]
     begun = paths(before.problem(split), before.model.values(before.values), before.x0)
     known = {k: names.index(s.name) for k, s in enumerate(model.states) if s.name in names}
@@ -224,11 +222,11 @@ def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numer
     return Start(problem, p, carry(problem, p, x0))
 
 
-def _doubt(fitted: Problem, solution: Solution) -> tuple[dict[str, float], Array]:
+def _standard_errors(fitted: Problem, solution: Solution) -> tuple[dict[str, float], Array]:
     """Standard errors by name and correlations, without the share of the smoothing of sign(v).
 
-    It moves all parameters together, which is no sign that the records cannot tell them apart;
-    whether a verdict hangs on it, refits at other smoothings say.
+    The smoothing moves all parameters together, so its share would hide which of them the records can
+    tell apart. Refits at other smoothings show whether a verdict depends on it.
     """
     found = uncertainty(fitted, solution.p, solution.x0)
     moved = found.smoothing

@@ -1,7 +1,7 @@
-"""Whether a gain survives another way to solve the equations.
+"""Whether a gain survives other ways to solve the equations.
 
 Half a sample of delay, a coarse step or a wide smoothing of sign(v) can look like an
-effect. A gain that vanishes when they change was made by them.
+effect. A gain that vanishes when they change is an artefact of the numerics.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 
 from hybridid.model import Model
 from hybridid.records.record import HOLDS, Record
+from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.refit import FAILURES, NEVER, Refit, TooStiff, refit, refit_if_possible
+from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, refit, refit_if_possible
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 
@@ -42,7 +43,7 @@ class Survival:
 
 
 def variations(records: Sequence[Record], declared: Numerics = DECLARED) -> tuple[Numerics, ...]:
-    """Changes of smoothing, step, integrator and input hold that no effect should feel."""
+    """Changes of smoothing, step, integrator and input hold that should not change the gain of an effect."""
     holds = [hold for hold in HOLDS if hold != records[0].input_channels[0].hold]
     integrator = OTHER_INTEGRATOR[declared.integrator]
     return (
@@ -80,7 +81,7 @@ def survival(
     if poorer is None:
         return _not_simulated(numerics, survives=True)
     try:
-        richer = refit(augmented.model, split, [augmented.values], augmented, numerics, doubted=NEVER)
+        richer = refit(augmented.model, split, [augmented.values], augmented, numerics, std_up_to=WITHOUT_STD)
     except TooStiff:
         return _not_simulated(numerics, survives=True)
     except FAILURES:
@@ -114,7 +115,7 @@ def objection(survivals: Sequence[Survival]) -> str:
 
 
 def surviving(learned: Sequence[Refit], final: Refit, context: Context) -> list[int]:
-    """The numbers of those ``learned`` whose gain over ``final`` survives other ways to solve the equations.
+    """Which of ``learned``, by number, keep their gain over ``final`` under other numerics.
 
     Each is the model of ``final`` with a learned effort beside it; the test is the one an effect must pass.
     """
@@ -133,7 +134,7 @@ def surviving(learned: Sequence[Refit], final: Refit, context: Context) -> list[
 
 
 def _lost(survival: Survival) -> str:
-    """What became of a gain under a variation."""
+    """A gain under a variation, in words."""
     if not survival.simulated:
         return f"{survival.variation} (it diverges)"
     what = ", ".join(f"{name.rsplit('.', 1)[-1]} {value:.3g}" for name, value in survival.parameters.items())
@@ -141,7 +142,7 @@ def _lost(survival: Survival) -> str:
 
 
 def _amplitudes(model: Model, term: str) -> list[str]:
-    """Qualified names of the parameters at whose zero the effect is gone."""
+    """Qualified names of the parameters that remove the effect when they are zero."""
     return [
         f"{term}.{p.name}"
         for one in model.terms

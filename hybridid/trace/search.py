@@ -162,7 +162,7 @@ def _backward(
     for one in accepted[:-1]:
         model, values = refitted.model.without(one.name), values_without(refitted, one.name)
         poorer = refit_if_possible(
-            model, context.split, [values], refitted, refitted.numerics, doubted=math.inf
+            model, context.split, [values], refitted, refitted.numerics, std_up_to=math.inf
         )
         if poorer is None:
             continue

@@ -53,13 +53,13 @@ class Trial:
         return {name.removeprefix(prefix): value for name, value in table.items() if name.startswith(prefix)}
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a start may run away
+@np.errstate(over="ignore", invalid="ignore")  # a start may diverge
 def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons."""
     model: Model = candidate.added_to(base.model)
     try:
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
-        found = refit(model, split, starts, base, base.numerics, CONTINUATION, doubted=base.score.loss)
+        found = refit(model, split, starts, base, base.numerics, CONTINUATION, std_up_to=base.score.loss)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):

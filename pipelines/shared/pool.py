@@ -1,15 +1,15 @@
-"""Processes of one thread that work side by side; one that is killed costs only its own task.
+"""Single-threaded processes that work side by side. A process that is killed costs only its own task.
 
-``side_by_side`` does named tasks and passes on what each says. ``mapper_of`` gives results in order, for
-refits. Both stand on ``Pool``.
+``side_by_side`` does named tasks and passes on the messages of each. ``mapper_of`` gives results in order,
+for refits. Both stand on ``Pool``.
 
 Three libraries were tried before this was kept (Linux, Python 3.11, 2026-11):
 
 - ``concurrent.futures`` and loky 3.7 (joblib): a worker that is killed breaks the pool, and the other four
   of five tasks are lost with it.
-- pebble 5.2.3: a worker that is killed costs its own task. But workers share one pipe: one that is killed
-  while it sends a result leaves the pool without any further result, for good.
-- All three: the workers still ran 15 s after ``kill -9`` of the parent. None carries a task's progress.
+- pebble 5.2.3: a worker that is killed costs its own task. But workers share one pipe: after one was killed
+  while it sent a result, no further result came within 20 s.
+- All three: workers still ran 5 s after ``kill -9`` of the parent. None reports a task's progress.
 
 Here each worker has a pipe of its own, and ends when its parent does.
 """
@@ -57,8 +57,8 @@ def side_by_side(
 ) -> Iterator[tuple[str, Result | Lost]]:
     """``work(given, watcher)`` of every task, in ``processes`` processes; names and results as they come.
 
-    ``work`` and what it takes and gives must pickle. What it tells its watcher reaches
-    ``watcher_of(name)`` in this process, if there is one. Whatever ends the iteration ends the processes.
+    ``work`` and what it takes and gives must pickle. The messages to its watcher reach
+    ``watcher_of(name)`` in this process, if there is one. The processes end with the iteration.
     """
     with closing(Pool(processes)) as pool:
         for name, kind, said in pool.events((name, work, given) for name, given in tasks.items()):
@@ -70,7 +70,7 @@ def side_by_side(
 
 @contextmanager
 def mapper_of(processes: int) -> Iterator[Mapper]:
-    """A mapper over ``processes`` processes, which are gone when the context ends, however it ends.
+    """A mapper over ``processes`` processes, which end with the context.
 
     What a call raises in a worker is raised here, in the place of its result. A worker that is killed raises
     ``ChildProcessError``. 1 process is this one.
@@ -129,7 +129,7 @@ class Pool:
 
     def events(self, tasks: Iterable[tuple[Key, Work, Any]]) -> Iterator[tuple[Key, str, Any]]:
         """Do every task ``(key, work, given)``; yields (key, a watcher's method, its arguments) as workers
-        call it, and at last (key, ENDED, the result or ``Lost``). Whoever stops listening stops the tasks."""
+        call it, and at last (key, ENDED, the result or ``Lost``). The tasks stop with the iteration."""
         waiting = iter(tasks)
         doing: dict[Any, tuple[_Worker, Key]] = {}
         try:
@@ -158,7 +158,7 @@ class Pool:
         self._end(self._workers)
 
     def _heard(self, worker: _Worker) -> tuple[str, Any]:
-        """One message of a busy worker; with the last it is idle, or gone."""
+        """One message of a busy worker. After the last one the worker is idle, or has ended."""
         try:
             kind, said = worker.pipe.recv()
         except (EOFError, OSError):
@@ -188,7 +188,7 @@ class Pool:
         return worker
 
     def _end(self, workers: Sequence[_Worker]) -> None:
-        """Workers end when their pipes close; one that is busy is told to, and killed if it does not."""
+        """Close the pipes, which ends idle workers. Terminate busy ones, and kill those that do not end."""
         for worker in workers:
             worker.pipe.close()
             if worker.busy:
@@ -220,7 +220,7 @@ def _how(exitcode: int | None) -> str:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Processes fill the cores: threads inside them would only fight."""
+    """One thread for each numerical library: the processes already use every core."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:

@@ -1,4 +1,4 @@
-"""A process of the pool, seen from inside: takes calls from a pipe, sends back what they tell and give."""
+"""A worker process of the pool: it takes calls from a pipe, and sends back their messages and results."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 from pipelines.shared.watch import Watcher
 
 PATIENCE = 10.0
-"""Seconds that a worker has to tidy up when it is told to stop."""
+"""Seconds that a worker has to clean up after it is told to stop."""
 BETWEEN = 0.2
 """Seconds between two reports of progress."""
 ENDED = "ended"
@@ -36,8 +36,8 @@ class Stopped(BaseException):
     """The parent told this process to stop."""
 
 
-class _Teller:
-    """The watcher inside a worker: passes on what is said; raises if the parent has said stop."""
+class _PipeWatcher:
+    """The watcher inside a worker: sends messages through the pipe; raises ``Stopped`` when told to stop."""
 
     def __init__(self, pipe: Connection) -> None:
         self._pipe = pipe
@@ -69,14 +69,14 @@ _stopped = False
 
 
 def _stop(number: int, frame: FrameType | None) -> NoReturn:
-    """Remembered, for a library may swallow the exception."""
+    """Raise ``Stopped``, and remember it, for a library may swallow the exception."""
     global _stopped
     _stopped = True
     raise Stopped
 
 
-def _outlive_nobody() -> None:
-    """Ends this process soon after its parent, which may have been killed without a word."""
+def _end_with_parent() -> None:
+    """End this process when its parent ends, also where the parent was killed."""
     parent = multiprocessing.parent_process()
     assert parent is not None
     parent.join()
@@ -86,15 +86,15 @@ def _outlive_nobody() -> None:
 
 
 def serve(pipe: Connection, environment: Mapping[str, str]) -> None:
-    """A worker's life: tasks come and results go through ``pipe`` until it closes."""
+    """Do the tasks that come through ``pipe``, and send back their results, until it closes."""
     os.environ.update(environment)  # what it was forked from may be older than a setting
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which says what to do
     signal.signal(signal.SIGTERM, _stop)
-    threading.Thread(target=_outlive_nobody, daemon=True).start()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
         while True:
             work, given = pipe.recv()
-            pipe.send((ENDED, _outcome(work, given, _Teller(pipe))))
+            pipe.send((ENDED, _outcome(work, given, _PipeWatcher(pipe))))
     except (EOFError, OSError, Stopped):
         signal.signal(signal.SIGTERM, signal.SIG_DFL)  # on the way out there is nothing left to tidy
 

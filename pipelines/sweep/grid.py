@@ -121,7 +121,7 @@ def _at(row: Row, axes: Sequence[str]) -> dict[str, Any]:
 
 
 def chosen_of(rows: Sequence[Row]) -> Row | None:
-    """The smallest nearly as good as the best; None if nothing was held out or every one ran away."""
+    """The smallest nearly as good as the best; None if nothing was held out or every one diverged."""
     judged = [(row, row.merit, row.near) for row in rows if row.merit is not None and row.near is not None]
     if not judged:
         return None

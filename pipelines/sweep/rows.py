@@ -16,7 +16,7 @@ from pipelines.sweep.point import Point
 
 @dataclass(frozen=True)
 class Score:
-    """RMSE and R² in free run on one record (None: the model ran away); ``fitted`` if it trained on it."""
+    """RMSE and R² in free run on one record (None: the model diverged); ``fitted`` if it trained on it."""
 
     record: str
     fitted: bool
@@ -30,7 +30,7 @@ class Row:
     """One output of one point, in the output's unit.
 
     ``held_out`` is the RMSE on the blocks that no fit has seen, ``without`` the gray box' there; None where
-    nothing is held out, or the model ran away. ``size`` is what complexity is counted in: weights, or nodes.
+    nothing is held out, or the model diverged. ``size`` is what complexity is counted in: weights, or nodes.
     ``merit`` is what the choice goes by, smaller is better, ``near`` up to what it is as good as this one.
     """
 

@@ -1,6 +1,6 @@
-"""How long anybody waits for MLflow, all in s. Results are safe before they are sent: nothing waits long.
+"""Time limits for MLflow, all in s. Results are written to disk first, so that a command need not wait long.
 
-What a server may take for one run is the user's to say: ``mlflow.patience``.
+The user sets how long a server may take for one run: ``mlflow.patience``.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 
 PAUSE = 60.0
-"""A store that kept us waiting is not asked again for so long: a sweep would wait anew for every point."""
+"""A store that was too slow is not asked again for this time: a sweep would wait for it at every point."""
 ANSWER = 5.0
-"""A server that says nothing for so long is taken to be down."""
+"""A server that does not answer within this time counts as down."""
 QUEUE = 120.0
-"""For the sqlite file, which takes one writer at a time, behind all other processes."""
+"""For the sqlite file, which takes one writer at a time: the wait for all other processes."""
 END = 5.0
 """For the server of ``hybridid ui`` to end when it is told to."""
 REQUESTS = {
@@ -44,12 +44,12 @@ def clock(patience: float | None) -> Callable[[], None]:
 
 
 def pause(uri: str) -> None:
-    """The store at ``uri`` kept us waiting."""
+    """Note that the store at ``uri`` was too slow."""
     _paused[uri] = time.monotonic() + PAUSE
 
 
 def paused(uri: str) -> bool:
-    """Whether it did so a moment ago."""
+    """Whether the store at ``uri`` was too slow within the last ``PAUSE`` seconds."""
     return time.monotonic() < _paused.get(uri, 0.0)
 
 

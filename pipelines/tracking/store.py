@@ -55,7 +55,7 @@ def _client(uri: str, process: int) -> MlflowClient:
 
 @contextmanager
 def alone(settings: Settings) -> Iterator[None]:
-    """Hold the store for this process: one after the other nobody meets a locked database."""
+    """Hold the store for this process: one after the other they meet no locked database."""
     folder = store_folder(settings)
     folder.mkdir(parents=True, exist_ok=True)
     with FileLock(str(folder / ".mlflow.lock"), timeout=patience.QUEUE, is_singleton=True):

@@ -47,7 +47,7 @@ def keep(note: Note, settings: Settings) -> Path:
     try:
         copies = tuple(_copied(artifact, new, k) for k, artifact in enumerate(note.artifacts))
         write_json(new / _NOTE, replace(note, artifacts=copies))
-        # by time: a run's later note fills it after the earlier; by the random name: nobody's is replaced
+        # by time: a run's later note fills it after the earlier; by the random name: none is replaced
         final = root / f"{time.time_ns()}-{new.name.removeprefix(_UNFINISHED)}"
         return new.rename(final)
     finally:

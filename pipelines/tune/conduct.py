@@ -23,14 +23,14 @@ from pipelines.tune.report import written
 from pipelines.tune.request import TuneRequest, gray_settings, study_digest, with_values
 from pipelines.tune.study import counts, opened
 from pipelines.tune.trial import narx_of
-from pipelines.tune.worker import Work, work
+from pipelines.tune.worker import WorkerTask, work
 
 _NAME = "tune"
 
 
 @dataclass(frozen=True)
-class Tuned:
-    """What a search came to; ``folder`` holds its journal and report, ``lost`` why workers ended too soon."""
+class TuneOutcome:
+    """The result of a search. ``folder`` holds its journal and report, ``lost`` why workers ended early."""
 
     findings: Findings
     request: TuneRequest
@@ -40,8 +40,8 @@ class Tuned:
     lost: tuple[str, ...] = ()
 
 
-def tune(settings: Settings, watcher: Watcher) -> Tuned:
-    """Search until there are enough trials, or the time is up; what an earlier command found is kept.
+def tune(settings: Settings, watcher: Watcher) -> TuneOutcome:
+    """Search until there are enough trials, or the time is up; the trials of an earlier command are kept.
 
     Raises:
         ConfigError: before anything is done, if the request cannot be carried out.
@@ -61,10 +61,10 @@ def tune(settings: Settings, watcher: Watcher) -> Tuned:
         watcher.say(f"goes on: {there} of {request.trials} trials are done in {folder}")
     open_parent(settings, _NAME, key, {"tree": str(folder)}, watcher)
     until = None if request.seconds is None else began + request.seconds
-    given = Work(settings, outcome.tree, folder, key, until)
+    given = WorkerTask(settings, outcome.tree, folder, key, until)
     lost = _searched(given, min(_processes(request), request.trials - there), watcher)
     findings = findings_of(opened(folder, request))
-    tuned = Tuned(findings, request, folder, provenance_of(outcome.tree), time.time() - began, lost)
+    tuned = TuneOutcome(findings, request, folder, provenance_of(outcome.tree), time.time() - began, lost)
     for row in findings.rows:
         log_trial(settings, row, key, watcher)
     files = written(findings, settings, folder, tuned.provenance)
@@ -114,14 +114,14 @@ def _claim(folder: Path, digest: str) -> None:
     write_text(path, json_text({"digest": digest}))
 
 
-def _searched(given: Work, processes: int, watcher: Watcher) -> tuple[str, ...]:
-    """Workers side by side until each has ended; those that were killed, and how."""
+def _searched(given: WorkerTask, processes: int, watcher: Watcher) -> tuple[str, ...]:
+    """Run the workers until each has ended; returns those that were killed, and how."""
     if processes < 1:
         return ()
     names = {f"worker {k}": given for k in range(1, processes + 1)}
     states: dict[str, str] = {}
     lost = []
-    for name, outcome in side_by_side(work, names, processes, lambda n: _Told(n, states, watcher)):
+    for name, outcome in side_by_side(work, names, processes, lambda n: _WorkerWatcher(n, states, watcher)):
         states.pop(name, None)
         if isinstance(outcome, Lost):
             lost.append(f"{name}: {outcome.reason}")
@@ -138,8 +138,8 @@ def _metrics(findings: Findings) -> Mapping[str, float]:
 
 
 @dataclass(frozen=True)
-class _Told:
-    """The watcher of one worker: its lines as they are, its progress beside that of the others."""
+class _WorkerWatcher:
+    """The watcher of one worker: passes on its lines, and shows its progress beside that of the others."""
 
     name: str
     states: dict[str, str]

@@ -28,7 +28,7 @@ _LONGEST = 300
 
 
 @dataclass(frozen=True)
-class Work:
+class WorkerTask:
     """``until`` is in s since 1970: no trial begins later."""
 
     settings: Settings
@@ -38,7 +38,7 @@ class Work:
     until: float | None
 
 
-def work(given: Work, watcher: Watcher) -> int:
+def work(given: WorkerTask, watcher: Watcher) -> int:
     """Do trials; returns how many."""
     make_importable(given.settings.folders)
     request = TuneRequest.of(given.settings)
@@ -61,7 +61,7 @@ def work(given: Work, watcher: Watcher) -> int:
 
 
 def _done(study: Study, trial: Trial, bench: Bench, watcher: Watcher) -> None:
-    """Carry out the trial and tell the study what became of it, whatever that is."""
+    """Carry out the trial and tell the study how it ended."""
     from optuna import TrialPruned
     from optuna.trial import TrialState
 
@@ -90,5 +90,5 @@ def _tell(study: Study, trial: Trial, found: Found) -> None:
     if np.isfinite(held_out.share):
         study.tell(trial, held_out.share)
     else:
-        trial.set_user_attr("pruned", "every network ran away on the held-out blocks")
+        trial.set_user_attr("pruned", "every network diverged on the held-out blocks")
         study.tell(trial, state=TrialState.PRUNED)

@@ -1,4 +1,4 @@
-"""Hybrids simulate free-run like a gray box, say when they run away, and survive a file."""
+"""Hybrids simulate free-run like a gray box, say when they diverge, and survive a file."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class TestOutputError:
         tight = replace(narx_hybrid, networks=(replace(network, limit=0.2 * SENSOR),))
         with pytest.raises(
             Diverged,
-            match=r"network for position ran away on record bent 600 at t = \d.*: \|error\| above 4e-05 m",
+            match=r"network for position diverged on record bent 600 at t = \d.*: \|error\| above 4e-05 m",
         ):
             tight.free_run(bent_sensor(600, 0))
 

@@ -37,8 +37,8 @@ def test_each_start_is_carried_to_the_end_and_the_lowest_kept(starts):
     np.testing.assert_array_equal(found.x0, found.solution.x0)
 
 
-def test_after_a_glance_only_the_most_promising_is(starts):
-    found = descend(starts, replace(PLAN, glance=Stop(3, 1e-3)))
+def test_after_a_screening_only_the_most_promising_is(starts):
+    found = descend(starts, replace(PLAN, screening=Stop(3, 1e-3)))
     assert len(found.starts) == 1
     assert found.solution.cost == pytest.approx(min(descend(starts, PLAN).starts), rel=1e-6)
 

@@ -35,7 +35,7 @@ def test_lowest_error_so_far_falls_and_reaches_the_last_trial():
 def test_what_was_pruned_or_chosen_is_marked():
     axes, drawn = lines()
     assert list(drawn["pruned"].get_xdata()) == [1, 6]
-    assert list(drawn["to its end"].get_xdata()) == [0, 2, 3], "what ran away has no place"
+    assert list(drawn["to its end"].get_xdata()) == [0, 2, 3], "what diverged has no place"
     assert (list(drawn["chosen"].get_xdata()), list(drawn["chosen"].get_ydata())) == ([3], [52])
     assert axes.get_ylabel().endswith("[%]")
 

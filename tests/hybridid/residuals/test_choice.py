@@ -38,5 +38,5 @@ def test_of_one_size_the_lowest(sized):
 
 def test_one_that_ran_away_is_out(sized):
     assert smallest_near_best([sized(10, np.inf), kept := sized(900, 2.0)]) is kept
-    with pytest.raises(ValueError, match="every network for y ran away"):
+    with pytest.raises(ValueError, match="every network for y diverged"):
         smallest_near_best([sized(10, np.inf)])

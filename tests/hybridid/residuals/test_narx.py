@@ -1,4 +1,4 @@
-"""A network's free run: equal to torch's, bounded, and honest when it runs away."""
+"""A network's free run: equal to torch's, bounded, and honest when it diverges."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class TestRunningAway:
         np.testing.assert_allclose(run.error[:stayed], sequence[:stayed])
         assert np.isnan(run.error[stayed:]).all()
         assert run.diverged_at == pytest.approx(stayed * 0.01)
-        assert run.status == f"ran away at t = {stayed * 0.01:.4g} s: |error| above 100 m"
+        assert run.status == f"diverged at t = {stayed * 0.01:.4g} s: |error| above 100 m"
 
     def test_what_is_not_a_number_counts_as_running_away(self, series, runaway):
         broken = replace(runaway, weights=replace(runaway.weights, biases=(np.array([np.nan]), np.zeros(1))))

@@ -121,7 +121,7 @@ def test_a_network_that_does_not_help_says_so(made):
 
 
 def test_a_network_that_runs_away_is_caught_and_reported(made, heard, data):
-    """A drive a thousand times stronger than any that trained the network: it says where it ran away,
+    """A drive a thousand times stronger than any that trained the network: it says where it diverged,
     in the grid's rows and in ``validate``, and the gray box is scored all the same."""
     lines = (data / "second.csv").read_text().splitlines()
     rows = [line.split(",") for line in lines[1:]]
@@ -133,16 +133,16 @@ def test_a_network_that_runs_away_is_caught_and_reported(made, heard, data):
     there = {one["record"]: one for one in row["hybrid"]}
     assert there["first"]["rmse"] > 0
     assert there["second"]["rmse"] is None
-    assert "the network for position ran away on record second at t = " in there["second"]["remark"]
+    assert "the network for position diverged on record second at t = " in there["second"]["remark"]
     scores = [r for r in read_json(tree / "validate/metrics.json") if r["record"] == "second"]
     free = {r["model"]: r for r in scores if r["view"] == "free_run"}
     assert free["gray box"]["rmse"] > 0
     assert free["hybrid, NARX 1 x 4"]["rmse"] is None
-    assert "ran away" in free["hybrid, NARX 1 x 4"]["remark"]
-    assert any("ran away on record second" in line for line in heard.warned)
+    assert "diverged" in free["hybrid, NARX 1 x 4"]["remark"]
+    assert any("diverged on record second" in line for line in heard.warned)
     said = rendered(residual_results(tree))
     assert "diverges" in said, "the row's cell"
-    assert "ran away on record second" in said, "the warning"
+    assert "diverged on record second" in said, "the warning"
 
 
 class TestRBF:

@@ -26,7 +26,7 @@ def row_of(point, held_out, unseen):
 
 @pytest.fixture
 def grid(points, sweep):
-    """The short carriage's grid of 2 x 2 cells, two seeds each; the last seed of all runs away."""
+    """The short carriage's grid of 2 x 2 cells, two seeds each; the last seed of all diverges."""
     made = points()
     rows = [row_of(p, 1e-3 * (1 + k), 5e-4) for k, p in enumerate(made)]
     rows[-1] = row_of(made[-1], None, None)
