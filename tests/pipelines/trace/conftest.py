@@ -33,8 +33,9 @@ NAN = math.nan
 def _row(model: str, role: str, horizon: float | None, rmse: float, **more: Any) -> ScoreRow:
     view = "free_run" if horizon is None else "horizon"
     row = ScoreRow(
-        model, role, role, "position", view, horizon, False, rmse**2, rmse, 0.99, 90.0, 100, "m", "simulated"
-    )
+        model, role, "position", view, rmse**2, rmse, 0.99, 90.0, 100, "m", "simulated", horizon,
+        role=role, network=False,
+    )  # fmt: skip
     return replace(row, **more)
 
 
