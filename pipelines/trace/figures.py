@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -18,18 +19,18 @@ from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.entries import StepTaken
 from hybridid.trace.result import Trace
 
-Named = Iterator[tuple[str, Plot]]
+Named = Iterator[tuple[str, Callable[[], Plot]]]
 
 
 def figures(found: Trace) -> Named:
-    """Every figure of a trace, with the name of its file."""
+    """Every figure of a trace: the name of its file, and the call that draws it."""
     yield from waterfalls(found)
     for number, step in enumerate(found.steps, 1):
         if step.trials:
             name, worth = f"step {number}", found.rules.worth
             yield (
                 f"step{number}.trials",
-                trials_plot(_tried(step), worth, name, found.judged, found.provenance),
+                partial(trials_plot, _tried(step), worth, name, found.judged, found.provenance),
             )
     for record in found.shown.split.records:
         yield from _errors(found, record)
@@ -41,8 +42,8 @@ def waterfalls(found: Trace) -> Named:
     """The held-out error of each output for each model of the search, from the declared to the last."""
     for output, floor in found.noise_floor.items():
         levels = [Level(entry.label, entry.held_out_rmse[output]) for entry in found.path]
-        plot = waterfall_plot(levels, floor.value, output, floor.unit, found.judged, found.provenance)
-        yield f"{output}.waterfall", plot
+        shown = levels, floor.value, output, floor.unit, found.judged, found.provenance
+        yield f"{output}.waterfall", partial(waterfall_plot, *shown)
 
 
 def _tried(step: StepTaken) -> list[Tried]:
@@ -54,7 +55,7 @@ def _errors(found: Trace, record: Record) -> Named:
     shown = [(m.name, over) for m in found.shown.models if (over := m.over_horizons(record.name)) is not None]
     for output in found.noise_floor if shown else ():
         responses = [Response.of(name, over, output) for name, over in shown]
-        yield f"{record.name}.{output}.error", error_plot(responses)
+        yield f"{record.name}.{output}.error", partial(error_plot, responses)
 
 
 def _missing(found: Trace) -> Named:
@@ -65,7 +66,7 @@ def _missing(found: Trace) -> Named:
             channel.name: (np.asarray(record.inputs[:, k]), channel.unit)
             for k, channel in enumerate(record.input_channels)
         }
-        yield f"{name}.{port}.missing_effort", missing_effort_plot(efforts, inputs)
+        yield f"{name}.{port}.missing_effort", partial(missing_effort_plot, efforts, inputs)
 
 
 def _ceilings(found: Trace) -> Named:
@@ -78,7 +79,7 @@ def _ceilings(found: Trace) -> Named:
     ]
     for port in dict.fromkeys(port for port, _ in curves):
         own = [curve for at, curve in curves if at == port]
-        yield f"{port}.ceiling", ceiling_plot(port, own, found.judged, found.provenance)
+        yield f"{port}.ceiling", partial(ceiling_plot, port, own, found.judged, found.provenance)
 
 
 def _curve(model: str, one: Ceiling) -> LearnedCurve:

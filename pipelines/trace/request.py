@@ -56,9 +56,10 @@ def section_of(settings: Settings) -> TraceSection:
     return settings.section("trace", TraceSection)
 
 
-def own_effects(settings: Settings) -> list[str]:
-    """Import paths of the user's own effects, tried in addition to the library."""
-    return list(section_of(settings).extra_effects)
+def imported_effects(settings: Settings) -> list[str]:
+    """Import paths of the user's own effects, from ``trace.effects`` and ``trace.extra_effects``."""
+    section = section_of(settings)
+    return [name for name in (*(section.effects or ()), *section.extra_effects) if ":" in name]
 
 
 def division(records: Sequence[Named], settings: Settings) -> tuple[list[Named], list[Named]]:

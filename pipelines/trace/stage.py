@@ -26,7 +26,7 @@ from pipelines.shared.storage import write_json
 from pipelines.shared.traced import TraceFile
 from pipelines.trace.missing import write_missing
 from pipelines.trace.page import trace_page
-from pipelines.trace.request import division, fitting_horizon, own_effects, request_of
+from pipelines.trace.request import division, fitting_horizon, imported_effects, request_of
 
 FORMATS = ("svg",)
 """Formats of the figures. SVG is enough: the report embeds it, and a browser prints it."""
@@ -94,15 +94,23 @@ def _write(job: Job, found: Trace, processes: int) -> None:
 def _augmented(settings: Settings, found: Trace) -> Settings:
     """The case's settings with the accepted effects; the user's own effects by their import paths."""
     terms = found.model.terms[len(found.declared) :]
-    paths = {effect_named(path).id: path for path in own_effects(settings)}
+    paths = {effect_named(path).id: path for path in imported_effects(settings)}
     return augmented(settings, terms, paths, found.estimate)
 
 
 def _drawn(job: Job, found: Trace) -> list[Picture]:
+    """The figures that can be drawn; the watcher is warned of each that cannot, as of numbers without end."""
     from hybridid.plotting.style import save
     from pipelines.trace.figures import figures  # matplotlib takes half a second to import
 
-    return [Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption) for name, plot in figures(found)]
+    drawn = []
+    for name, draw in figures(found):
+        try:
+            plot = draw()
+            drawn.append(Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption))
+        except (ValueError, ArithmeticError) as error:
+            job.watcher.warn(f"figure {name} cannot be drawn: {error}")
+    return drawn
 
 
 def check(settings: Settings) -> None:
@@ -120,9 +128,7 @@ def check(settings: Settings) -> None:
 
 
 def _named_code(settings: Settings) -> dict[str, str]:
-    library = [str(name) for name in settings.get("trace.effects") or ()]
-    own = [name for name in (*library, *own_effects(settings)) if ":" in name]
-    return {**named_code(settings), **code_digests(own)}
+    return {**named_code(settings), **code_digests(imported_effects(settings))}
 
 
 TRACE = Stage(

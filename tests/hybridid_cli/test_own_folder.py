@@ -120,3 +120,17 @@ def test_broken_python_is_one_line(process, mylab):
     assert "Traceback" not in said.err
     assert "cable:CABLE" in said.complaint
     assert "division by zero" in said.complaint
+
+
+def test_own_effect_is_found_and_the_model_with_it_taken_up(process, mylab):
+    """Its name in the module is not its id: the augmented model must find it by its import path."""
+    case = ("--config-dir", "mylab", "case=mine", "mlflow.enabled=false")
+    tried = ("trace.effects=[cubic_stiffness]", "trace.extra_effects=[cable:CABLE]", "trace.processes=1")
+    said = process("trace", *case, "effects=[viscous]", *tried, "out=tree")
+    assert said.code == 0, said.err
+    (accepted,) = json.loads(Path("tree/trace/trace.json").read_text())["accepted"]
+    assert (accepted["effect"], accepted["class"]) == ("cable", ["cable"])
+    assert accepted["parameters"]["k"]["value"] == pytest.approx(TRUTH["pivot.cable.k"], rel=0.05)
+    again = process("fit", *case, "model=tree/trace/model.json", "out=again")
+    assert again.code == 0, again.err
+    assert set(json.loads(Path("again/fit/estimate.json").read_text())["parameters"]) == set(TRUTH)

@@ -10,7 +10,7 @@ from hybridid.effects.library import EFFECTS
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import ENOUGH
 from pipelines.shared.config import Settings
-from pipelines.trace.request import Request, fitting_horizon
+from pipelines.trace.request import Request, fitting_horizon, imported_effects
 
 ASKED = 1.0  # s
 
@@ -52,3 +52,8 @@ def test_one_record_serves_both_sides():
 def test_a_horizon_that_is_given_stays():
     records = [Recorded("a", "identification", 300), Recorded("b", "validation", 200)]
     assert horizon_of(records, horizon=1.0) == ASKED
+
+
+def test_own_effects_are_known_by_their_import_paths_wherever_they_are_named():
+    section = {"effects": ["viscous", "lab:CABLE"], "extra_effects": ["lab:WORN"]}
+    assert imported_effects(Settings("made", {"trace": section})) == ["lab:CABLE", "lab:WORN"]
