@@ -11,14 +11,14 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-recovery study-sweep study-slurm league clean distclean FORCE
+.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-recovery study-sweep study-slurm league league-drawn clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
 	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
-	@echo "  ARGS=...         for make league, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
+	@echo "  ARGS=...         for make league and league-drawn, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
@@ -64,6 +64,9 @@ study-slurm: $(READY) ## 64 jobs on a Slurm of one node, one killed on purpose (
 
 league: $(READY) ## which of ours and two rivals names what simulated machines hide? (hours; goes on where it stopped)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.league $(ARGS)
+
+league-drawn: $(READY) ## does our trace hold on 120 scenarios that nobody rigged? (hours; goes on where it stopped)
+	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.drawn $(ARGS)
 
 clean: ## remove what tools and builds left behind (never outputs/ or data/)
 	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache

@@ -1,0 +1,62 @@
+"""Our player in the drawn league: a trace over the whole library with its default rules."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from benchmarks.drawn.draw import Draw
+from benchmarks.drawn.machines import case_of
+from benchmarks.drawn.oracle import split_of
+from benchmarks.league.answer import Answer
+from benchmarks.league.ours import NAME, _step_notes
+from hybridid.effects.library import EFFECTS
+from hybridid.records.record import Record
+from hybridid.trace.context import Context
+from hybridid.trace.rules import Rules
+from hybridid.trace.verdict import conclude
+
+
+def play(
+    draw: Draw, records: tuple[Record, Record], most_effects: int = 2, ids: Sequence[str] | None = None
+) -> Answer:
+    """A trace over the library (or its effects ``ids``) that may accept ``most_effects``.
+
+    ``notes`` hold the verdict, the class of every accepted effect and, of each output, the last model's
+    held-out RMSE over the sensor's noise.
+    """
+    began = time.process_time()
+    case = case_of(draw)
+    effects = tuple(effect for effect in EFFECTS if ids is None or effect.id in ids)
+    context = Context(split_of(case, records), effects, Rules(most_effects=most_effects))
+    found = conclude(case.model(), context)
+    classes = [[one.name, *_others(one)] for one in found.accepted]
+    first = found.accepted[0] if found.accepted else None
+    return Answer(
+        player=NAME,
+        named=tuple(one.name for one in found.accepted),
+        alike=tuple(classes[0]) if classes else (),
+        values=first.trial.own("values") if first else {},
+        before=found.search.first.score.loss,
+        after=found.search.final.score.loss,
+        remains=bool(found.remains),
+        seconds=time.process_time() - began,
+        notes=_notes(draw, found, classes),
+    )
+
+
+def _others(one) -> list[str]:
+    names = [trial.candidate.name for trial in one.alike]
+    return [name for name in names if name != one.name]
+
+
+def _notes(draw: Draw, found, classes: list[list[str]]) -> dict[str, Any]:
+    return {
+        "verdict": found.verdict,
+        "classes": classes,
+        "over_noise": (found.search.final.score.rmse / draw.noise).tolist(),
+        "remains": list(found.remains),
+        "stopped": found.search.stopped,
+        "steps": [_step_notes(step.trials) for step in found.search.steps],
+    }
