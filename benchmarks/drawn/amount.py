@@ -27,6 +27,7 @@ from benchmarks.drawn.draw import Draw, Wanted, all_draws
 from benchmarks.drawn.excitation import between
 from benchmarks.drawn.hidden import Concealed, concealed
 from benchmarks.drawn.machines import bench_of, viscous_at
+from benchmarks.drawn.offers import LATE
 from benchmarks.drawn.recipes import Moving, rms
 from benchmarks.drawn.told import Seen, perform
 from benchmarks.league.bench import Drive, Sensor
@@ -39,7 +40,6 @@ ROUNDS, NEAR = 8, 0.03
 MOST_OF_PATH = 0.3
 HELD = 0.2
 """A port that moves less than this share of its motion without the law, or more than its inverse, is lost."""
-LATE = {"input_delay": "delay", "input_lag": "lag", "sensor_lag": "lag"}
 
 
 @dataclass(frozen=True)

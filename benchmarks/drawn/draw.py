@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.drawn.excitation import log_uniform
-from benchmarks.drawn.offers import COMPOSED, EITHER_WAY, LIBRARY, OUTSIDE, composed_factors
+from benchmarks.drawn.offers import COMPOSED, EITHER_WAY, LATE, LIBRARY, OUTSIDE, composed_factors
 
 SEED, COUNT = 20261122, 120
 CATEGORIES = ("library", "outside", "nothing")
@@ -98,7 +98,8 @@ class Draw:
         """Readable and unique."""
         hidden = "nothing"
         if self.wanted:
-            hidden = f"{'+'.join(self.wanted.names)}/{100 * self.wanted.share:.0f}%"
+            amount = "late" if self.wanted.what in LATE else f"{100 * self.wanted.share:.0f}%"
+            hidden = f"{'+'.join(self.wanted.names)}/{amount}"
         return f"{self.number:03}/{self.machine}/{hidden}/noise{self.noise:.2g}/{self.kind}"
 
     def described(self) -> dict[str, Any]:

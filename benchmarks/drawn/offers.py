@@ -12,6 +12,8 @@ import numpy as np
 
 Offers = tuple[tuple[str, tuple[str, ...]], ...]
 COMPOSED = "composed"
+LATE = {"input_delay": "delay", "input_lag": "lag", "sensor_lag": "lag"}
+"""Effects whose amount is a time, no effort, and what the rig calls it."""
 
 
 def _at(port: str, *effects: str) -> Offers:
