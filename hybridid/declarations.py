@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 PortKind = Literal["effort", "input", "output"]
+Need = Literal["load", "both_sides", "level"]
+"""What an effect may need to see beside the motion of its port: see ``Port.knows``."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,10 @@ class Port:
     ``epsilon`` is the smoothing velocity of sign(v) ~ tanh(v / epsilon): small against
     the slowest sliding that matters. Signal ports ("input", "output") use only
     ``effort_unit`` and ``effort_scale``, for the signal itself.
+
+    ``drive`` and ``load`` say in words which effort drives the contact, and which the load exerts on it;
+    ``level`` says what sets the level of its friction (a field, a pressure). ``Plant.loads`` gives their
+    numbers. ``no_load`` says why a port has neither.
     """
 
     name: str
@@ -111,6 +117,20 @@ class Port:
     velocity_scale: float = 1.0
     epsilon: float = 1e-3
     meaning: str = ""
+    drive: str = ""
+    load: str = ""
+    level: str = ""
+    no_load: str = ""
+
+    @property
+    def knows(self) -> frozenset[Need]:
+        """``load``: the drive or the load is declared; ``both_sides``: both are; ``level``: that is."""
+        known: dict[Need, bool] = {
+            "load": bool(self.drive or self.load),
+            "both_sides": bool(self.drive and self.load),
+            "level": bool(self.level),
+        }
+        return frozenset(need for need, given in known.items() if given)
 
     @property
     def time_scale(self) -> float:

@@ -51,6 +51,11 @@ def effects(name: str, words: Sequence[str]) -> int:
     return 0
 
 
+_NEEDS = {
+    "load": "the effort that the port carries (its drive or its load)",
+    "both_sides": "the efforts of the drive and of the load at the port",
+    "level": "what sets the level of the port's friction, such as a field or a pressure",
+}
 # What a port may measure in, for units that depend on it.
 _LINEAR = Port("linear", "effort", effort_unit="N", effort_scale=1.0, position_unit="m")
 _ROTARY = Port("rotary", "effort", effort_unit="Nm", effort_scale=1.0, position_unit="rad")
@@ -92,7 +97,15 @@ def _case(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> list[
     }
     lines.append(Text(f"  plant    {model.plant.name}: {model.plant.meaning}"))
     lines += [Text(f"  {key:<8} {value}") for key, value in signals.items()]
+    lines += [Text(f"  load     {port.name}: {_load(port)}") for port in model.effort_ports]
     return [*lines, *_records(settings), Text("")]
+
+
+def _load(port: Port) -> str:
+    """What a port says that it carries, or why it has no load."""
+    said = {"drive": port.drive, "load": port.load, "level": port.level}
+    given = "; ".join(f"{side}: {words}" for side, words in said.items() if words)
+    return given or f"none ({port.no_load or 'none is declared'})"
 
 
 def _records(settings: Settings) -> list[RenderableType]:
@@ -147,6 +160,7 @@ def _described(effect: Effect) -> str:
         lines.append(
             f"  parameter {parameter.name} [{_unit(effect, parameter.dimension)}]: {parameter.meaning}{zero}"
         )
+    lines += [f"  needs     {_NEEDS[need]}" for need in effect.needs]
     lines += [f"  state     {s.name} [{_unit(effect, s.dimension)}]: {s.meaning}" for s in effect.states]
     return "\n".join([*lines, _paragraph("source", effect.source)])
 

@@ -11,9 +11,13 @@ from typing import Any, Literal
 
 import casadi as ca
 
-from hybridid.declarations import Parameter, Port, PortKind, State
+from hybridid.declarations import Need, Parameter, Port, PortKind, State
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.pickling import reduced
+from hybridid.effects.smooth import magnitude
+
+LOAD_WIDTH = 0.01
+"""Rounding of the load's modulus at zero, over the effort scale of the port."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +122,11 @@ class Local:
 
     ``position``, ``velocity``, ``acceleration`` of an effort port, or ``signal`` of an
     input or output port; ``p`` its parameters and ``z`` its states by name; ``time`` in s.
+
+    ``drive``, ``load`` and ``level`` are those of ``hybridid.plants.plant.Load``, where the port has them: an
+    effect that uses them says so in ``Effect.needs``. ``load_width`` rounds their modulus at zero. It is a
+    hundredth of the port's effort scale: a contact that carries so little loses nothing that a record
+    shows, since the loss is a few per cent of what it carries.
     """
 
     p: SimpleNamespace
@@ -128,6 +137,10 @@ class Local:
     velocity: ca.SX | float = 0.0
     acceleration: ca.SX | float = 0.0
     signal: ca.SX | float = 0.0
+    drive: ca.SX | float = 0.0
+    load: ca.SX | float = 0.0
+    level: ca.SX | float = 0.0
+    load_width: ca.SX | float = 1.0
 
     @property
     def sign(self) -> ca.SX:
@@ -137,7 +150,26 @@ class Local:
     @property
     def speed(self) -> ca.SX:
         """``v tanh(v / epsilon)``, the smoothed ``|v|``."""
-        return self.velocity * self.sign
+        return magnitude(self.velocity, self.epsilon)
+
+    @property
+    def carried(self) -> ca.SX:
+        """``|drive - load|``, smoothed: what the two sides press against each other.
+
+        Where one side has no effort but that of its inertia, this is the other's effort. Where the drive
+        holds a weight at rest, both count, and it is twice the weight.
+        """
+        return magnitude(self.drive - self.load, self.load_width)
+
+    @property
+    def driven(self) -> ca.SX:
+        """``|drive|``, smoothed."""
+        return magnitude(self.drive, self.load_width)
+
+    @property
+    def loaded(self) -> ca.SX:
+        """``|load|``, smoothed."""
+        return magnitude(self.load, self.load_width)
 
 
 Law = Callable[[Local], ca.SX]
@@ -157,6 +189,7 @@ class Effect:
 
     ``position_units`` and ``ports`` (patterns of port names) say where the effect makes physical
     sense; empty means anywhere. A search respects them. A user may name any port of the same kind.
+    ``needs`` is what the law uses beside the motion; a port must have it (``Port.knows``).
 
     An effect is sent to another process by its name: see ``hybridid.effects.pickling``.
 
@@ -179,6 +212,7 @@ class Effect:
     separating_experiment: str = ""
     position_units: tuple[str, ...] = ()
     ports: tuple[str, ...] = ()
+    needs: tuple[Need, ...] = ()
 
     def __post_init__(self) -> None:
         if bool(self.states) != (self.dynamics is not None):
@@ -191,10 +225,16 @@ class Effect:
                 raise ValueError(f"effect {self.id}: two of its parameters and states are called {name}")
 
     def admissible_at(self, port: Port) -> bool:
-        """Whether the effect makes sense at ``port``: its kind, unit of position and name."""
-        if port.kind != self.kind or (self.position_units and port.position_unit not in self.position_units):
+        """Whether the effect makes sense at ``port``: its kind, unit of position and name, what it knows."""
+        if not self.possible_at(port) or (
+            self.position_units and port.position_unit not in self.position_units
+        ):
             return False
         return not self.ports or any(fnmatchcase(port.name.lower(), pattern) for pattern in self.ports)
+
+    def possible_at(self, port: Port) -> bool:
+        """Whether ``port`` is of the effect's kind and has all that it needs."""
+        return port.kind == self.kind and port.knows.issuperset(self.needs)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         return reduced(self) or super().__reduce_ex__(protocol)

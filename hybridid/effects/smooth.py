@@ -1,7 +1,7 @@
-"""Laws with a kink, smoothed by hyperbolas over a small declared width.
+"""Laws with a kink, smoothed over a small declared width: hyperbolas, and for the modulus a tanh.
 
-``width`` is a scale, not an exact edge. At ten widths from the kink, the difference to the sharp law is 1/40
-of the width; it decays with the inverse of the distance.
+``width`` is a scale, not an exact edge. At ten widths from the kink of a hyperbola, the difference to the
+sharp law is 1/40 of the width; it decays with the inverse of the distance, that of the tanh exponentially.
 """
 
 from __future__ import annotations
@@ -12,6 +12,11 @@ import casadi as ca
 def ramp(x: ca.SX, width: ca.SX | float) -> ca.SX:
     """``(x + √(x² + w²)) / 2``: 0 left of the origin, x right of it. Increasing, slope below 1."""
     return 0.5 * (x + ca.sqrt(x**2 + width**2))
+
+
+def magnitude(x: ca.SX | float, width: ca.SX | float) -> ca.SX:
+    """``x tanh(x / w)``: |x|, zero at the origin and never above |x|; at 2 w it lacks 0.07 w."""
+    return x * ca.tanh(x / width)
 
 
 def saturated(x: ca.SX, limit: ca.SX | float, width: ca.SX | float) -> ca.SX:

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import casadi as ca
 
-from hybridid.declarations import Parameter, State
-from hybridid.effects.effect import Local
+from hybridid.declarations import Parameter, Port, State
+from hybridid.effects.effect import LOAD_WIDTH, Local
 from hybridid.model.term import Term
-from hybridid.plants.plant import Motion, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 
 
 def assemble(
@@ -63,6 +63,33 @@ def _outputs(plant: Plant, x: SimpleNamespace, u: SimpleNamespace, p: SimpleName
     return [given[s.name] for s in plant.outputs]
 
 
+def _loads(plant: Plant, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, Load]:
+    """What every port carries that declares it.
+
+    Raises:
+        ValueError: if the declarations of the ports and the plant's ``loads`` disagree.
+    """
+    given = plant.loads(x, u, p)
+    declared = [port.name for port in plant.effort_ports if port.knows]
+    if set(given) != set(declared):
+        raise ValueError(
+            f"plant {plant.name}: loads() gives {', '.join(given) or 'none'}, but the ports that declare a "
+            f"drive, load or level are {', '.join(declared) or 'none'}"
+        )
+    return given
+
+
+def _carried(port: Port, loads: Mapping[str, Load]) -> dict[str, ca.SX]:
+    """What a port carries, for an effect there; zero where it has none."""
+    at = loads.get(port.name, Load())
+    return {
+        "drive": ca.SX(at.drive),
+        "load": ca.SX(at.load),
+        "level": ca.SX(at.level),
+        "load_width": ca.SX(LOAD_WIDTH * port.effort_scale),
+    }
+
+
 @dataclass(frozen=True)
 class _Locals:
     """Gives each term the quantities at its port, and sums the efforts of the terms at a port."""
@@ -111,6 +138,7 @@ def _resolve_acceleration(
     """
     ports = plant.effort_ports
     a = ca.vertcat(*[ca.SX.sym(f"a_{port.name}") for port in ports])
+    loads = _loads(plant, x, u, p)
     efforts: dict[str, ca.SX] = {}
     term_rates: dict[str, ca.SX] = {}
     total = {port.name: ca.SX(0) for port in ports}
@@ -120,7 +148,12 @@ def _resolve_acceleration(
         at, index = motion[term.port], [port.name for port in ports].index(term.port)
         epsilon = local.p[f"{term.port}.epsilon"]
         seen = local.see(
-            term, epsilon=epsilon, position=at.position, velocity=at.velocity, acceleration=a[index]
+            term,
+            epsilon=epsilon,
+            position=at.position,
+            velocity=at.velocity,
+            acceleration=a[index],
+            **_carried(ports[index], loads),
         )
         efforts[term.name] = term.effect.law(seen)
         term_rates.update(local.rates(term, seen))

@@ -14,7 +14,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from hybridid.declarations import Parameter, Port, Signal, State
+from hybridid.declarations import Need, Parameter, Port, Signal, State
 from hybridid.effects.effect import Effect
 from hybridid.model.assembly import assemble
 from hybridid.model.term import Term
@@ -30,7 +30,8 @@ class Model:
     nothing, so ``model`` is a special case of ``model.plus(effect)``.
 
     Raises:
-        ValueError: if a term occurs twice, its port does not exist, or its port is of another kind.
+        ValueError: if a term occurs twice, its port does not exist, is of another kind, or does not know the
+            load that the effect needs.
     """
 
     plant: Plant
@@ -43,10 +44,15 @@ class Model:
             if names.count(name) > 1:
                 raise ValueError(f"effect {name} stands twice in the model")
         for term in self.terms:
-            kind = self.plant.port(term.port).kind
+            port = self.plant.port(term.port)
+            kind = port.kind
             if kind != term.effect.kind:
                 raise ValueError(
                     f"effect {term.effect.id} acts at {term.effect.kind} ports; {term.port} is {kind}"
+                )
+            if not term.effect.possible_at(port):
+                raise ValueError(
+                    f"effect {term.effect.id} needs {_asked(term.effect)}; {term.port} {_lacks(port)}"
                 )
 
     def __getstate__(self) -> dict[str, object]:
@@ -54,7 +60,7 @@ class Model:
         return {"plant": self.plant, "terms": self.terms, "adjustments": dict(self.adjustments)}
 
     def plus(self, effect: Effect, port: str | None = None) -> Model:
-        """This model with ``effect`` added at ``port`` (default: the first of its kind)."""
+        """This model with ``effect`` added at ``port`` (default: the first where it is possible)."""
         where = port or first_port(self.plant, effect).name
         return replace(self, terms=(*self.terms, Term(effect, where)))
 
@@ -158,15 +164,32 @@ class Model:
 
 
 def first_port(plant: Plant, effect: Effect) -> Port:
-    """The plant's first port of the effect's kind.
+    """The plant's first port of the effect's kind that has what the effect needs.
 
     Raises:
         ValueError: if it has none.
     """
     for port in plant.ports:
-        if port.kind == effect.kind:
+        if effect.possible_at(port):
             return port
-    raise ValueError(f"plant {plant.name} has no {effect.kind} port for effect {effect.id}")
+    needs = f", which needs {_asked(effect)}" if effect.needs else ""
+    raise ValueError(f"plant {plant.name} has no {effect.kind} port for effect {effect.id}{needs}")
+
+
+_NEEDS: Mapping[Need, str] = {
+    "load": "a port that knows its load",
+    "both_sides": "a port that knows its drive and its load",
+    "level": "a port that knows what sets the level of its friction",
+}
+
+
+def _asked(effect: Effect) -> str:
+    return " and ".join(_NEEDS[need] for need in effect.needs)
+
+
+def _lacks(port: Port) -> str:
+    known = ", ".join(sorted(port.knows)).replace("_", " ")
+    return f"knows {known} only" if known else f"has no load ({port.no_load or 'none is declared'})"
 
 
 def _epsilon(port: Port) -> Parameter:

@@ -49,6 +49,7 @@ class Duffing(Plant):
             velocity_scale=20.0,
             epsilon=0.05,
             meaning="what resists the displacement",
+            no_load="an electronic circuit: nothing slides",
         ),
         Port("V1", "input", effort_unit="V", effort_scale=0.02, meaning="generator to oscillator"),
         Port("V2", "output", effort_unit="V", effort_scale=0.05, meaning="measuring amplifier"),

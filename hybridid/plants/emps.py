@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hybridid.declarations import Parameter, Port, Signal, State
-from hybridid.plants.plant import Motion, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 
 
 class EMPS(Plant):
@@ -38,6 +38,7 @@ class EMPS(Plant):
             velocity_scale=0.1,
             epsilon=3e-4,
             meaning="between carriage and guide, screw and nut",
+            drive="motor force through screw and nut",
         ),
         Port("force", "input", effort_unit="N", effort_scale=30.0, meaning="drive command to force"),
         Port("position", "output", effort_unit="m", effort_scale=0.1, meaning="encoder"),
@@ -45,6 +46,9 @@ class EMPS(Plant):
 
     def motion(self, x, u, p):
         return {"carriage": Motion(position=x.q, velocity=x.v)}
+
+    def loads(self, x, u, p):
+        return {"carriage": Load(drive=u.force)}
 
     def derivative(self, x, u, p, effort):
         return {"q": x.v, "v": (u.force - effort["carriage"]) / p.M}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from hybridid.declarations import Parameter, Port, Signal, State
-from hybridid.plants.plant import Motion, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 
 
 @final
@@ -51,6 +51,8 @@ class ESEA(Plant):
             velocity_scale=5.0,
             epsilon=0.03,
             meaning="motor bearings and brushes: the thesis' friction",
+            drive="motor torque",
+            load="torque of the elastomer on the motor",
         ),
         Port(
             "elastomer",
@@ -62,6 +64,7 @@ class ESEA(Plant):
             velocity_scale=0.3,
             epsilon=0.02,
             meaning="twist of the joint, motor angle minus link angle",
+            no_load="bonded rubber: it shears, and nothing slides",
         ),
         Port(
             "link",
@@ -73,6 +76,7 @@ class ESEA(Plant):
             velocity_scale=5.0,
             epsilon=0.03,
             meaning="link bearing; the link's weight",
+            drive="torque of the elastomer on the link",
         ),
         Port("torque", "input", effort_unit="N·m", effort_scale=0.1, meaning="torque command to torque"),
         Port("link_velocity", "output", effort_unit="rad/s", effort_scale=5.0, meaning="link encoder"),
@@ -84,6 +88,10 @@ class ESEA(Plant):
             "elastomer": Motion(position=x.delta - x.theta, velocity=x.delta_dot - x.theta_dot),
             "link": Motion(position=x.theta, velocity=x.theta_dot),
         }
+
+    def loads(self, x, u, p):
+        joint = p.K_e * (x.delta - x.theta)
+        return {"motor": Load(drive=u.torque, load=-joint), "link": Load(drive=joint)}
 
     def derivative(self, x, u, p, effort):
         joint = p.K_e * (x.delta - x.theta) + effort["elastomer"]

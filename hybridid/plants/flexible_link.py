@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from hybridid.declarations import Parameter, Port, Signal, State
-from hybridid.plants.plant import Motion, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 
 
 @final
@@ -64,6 +64,8 @@ class FlexibleLink(Plant):
             velocity_scale=3.0,
             epsilon=0.01,
             meaning="between servo and ground: gearbox, bearings",
+            drive="motor torque through the gearbox",
+            load="torque of the beam on the servo",
         ),
         Port(
             "link",
@@ -75,6 +77,7 @@ class FlexibleLink(Plant):
             velocity_scale=2.0,
             epsilon=0.01,
             meaning="across the beam, between servo and tip",
+            no_load="a beam that bends: nothing slides",
         ),
         Port("voltage", "input", effort_unit="V", effort_scale=2.0, meaning="command to motor voltage"),
         Port("servo_angle", "output", effort_unit="rad", effort_scale=0.5, meaning="encoder"),
@@ -87,9 +90,11 @@ class FlexibleLink(Plant):
             "link": Motion(position=x.alpha, velocity=x.alpha_dot),
         }
 
+    def loads(self, x, u, p):
+        return {"servo": Load(drive=self._torque(x, u, p), load=p.K_s * x.alpha)}
+
     def derivative(self, x, u, p, effort):
-        gain = p.eta_g * p.eta_m * p.K_g * p.k_t / p.R_m
-        torque = gain * (u.voltage - p.K_g * p.k_m * x.theta_dot)
+        torque = self._torque(x, u, p)
         beam = p.K_s * x.alpha + effort["link"]
         acceleration = (torque + beam - effort["servo"]) / p.J_eq
         return {
@@ -98,6 +103,12 @@ class FlexibleLink(Plant):
             "alpha": x.alpha_dot,
             "alpha_dot": -beam / p.J_l - acceleration,
         }
+
+    @staticmethod
+    def _torque(x, u, p):
+        """tau: what the motor gives to the servo after the back-EMF, in N·m."""
+        gain = p.eta_g * p.eta_m * p.K_g * p.k_t / p.R_m
+        return gain * (u.voltage - p.K_g * p.k_m * x.theta_dot)
 
     def output(self, x, u, p):
         return {"servo_angle": x.theta, "tip_angle": x.alpha}

@@ -7,8 +7,14 @@ from typing import final
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.plants.plant import Motion, Plant
 
+_NO_SIDE_FORCE = (
+    "the spring stands beside the damper; what presses the piston rod on its guide is a side force, which "
+    "the plane model does not have"
+)
+_ROLLS = "a tyre bends and rolls: no contact slides along this coordinate"
 
-def _strut(name: str, effort_scale: float, position_scale: float, meaning: str) -> Port:
+
+def _strut(name: str, effort_scale: float, position_scale: float, meaning: str, no_load: str) -> Port:
     return Port(
         name,
         "effort",
@@ -19,6 +25,7 @@ def _strut(name: str, effort_scale: float, position_scale: float, meaning: str) 
         velocity_scale=0.5,
         epsilon=5e-3,
         meaning=meaning,
+        no_load=no_load,
     )
 
 
@@ -82,10 +89,16 @@ class HalfCar(Plant):
         Parameter("k_t", "N/m", guess=3e5, lower=2e4, upper=2e7, meaning="stiffness of a tyre"),
     )
     ports = (
-        _strut("front_suspension", 2000.0, 0.05, "front spring and damper, compression positive"),
-        _strut("rear_suspension", 2000.0, 0.05, "rear spring and damper, compression positive"),
-        _strut("front_tyre", 5000.0, 0.02, "front tyre, compression positive; its velocity is unknown"),
-        _strut("rear_tyre", 5000.0, 0.02, "rear tyre, compression positive; its velocity is unknown"),
+        _strut(
+            "front_suspension", 2000.0, 0.05, "front spring and damper, compression positive", _NO_SIDE_FORCE
+        ),
+        _strut(
+            "rear_suspension", 2000.0, 0.05, "rear spring and damper, compression positive", _NO_SIDE_FORCE
+        ),
+        _strut(
+            "front_tyre", 5000.0, 0.02, "front tyre, compression positive; its velocity is unknown", _ROLLS
+        ),
+        _strut("rear_tyre", 5000.0, 0.02, "rear tyre, compression positive; its velocity is unknown", _ROLLS),
         Port("u_f", "input", effort_unit="m", effort_scale=0.05, meaning="road to front tyre"),
         Port("u_r", "input", effort_unit="m", effort_scale=0.05, meaning="road to rear tyre"),
         Port(

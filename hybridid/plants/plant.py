@@ -14,6 +14,21 @@ from hybridid.naming import unknown
 
 
 @dataclass(frozen=True)
+class Load:
+    """What the contact at an effort port carries (CasADi scalars): ``M a = drive + load - F``.
+
+    ``drive`` is the effort of the drive's side on the contact, ``load`` that of the load's side (a weight, a
+    spring), both in the port's effort unit and positive in the direction of motion. A drive that holds a
+    weight has ``load = -drive``. The inertia behind the contact is no part of them. ``level`` is what sets
+    the level of the friction, over its typical value, without unit.
+    """
+
+    drive: ca.SX | float = 0.0
+    load: ca.SX | float = 0.0
+    level: ca.SX | float = 0.0
+
+
+@dataclass(frozen=True)
 class Motion:
     """Position and velocity (CasADi scalars) of an effort port, in the port's units."""
 
@@ -27,7 +42,8 @@ class Plant(abc.ABC):
     A subclass declares its parts as class attributes and writes three methods: ``motion``,
     ``derivative`` and ``output``. Their arguments ``x``, ``u`` and ``p`` hold CasADi scalars by
     name (``x.q``, ``u.force``, ``p.M``). ``effort`` maps the name of each effort port to the sum
-    of the efforts of the effects there, which *resists* the port's motion.
+    of the efforts of the effects there, which *resists* the port's motion. A plant whose ports say
+    what they carry (``Port.drive``, ``load`` or ``level``) writes ``loads`` too.
     """
 
     name: str
@@ -52,6 +68,14 @@ class Plant(abc.ABC):
     @abc.abstractmethod
     def output(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, ca.SX]:
         """Every output, by its name, in its declared unit."""
+
+    def loads(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, Load]:
+        """What the contact carries at every port that declares it, by the port's name.
+
+        ``u`` holds the inputs after the effects on their paths. The efforts of the effects at this or
+        another port are not in the load.
+        """
+        return {}
 
     @property
     def effort_ports(self) -> tuple[Port, ...]:
