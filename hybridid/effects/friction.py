@@ -40,7 +40,7 @@ VISCOUS = Effect(
     ),
     source="thesis Eqs. 5-5 and 6-2",
     pattern="proportional to the velocity, odd; quadratic drag bends upwards",
-    look_alikes=("quadratic_drag", "coulomb", "maxwell"),
+    look_alikes=("quadratic_drag", "coulomb", "maxwell", "eddy_brake"),
     separating_experiment=(
         "constant-velocity runs at five speeds over a decade, in both directions: effort over speed is a "
         "straight line through the origin"
@@ -56,7 +56,7 @@ COULOMB = Effect(
     parameters=(EffectParameter("f_c", EFFORT, "Coulomb friction level", guess=0.3, lower=0.0, nests=True),),
     source="thesis Eq. 6-2; " + _ARMSTRONG,
     pattern="a step where the velocity changes sign, flat elsewhere",
-    look_alikes=("stribeck", "dahl", "lugre", "bouc_wen", "input_dead_zone"),
+    look_alikes=("stribeck", "dahl", "lugre", "bouc_wen", "input_dead_zone", "load_friction"),
     separating_experiment=(
         "slow reversals of a small amplitude and constant-velocity runs: the step is as sharp in position"
         " as the sensor can see, and its height is the same at every speed"
@@ -79,7 +79,7 @@ STRIBECK = Effect(
     ),
     source="thesis Eq. 5-6 with the decaying sign of the exponent (printed growing); " + _ARMSTRONG,
     pattern="friction falls with speed just after break-away, then levels",
-    look_alikes=("coulomb", "dahl", "lugre", "input_delay", "input_lag"),
+    look_alikes=("coulomb", "dahl", "lugre", "input_delay", "input_lag", "load_stribeck"),
     separating_experiment=(
         "constant-velocity runs in both directions at ten speeds, logarithmically spaced from far below "
         "to far above v_s: the falling branch shows without acceleration, delay or pre-sliding"
@@ -138,7 +138,7 @@ QUADRATIC_DRAG = Effect(
     ),
     source="Batchelor (1967), An Introduction to Fluid Dynamics, sec. 5.11",
     pattern="odd in velocity and growing with its square",
-    look_alikes=("viscous", "coulomb"),
+    look_alikes=("viscous", "coulomb", "eddy_brake"),
     separating_experiment=(
         "constant-velocity runs up to the highest speed allowed: effort over speed squared is a straight "
         "line there, where viscous friction is left behind"

@@ -51,10 +51,18 @@ INPUT_SATURATION = Effect(
         "Wiley, ch. 1"
     ),
     pattern="large inputs do less than their share, small ones nothing unusual; odd in the input",
-    look_alikes=("input_gain", "quadratic_drag", "input_dead_zone", "end_stop"),
+    look_alikes=(
+        "load_friction",
+        "input_gain",
+        "quadratic_drag",
+        "input_dead_zone",
+        "end_stop",
+        "two_sided_load_friction",
+    ),
     separating_experiment=(
         "the same motion with twice the mass or twice the acceleration: saturation goes with the input's "
-        "size, drag with the speed"
+        "size, drag with the speed. Against load friction, brake hard: a saturation weakens the braking, "
+        "load friction adds to it"
     ),
 )
 

@@ -58,8 +58,17 @@ INPUT_GAIN = Effect(
         "scales everything the input does; where inertia and friction are free too they take it up, so it"
         " speaks only where one of them is known or the machine has several inputs"
     ),
-    look_alikes=("added_inertia", "input_saturation", "sensor_scale"),
-    separating_experiment="measure the effort itself, or repeat the run with a known inertia attached",
+    look_alikes=(
+        "added_inertia",
+        "input_saturation",
+        "sensor_scale",
+        "load_friction",
+        "two_sided_load_friction",
+    ),
+    separating_experiment=(
+        "measure the effort itself, or repeat the run with a known inertia attached. Against load friction, "
+        "brake hard: a gain that is too low weakens the braking, load friction adds to it"
+    ),
 )
 
 INPUT_LAG = Effect(

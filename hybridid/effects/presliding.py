@@ -48,7 +48,7 @@ DAHL = Effect(
         "after each reversal the friction builds up over a travel of about s, whatever the speed; Coulomb"
         " friction jumps, Stribeck friction depends on the speed"
     ),
-    look_alikes=("coulomb", "stribeck", "lugre", "bouc_wen", "maxwell"),
+    look_alikes=("coulomb", "stribeck", "lugre", "bouc_wen", "maxwell", "friction_behind_play"),
     separating_experiment=(
         "reversals of amplitudes from a tenth to ten times s, slow and fast: hysteresis loops that depend"
         " on travel and not on speed"
@@ -159,7 +159,7 @@ BOUC_WEN = Effect(
         "a hysteresis loop that depends on travel and not on speed, and yields over a rounded knee: a "
         "rubber or a joint that slips a little before it slides"
     ),
-    look_alikes=("dahl", "coulomb", "lugre", "maxwell", "cubic_stiffness"),
+    look_alikes=("dahl", "coulomb", "lugre", "maxwell", "cubic_stiffness", "friction_behind_play"),
     separating_experiment=(
         "quasi-static loops of growing amplitude with partial unloading and reloading: the slope of "
         "unloading against that of loading gives sigma, the knee gives n"

@@ -1,11 +1,11 @@
-"""Friction whose level varies: with position, over the run, between rebound and compression."""
+"""Friction whose level varies: with position, over the run, with warmth, between rebound and compression."""
 
 from __future__ import annotations
 
 import casadi as ca
 
-from hybridid.effects.dimension import DAMPING, STIFFNESS, VELOCITY, Dimension
-from hybridid.effects.effect import Effect, EffectParameter
+from hybridid.effects.dimension import DAMPING, STIFFNESS, TIME, VELOCITY, Dimension
+from hybridid.effects.effect import Effect, EffectParameter, EffectState
 
 EFFORT_RATE = Dimension(effort=1, time=-1)
 DAMPING_RATE = Dimension(effort=1, position=-1)
@@ -28,7 +28,7 @@ POSITION_FRICTION = Effect(
         "flips with the direction of motion, as friction does, and its level follows the position; a "
         "spring or cogging does not flip. The level at q = 0 is Coulomb friction's"
     ),
-    look_alikes=("linear_stiffness", "cogging", "friction_drift", "coulomb"),
+    look_alikes=("linear_stiffness", "cogging", "friction_drift", "coulomb", "position_damping"),
     separating_experiment=(
         "slow constant-velocity runs over the whole stroke, forwards and backwards: half the difference "
         "between the directions is friction over position, half the sum is spring, cogging and gravity"
@@ -52,8 +52,47 @@ FRICTION_DRIFT = Effect(
     pattern=(
         "friction that is higher or lower at the end of the record than at its beginning, at the same motion"
     ),
-    look_alikes=("position_friction", "coulomb", "viscous"),
+    look_alikes=("position_friction", "coulomb", "viscous", "warming_friction"),
     separating_experiment="repeat one short motion from cold to warm and return to where it began in between",
+)
+
+WARMING_FRICTION = Effect(
+    id="warming_friction",
+    kind="effort",
+    title="friction that falls as the contact warms",
+    equation="F = -b w sign(v),  w' = (|v| - w)/τ",
+    law=lambda at: -at.p.b * at.z.w * at.sign,
+    dynamics=lambda at: {"w": (at.speed - at.z.w) / at.p.tau},
+    parameters=(
+        EffectParameter(
+            "b", DAMPING, "fall of the Coulomb level over the mean speed of late", guess=0.1, nests=True
+        ),
+        EffectParameter(
+            "tau",
+            TIME,
+            "time constant τ of warming and cooling",
+            guess=5.0,
+            lower=0.2,
+            upper=3600.0,
+            starts=(1.0, 50.0),
+            absolute=True,
+        ),
+    ),
+    states=(EffectState("w", VELOCITY, "mean speed of late: a measure of the contact's warmth"),),
+    source=(
+        "Bittencourt, Gunnarsson (2012), ASME J. Dyn. Syst. Meas. Control 134(5), 051013 (friction over "
+        "temperature); the temperature of one thermal mass that friction heats in proportion to the speed: "
+        "Incropera, DeWitt (2007), Fundamentals of Heat and Mass Transfer, 6th ed., ch. 5"
+    ),
+    pattern=(
+        "friction is high after a rest and falls while the machine works, and recovers in a pause; a drift "
+        "does not recover"
+    ),
+    look_alikes=("friction_drift", "coulomb", "viscous", "asymmetric_viscous"),
+    separating_experiment=(
+        "one short motion repeated until nothing changes, a pause, and the same motion again: friction is as"
+        " high as at the beginning, and how much depends on the pause"
+    ),
 )
 
 ASYMMETRIC_DAMPER = Effect(
@@ -84,7 +123,7 @@ ASYMMETRIC_DAMPER = Effect(
         "even in velocity, flat at low speed where only the bleed orifice works, linear in speed above "
         "the knee; asymmetric viscous friction has its kink at zero"
     ),
-    look_alikes=("asymmetric_viscous", "quadratic_drag", "offset"),
+    look_alikes=("asymmetric_viscous", "quadratic_drag", "offset", "blow_off_valve"),
     separating_experiment=(
         "sine sweeps of the deflection at peak velocities from a tenth to ten times the knee: the "
         "asymmetry must vanish at the low end"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.signal import lfilter
 
 from hybridid.model import Model, compose
 from hybridid.plants.emps import EMPS
+from hybridid.plants.plant import Load, Plant
 from hybridid.records.record import Channel, Record
 
 Array = NDArray[np.float64]
@@ -126,3 +127,26 @@ def noise() -> Callable[..., Array]:
         return lfilter([1.0], [1.0, -rho], white)[before:]
 
     return make
+
+
+class PressedCarriage(EMPS):
+    """The EMPS whose carriage says all that an effect may need: also a load, and the level of its friction.
+
+    They are signals for an effect to see; the equation of motion is that of the EMPS.
+    """
+
+    ports = tuple(
+        replace(port, load="a spring", level="a magnet that is stronger on one side")
+        if port.name == "carriage"
+        else port
+        for port in EMPS.ports
+    )
+
+    def loads(self, x, u, p):
+        return {"carriage": Load(drive=u.force, load=-300.0 * (x.q + 0.02), level=1.0 + 10.0 * x.q)}
+
+
+@pytest.fixture(scope="session")
+def pressed() -> Plant:
+    """A plant at whose ports every effect of the library is possible."""
+    return PressedCarriage()

@@ -95,8 +95,8 @@ def rate(model: Model, x, u, **values) -> np.ndarray:
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.id)
-def test_a_model_lies_inside_the_model_with_one_effect_more(effect):
-    base = compose(EMPS(), ["viscous", "offset"] if effect.id == "coulomb" else ["coulomb"])
+def test_a_model_lies_inside_the_model_with_one_effect_more(effect, pressed):
+    base = compose(pressed, ["viscous", "offset"] if effect.id == "coulomb" else ["coulomb"])
     more = base.plus(effect)
     zero = {
         p.name: 0.0

@@ -12,10 +12,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hybridid.declarations import Port
-from hybridid.effects.effect import Effect, Local
+from hybridid.effects.effect import LOAD_WIDTH, Effect, Local
 from hybridid.effects.library import EFFECTS, effect_named
 
-SEEN = ("time", "epsilon", "position", "velocity", "acceleration", "signal")
+SEEN = (
+    *("time", "epsilon", "position", "velocity", "acceleration", "signal"),
+    *("drive", "load", "level", "load_width"),
+)
 PORTS = {
     "effort": Port("contact", "effort", "N", 10.0, "m", 0.1, velocity_scale=0.5, epsilon=1e-3),
     "rotary": Port("hinge", "effort", "N·m", 2.0, "rad", 1.0, velocity_scale=3.0, epsilon=1e-3),
@@ -43,6 +46,10 @@ class Bench:
         self._slopes = ca.Function("slopes", args, [ca.jacobian(ca.vertcat(*out), moving)])
 
     @property
+    def n_seen(self) -> int:
+        return len(SEEN)
+
+    @property
     def amplitudes(self) -> tuple[str, ...]:
         return tuple(p.name for p in self.effect.parameters if p.nests)
 
@@ -57,11 +64,11 @@ class Bench:
         return self(z, p, **seen)[0]
 
     def slopes(self, z: Any = (), p: Mapping[str, float] | None = None, **seen: float) -> np.ndarray:
-        """Derivatives of law and rates by all that they see, (1 + n_z, 6 + n_z + n_p)."""
+        """Derivatives of law and rates by all that they see, (1 + n_z, n_seen + n_z + n_p)."""
         return np.asarray(self._slopes(*self._numbers(z, p, seen)))
 
     def _numbers(self, z: Any, p: Mapping[str, float] | None, seen: Mapping[str, float]) -> list[list[float]]:
-        given = {"epsilon": self.port.epsilon, **seen}
+        given = {"epsilon": self.port.epsilon, "load_width": LOAD_WIDTH * self.port.effort_scale, **seen}
         values = self.p | dict(p or {})
         return [[given.get(name, 0.0) for name in SEEN], list(z), list(values.values())]
 

@@ -36,6 +36,15 @@ PROMISED = [
     "flexible_mode",
     "asymmetric_damper",
     "wheel_lift_off",
+    "load_friction",
+    "load_stribeck",
+    "two_sided_load_friction",
+    "input_scaled_friction",
+    "friction_behind_play",
+    "warming_friction",
+    "eddy_brake",
+    "position_damping",
+    "blow_off_valve",
     "input_gain",
     "input_delay",
     "input_lag",
@@ -50,9 +59,9 @@ PORT_OF = {"effort": "carriage", "input": "force", "output": "position"}
 each_effect = pytest.mark.parametrize("effect", EFFECTS, ids=IDS)
 
 
-def with_effect(effect) -> Model:
-    """The bare EMPS with one effect, wherever its kind fits."""
-    return Model(EMPS(), (Term(effect, PORT_OF[effect.kind]),))
+def with_effect(effect, plant) -> Model:
+    """The bare plant with one effect, wherever its kind fits."""
+    return Model(plant, (Term(effect, PORT_OF[effect.kind]),))
 
 
 def random_points(model: Model, rng, count: int = 20):
@@ -84,7 +93,17 @@ def test_every_effect_is_documented(effect):
 @each_effect
 def test_every_parameter_stands_in_the_equation(effect):
     """Under its own name, or the Greek letter that its meaning or the name itself stands for."""
-    letters = {"tau": "τ", "tau_b": "τ_b", "zeta": "ζ", "sigma": "σ", "f_v": "f_v"}
+    letters = {
+        "mu": "μ",
+        "mu_s": "μ_s",
+        "mu_d": "μ_d",
+        "mu_l": "μ_l",
+        "tau": "τ",
+        "tau_b": "τ_b",
+        "zeta": "ζ",
+        "sigma": "σ",
+        "f_v": "f_v",
+    }
     realisation = {"width", "window", "inverse_limit"}
     for p in effect.parameters:
         if p.name not in realisation:
@@ -92,9 +111,9 @@ def test_every_parameter_stands_in_the_equation(effect):
 
 
 @each_effect
-def test_zero_amplitude_removes_it_exactly(effect):
+def test_zero_amplitude_removes_it_exactly(effect, pressed):
     rng = np.random.default_rng(1)
-    bare, model = Model(EMPS()), with_effect(effect)
+    bare, model = Model(pressed), with_effect(effect, pressed)
     nests = [f"{model.terms[0].name}.{p.name}" for p in effect.parameters if p.nests]
     order = [p.name for p in model.parameters]
     for t, x, u, p in random_points(model, rng):
@@ -104,9 +123,9 @@ def test_zero_amplitude_removes_it_exactly(effect):
 
 
 @each_effect
-def test_an_amplitude_changes_something(effect):
+def test_an_amplitude_changes_something(effect, pressed):
     rng = np.random.default_rng(2)
-    bare, model = Model(EMPS()), with_effect(effect)
+    bare, model = Model(pressed), with_effect(effect, pressed)
     order = [p.name for p in model.parameters]
     changed = 0.0
     for t, x, u, p in random_points(model, rng):
@@ -121,10 +140,10 @@ def test_an_amplitude_changes_something(effect):
 
 
 @each_effect
-def test_derivatives_are_finite_everywhere(effect):
+def test_derivatives_are_finite_everywhere(effect, pressed):
     """By states, input and parameters, at rest, in motion, and with the amplitude at zero."""
     rng = np.random.default_rng(3)
-    model = with_effect(effect)
+    model = with_effect(effect, pressed)
     symbols = [
         ca.SX.sym("t"),
         *(
@@ -158,10 +177,13 @@ def test_a_fit_can_leave_zero_amplitude(bench, effect):
     at_port = bench(effect)
     zero = dict.fromkeys(at_port.amplitudes, 0.0)
     seen = {"time": 0.317, "position": 0.17, "velocity": -0.05, "acceleration": 1.0, "signal": 4.0}
+    seen |= {"drive": 3.0, "load": -1.0, "level": 0.8}
     if effect.id == "wheel_lift_off":
         seen["position"] = -0.17
+    if effect.id == "blow_off_valve":
+        seen["velocity"] = -2.0
     slopes = at_port.slopes(z=[0.3] * len(effect.states), p=zero, **seen)[0]
-    offset = 6 + len(effect.states)
+    offset = at_port.n_seen + len(effect.states)
     for k, p in enumerate(effect.parameters):
         if p.nests:
             assert (abs(slopes[offset + k]) > 1e-6) == (effect.id not in BLIND_AT_ZERO)
@@ -199,6 +221,11 @@ def test_shape_parameters_that_many_valleys_await_have_several_starts():
         "end_stop": "d",
         "wheel_lift_off": "d",
         "asymmetric_damper": "v_k",
+        "load_stribeck": "v_s",
+        "eddy_brake": "v_c",
+        "blow_off_valve": "v_b",
+        "warming_friction": "tau",
+        "friction_behind_play": "g",
     }
     for id_, name in wanted.items():
         p = next(p for p in effect_named(id_).parameters if p.name == name)
@@ -216,6 +243,10 @@ def test_effects_are_searched_where_they_make_sense():
         "wheel_lift_off": (tyre,),
         "asymmetric_damper": (strut,),
         "viscous": (carriage, tyre, strut, hinge),
+        "load_friction": (carriage,),
+        "two_sided_load_friction": (),
+        "input_scaled_friction": (),
+        "blow_off_valve": (strut,),
         "input_delay": (force,),
         "sensor_lag": (position,),
     }

@@ -12,7 +12,6 @@ import pytest
 from hybridid.effects.library import EFFECTS
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import Model, Term, compose
-from hybridid.plants.emps import EMPS
 from hybridid.records.record import Channel, Record
 from hybridid.simulation import simulate
 
@@ -30,6 +29,8 @@ PLANTED = {
     "end_stop": {"d": 0.005},
     "wheel_lift_off": {"d": 0.01},
     "input_saturation": {"inverse_limit": 1 / 60},
+    "blow_off_valve": {"dc": 100.0, "v_b": 0.03},
+    "two_sided_load_friction": {"mu_d": 0.03, "mu_l": 0.2},
 }
 """What to plant where the guess is nothing or out of this motion's reach, in SI units."""
 HIDDEN = {
@@ -56,20 +57,20 @@ def position_of(model: Model, values: dict[str, float]) -> np.ndarray:
     return simulate(model, values, some_motion, np.zeros(len(model.states)), substeps=4).outputs[:, 0]
 
 
-def machine_with(effect) -> tuple[Model, dict[str, float]]:
+def machine_with(effect, plant) -> tuple[Model, dict[str, float]]:
     """The known EMPS with one unknown effect, and its parameters by qualified name."""
     others = [name for name in ("viscous", "coulomb") if name != effect.id]
     port = PORT_OF[effect.kind]
     name = Term(effect, port).name
     fixed = {p: {"fixed": value} for p, value in KNOWN.items() if not p.startswith(f"{name}.")}
-    model = compose(EMPS(), [*others, f"{effect.id}@{port}"], fixed)
+    model = compose(plant, [*others, f"{effect.id}@{port}"], fixed)
     guesses = {p.name: p.at(model.plant.port(port)).guess for p in effect.parameters}
     return model, {f"{name}.{k}": v for k, v in (guesses | PLANTED.get(effect.id, {})).items()}
 
 
 @pytest.mark.parametrize("effect", [e for e in EFFECTS if e.id not in HIDDEN], ids=lambda effect: effect.id)
-def test_a_planted_effect_is_fitted_back(effect):
-    model, truth = machine_with(effect)
+def test_a_planted_effect_is_fitted_back(effect, pressed):
+    model, truth = machine_with(effect, pressed)
     record = record_of(position_of(model, truth))
     amplitudes = {
         name for name in truth if name.rsplit(".", 1)[1] in {p.name for p in effect.parameters if p.nests}

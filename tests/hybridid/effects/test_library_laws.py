@@ -18,6 +18,10 @@ OF_SEEN = {
     "velocity": (0, 1, -1),
     "acceleration": (0, 1, -2),
     "signal": (1, 0, 0),
+    "drive": (1, 0, 0),
+    "load": (1, 0, 0),
+    "level": (0, 0, 0),
+    "load_width": (1, 0, 0),
 }
 RATE = Dimension(time=-1)
 
@@ -33,7 +37,7 @@ def test_laws_are_dimensionally_consistent(any_bench):
     rng = np.random.default_rng(4)
     into = {name: factor(Dimension(*powers), length) for name, powers in OF_SEEN.items()}
     for _ in range(5):
-        seen = {name: rng.normal() for name in OF_SEEN} | {"epsilon": 0.05}
+        seen = {name: rng.normal() for name in OF_SEEN} | {"epsilon": 0.05, "load_width": 0.1}
         z = rng.uniform(-0.9, 0.9, len(effect.states)) * [s.at(bench.port).scale for s in effect.states]
         law, rates = bench(z, **seen)
         p = {q.name: bench.p[q.name] * factor(q.dimension, length) for q in effect.parameters}
@@ -46,7 +50,13 @@ def test_laws_are_dimensionally_consistent(any_bench):
         assert rates_new == pytest.approx(expected, rel=1e-6)
 
 
-ODD_IN_VELOCITY = ("viscous", "coulomb", "stribeck", "quadratic_drag", "position_friction", "friction_drift")
+LOADED = ("load_friction", "load_stribeck", "two_sided_load_friction", "input_scaled_friction")
+ODD_IN_VELOCITY = (
+    *("viscous", "coulomb", "stribeck", "quadratic_drag", "position_friction", "friction_drift"),
+    *("eddy_brake", "position_damping", "blow_off_valve"),
+    *LOADED,
+)
+CARRIED = {"drive": 2.0, "load": 3.5, "level": 0.7}
 EVEN_IN_VELOCITY = ("asymmetric_viscous", "asymmetric_coulomb", "asymmetric_damper")
 BLIND_TO_VELOCITY = (
     "offset",
@@ -60,7 +70,8 @@ BLIND_TO_VELOCITY = (
     "wheel_lift_off",
     "added_inertia",
 )
-ODD_ALTOGETHER = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash")
+ODD_ALTOGETHER = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play")
+OF_THE_SPEED = ("warming_friction",)
 
 
 @pytest.mark.parametrize("name", ODD_IN_VELOCITY + EVEN_IN_VELOCITY + BLIND_TO_VELOCITY)
@@ -68,7 +79,7 @@ def test_what_happens_when_the_motion_turns(bench, name):
     """Friction flips with the direction, asymmetries do not, efforts of position do not notice."""
     effect = bench(name)
     for v in (1e-4, 0.003, 0.2, 1.0):
-        seen = {"time": 2.0, "position": 0.13, "acceleration": 0.4}
+        seen = {"time": 2.0, "position": 0.13, "acceleration": 0.4} | CARRIED
         there, back = effect.law(velocity=v, **seen), effect.law(velocity=-v, **seen)
         wanted = -there if name in ODD_IN_VELOCITY else there
         assert back == pytest.approx(wanted, rel=1e-12, abs=0)
@@ -91,7 +102,13 @@ def test_effects_with_memory_have_no_side(bench, name):
 
 def test_every_effort_effect_has_a_symmetry_test():
     efforts = {effect.id for effect in EFFECTS if effect.kind == "effort"}
-    assert efforts == {*ODD_IN_VELOCITY, *EVEN_IN_VELOCITY, *BLIND_TO_VELOCITY, *ODD_ALTOGETHER}
+    assert efforts == {
+        *ODD_IN_VELOCITY,
+        *EVEN_IN_VELOCITY,
+        *BLIND_TO_VELOCITY,
+        *ODD_ALTOGETHER,
+        *OF_THE_SPEED,
+    }
 
 
 def closed_motion(seed: int, period: float = 2.0, amplitude: float = 0.15):
@@ -132,8 +149,8 @@ CONSERVATIVE = (
     "wheel_lift_off",
     "added_inertia",
 )
-DISSIPATIVE = ("viscous", "coulomb", "stribeck", "quadratic_drag")
-DISSIPATIVE_OVER_A_CYCLE = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode")
+DISSIPATIVE = ("viscous", "coulomb", "stribeck", "quadratic_drag", "eddy_brake", *LOADED)
+DISSIPATIVE_OVER_A_CYCLE = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "friction_behind_play")
 
 
 @pytest.mark.parametrize("name", CONSERVATIVE)
@@ -153,7 +170,7 @@ def test_conservative_effects_give_back_what_they_took(bench, name, seed):
 def test_friction_takes_power_at_every_instant(bench, name):
     effect = bench(name)
     for v in np.concatenate([-np.logspace(-6, 1, 30), np.logspace(-6, 1, 30)]):
-        power = effect.law(velocity=v, position=0.1, time=1.0) * v
+        power = effect.law(velocity=v, position=0.1, time=1.0, **CARRIED) * v
         assert power >= 0
         assert power > 0 or abs(v) > 1, "no friction at slow motion"
 

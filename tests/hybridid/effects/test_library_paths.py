@@ -12,7 +12,7 @@ def response(bench, omega: np.ndarray, **p: float) -> np.ndarray:
     """Frequency response of 1 + effect at ``omega`` [rad/s], from its linear equations."""
     n = len(bench.effect.states)
     slopes = bench.slopes(z=[0.0] * n, p=p)
-    signal, states = 5, slice(6, 6 + n)
+    signal, states = 5, slice(bench.n_seen, bench.n_seen + n)
     c, d, a, b = slopes[0, states], slopes[0, signal], slopes[1:, states], slopes[1:, signal]
     return np.array([1 + d + c @ np.linalg.solve(1j * w * np.eye(n) - a, b) for w in omega])
 
@@ -39,7 +39,9 @@ def test_the_delay_of_a_whole_window_is_the_textbooks_pade_approximant(bench):
 def test_the_delays_poles_do_not_move_with_the_delay(bench):
     effect = bench("input_delay")
     poles = [
-        np.linalg.eigvals(effect.slopes(z=[0.0] * ORDER, p={"delay": d})[1:, 6 : 6 + ORDER])
+        np.linalg.eigvals(
+            effect.slopes(z=[0.0] * ORDER, p={"delay": d})[1:, effect.n_seen : effect.n_seen + ORDER]
+        )
         for d in (0, 1e-3)
     ]
     assert np.array_equal(poles[0], poles[1])
@@ -84,7 +86,7 @@ def test_a_lag_delays_slow_signals_by_its_time_constant_whatever_the_floor(bench
 
 def test_a_lags_pole_stays_within_its_floor(bench):
     effect = bench("input_lag")
-    pole = effect.slopes(z=[0.0], p={"T": 0.0})[1, 6]
+    pole = effect.slopes(z=[0.0], p={"T": 0.0})[1, effect.n_seen]
     assert pole == pytest.approx(-1 / effect.p["floor"])
 
 
