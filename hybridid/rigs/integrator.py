@@ -50,7 +50,8 @@ class Tables(NamedTuple):
     """A ``Machine`` as flat arrays; the state is y = (q, q', states of the laws).
 
     Law k acts at ``contact[k]``; its states and parameters start at ``state_start[k]`` and
-    ``parameter_start[k]``. Contact c can stick if ``dry[c]``; its direction matters if ``sided[c]``.
+    ``parameter_start[k]``. Contact c can stick if ``dry[c]``; its direction matters if ``sided[c]``. Law k
+    sees the contact's drive and load if ``loaded[k]``, and is part of the loads if ``carried[k]``.
     """
 
     inverse_mass: NDArray[np.float64]
@@ -63,6 +64,8 @@ class Tables(NamedTuple):
     state_start: NDArray[np.int64]
     parameter_start: NDArray[np.int64]
     parameters: NDArray[np.float64]
+    loaded: NDArray[np.bool_]
+    carried: NDArray[np.bool_]
 
 
 @njit(cache=True)
@@ -74,16 +77,42 @@ def _dot(a, b):
 
 
 @njit(cache=True)
-def _resistance(m, t, y, slip, dy):
+def _law(m, k, t, y, slip, p, dy):
+    """Force of law k with the parameters ``p``; fills its rates in ``dy``."""
+    n, c = m.inverse_mass.shape[0], m.contact[k]
+    z = slice(2 * n + m.state_start[k], 2 * n + m.state_start[k + 1])
+    q, v = _dot(m.directions[c], y[:n]), _dot(m.directions[c], y[n : 2 * n])
+    return m.laws[k](t, q, v, slip[c], y[z], p, dy[z])
+
+
+@njit(cache=True)
+def _own(m, k):
+    return m.parameters[m.parameter_start[k] : m.parameter_start[k + 1]]
+
+
+@njit(cache=True)
+def _with_load(m, k, t, u, y, slip, dy):
+    """Parameters of law k, then the drive and the load along its contact, both positive in its direction."""
+    along, own = m.directions[m.contact[k]], _own(m, k)
+    p = np.zeros(len(own) + 2)
+    p[: len(own)] = own
+    length = _dot(along, along)
+    for i in range(len(along)):
+        p[-2] += along[i] * _dot(m.input_matrix[i], u) / length
+    for j in range(len(m.laws)):
+        if m.carried[j]:
+            share = _dot(along, m.directions[m.contact[j]]) / length
+            p[-1] -= share * _law(m, j, t, y, slip, _own(m, j), dy)
+    return p
+
+
+@njit(cache=True)
+def _resistance(m, t, u, y, slip, dy):
     """Force of each contact's laws at these slips, shape (c,); fills the laws' rates in ``dy``."""
-    n = m.inverse_mass.shape[0]
     force = np.zeros(len(slip))
     for k in range(len(m.laws)):
-        c = m.contact[k]
-        z = slice(2 * n + m.state_start[k], 2 * n + m.state_start[k + 1])
-        p = m.parameters[m.parameter_start[k] : m.parameter_start[k + 1]]
-        q, v = _dot(m.directions[c], y[:n]), _dot(m.directions[c], y[n : 2 * n])
-        force[c] += m.laws[k](t, q, v, slip[c], y[z], p, dy[z])
+        p = _with_load(m, k, t, u, y, slip, dy) if m.loaded[k] else _own(m, k)
+        force[m.contact[k]] += _law(m, k, t, y, slip, p, dy)
     return force
 
 
@@ -151,7 +180,7 @@ def _push(m, c):
 def _derivative(m, t, u, y, slip, dy):
     """Fills ``dy``; returns the holding forces, shape (c,)."""
     n = m.inverse_mass.shape[0]
-    resistance = _resistance(m, t, y, slip, dy)
+    resistance = _resistance(m, t, u, y, slip, dy)
     drive = np.zeros(n)
     for i in range(n):
         drive[i] = _dot(m.input_matrix[i], u)
@@ -183,16 +212,16 @@ def _step(m, t, h, u, y, slip, tolerance):
 
 
 @njit(cache=True)
-def _excess(m, t, y, hold, slip):
+def _excess(m, t, u, y, hold, slip):
     """Holding force beyond the limit of each sticking contact, shape (c,): positive to slide up."""
     scratch, tried = np.empty(len(y)), slip.copy()
     excess = np.zeros(len(slip))
     for c in range(len(slip)):
         if _sticks(m, slip, c):
             tried[c] = 1.0
-            up = _resistance(m, t, y, tried, scratch)[c]
+            up = _resistance(m, t, u, y, tried, scratch)[c]
             tried[c] = -1.0
-            down = _resistance(m, t, y, tried, scratch)[c]
+            down = _resistance(m, t, u, y, tried, scratch)[c]
             tried[c] = 0.0
             excess[c] = max(hold[c] - up, 0.0) + min(hold[c] - down, 0.0)
     return excess
@@ -205,9 +234,9 @@ def _speed(m, y, c):
 
 
 @njit(cache=True)
-def _changes(m, t, y, hold, slip):
+def _changes(m, t, u, y, hold, slip):
     """Which contacts must stop sliding or sticking, shape (c,), and whether there are any."""
-    changed = _excess(m, t, y, hold, slip) != 0.0
+    changed = _excess(m, t, u, y, hold, slip) != 0.0
     some = False
     for c in range(len(slip)):
         if not m.sided[c]:
@@ -224,7 +253,7 @@ def _release(m, t, u, y, slip):
     """Release the sticking contacts that cannot be held, the most overloaded first."""
     scratch = np.empty(len(y))
     for _ in range(len(slip)):
-        excess = _excess(m, t, y, _derivative(m, t, u, y, slip, scratch), slip)
+        excess = _excess(m, t, u, y, _derivative(m, t, u, y, slip, scratch), slip)
         worst = 0
         for c in range(len(slip)):
             if abs(excess[c]) > abs(excess[worst]):
@@ -256,7 +285,7 @@ def _event_step(m, t, h, u, y, slip, tolerance):
     for _ in range(_BISECTIONS):
         middle = 0.5 * (before + after)
         new, _, hold = _step(m, t, middle, u, y, slip, tolerance)
-        if _changes(m, t + middle, new, hold, slip)[1]:
+        if _changes(m, t + middle, u, new, hold, slip)[1]:
             after = middle
         else:
             before = middle
@@ -267,7 +296,7 @@ def _event_step(m, t, h, u, y, slip, tolerance):
 def advance(
     start, duration, u, y, slip, tolerance, max_step,
     inverse_mass, input_matrix, directions, dry, sided, laws, contact, state_start, parameter_start,
-    parameters,
+    parameters, loaded, carried,
 ):  # fmt: skip
     """Integrate over ``duration`` [s] with ``u`` constant, in place; return the number of events, or -1.
 
@@ -275,7 +304,7 @@ def advance(
     """
     m = Tables(
         inverse_mass, input_matrix, directions, dry, sided, laws, contact, state_start, parameter_start,
-        parameters,
+        parameters, loaded, carried,
     )  # fmt: skip
     elapsed, events, h = 0.0, 0, min(duration, max_step)
     _release(m, start, u, y, slip)
@@ -289,11 +318,11 @@ def advance(
             h *= max(0.2, 0.9 * error**-0.2) if error < np.inf else 0.2
             continue
         step = h
-        changed, some = _changes(m, start + elapsed + h, new, hold, slip)
+        changed, some = _changes(m, start + elapsed + h, u, new, hold, slip)
         if some:
             step = _event_step(m, start + elapsed, h, u, y, slip, tolerance)
             new, _, hold = _step(m, start + elapsed, step, u, y, slip, tolerance)
-            changed, _ = _changes(m, start + elapsed + step, new, hold, slip)
+            changed, _ = _changes(m, start + elapsed + step, u, new, hold, slip)
         elapsed += step
         for i in range(len(y)):
             y[i] = new[i]

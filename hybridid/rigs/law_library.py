@@ -13,6 +13,7 @@ import math
 
 from hybridid.rigs.contact_laws import ASYMMETRIC_DAMPER, LUGRE, MAXWELL, WHEEL_LIFT_OFF
 from hybridid.rigs.laws import Law, Planted, RigError, nearest
+from hybridid.rigs.load_laws import LOAD_FRICTION, LOAD_STRIBECK, TWO_SIDED_LOAD_FRICTION, WEIGHT
 
 # Signature of every function below: t [s], q [m], v [m/s], direction s, states z, parameters p, rates dz.
 
@@ -83,7 +84,9 @@ def _flexible_mode(t, q, v, s, z, p, dz):
 VISCOUS = Law("viscous", "F = f_v v", _viscous, (("f_v", "N s/m"),), sided=False)
 COULOMB = Law("coulomb", "F = f_c sign(v)", _coulomb, (("f_c", "N"),), dry=True)
 OFFSET = Law("offset", "F = offset", _offset, (("offset", "N"),), sided=False)
-STIFFNESS = Law("stiffness", "F = k (q - q_0)", _stiffness, (("k", "N/m"), ("q_0", "m")), sided=False)
+STIFFNESS = Law(
+    "stiffness", "F = k (q - q_0)", _stiffness, (("k", "N/m"), ("q_0", "m")), sided=False, carried=True
+)
 ASYMMETRIC_VISCOUS = Law(
     "asymmetric_viscous",
     "F = -(difference / 2) |v|, difference = f_v(v<0) - f_v(v>0)",
@@ -170,6 +173,10 @@ LAWS: tuple[Law, ...] = (
     LUGRE,
     ASYMMETRIC_DAMPER,
     WHEEL_LIFT_OFF,
+    LOAD_FRICTION,
+    LOAD_STRIBECK,
+    TWO_SIDED_LOAD_FRICTION,
+    WEIGHT,
 )
 
 

@@ -9,6 +9,10 @@ with time ``t`` [s], position ``q``, velocity ``v`` and direction ``s`` of the c
 slides, 0 while it sticks), the law's own states ``z``, its parameters ``p`` and the states' rates ``dz``,
 which the law fills in. A law uses ``f_c * s`` and ``s * v`` for f_c sign(v) and |v|: it is smooth within
 one direction, and its limits at ``v = 0``, ``s = +-1`` are the breakaway forces.
+
+A ``loaded`` law finds the contact's drive and load after its own parameters, as p[-2] and p[-1]. Both act on
+the contact and are positive in its direction. The drive is the force of the inputs along the contact. The
+load is that of the ``carried`` laws (springs, weights) at this and other contacts.
 """
 
 from __future__ import annotations
@@ -35,6 +39,8 @@ class Law:
     ``function`` has the signature above and must be plain numba-compilable Python.
     ``dry``: at rest, the force jumps with the direction, so that the contact can stick. ``sided``: the force
     depends on the direction. Without such a law, a reversal is no event, which is faster.
+    ``loaded``: it sees the contact's drive and load. ``carried``: its force is part of the loads; such a law
+    has no states and is not loaded itself.
     ``positive`` names the parameters that must be above zero.
     """
 
@@ -47,6 +53,12 @@ class Law:
     sided: bool = True
     positive: tuple[str, ...] = ()
     source: str = ""
+    loaded: bool = False
+    carried: bool = False
+
+    def __post_init__(self) -> None:
+        if self.carried and (self.states or self.loaded or self.dry):
+            raise RigError(f"law {self.name}: a carried law is a force of time, position and velocity alone")
 
     def __call__(self, **values: float) -> Planted:
         """The law with these values: ``STRIBECK(amplitude=5.0, velocity=0.01)``."""

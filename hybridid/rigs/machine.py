@@ -180,6 +180,8 @@ def _tables(machine: Machine) -> Any:
         state_start=_starts([one.law.states for one in planted]),
         parameter_start=_starts([len(values) for values in parameters]),
         parameters=np.array([value for values in parameters for value in values], dtype=float),
+        loaded=np.array([one.law.loaded for one in planted], dtype=bool),
+        carried=np.array([one.law.carried for one in planted], dtype=bool),
     )
 
 

@@ -11,11 +11,13 @@ from hybridid.rigs.law_library import (
     CUBIC_STIFFNESS,
     DAHL,
     FLEXIBLE_MODE,
+    LOAD_FRICTION,
     OFFSET,
     POSITION_FRICTION,
     STIFFNESS,
     STRIBECK,
     VISCOUS,
+    WEIGHT,
 )
 from hybridid.rigs.laws import Law, RigError
 from hybridid.rigs.machine import Machine, Motion
@@ -224,3 +226,36 @@ def test_a_truth_that_diverges_says_where():
 def test_a_machine_that_makes_no_sense_is_refused(arguments, said):
     with pytest.raises(RigError, match=said):
         Machine(*arguments)
+
+
+def test_load_friction_takes_its_share_of_the_drive_and_brakes_when_the_drive_does():
+    mass, mu = 2.0, 0.1
+    motion = Motion(carriage(LOAD_FRICTION(mu=mu), mass=mass), [0.0])
+    motion.advance(1.0, push(10.0))
+    assert motion.velocities[0] == pytest.approx((1 - mu) * 10.0 / mass, rel=1e-9)
+    motion.advance(0.5, push(-5.0))
+    assert motion.velocities[0] == pytest.approx(((1 - mu) * 10.0 - (1 + mu) * 5.0 * 0.5) / mass, rel=1e-9)
+
+
+@pytest.mark.parametrize(("force", "slip"), [(1.21, 0), (1.23, 1), (0.83, 0), (0.81, -1)])
+def test_load_friction_holds_a_weight_within_its_cone(force, slip):
+    """Weight G against drive u: it rests while |u - G| <= mu (u + G): from (1 - mu)/(1 + mu) to 1 over it."""
+    mu = 0.1
+    assert (1 + mu) / (1 - mu) == pytest.approx(1.2222, abs=1e-4)
+    machine = carriage(LOAD_FRICTION(mu=mu), WEIGHT(amplitude=1.0, q_0=-np.pi / 2))
+    motion = Motion(machine, [0.0])
+    motion.advance(1e-3, push(force))
+    assert motion.slip[0] == slip
+
+
+def test_a_motor_carries_the_spring_behind_it():
+    """Two bodies at rest, the spring between them wound: the motor lets go at |u + load| = mu |u - load|."""
+    k, twist, mu = 50.0, 0.1, 0.2
+    directions = ((1.0, 0.0), (1.0, -1.0), (0.0, 1.0))
+    laws = ((LOAD_FRICTION(mu=mu),), (STIFFNESS(k=k, q_0=0.0),), (COULOMB(f_c=100.0),))
+    machine = Machine(((0.5, 0.0), (0.0, 2.0)), ((1.0,), (0.0,)), directions, laws)
+    for share, slips in ((0.99, False), (1.01, True)):
+        motion = Motion(machine, [twist, 0.0])
+        limit = k * twist * (1 + mu) / (1 - mu)
+        motion.advance(1e-4, push(share * limit))
+        assert (motion.slip[0] != 0) == slips

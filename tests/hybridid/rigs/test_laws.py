@@ -8,6 +8,7 @@ import pytest
 from hybridid.rigs.law_library import LAWS, law_named, plant
 from hybridid.rigs.laws import Law, Planted, RigError
 
+DRIVE, LOAD = 4.0, -7.0  # N, what the contact carries
 # (values, F(t, q, v) with sign and modulus as textbooks write them)
 TEXTBOOK = {
     "viscous": ({"f_v": 203.0}, lambda t, q, v: 203.0 * v),
@@ -33,13 +34,24 @@ TEXTBOOK = {
         lambda t, q, v: -35.0 * (np.hypot(v, 0.02) - 0.02),
     ),
     "wheel_lift_off": ({"k": 900.0, "d": 0.3}, lambda t, q, v: 0.0),
+    "weight": ({"amplitude": 2.0, "q_0": 0.3}, lambda t, q, v: 2.0 * np.sin(q - 0.3)),
+    "load_friction": ({"mu": 0.1}, lambda t, q, v: 0.1 * abs(DRIVE - LOAD) * np.sign(v)),
+    "load_stribeck": (
+        {"mu": 0.1, "velocity": 0.02},
+        lambda t, q, v: 0.1 * abs(DRIVE - LOAD) * np.exp(-((v / 0.02) ** 2)) * np.sign(v),
+    ),
+    "two_sided_load_friction": (
+        {"mu_drive": 0.1, "mu_load": 0.2},
+        lambda t, q, v: (0.1 * abs(DRIVE) + 0.2 * abs(LOAD)) * np.sign(v),
+    ),
 }
 HAS_MEMORY = {"dahl", "flexible_mode", "maxwell", "lugre"}
 
 
 def force(planted: Planted, t, q, v, z=()):
     rates = np.zeros(planted.law.states)
-    values = np.array([value for _, value in planted.values])
+    carried = [DRIVE, LOAD] if planted.law.loaded else []
+    values = np.array([*(value for _, value in planted.values), *carried])
     return planted.law.function(t, q, v, np.sign(v), np.array(z, dtype=float), values, rates), rates
 
 
