@@ -122,6 +122,25 @@ def test_own_folder_is_listed(laboratory):
     assert "our lab, 2026" in said
 
 
+def test_the_load_of_the_page_is_listed_and_an_effect_sees_it(laboratory):
+    said = run(["-m", "hybridid_cli", "cases", "pendulum", "--config-dir", "mylab"], laboratory)
+    assert "pivot: drive: motor torque through the gear; load: torque of the weight" in said
+    said = run(["-m", "hybridid_cli", "effects", "pendulum:GEAR_LOSS", "--config-dir", "mylab"], laboratory)
+    assert "needs     the effort that the port carries" in said
+    seen = """
+from hybridid.model import compose
+from pendulum import GEAR_LOSS, Pendulum
+
+model = compose(Pendulum(), [GEAR_LOSS, "two_sided_load_friction"])
+values = model.values({"pivot.gear_loss.mu": 0.1, "pivot.two_sided_load_friction.mu_d": 0.2,
+                       "pivot.two_sided_load_friction.mu_l": 0.0})
+print(*map(float, model.efforts(0, [0.5, 1.0], [0.3], values).elements()))
+"""
+    gear, drive = map(float, run(["-c", seen], laboratory).split())
+    assert gear == pytest.approx(0.1 * 1.0 * np.sin(0.5))
+    assert drive == pytest.approx(0.2 * 0.3)
+
+
 def test_notebook_example_finds_the_same(laboratory):
     said = run(["-c", python_blocks(OWN)[-1]], laboratory)
     values = {line.split()[0]: float(line.split()[1]) for line in said.splitlines()}

@@ -47,6 +47,14 @@ def test_cases_with_data_says_measured(say, measured):
     assert "simulated" not in said.out
 
 
+def test_cases_say_what_every_port_carries_or_why_it_has_no_load(say):
+    said = say("cases").out
+    assert "load     carriage: drive: motor force through screw and nut" in said
+    assert "load     motor: drive: motor torque; load: torque of the elastomer on the motor" in said
+    assert "load     oscillator: none (an electronic circuit: nothing slides)" in said
+    assert "load     front_suspension: none (the spring stands beside the damper;" in said
+
+
 def test_misspelt_case(say):
     said = say("cases", "emp")
     assert said.code == 2
