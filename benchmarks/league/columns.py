@@ -65,7 +65,9 @@ def terms(model: Model, eq: Equation, coarse: bool = False, memory: bool = True)
     for effect, port in itertools.product(EFFECTS, model.plant.ports):
         if not effect.admissible_at(port) or f"{port.name}.{effect.id}" in present:
             continue
-        if effect.kind == "effort" and effect.states and not memory:
+        if effect.kind == "effort" and effect.states and not (memory and effect.id in STATES):
+            continue
+        if effect.needs:  # the regression knows the motion and no load
             continue
         if effect.kind == "effort" and port.name in eq.motion and _not_the_plants(effect, port.name, eq):
             yield from (Term(effect, port.name, shape) for shape in _shapes(effect, port, eq, coarse))

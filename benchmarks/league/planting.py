@@ -87,7 +87,8 @@ class Hidden:
     @property
     def effect(self) -> Effect:
         """What the oracle adds to the declared model: the library's, or the twin of a law outside it."""
-        return effect_named(self.what) if self.in_library else OUTSIDE[self.what]
+        # the library may know a law of the league by now, under the same name, with its own parameters
+        return OUTSIDE[self.what] if self.what in OUTSIDE else effect_named(self.what)
 
     @property
     def truth(self) -> dict[str, float]:

@@ -300,6 +300,14 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "added_inertia",
         "sensor_scale",
         "sensor_offset",
+        # in the drawn league, or there under the names of their laws (heating, blow_off)
+        "load_friction",
+        "load_stribeck",
+        "two_sided_load_friction",
+        "input_scaled_friction",
+        "friction_behind_play",
+        "warming_friction",
+        "blow_off_valve",
     }
     assert Hidden("dahl", "carriage", {"amplitude": 5.0, "stiffness": 2500.0}).truth["s"] == pytest.approx(
         2e-3
