@@ -13,7 +13,13 @@ from hybridid.trace.words import VERDICTS, completeness_in_words, parameters_in_
 from hybridid_cli.tables import provenance, table, view
 from pipelines.shared.traced import trace_of
 
-_COLOURS = {"effect_found": "green", "ambiguous": "yellow", "nothing_missing": "green", "unexplained": "red"}
+_COLOURS = {
+    "effect_found": "green",
+    "ambiguous": "yellow",
+    "nothing_missing": "green",
+    "undecided": "yellow",
+    "unexplained": "red",
+}
 
 
 def trace_results(tree: Path) -> list[RenderableType]:

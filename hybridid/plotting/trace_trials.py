@@ -20,6 +20,7 @@ _MARKS = {
     "passed": (BLUE, "s"),
     "unidentifiable": (ORANGE, "D"),
     "rejected": (SOFT_INK, "x"),
+    "untried": (SOFT_INK, "|"),
 }
 
 
@@ -27,7 +28,7 @@ _MARKS = {
 class Tried:
     """An effect at a port, its relative decrease of the held-out RMSE, and the decision about it.
 
-    ``status`` is accepted, passed (but not the best), unidentifiable or rejected.
+    ``status`` is accepted, passed (but not the best), unidentifiable, rejected or untried.
     """
 
     name: str

@@ -36,7 +36,7 @@ class SignalMap:
 
     ``factor`` names a scalar or a column of the same files (EMPS: force [N] = ``gtau`` · ``vir``).
     ``offset`` is in ``unit``. If several files have a column of that name, write ``file:column``
-    with the file's name or stem.
+    with the file's name or stem. Without a ``hold`` an input is assumed to be held constant (``zoh``).
     """
 
     name: str
@@ -46,7 +46,7 @@ class SignalMap:
     sign: int = 1
     offset: float = 0.0
     factor: str | None = None
-    hold: Hold = "zoh"
+    hold: Hold | None = None
     meaning: str = ""
 
     def __post_init__(self) -> None:
@@ -58,7 +58,7 @@ class SignalMap:
     @property
     def channel(self) -> Channel:
         """The channel that the signal becomes in the record."""
-        return Channel(self.name, self.unit, self.hold, self.meaning)
+        return Channel(self.name, self.unit, self.hold or "zoh", self.meaning, assumed=self.hold is None)
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def build_record(
     warnings: tuple[str, ...] = ()
     if resample is not None:
         plan = resample if isinstance(resample, Resample) else Resample(resample)
-        holds = [s.hold if i < len(inputs) else None for i, s in enumerate(signals)]
+        holds = [s.channel.hold if i < len(inputs) else None for i, s in enumerate(signals)]
         _check_finite(name, stamps, signals, values)
         stamps, values, warnings = resampled(stamps, values, holds, plan, f"record {name}")
     n_u, n_y = len(inputs), len(inputs) + len(outputs)

@@ -133,10 +133,11 @@ class LearnedGain:
 
 @dataclass(frozen=True)
 class Floor:
-    """The noise level (standard deviation) of an output's sensor."""
+    """The noise level ``value`` (standard deviation) of an output's sensor; RMS error of the simulation."""
 
     value: float
     unit: str
+    simulation: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hybridid.estimators.method import GAUSS_NEWTON, Method
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.model import Model
+from hybridid.records.channel import Channel
 from hybridid.records.record import Hold, Record
 from hybridid.simulation.stability import substeps_wanted
 from hybridid.trace.split import Split
@@ -22,8 +23,8 @@ MARGIN = 1.1
 
 @dataclass(frozen=True)
 class Numerics:
-    """``smoothing`` multiplies every epsilon, ``finer`` the steps a sample; ``hold`` replaces how every
-    input runs between samples (None: as declared). ``method`` descends."""
+    """``smoothing`` multiplies every epsilon, ``finer`` the steps a sample; ``hold`` replaces how the
+    inputs whose hold is only assumed run between samples (None: as assumed). ``method`` descends."""
 
     name: str = "as declared"
     smoothing: float = 1.0
@@ -37,11 +38,12 @@ class Numerics:
         if self.hold is None:
             return split.records
         return tuple(
-            replace(
-                r, input_channels=tuple(replace(c, hold=self.hold) for c in r.input_channels), warnings=()
-            )
+            replace(r, input_channels=tuple(self._held(c) for c in r.input_channels), warnings=())
             for r in split.records
         )
+
+    def _held(self, channel: Channel) -> Channel:
+        return replace(channel, hold=self.hold) if channel.assumed and self.hold else channel
 
     def problem(self, model: Model, split: Split, steps: int) -> Problem:
         """Every horizon of ``split``, in ``steps`` times ``finer`` steps a sample."""

@@ -70,6 +70,8 @@ class Trace:
     record. ``declared`` and ``effects`` name the terms of these two models, ``estimates`` hold their
     parameters, ``ceilings`` the gains of learned efforts beside them, ``path`` the error at each change.
     ``remains`` names where structure is left that no effect explains, ``stopped`` says why the search ended.
+    ``times`` is the held-out error over what the sensor's noise and the simulation alone would leave, and
+    ``refused`` the gain worth having that a test refused, where that leaves the verdict open.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
     """
@@ -89,6 +91,8 @@ class Trace:
     path: tuple[Level, ...]
     ceilings: LearnedGains
     remains: tuple[str, ...]
+    times: float
+    refused: str
     completeness: Completeness | None
     stopped: str
     split: str

@@ -43,8 +43,12 @@ class Survival:
 
 
 def variations(records: Sequence[Record], declared: Numerics = DECLARED) -> tuple[Numerics, ...]:
-    """Changes of smoothing, step, integrator and input hold that should not change the gain of an effect."""
-    holds = [hold for hold in HOLDS if hold != records[0].input_channels[0].hold]
+    """Changes of smoothing, step and integrator that should not change the gain of an effect.
+
+    A hold that a record declares is a fact about the recording, and stays. One that is assumed is varied.
+    """
+    assumed = [c.hold for record in records for c in record.input_channels if c.assumed]
+    holds = [hold for hold in HOLDS if assumed and hold != assumed[0]]
     integrator = OTHER_INTEGRATOR[declared.integrator]
     return (
         replace(declared, name="epsilon x 3", smoothing=3.0),
@@ -66,7 +70,8 @@ def survival(
 ) -> Survival:
     """Refit both models under ``numerics`` and compare them again; ``poorer`` is the base so refitted.
 
-    The effect must still take ``rules.kept`` of what it took from the squared error as declared. A variation
+    The effect must still take ``rules.kept`` of what it took from the squared error as declared. It need not
+    be significant a second time: that depends on the number of horizons, not on the numerics. A variation
     does not count if the records refute it: even with the effect the error is ``rules.refuted`` times as
     large. (A coarse smoothing adds an error beside which a true effect looks small.)
 
@@ -95,7 +100,7 @@ def survival(
     taken, then = (a.score.loss**2 - b.score.loss**2 for a, b in ((base, augmented), (poorer, richer)))
     kept = float(then / taken) if taken > 0 else 0.0
     refuted = bool(richer.score.loss > rules.refuted * augmented.score.loss)
-    passes = kept >= rules.kept and again.p_value <= rules.alpha and steady
+    passes = kept >= rules.kept and steady
     return Survival(numerics.name, again.gain, kept, again.p_value, own, refuted, refuted or passes)
 
 

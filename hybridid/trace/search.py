@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
@@ -25,7 +24,6 @@ from hybridid.trace.trial import (
     indistinguishable,
     judge,
     look_alikes,
-    overshadowing,
 )
 
 
@@ -55,12 +53,16 @@ class Step:
 
 @dataclass(frozen=True)
 class Search:
-    """The path from the declared model to the last; ``stopped`` says why it ended."""
+    """The path from the declared model to the last; ``stopped`` says why it ended.
+
+    ``withdrawn`` says why an effect that had passed was withdrawn afterwards, if one was.
+    """
 
     steps: tuple[Step, ...]
     final: Refit
     accepted: tuple[Accepted, ...]
     stopped: str
+    withdrawn: str = ""
 
     @property
     def first(self) -> Refit:
@@ -104,35 +106,18 @@ def _step(base: Refit, context: Context, number: int) -> Step:
     trials = context.each(f"step {number}", attempt, places, lambda trial: trial.candidate.name)
     judged = judge(trials, rules)
 
-    @cache
-    def survivals_of(name: str) -> tuple[Survival, ...]:
-        return _survivals(base, next(t for t in judged if t.candidate.name == name), context)
-
     while True:
         passed = [t for t in judged if t.status == PASSED]
         if not passed:
             return Step(base, tuple(judged), None)
         best = _preferred(passed, rules)
-        survivals = survivals_of(best.candidate.name)
-        why = objection(survivals) or _overshadowed(best, judged, rules, survivals_of)
+        survivals = _survivals(base, best, context)
+        why = objection(survivals)
         if not why:
             alike = tuple(equivalents(best, judged, rules))
             return Step(base, tuple(judged), Accepted(best, alike, survivals))
         withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
         judged = [withdrawn if t is best else t for t in judged]
-
-
-def _overshadowed(
-    best: Trial, trials: Sequence[Trial], rules: Rules, survivals_of: Callable[[str], tuple[Survival, ...]]
-) -> str:
-    """Which undetermined effect explains more, whatever the numerics, or nothing."""
-    for other in overshadowing(best, trials, rules):
-        name = other.candidate.name
-        if not objection(survivals_of(name)):
-            return (
-                f"{name}, which these records do not determine, takes {other.gain:.1%} from the held-out RMSE"
-            )
-    return ""
 
 
 def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:

@@ -24,6 +24,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
@@ -32,7 +33,7 @@ from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step, values_without
 from hybridid.trace.split import Split
-from hybridid.trace.trial import REJECTED
+from hybridid.trace.trial import REJECTED, Trial, look_alikes
 
 
 def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Context) -> Search:
@@ -49,6 +50,37 @@ def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Conte
         if surviving([learned.refit], found.final, context):
             return _ended_at(found, *accused)
     return found
+
+
+def without_mixed_classes(found: Search) -> Search:
+    """``found`` without the first effect whose class shares nothing physical, and without those after it.
+
+    The members of a class explain the records equally well. Where they are declared look-alikes, or the same
+    law at several ports, the class is a finding. Where they are not, they have only their flexibility in
+    common: the truth is something else, to which each of them can bend.
+    """
+    kept = {one.name for one in found.accepted}
+    for number, step in enumerate(found.steps):
+        if step.accepted is None or step.accepted.name not in kept:
+            continue
+        strangers = _unrelated(next(one for one in found.accepted if one.name == step.accepted.name))
+        if strangers:
+            why = f"{listed(strangers)} explain these records as well, and are physically unrelated to it"
+            return _ended_at(found, number, why)
+    return found
+
+
+def _unrelated(one: Accepted) -> list[str]:
+    """The members of the class that no chain of look-alikes joins to the accepted effect."""
+    joined, left = [one.trial], [t for t in one.alike if t is not one.trial]
+    while near := [t for t in left if any(_related(t, other) for other in joined)]:
+        joined += near
+        left = [t for t in left if t not in near]
+    return [t.candidate.name for t in left]
+
+
+def _related(one: Trial, other: Trial) -> bool:
+    return one.candidate.effect.id == other.candidate.effect.id or look_alikes(one, other)
 
 
 def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tuple[int, str] | None:
@@ -111,4 +143,5 @@ def _ended_at(found: Search, number: int, why: str) -> Search:
         final=step.base,
         accepted=kept,
         stopped=f"{name} {reason}",
+        withdrawn=reason,
     )

@@ -44,7 +44,9 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         rejected=rejected_effects(found.search),
         before=(*first.rows, *(networks[0].rows if networks else ())),
         after=(*last.rows, *(networks[-1].rows if networks else ())),
-        noise_floor={y.name: Floor(found.floor[y.name], y.unit) for y in found.model.outputs},
+        noise_floor={
+            y.name: Floor(found.floor[y.name], y.unit, found.simulation[y.name]) for y in found.model.outputs
+        },
         seconds=seconds,
         declared=tuple(term.name for term in first.model.terms),
         effects=tuple(term.name for term in found.model.terms),
@@ -52,6 +54,8 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         path=path_of(found.search),
         ceilings=LearnedGains(learned_gains(evidence.ceilings[0]), learned_gains(evidence.ceilings[-1])),
         remains=found.remains,
+        times=found.times,
+        refused=found.refused,
         completeness=completeness(networks, rules),
         stopped=found.search.stopped,
         split=split.described,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,17 +13,24 @@ from hybridid.effects.effect import EffectParameter
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare, holm
+from hybridid.trace.numerics import Numerics
+from hybridid.trace.periodic import not_shown
 from hybridid.trace.refit import CONTINUATION, Refit, refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.sought import sought
 from hybridid.trace.split import Split
 
-PASSED, REJECTED, UNIDENTIFIABLE = "passed", "rejected", "unidentifiable"
+PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED = "passed", "rejected", "unidentifiable", "untried"
+OTHERWISE = "rodas3"
+"""The implicit integrator: it takes up a trial that RK4 could not solve."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A candidate's refit, its evidence over the model without it, and what was decided."""
+    """A candidate's refit, its evidence over the model without it, and what was decided.
+
+    ``failure`` says why it could not be fitted, ``not_shown`` why the records cannot show its form.
+    """
 
     candidate: Candidate
     refit: Refit | None
@@ -31,7 +38,8 @@ class Trial:
     p_adjusted: float = 1.0
     status: str = REJECTED
     reason: str = ""
-    failure: str = field(default="")
+    failure: str = ""
+    not_shown: str = ""
 
     @property
     def gain(self) -> float:
@@ -55,16 +63,32 @@ class Trial:
 
 @np.errstate(over="ignore", invalid="ignore")  # a start may diverge
 def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
-    """Add the candidate to the base model, refit everything, compare on held-out horizons."""
+    """Add the candidate to the base model, refit everything, compare on held-out horizons.
+
+    What the integrator of ``base`` cannot solve is tried again with the implicit one.
+    """
+    trial = _attempt(candidate, base, split, base.numerics)
+    if not trial.failure or base.numerics.integrator == OTHERWISE:
+        return trial
+    again = _attempt(candidate, base, split, replace(base.numerics, integrator=OTHERWISE))
+    return (
+        replace(again, failure=f"{trial.failure}; with {OTHERWISE}: {again.failure}")
+        if again.failure
+        else again
+    )
+
+
+def _attempt(candidate: Candidate, base: Refit, split: Split, numerics: Numerics) -> Trial:
     model: Model = candidate.added_to(base.model)
     try:
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
-        found = refit(model, split, starts, base, base.numerics, CONTINUATION, std_up_to=base.score.loss)
+        found = refit(model, split, starts, base, numerics, CONTINUATION, std_up_to=base.score.loss)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):
         return Trial(candidate, None, None, failure="the simulation diverges from every start")
-    return Trial(candidate, found, compare(base.score, found.score))
+    evidence = compare(base.score, found.score)
+    return Trial(candidate, found, evidence, not_shown=not_shown(candidate, found, split))
 
 
 def judge(trials: Sequence[Trial], rules: Rules) -> list[Trial]:
@@ -75,7 +99,7 @@ def judge(trials: Sequence[Trial], rules: Rules) -> list[Trial]:
 
 def _decided(trial: Trial, rules: Rules) -> Trial:
     if trial.comparison is None:
-        return replace(trial, status=REJECTED, reason=f"could not be fitted: {trial.failure}")
+        return replace(trial, status=UNTRIED, reason=f"could not be fitted: {trial.failure}")
     gain, p = trial.comparison.gain, trial.p_adjusted
     if gain < rules.worth:
         return replace(
@@ -87,7 +111,7 @@ def _decided(trial: Trial, rules: Rules) -> Trial:
         return replace(
             trial, status=REJECTED, reason=f"not significant: adjusted p = {p:.2g} over {rules.alpha:g}"
         )
-    vague = _undetermined(trial, rules)
+    vague = trial.not_shown or _undetermined(trial, rules)
     if vague:
         return replace(trial, status=UNIDENTIFIABLE, reason=vague)
     return replace(trial, status=PASSED, reason=f"held-out RMSE {gain:.1%} lower, adjusted p = {p:.2g}")
@@ -195,25 +219,3 @@ def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:
     assert other.refit is not None
     advantage = compare(other.refit.score, best.refit.score)
     return advantage.gain < rules.tie or advantage.p_value > rules.alpha
-
-
-def overshadowing(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
-    """Effects that explain the records better than ``best``, but that the records do not determine.
-
-    Better means: by ``rules.worth``, and significantly. The strongest comes first. Beside such an effect the
-    name of ``best`` is a guess. Two kinds do not count: declared look-alikes, which may be the same effect
-    with one more parameter (a Stribeck friction beside Coulomb's, where the record does not show its
-    velocity), and effects that end at a bound, where they no longer have their own form (a free play without
-    a gap).
-    """
-    assert best.refit is not None
-    found = []
-    for other in trials:
-        if other.status != UNIDENTIFIABLE or other.refit is None:
-            continue
-        if look_alikes(best, other) or _degenerate(other):
-            continue
-        advantage = compare(best.refit.score, other.refit.score)
-        if advantage.gain >= rules.worth and advantage.p_value <= rules.alpha:
-            found.append(other)
-    return sorted(found, key=lambda t: -t.gain)

@@ -1,4 +1,9 @@
-"""The verdict: the search, its classes looked at again, what only stands in for another effect withdrawn."""
+"""The verdict: the search, its classes looked at again, what only stands in for another effect withdrawn.
+
+``nothing_missing`` is a claim, and needs evidence: the error that is left is near what the sensor's noise and
+the simulation leave (``hybridid.trace.accuracy``), and no refused gain could take a share of it worth having.
+Otherwise the verdict is ``unexplained`` or ``undecided``.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +15,7 @@ import numpy as np
 
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
+from hybridid.trace.accuracy import simulation_error, times_the_limit
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.noise import noise_level
@@ -18,12 +24,12 @@ from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, recheck, search
 from hybridid.trace.split import Split
-from hybridid.trace.stand_in import unless_outdone, without_stand_ins
+from hybridid.trace.stand_in import unless_outdone, without_mixed_classes, without_stand_ins
 
 MOST_TOLD = 3
 """Places where structure remains, the strongest, that are looked at and named."""
 Ceilings = tuple[Ceiling, ...]
-Verdict = Literal["effect_found", "ambiguous", "nothing_missing", "unexplained"]
+Verdict = Literal["effect_found", "ambiguous", "nothing_missing", "undecided", "unexplained"]
 
 
 @dataclass(frozen=True)
@@ -33,7 +39,9 @@ class Conclusion:
     ``floor`` is the noise level of each output, in its unit. ``ceilings`` hold the held-out gain that a
     learned effort could still bring to the last model, by port and variable; ``ceilings_before`` to the
     declared one (empty where it was not needed: fewer than two effects). ``remains`` names where structure
-    is left that no effect of the library explains.
+    is left that no effect of the library explains. ``simulation`` is the error of the simulation of the last
+    model, as ``floor``; ``times`` the held-out error over what noise and simulation alone leave.
+    ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
     """
 
     verdict: Verdict
@@ -42,6 +50,9 @@ class Conclusion:
     ceilings: Ceilings
     ceilings_before: Ceilings
     remains: tuple[str, ...]
+    simulation: Mapping[str, float]
+    times: float
+    refused: str = ""
 
     @property
     def model(self) -> Model:
@@ -73,17 +84,24 @@ def conclude(
     spread = np.concatenate([record.outputs for record in split.records]).std(axis=0)
     floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
     found = search(model, context, start or [regressed(model, split)], floor, Numerics(integrator=integrator))
-    found = recheck(found, split, rules)
+    found = without_mixed_classes(recheck(found, split, rules))
     found, left, before = _trusted(found, context)
     told = _telling(left, rules)[:MOST_TOLD]
     remains = tuple(f"at {told[k].place}" for k in surviving([c.refit for c in told], found.final, context))
+    simulation = simulation_error(found.final, context)
+    times = times_the_limit(found.final.score.rmse, noise, simulation)
+    refused = _refused(found, left, times, rules)
+    names = [s.name for s in model.outputs]
     return Conclusion(
-        verdict=_verdict(found, remains),
+        verdict=_verdict(found, remains, times, refused, rules),
         search=found,
-        floor={s.name: float(v) for s, v in zip(model.outputs, noise, strict=True)},
+        floor=dict(zip(names, noise.tolist(), strict=True)),
         ceilings=left,
         ceilings_before=before,
         remains=remains,
+        simulation=dict(zip(names, simulation.tolist(), strict=True)),
+        times=times,
+        refused=refused,
     )
 
 
@@ -123,8 +141,29 @@ def _telling(found: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:
     return sorted((c for c in passing if c.gain >= most / 2), key=lambda c: -c.gain)
 
 
-def _verdict(found: Search, remains: Sequence[str]) -> Verdict:
-    """One word: an effect found alone, found in a class, something left unnamed, or nothing."""
+def _verdict(found: Search, remains: Sequence[str], times: float, refused: str, rules: Rules) -> Verdict:
+    """One word: an effect found alone, found in a class, something left unnamed, open, or nothing."""
     if found.accepted:
         return "ambiguous" if any(len(one.alike) > 1 for one in found.accepted) else "effect_found"
-    return "unexplained" if remains else "nothing_missing"
+    if remains or found.withdrawn or times > rules.far:
+        return "unexplained"
+    return "undecided" if refused else "nothing_missing"
+
+
+def _refused(found: Search, left: Sequence[Ceiling], times: float, rules: Rules) -> str:
+    """The largest gain worth having that the last model was refused; empty if there is none.
+
+    Noise and simulation leave ``1 / times`` of the error. A gain that would take more than the rest took a
+    part of the noise or of the simulation's error, and tells nothing of the machine.
+    """
+    most = 1.0 - 1.0 / times
+    tried = found.steps[-1].trials if found.steps and found.steps[-1].accepted is None else ()
+    gains = [
+        *((t.gain, f"{t.candidate.name}, refused: {t.reason}") for t in tried),
+        *((c.gain, f"a learned effort at {c.place}, p = {c.p_value:.2g}") for c in left),
+    ]
+    possible = [(gain, what) for gain, what in gains if rules.worth <= gain <= most]
+    if not possible:
+        return ""
+    gain, what = max(possible)
+    return f"{gain:.1%} with {what}"

@@ -7,11 +7,13 @@ from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.result import Trace
+from hybridid.trace.trial import UNTRIED
 
 VERDICTS = {
     "effect_found": "effect found",
     "ambiguous": "ambiguous",
     "nothing_missing": "nothing missing",
+    "undecided": "undecided",
     "unexplained": "unexplained",
 }
 
@@ -20,15 +22,22 @@ def sentence(found: Trace) -> str:
     """The verdict in one sentence: what the model lacked and how far the error falls, or what is left."""
     where = f"on held-out horizons of {found.horizon:g} s ({found.provenance})"
     if found.verdict == "nothing_missing":
-        return f"Nothing that can be found is missing: {_none_passes(found, where)}"
+        return f"Nothing that can be found is missing: {_none_passes(found, where)} {_open(found)}"
+    if found.verdict == "undecided":
+        return (
+            f"These records do not decide whether something is missing: {where} the RMSE would fall by "
+            f"{found.refused}. {_open(found)}"
+        )
     if found.verdict == "unexplained":
+        place = f"structure remains {listed(found.remains)}, {where}. " if found.remains else ""
         return (
             f"Something is missing that none of the {len(found.rejected)} effects tried explains: "
-            f"structure remains {listed(found.remains)}, {where}."
+            f"{place}{_open(found)}"
         )
     them = "them" if len(found.accepted) > 1 else "it"
     lacked = listed([_named(entry) for entry in found.accepted])
-    return f"The model lacked {lacked}: with {them} the RMSE {where} falls {_fall(found)}.{_rest(found)}"
+    fall = f"with {them} the RMSE {where} falls {_fall(found)}"
+    return f"The model lacked {lacked}: {fall}.{_rest(found)}{_untried(found)}"
 
 
 def structure_in_words(found: Trace) -> str:
@@ -86,6 +95,26 @@ def _none_passes(found: Trace, where: str) -> str:
     )
 
 
+def _open(found: Trace) -> str:
+    return _left(found) + _untried(found)
+
+
+def _left(found: Trace) -> str:
+    """How far the error that is left is from what noise and simulation alone leave."""
+    each = []
+    for name, one in found.noise_floor.items():
+        rmse = quantity(found.path[-1].held_out_rmse[name], one.unit, 3)
+        noise, error = (quantity(value, one.unit, 2) for value in (one.value, one.simulation))
+        each.append(f"{rmse} of {name} (noise of the sensor {noise}, error of the simulation {error})")
+    return f"The error left is {listed(each)}: {found.times:.1f} times what noise and simulation alone leave."
+
+
+def _untried(found: Trace) -> str:
+    """Which effects could not be tried; a verdict does not speak of these."""
+    names = [entry.name for entry in found.rejected if entry.status == UNTRIED]
+    return f" Not tried, for they could not be fitted: {listed(names)}." if names else ""
+
+
 def _named(entry: AcceptedEffect) -> str:
     """An accepted effect with its parameters, or the class that it stands for."""
     if len(entry.alike) > 1:
@@ -112,5 +141,5 @@ def _fall(found: Trace) -> str:
 
 def _rest(found: Trace) -> str:
     if not found.remains:
-        return ""
+        return f" {_left(found)}" if found.times > found.rules.far else ""
     return f" Structure remains {listed(found.remains)} that no effect in the library explains."

@@ -48,9 +48,9 @@ def split_of(two_records) -> Callable[..., Split]:
 
 @pytest.fixture(scope="session")
 def held_as() -> Callable[..., Record]:
-    """A record that says its force runs otherwise between samples."""
+    """A record whose force is assumed to run otherwise between samples."""
 
     def make(record: Record, hold: str) -> Record:
-        return replace(record, input_channels=(Channel("force", "N", hold),))
+        return replace(record, input_channels=(Channel("force", "N", hold, assumed=True),))
 
     return make

@@ -14,7 +14,7 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.score import Score
-from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, equivalents, judge
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial, equivalents, judge
 
 RULES = Rules()
 HORIZONS, SAMPLES = 20, 100
@@ -120,7 +120,7 @@ def test_an_effect_that_another_parameter_mimics_is_not_identifiable(trial):
 def test_what_could_not_be_fitted_says_why(make_model):
     candidate = Candidate(effect_named("dahl"), "carriage")
     judged = only(Trial(candidate, None, None, failure="the simulation diverges from every start"))
-    assert judged.status == REJECTED
+    assert judged.status == UNTRIED
     assert "diverges" in judged.reason
 
 

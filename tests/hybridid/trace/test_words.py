@@ -1,10 +1,11 @@
 """The verdict's sentence claims no more than the trace's numbers say."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
-from hybridid.trace.entries import TriedEffect
+from hybridid.trace.entries import Floor, Level, TriedEffect
 from hybridid.trace.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
 from hybridid.trace.words import sentence
@@ -31,14 +32,16 @@ def nothing():
             rejected=rejected,
             before=(),
             after=(),
-            noise_floor={},
+            noise_floor={"position": Floor(2e-6, "m", 1e-6)},
             seconds=1.0,
             declared=(),
             effects=(),
             estimates=Estimates({}, {}),
-            path=(),
+            path=(Level("declared model", {"position": 3e-6}, {}, 1.0),),
             ceilings=LearnedGains((), ()),
             remains=(),
+            times=1.0,
+            refused="",
             completeness=None,
             stopped=stopped,
             split="",
@@ -54,19 +57,42 @@ def nothing():
 
 def test_nothing_gains(nothing):
     said = sentence(nothing(DRAG))
+    assert (
+        "none of the 1 effects tried lowers the error on held-out horizons of 1 s (simulated) by 5 %." in said
+    )
     assert said.endswith(
-        "none of the 1 effects tried lowers the error on held-out horizons of 1 s (simulated) by 5 %."
+        "The error left is 3 µm of position (noise of the sensor 2 µm, error of the simulation 1 µm): "
+        "1.0 times what noise and simulation alone leave."
     )
 
 
 def test_a_gain_that_was_refused_is_told(nothing):
     said = sentence(nothing(DRAG, SPRING))
     assert "none of the 2 effects tried" in said
-    assert said.endswith(
+    assert (
         "The largest gain, 12.0 % with cubic_stiffness at carriage, is refused: k_3 is not determined."
+        in said
     )
 
 
 def test_nothing_was_tried_because_nothing_is_left(nothing):
     said = sentence(nothing(stopped="the residual meets the noise floor"))
-    assert said.endswith("the residual meets the noise floor on held-out horizons of 1 s (simulated).")
+    assert "the residual meets the noise floor on held-out horizons of 1 s (simulated)." in said
+
+
+def test_effects_that_could_not_be_tried_are_named(nothing):
+    said = sentence(nothing(DRAG, replace(SPRING, status="untried")))
+    assert said.endswith("Not tried, for they could not be fitted: carriage.cubic_stiffness.")
+
+
+def test_an_error_far_above_the_noise_is_unexplained_also_where_no_place_is_known(nothing):
+    said = sentence(replace(nothing(DRAG), verdict="unexplained", times=12.3))
+    assert said.startswith("Something is missing that none of the 1 effects tried explains: The error left")
+    assert said.endswith("12.3 times what noise and simulation alone leave.")
+
+
+def test_a_refused_gain_leaves_the_verdict_open(nothing):
+    refused = "12.0% with carriage.cubic_stiffness"
+    said = sentence(replace(nothing(SPRING), verdict="undecided", refused=refused))
+    assert said.startswith("These records do not decide whether something is missing")
+    assert refused in said

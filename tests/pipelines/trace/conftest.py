@@ -109,6 +109,8 @@ FOUND = Trace(
         (LearnedGain("cart", "velocity", -0.02, 0.9, "N", "m/s"),),
     ),
     remains=(),
+    times=1.4,
+    refused="",
     completeness=Completeness("12 bumps over velocity at cart", -0.02, 0.9, complete=True, gain_before=0.5),
     stopped="no further effect passes",
     split="fitted on a, judged on b",

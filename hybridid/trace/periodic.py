@@ -1,0 +1,59 @@
+"""Whether a record shows that something repeats: a sine whose period is free fits any bend.
+
+Over less than one period, a sine of free amplitude, phase and period bends like a cubic polynomial. So an
+effect that is periodic in position or time counts only where the records cover ``LEAST`` periods: then its
+form repeats at least twice. A frequency above half the sampling frequency cannot be told from a lower
+one (Nyquist). Source: Bretthorst (1988), Bayesian Spectrum Analysis and Parameter Estimation, ch. 6.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hybridid.quantities import quantity
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.path import Path
+from hybridid.trace.refit import Refit
+from hybridid.trace.split import Split
+
+LEAST = 3
+"""Periods that the fitted horizons of one record must cover."""
+
+
+def not_shown(candidate: Candidate, found: Refit, split: Split) -> str:
+    """Why the records do not show the fitted period or frequency of the effect; empty if they do."""
+    if candidate.effect.kind != "effort":
+        return ""
+    for parameter in candidate.effect.parameters:
+        name = f"{candidate.name}.{parameter.name}"
+        free = not next(p for p in found.model.parameters if p.name == name).fixed
+        if free and parameter.sought == "period":
+            return _too_long(abs(found.values[name]), candidate, found, split)
+        if free and parameter.sought == "frequency":
+            return _not_sampled(abs(found.values[name]), split)
+    return ""
+
+
+def _too_long(period: float, candidate: Candidate, found: Refit, split: Split) -> str:
+    port = found.model.plant.port(candidate.port)
+    visited = float(np.ptp(Path.of(found, split, split.fitted).motion(port.name, "position")))
+    if visited >= LEAST * period:
+        return ""
+    unit = port.position_unit
+    return (
+        f"the records cover {quantity(visited, unit, 3)}, or {visited / period:.1f} of its periods of "
+        f"{quantity(period, unit, 3)}; {LEAST} are needed to show that it repeats"
+    )
+
+
+def _not_sampled(frequency: float, split: Split) -> str:
+    dt = max(record.dt for record in split.records)
+    longest = max(record.n * record.dt for record in split.records)
+    if frequency > 0.5 / dt:
+        return f"its frequency of {frequency:.3g} Hz is above half the sampling frequency, {0.5 / dt:.3g} Hz"
+    if frequency * longest < LEAST:
+        return (
+            f"the longest record of {longest:.3g} s covers {frequency * longest:.1f} periods of its "
+            f"{frequency:.3g} Hz; {LEAST} are needed to show that it repeats"
+        )
+    return ""

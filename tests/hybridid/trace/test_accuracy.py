@@ -1,0 +1,40 @@
+"""What keeps a complete model off the measured output: the sensor's noise and the simulation's error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.accuracy import simulation_error, times_the_limit
+from hybridid.trace.context import Context
+from hybridid.trace.refit import refit
+from hybridid.trace.verdict import conclude
+
+
+def test_times_the_limit_takes_the_worst_output():
+    rmse, noise, simulation = np.array([5.0, 30.0]), np.array([3.0, 2.0]), np.array([4.0, 0.0])
+    assert times_the_limit(rmse, noise, simulation) == pytest.approx(15.0)
+
+
+@pytest.mark.parametrize("wider", [1.0, 4.0])
+def test_the_simulation_is_to_blame_for_what_too_wide_a_smoothing_leaves(make_model, split_of, wider):
+    """The truth creeps as tanh(v/epsilon) does: smoothed four times as wide, a complete model errs by it."""
+    split = split_of()
+    base = refit(make_model(), split)
+    if wider > 1:
+        base = refit(base.model, split, [base.values], base, replace(base.numerics, smoothing=wider))
+    error = simulation_error(base, Context(split)).item()
+    if wider > 1:
+        assert error == pytest.approx(base.score.rmse.item(), rel=0.3)
+    else:
+        assert error < 0.1 * base.score.rmse.item()
+
+
+def test_an_error_far_above_the_noise_is_never_called_nothing(make_model, split_of):
+    """A friction that differs by direction, and a library of one effect that does not resemble it."""
+    found = conclude(make_model(), Context(split_of(df_v=80.0), (effect_named("sensor_lag"),)))
+    assert found.times > 3
+    assert found.verdict == "unexplained"

@@ -1,0 +1,52 @@
+"""A sine counts as periodic only where the record shows that it repeats."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.periodic import not_shown
+from hybridid.trace.refit import refit
+
+
+@pytest.fixture(scope="module")
+def fitted(make_model, split_of):
+    """``fitted("cogging", pitch=0.01)``: a candidate, and the model with it at these values."""
+    split = split_of()
+    base = refit(make_model(), split)
+
+    def make(effect: str, **own: float):
+        candidate = Candidate(effect_named(effect), "carriage")
+        model = candidate.added_to(base.model)
+        values = {**base.values, **candidate.starts(model, base.values)[0]}
+        values |= {f"{candidate.name}.{name}": value for name, value in own.items()}
+        return candidate, replace(base, model=model, values=values), split
+
+    return make
+
+
+def name_of(effect: str, sought: str) -> str:
+    return next(p.name for p in effect_named(effect).parameters if p.sought == sought)
+
+
+@pytest.mark.parametrize(("pitch", "shown"), [(0.001, True), (10.0, False)])
+def test_a_period_as_long_as_the_stroke_is_a_bend(fitted, pitch, shown):
+    why = not_shown(*fitted("cogging", **{name_of("cogging", "period"): pitch}))
+    assert (why == "") is shown
+    if not shown:
+        assert "3 are needed to show that it repeats" in why
+
+
+@pytest.mark.parametrize(("hertz", "why"), [(10.0, ""), (150.0, "half the sampling"), (0.1, "are needed")])
+def test_a_frequency_lies_between_three_periods_and_nyquist(fitted, hertz, why):
+    frequency = name_of("periodic_disturbance", "frequency")
+    said = not_shown(*fitted("periodic_disturbance", **{frequency: hertz}))
+    assert why in said
+    assert (said == "") is (why == "")
+
+
+def test_other_effects_need_no_period(fitted):
+    assert not_shown(*fitted("quadratic_drag")) == ""
