@@ -1,7 +1,7 @@
 """How near the error that is left comes to the smallest error that a complete model could leave.
 
 Two things keep a complete model off the measured output: the sensor's noise, and the simulation's error.
-A machine that truly sticks does not creep as tanh(v/epsilon) does, and a step has a finite length. The error s
+A machine that sticks does not creep as tanh(v/epsilon) does, and a step has a finite length. The error s
 of the simulation is found by Richardson's extrapolation, from the held-out errors e before, and e' after all
 is refitted with epsilon / 2 or with half the step. With r from other causes, and a method of order k,
 
