@@ -17,7 +17,8 @@ from hybridid.effects.effect import Effect
 from hybridid.model import Model
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.learned_effort import OVERS, RECENT, Over, learned_effort
+from hybridid.trace.learned_effort import learned_effort
+from hybridid.trace.over import OVERS, Over
 from hybridid.trace.path import Path
 from hybridid.trace.refit import WITHOUT_STD, Refit, refit
 from hybridid.trace.rules import Rules
@@ -75,17 +76,18 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     where = base.model.plant.port(port)
     path = Path.of(base, split, (*split.fitted, *split.held_out))
     fitted = Path.of(base, split, split.fitted)
-    effect = learned_effort(over, fitted.motion(port, over.variable), memory=fitted.memory)
+    seen, remembers = fitted.motion(port, over.variable), fitted.memory(port, over.variable)
+    effect = learned_effort(over, seen, remembers=remembers)
     model: Model = base.model.plus(effect, port)
     starts = _starts(model, effect, port, base)
     found = refit(model, split, starts, base, base.numerics, tolerance=TOLERANCE, std_up_to=WITHOUT_STD)
     evidence = compare(base.score, found.score)
-    seen = (
-        replace(path, states=np.column_stack([path.states, path.motion(port, RECENT)]))
+    shown = (
+        replace(path, states=np.column_stack([path.states, path.motion(port, over.variable)]))
         if effect.states
         else path
     )
-    net = seen.effort(model, found.values, port) - path.effort(base.model, base.values, port)
+    net = shown.effort(model, found.values, port) - path.effort(base.model, base.values, port)
     curve = _binned(path.motion(port, over.variable), net)
     over_unit = over.dimension.unit(where)
     return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, over_unit, found)

@@ -2,9 +2,8 @@
 
     F = g sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2))
 
-with s the port's velocity, its position or the time, and g = 1; or, for a damping or a dry friction that
-changes with position or time, g = v or sign(v) and s the position or the time. A dry friction that depends
-on how fast the port has moved recently (it warms) has g = sign(v) and s' = (|v| - s) / tau.
+with s a variable of the port and g = 1; or, for a damping, a dry friction or an inertia that changes with s,
+g = v, sign(v) or the acceleration (``hybridid.trace.over``).
 
 The bumps lie on a fixed grid over the range that the fitted horizons cover. V holds the combinations of
 bumps that these horizons show (principal components): a bump where the record hardly ever is would take any
@@ -16,56 +15,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.effects.dimension import DAMPING, EFFORT, ONE, POSITION, TIME, VELOCITY, Dimension
-from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
+from hybridid.effects.dimension import ONE, Dimension
+from hybridid.effects.effect import Effect, EffectParameter, Local
+from hybridid.trace.over import BRISTLE, FACTORS, MEMORIES, Over, value_of
 
 Array = NDArray[np.float64]
-Variable = Literal["velocity", "position", "time", "recent speed"]
-Factor = Literal["", "velocity", "sign of velocity"]
-RECENT: Variable = "recent speed"
-BUMPS, BUMPS_OF_RECENT = 12, 3
 FAINT = 1e-4
 """Mean square of a combination of bumps over the fitted horizons, against the strongest, below which
 they do not show it."""
-
-
-@dataclass(frozen=True)
-class Over:
-    """What a learned effort depends on: a function of ``variable``, times ``factor``."""
-
-    variable: Variable
-    factor: Factor = ""
-
-    def __str__(self) -> str:
-        return f"{self.variable}, times {self.factor}" if self.factor else self.variable
-
-    @property
-    def dimension(self) -> Dimension:
-        """Of the variable."""
-        return {"velocity": VELOCITY, RECENT: VELOCITY, "position": POSITION, "time": TIME}[self.variable]
-
-    @property
-    def bumps(self) -> int:
-        """Few over the recent speed: a held-out run may be warmer than any fitted."""
-        return BUMPS_OF_RECENT if self.variable == RECENT else BUMPS
-
-
-OVERS = (
-    Over("velocity"),
-    Over("position"),
-    Over("time"),
-    Over("position", "velocity"),
-    Over("time", "velocity"),
-    Over("position", "sign of velocity"),
-    Over("time", "sign of velocity"),
-    Over(RECENT, "sign of velocity"),
-)
 
 
 @dataclass(frozen=True)
@@ -81,8 +43,7 @@ class Bumps:
     combinations: int
 
     def __call__(self, at: Local) -> ca.SX:
-        seen = {"velocity": at.velocity, "position": at.position, "time": at.time}
-        s = at.z.recent_speed if self.over.variable == RECENT else seen[self.over.variable]
+        s = value_of(self.over.variable, at)
         low, high = at.p.first, at.p.last
         s = ca.fmin(ca.fmax(s, low), high)
         bumps = self._heights(((s - low) / (high - low) - 0.5) * (self.bumps - 1))
@@ -90,7 +51,9 @@ class Bumps:
         for j in range(self.combinations):
             shape = ca.dot(ca.vertcat(*bumps), ca.vertcat(*(getattr(at.p, v) for v in self._basis(j))))
             effort += getattr(at.p, f"a{j}") * shape
-        factors = {"": 1, "velocity": at.velocity, "sign of velocity": at.sign}
+        factors = {
+            "": 1, "velocity": at.velocity, "sign of velocity": at.sign, "acceleration": at.acceleration
+        }  # fmt: skip
         return effort * factors[self.over.factor]
 
     def _heights(self, s: ca.SX) -> list[ca.SX]:
@@ -125,59 +88,45 @@ class Bumps:
         )
 
 
-def learned_effort(over: Over, seen: Array, bumps: int | None = None, memory: float = 1.0) -> Effect:
+def learned_effort(over: Over, seen: Array, bumps: int | None = None, remembers: float = 1.0) -> Effect:
     """A learned effort over ``over``, on the range of the values ``seen`` (n,).
 
-    ``bumps`` defaults to ``over.bumps``. ``memory`` is the guess of the time constant [s] of a recent speed.
+    ``bumps`` defaults to ``over.bumps``. ``remembers`` is the guess of a variable's memory: the time constant
+    [s] of a recent speed, the length over which a bristle deflects.
     """
-    law, basis = _combined(over, seen, over.bumps if bumps is None else bumps)
+    low, high = (-1.0, 1.0) if over.variable == BRISTLE else (float(seen.min()), float(seen.max()))
+    law, basis = _combined(over, (seen - low) / (high - low), over.bumps if bumps is None else bumps)
     weights = [
         EffectParameter(
             f"a{j}",
-            DAMPING if over.factor == "velocity" else EFFORT,
+            FACTORS[over.factor][1],
             f"RMS effort of combination {j}",
             guess=0.0,
             nests=True,
         )
         for j in range(law.combinations)
     ]
-    known = law.known(float(seen.min()), float(seen.max()), basis)
-    recent = over.variable == RECENT
+    known = law.known(low, high, basis)
+    memory = MEMORIES.get(over.variable)
     return Effect(
         id="learned_" + str(over).replace(", ", "_").replace(" ", "_"),
         kind="effort",
         title=f"learned effort over {over}",
-        equation={"": "", "velocity": "v ", "sign of velocity": "sign(v) "}[over.factor]
-        + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
+        equation=FACTORS[over.factor][0] + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
         law=law,
-        parameters=(*weights, *((_time_constant(memory),) if recent else ()), *known),
-        states=(EffectState("recent_speed", VELOCITY, "recent speed, a lag of |v|"),) if recent else (),
-        dynamics=_lag_of_speed if recent else None,
+        parameters=(*weights, *((memory.parameter(remembers),) if memory else ()), *known),
+        states=(memory.state,) if memory else (),
+        dynamics=memory.dynamics if memory else None,
+        needs=over.needs,
         source="thesis Eqs. 6-4 to 6-6 with fixed centres",
         pattern=f"any function of {over}",
     )
 
 
-def _lag_of_speed(at: Local) -> dict[str, ca.SX]:
-    return {"recent_speed": (at.speed - at.z.recent_speed) / at.p.tau}
-
-
-def _time_constant(seconds: float) -> EffectParameter:
-    return EffectParameter(
-        "tau",
-        TIME,
-        "time constant of the lag that gives the recent speed",
-        guess=seconds,
-        lower=seconds / 30,
-        upper=seconds * 30,
-        starts=(seconds / 5, seconds * 5),
-        absolute=True,
-    )
-
-
 def _combined(over: Over, seen: Array, bumps: int) -> tuple[Bumps, Array]:
-    """The law of those combinations (bumps, n) that ``seen`` (n,) shows, each of mean square one there."""
-    places = (seen - seen.min()) / np.ptp(seen) * (bumps - 1)
+    """The law of those combinations (bumps, n) that ``seen`` (n,), from 0 to 1 over the range, shows: each of
+    mean square one there."""
+    places = seen * (bumps - 1)
     shapes = np.exp(-((places[:, None] - np.arange(bumps)) ** 2) / 2)
     spread, components = np.linalg.eigh(shapes.T @ shapes / len(seen))
     shown = spread > FAINT * spread[-1]

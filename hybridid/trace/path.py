@@ -10,14 +10,29 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from hybridid.effects.dimension import ONE
+from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.model import Model
-from hybridid.trace.learned_effort import RECENT, Over, Variable
+from hybridid.trace.over import BRISTLE, RECENT, Over, Variable
 from hybridid.trace.refit import Refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
 AT_ONCE = 1000
 """Samples of a path that CasADi evaluates in one call."""
+
+
+LOAD = Effect(
+    id="probe_of_load",
+    kind="effort",
+    title="drive minus load",
+    equation="F = unit (drive - load)",
+    law=lambda at: at.p.unit * (at.drive - at.load),
+    parameters=(EffectParameter("unit", ONE, "one", guess=1.0, fixed=True, nests=True),),
+    source="this module",
+    pattern="none: it only shows what a port carries",
+    needs=("load",),
+)
 
 
 @dataclass(frozen=True)
@@ -42,26 +57,33 @@ class Path:
         states = problem.shooter(base.x0[list(horizons)], p).states
         return cls(base.model, p, problem.windows.time[used], states[used], problem.windows.inputs[used])
 
-    @property
-    def memory(self) -> float:
-        """A tenth of the path's duration in s."""
-        return float(np.ptp(self.time)) / 10
+    def memory(self, port: str, variable: Variable) -> float:
+        """The guess of a variable's memory: a tenth of the path's duration in s, or of its range."""
+        seen = self.motion(port, "position") if variable == BRISTLE else self.time
+        return float(np.ptp(seen)) / 10
 
     def motion(self, port: str, variable: Variable) -> Array:
         """The variable of a learned effort at ``port``, (n,)."""
         if variable == "time":
             return self.time
         if variable == RECENT:
-            share = min(1.0, float(np.median(np.diff(self.time))) / self.memory)
+            share = min(1.0, float(np.median(np.diff(self.time))) / self.memory(port, RECENT))
             return np.asarray(lfilter([share], [1.0, share - 1.0], np.abs(self.motion(port, "velocity"))))
+        if variable == BRISTLE:
+            return _deflection(self.motion(port, "position"), self.memory(port, BRISTLE))
+        if variable == "load":
+            return self._load(port)
         ports = [q.name for q in self.model.effort_ports]
         moved = self._along(self.model.motions, self.p).reshape(len(ports), -1, 2)
         return moved[ports.index(port), :, 1 if variable == "velocity" else 0]
 
     def shows(self, port: str, over: Over) -> bool:
-        """Whether all that a learned effort over ``over`` needs changes along the path; a port may have no
-        velocity."""
-        needed: tuple[Variable, ...] = (over.variable, "velocity") if over.factor else (over.variable,)
+        """Whether ``port`` knows what a learned effort over ``over`` needs, and all of it changes along the
+        path; a port may have no velocity."""
+        if not self.model.plant.port(port).knows.issuperset(over.needs):
+            return False
+        moves = over.factor or over.variable == BRISTLE
+        needed: tuple[Variable, ...] = (over.variable, "velocity") if moves else (over.variable,)
         return all(np.ptp(self.motion(port, one)) > 0 for one in needed)
 
     def effort(self, model: Model, values: Mapping[str, float], port: str) -> Array:
@@ -73,6 +95,16 @@ class Path:
         efforts = self._along(model.efforts, model.values(values))
         return np.asarray(efforts[rows].sum(axis=0))
 
+    def _load(self, port: str) -> Array:
+        """What the two sides of ``port`` press against each other, drive minus load, (n,)."""
+        probed = self.model.plus(LOAD, port)
+        efforts = self._along(probed.efforts, probed.values(dict(zip(self._names, self.p, strict=True))))
+        return np.asarray(efforts[-1])
+
+    @property
+    def _names(self) -> list[str]:
+        return [p.name for p in self.model.parameters]
+
     def _along(self, function: ca.Function, p: Array) -> Array:
         """``function`` (t, x, u, p) at every sample, its columns stacked."""
         last, found = function.n_in() - 1, []
@@ -82,3 +114,13 @@ class Path:
                 many = function.map("along", "serial", len(t), [last], [])  # p is not repeated
             found.append(np.asarray(many(t[None, :], x.T, u.T, p)))
         return np.concatenate(found, axis=1)
+
+
+def _deflection(position: Array, length: float) -> Array:
+    """Deflection of a bristle over its largest, (n,), along ``position`` (n,), exact for monotone steps."""
+    steps = np.diff(position, prepend=position[0])
+    kept, toward = np.exp(-np.abs(steps) / length), np.sign(steps)
+    found = np.zeros(len(position))
+    for k in range(1, len(found)):
+        found[k] = toward[k] + (found[k - 1] - toward[k]) * kept[k]
+    return found

@@ -13,7 +13,7 @@ from hybridid.trace.before_after import AFTER, BEFORE, Validation, before_and_af
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.completeness import WithNetwork, completeness
 from hybridid.trace.context import Context
-from hybridid.trace.learned_effort import Over
+from hybridid.trace.over import Over
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import recheck
 from hybridid.trace.split import by_record

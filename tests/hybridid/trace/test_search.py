@@ -12,8 +12,9 @@ from hybridid.effects.library import effect_named
 from hybridid.trace import stand_in
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
-from hybridid.trace.learned_effort import OVERS, Over, learned_effort
+from hybridid.trace.learned_effort import learned_effort
 from hybridid.trace.numerics import Numerics
+from hybridid.trace.over import OVERS, Over
 from hybridid.trace.refit import refit
 from hybridid.trace.robustness import objection, survival, variations
 from hybridid.trace.rules import Rules

@@ -1,0 +1,143 @@
+"""``Over``: the variable that a learned effort depends on, and the factor it is multiplied by.
+
+A variable is the port's velocity or position, the time, its load (drive minus load), or a state with memory:
+
+    recent speed          s' = (|v| - s) / tau     a contact that warms
+    bristle deflection    s' = (v - |v| s) / d     over its largest: Dahl's friction and Bouc-Wen's hysteresis
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+
+from hybridid.declarations import Need
+from hybridid.effects.dimension import DAMPING, EFFORT, INERTIA, ONE, POSITION, TIME, VELOCITY, Dimension
+from hybridid.effects.effect import EffectParameter, EffectState, Local
+
+Variable = Literal["velocity", "position", "time", "load", "recent speed", "bristle deflection"]
+Factor = Literal["", "velocity", "sign of velocity", "acceleration"]
+RECENT: Variable = "recent speed"
+BRISTLE: Variable = "bristle deflection"
+
+
+@dataclass(frozen=True)
+class Over:
+    """What a learned effort depends on: a function of ``variable``, times ``factor``."""
+
+    variable: Variable
+    factor: Factor = ""
+
+    def __str__(self) -> str:
+        return f"{self.variable}, times {self.factor}" if self.factor else self.variable
+
+    @property
+    def dimension(self) -> Dimension:
+        """Of the variable."""
+        return _DIMENSIONS[self.variable]
+
+    @property
+    def needs(self) -> tuple[Need, ...]:
+        """What a port must know (``Port.knows``)."""
+        return ("load",) if self.variable == "load" else ()
+
+    @property
+    def bumps(self) -> int:
+        """Few over the recent speed: a held-out run may be warmer than any fitted. Few over a deflection,
+        which its law bounds."""
+        return {RECENT: 3, BRISTLE: 5}.get(self.variable, 12)
+
+
+_DIMENSIONS: Mapping[Variable, Dimension] = {
+    "velocity": VELOCITY,
+    RECENT: VELOCITY,
+    "position": POSITION,
+    "time": TIME,
+    "load": EFFORT,
+    BRISTLE: ONE,
+}
+FACTORS: Mapping[Factor, tuple[str, Dimension]] = {
+    "": ("", EFFORT),
+    "velocity": ("v ", DAMPING),
+    "sign of velocity": ("sign(v) ", EFFORT),
+    "acceleration": ("a ", INERTIA),
+}
+"""The factor in an equation, and the dimension of what is learned."""
+OVERS = (
+    Over("velocity"),
+    Over("position"),
+    Over("time"),
+    Over("position", "velocity"),
+    Over("time", "velocity"),
+    Over("position", "sign of velocity"),
+    Over("time", "sign of velocity"),
+    Over(RECENT, "sign of velocity"),
+    Over("load"),
+    Over("load", "sign of velocity"),
+    Over("position", "acceleration"),
+    Over(BRISTLE),
+)
+
+
+def value_of(variable: Variable, at: Local) -> ca.SX:
+    """The variable at a port."""
+    if variable in MEMORIES:
+        return getattr(at.z, MEMORIES[variable].state.name)
+    seen = {"velocity": at.velocity, "position": at.position, "time": at.time, "load": at.drive - at.load}
+    return seen[variable]
+
+
+def _lag_of_speed(at: Local) -> dict[str, ca.SX]:
+    return {"recent_speed": (at.speed - at.z.recent_speed) / at.p.tau}
+
+
+def _deflecting(at: Local) -> dict[str, ca.SX]:
+    return {"deflection": (at.velocity - at.speed * at.z.deflection) / at.p.d}
+
+
+def _time_constant(seconds: float) -> EffectParameter:
+    return EffectParameter(
+        "tau",
+        TIME,
+        "time constant of the lag that gives the recent speed",
+        guess=seconds,
+        lower=seconds / 30,
+        upper=seconds * 30,
+        starts=(seconds / 5, seconds * 5),
+        absolute=True,
+    )
+
+
+def _length(metres: float) -> EffectParameter:
+    return EffectParameter(
+        "d",
+        POSITION,
+        "length over which the bristle deflects",
+        guess=metres,
+        lower=metres / 1000,
+        upper=metres * 30,
+        starts=(metres / 30, metres * 5),
+        absolute=True,
+    )
+
+
+@dataclass(frozen=True)
+class Memory:
+    """The state of a variable with memory, its rate, and the parameter of its memory by a guess."""
+
+    state: EffectState
+    dynamics: Callable[[Local], dict[str, ca.SX]]
+    parameter: Callable[[float], EffectParameter]
+
+
+MEMORIES: Mapping[Variable, Memory] = {
+    RECENT: Memory(
+        EffectState("recent_speed", VELOCITY, "recent speed, a lag of |v|"), _lag_of_speed, _time_constant
+    ),
+    BRISTLE: Memory(
+        EffectState("deflection", ONE, "deflection of a bristle, over its largest"), _deflecting, _length
+    ),
+}
