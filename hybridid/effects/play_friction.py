@@ -45,7 +45,7 @@ FRICTION_BEHIND_PLAY = Effect(
             "length over which the friction builds up once the play is crossed",
             guess=5e-3,
             lower=5e-4,
-            upper=0.1,
+            upper=1.0,
             minor=True,
         ),
         EffectParameter("width", POSITION, "rounding of the play's edges", guess=1e-4, lower=0.0, fixed=True),

@@ -18,15 +18,15 @@ TINY = 1e-12
 """Keeps the derivative of ``|z|^n`` finite at z = 0 for every n."""
 
 
-# Small against the stroke: a bristle with a longer memory acts as a spring, and its unknown initial state
-# as a free effort in every horizon.
+# At most the stroke: a bristle with a longer memory acts as a spring. The port's scale is a guess of the stroke,
+# so no shorter bound may refuse a friction whose memory is long.
 LENGTH = EffectParameter(
     "s",
     POSITION,
     "pre-sliding length: friction level over initial stiffness, s = f_c/σ0",
     guess=2e-3,
     lower=1e-5,
-    upper=0.1,
+    upper=1.0,
     starts=(2e-4, 2e-2),
 )
 LEVEL = EffectParameter("f_c", EFFORT, "friction level of steady sliding", guess=0.1, lower=0.0, nests=True)
