@@ -34,7 +34,7 @@ format: $(READY) ## put every file in the house style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-docs: $(READY) ## build all pages, the API's too; a warning is an error: outputs/docs/docs/index.html
+docs: $(READY) ## build all pages, the API's too; a warning is an error (in CI as well): outputs/docs/docs/index.html
 	$(BIN)/sphinx-build -W --keep-going --quiet --jobs $(JOBS) -c docs . outputs/docs
 
 schemas: $(READY) ## docs/results.md and docs/schemas from the types of the result files
