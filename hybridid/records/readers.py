@@ -1,4 +1,4 @@
-"""Reads named columns of numbers from a file: MATLAB (v5 and v7.3), CSV and Parquet.
+"""Reads named columns of numbers from a file: MATLAB (v5 and v7.3), CSV, JSON and Parquet.
 
 Everything numeric in a file is a column: a vector (n,), or a scalar as (1,). The samples of a matrix
 lie along its longer axis. Names address the parts of a file: ``data_theta[2]`` (counted from zero) is
@@ -19,6 +19,7 @@ import numpy as np
 
 from hybridid.records.channel import Array, RecordError
 from hybridid.records.columns import Columns
+from hybridid.records.json_columns import read_json
 
 
 def read_columns(path: Path | str) -> Columns:
@@ -181,5 +182,6 @@ def _read_parquet(path: Path) -> Found:
 READERS: Mapping[str, Callable[[Path], Found]] = {
     ".mat": _read_mat,
     ".csv": _read_csv,
+    ".json": read_json,
     ".parquet": _read_parquet,
 }

@@ -1,0 +1,92 @@
+"""The columns of a JSON recording: a list of samples, with constants of the recording beside it.
+
+Three shapes are read. ``entries`` may have any name:
+
+    {"kp": 100, "entries": [{"t": 0.0, "q": 0.1}, {"t": 0.1, "q": 0.2}]}    constants and samples
+    [{"t": 0.0, "q": 0.1}, {"t": 0.1, "q": 0.2}]                            samples
+    {"kp": 100, "t": [0.0, 0.1], "q": [0.1, 0.2]}                           constants and columns
+
+A constant becomes a column that repeats it, so that it can be a signal: a gain that differs from one
+recording to the next is an input of the model. ``true`` is 1, ``false`` is 0, ``null`` is a missing value.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hybridid.records.channel import Array, RecordError
+
+SHAPES = (
+    "a list of samples, each an object of numbers, or an object that holds numbers beside one such list or "
+    "beside lists of numbers"
+)
+
+
+def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
+    """The columns of the JSON file at ``path``, each (n,), or why a column is none.
+
+    Raises:
+        RecordError: if the content has none of the three shapes.
+        ValueError: if it is no JSON.
+    """
+    content = json.loads(path.read_text(encoding="utf-8-sig"))
+    if isinstance(content, list):
+        content = {"": content}
+    if not isinstance(content, Mapping):
+        raise RecordError(f"{path}: it holds {_kind(content)}; {SHAPES} is read")
+    lists = {name: value for name, value in content.items() if isinstance(value, list)}
+    tables = [name for name, value in lists.items() if value and all(isinstance(one, Mapping) for one in value)]
+    if len(tables) > 1:
+        raise RecordError(f"{path}: it holds {len(tables)} lists of samples, {', '.join(tables)}; {SHAPES} is read")
+    if not lists or (not tables and "" in lists):
+        raise RecordError(f"{path}: it holds no list of samples; {SHAPES} is read")
+    columns = _of_samples(lists.pop(tables[0])) if tables else {}
+    columns |= {name: _numbers(value) for name, value in lists.items()}
+    return _with_constants(columns, {name: value for name, value in content.items() if not isinstance(value, list)})
+
+
+def _of_samples(samples: Sequence[Mapping[str, Any]]) -> dict[str, Array | str]:
+    """The columns of a list of samples, in the order in which their names appear."""
+    names = dict.fromkeys(name for sample in samples for name in sample)
+    return {name: _across(name, samples) for name in names}
+
+
+def _across(name: str, samples: Sequence[Mapping[str, Any]]) -> Array | str:
+    for k, sample in enumerate(samples):
+        if name not in sample:
+            return f"sample {k} does not have it"
+    return _numbers([sample[name] for sample in samples])
+
+
+def _numbers(values: Sequence[Any]) -> Array | str:
+    """A list as floats, or why it is none."""
+    for k, value in enumerate(values):
+        if value is not None and not isinstance(value, (bool, int, float)):
+            return f"it holds {_kind(value)} at sample {k}, no number"
+    return np.array([np.nan if value is None else float(value) for value in values]) if values else "it is empty"
+
+
+def _with_constants(
+    columns: Mapping[str, Array | str], constants: Mapping[str, Any]
+) -> Iterator[tuple[str, Array | str]]:
+    """The columns, then the constants, as long as the longest column."""
+    n = max((len(column) for column in columns.values() if not isinstance(column, str)), default=1)
+    for name, column in columns.items():
+        yield name, "it is both a constant and a column" if name in constants else column
+    for name, value in constants.items():
+        if name not in columns:
+            one = _numbers([value])
+            yield name, f"it holds {_kind(value)}, no number" if isinstance(one, str) else np.repeat(one, n)
+
+
+def _kind(value: Any) -> str:
+    if isinstance(value, str):
+        return f"the text {value[:40]!r}"
+    return {dict: "an object", list: "a list", type(None): "null"}.get(
+        type(value), f"the value {value!r}"[:40]
+    )
