@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -148,7 +149,9 @@ def digests(settings: Settings) -> dict[str, str]:
 
 
 def chosen(records: Sequence[Named], wanted: Sequence[str] | None, key: str) -> list[Named]:
-    """The records whose name or role is in ``wanted``; all if it is None.
+    """The records whose name or role is in ``wanted``, or matches a pattern there; all if it is None.
+
+    A pattern has ``*``, as in ``sin_sin*``.
 
     Raises:
         ConfigError: if an entry matches no record; the message names the config key ``key``.
@@ -157,9 +160,9 @@ def chosen(records: Sequence[Named], wanted: Sequence[str] | None, key: str) -> 
         return list(records)
     known = {word for record in records for word in (record.name, record.role)}
     for entry in wanted:
-        if entry not in known:
+        if not any(fnmatchcase(word, entry) for word in known):
             raise ConfigError(unknown(f"record in {key}:", entry, known))
-    return [record for record in records if {record.name, record.role} & set(wanted)]
+    return [r for r in records if any(fnmatchcase(word, e) for e in wanted for word in (r.name, r.role))]
 
 
 def fitted_records(settings: Settings) -> tuple[str, ...] | None:
