@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-recovery study-sweep study-slurm league league-drawn clean distclean FORCE
+.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-recovery study-servo study-sweep study-slurm league league-drawn clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -55,6 +55,9 @@ study-coverage: $(READY) ## do the stated 95 % intervals hold the truth? (simula
 
 study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters again? (simulated, minutes)
 	$(BIN)/python benchmarks/recovery.py
+
+study-servo: $(READY) ## how well does the servo's model predict a trajectory of another kind? (measured, minutes)
+	$(BIN)/python benchmarks/servo.py
 
 study-sweep: $(READY) ## how much faster than a plain loop is a sweep? (simulated, minutes)
 	$(BIN)/python benchmarks/sweep_speed.py
