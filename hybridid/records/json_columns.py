@@ -40,14 +40,20 @@ def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
     if not isinstance(content, Mapping):
         raise RecordError(f"{path}: it holds {_kind(content)}; {SHAPES} is read")
     lists = {name: value for name, value in content.items() if isinstance(value, list)}
-    tables = [name for name, value in lists.items() if value and all(isinstance(one, Mapping) for one in value)]
+    tables = [
+        name for name, value in lists.items() if value and all(isinstance(one, Mapping) for one in value)
+    ]
     if len(tables) > 1:
-        raise RecordError(f"{path}: it holds {len(tables)} lists of samples, {', '.join(tables)}; {SHAPES} is read")
+        raise RecordError(
+            f"{path}: it holds {len(tables)} lists of samples, {', '.join(tables)}; {SHAPES} is read"
+        )
     if not lists or (not tables and "" in lists):
         raise RecordError(f"{path}: it holds no list of samples; {SHAPES} is read")
     columns = _of_samples(lists.pop(tables[0])) if tables else {}
     columns |= {name: _numbers(value) for name, value in lists.items()}
-    return _with_constants(columns, {name: value for name, value in content.items() if not isinstance(value, list)})
+    return _with_constants(
+        columns, {name: value for name, value in content.items() if not isinstance(value, list)}
+    )
 
 
 def _of_samples(samples: Sequence[Mapping[str, Any]]) -> dict[str, Array | str]:
@@ -68,7 +74,9 @@ def _numbers(values: Sequence[Any]) -> Array | str:
     for k, value in enumerate(values):
         if value is not None and not isinstance(value, (bool, int, float)):
             return f"it holds {_kind(value)} at sample {k}, no number"
-    return np.array([np.nan if value is None else float(value) for value in values]) if values else "it is empty"
+    return (
+        np.array([np.nan if value is None else float(value) for value in values]) if values else "it is empty"
+    )
 
 
 def _with_constants(

@@ -8,7 +8,7 @@ As in the publishers' recordings: three kinds of trajectory of 6 s, gains of 100
 counts a turn. ``up_and_down`` rises to a right angle in 3 s and sinks by a fifth of it in 3 s; ``sin_sin`` is
 (pi/2) sin t + 0.5 sin 5t sin 2t; ``lift_and_drop`` lifts to a right angle in 2 s, then the torque goes off.
 
-Source: Duclusaud, Passault, Padois, Ly (2025), IEEE ICRA, arXiv:2410.08650, and the goals of their recordings.
+Source: Duclusaud, Passault, Padois, Ly (2025), IEEE ICRA, arXiv:2410.08650; the goals of their recordings.
 """
 
 from __future__ import annotations
@@ -43,7 +43,10 @@ TOLERANCE = 1e-8
 
 @dataclass(frozen=True)
 class ServoTruth:
-    """Bob m [kg] at l [m]; J [kg m^2] and k_t [N m/A] at the output; R, R_s [ohm]; zero q_0 [rad]; frictions."""
+    """Bob m [kg] at l [m]; J [kg m^2] and k_t [N m/A] at the output; R, R_s [ohm]; zero q_0 [rad].
+
+    All friction is planted.
+    """
 
     m: float = 0.49
     l: float = 0.1  # noqa: E741
@@ -57,8 +60,8 @@ class ServoTruth:
     def __post_init__(self) -> None:
         if not (min(self.m, self.l, self.J, self.k_t) > 0 and 0 <= self.R_s < self.R):
             raise RigError(
-                f"servo rig: m {self.m:g} kg, l {self.l:g} m, J {self.J:g} kg m^2, k_t {self.k_t:g} N m/A must "
-                f"be above 0, R_s {self.R_s:g} ohm not below 0 and below R {self.R:g} ohm"
+                f"servo rig: m {self.m:g} kg, l {self.l:g} m, J {self.J:g} kg m^2, k_t {self.k_t:g} N m/A "
+                f"must be above 0, R_s {self.R_s:g} ohm not below 0 and below R {self.R:g} ohm"
             )
 
     @property
@@ -107,19 +110,24 @@ FRICTIONS = (
 )
 
 
+ENCODER = Encoder(resolution=2 * math.pi / COUNTS, noise_std=3e-4)
+
+
 @dataclass(frozen=True)
 class ServoConfig:
     """All settings of an experiment on the virtual servo, in SI units."""
 
     truth: ServoTruth = ServoTruth(planted=FRICTIONS)
-    encoder: Encoder = Encoder(resolution=2 * math.pi / COUNTS, noise_std=3e-4)
+    encoder: Encoder = ENCODER
     supply: float = 7.4
 
 
 @final
 class ServoRig(Rig):
-    """The servo with its pendulum, simulated. Runs: each kind of trajectory with each gain, as
-    ``sin_sin_kp400``. Its own truth has friction in proportion to the load, which the case does not declare."""
+    """The servo with its pendulum, simulated. Its own truth has friction in proportion to the load.
+
+    Runs: each kind of trajectory with each gain, as ``sin_sin_kp400``.
+    """
 
     name = "servo"
     runs = tuple(f"{kind}_kp{gain}" for kind in GOALS for gain in GAINS)
@@ -153,8 +161,8 @@ class ServoRig(Rig):
         truth = self.config.truth
         planted = ", ".join(one.said(turns=True) for one in truth.planted) or "nothing"
         return (
-            f"m {truth.m:g} kg, l {truth.l:g} m, J {truth.J:g} kg m^2, k_t {truth.k_t:g} N m/A, R {truth.R:g} ohm, "
-            f"R_s {truth.R_s:g} ohm, q_0 {truth.q_0:g} rad, planted: {planted}"
+            f"m {truth.m:g} kg, l {truth.l:g} m, J {truth.J:g} kg m^2, k_t {truth.k_t:g} N m/A, "
+            f"R {truth.R:g} ohm, R_s {truth.R_s:g} ohm, q_0 {truth.q_0:g} rad, planted: {planted}"
         )
 
     def perform(self, run: str, time: Array, generator: np.random.Generator) -> Experiment:

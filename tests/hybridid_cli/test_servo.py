@@ -1,4 +1,4 @@
-"""The servo from command to scores: its virtual rig, a kind of trajectory left out, and the measured twelve."""
+"""The servo from command to scores: its virtual rig, a kind of trajectory left out, the measured twelve."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ def errors(say):
     """Mean absolute error [mrad] of each record in free run, by name."""
 
     def validated(*words):
-        said = say("validate", "case=servo", "mlflow.enabled=false", "out=tree", "validate.views=[free_run]", *words)
+        said = say(
+            "validate", "case=servo", "mlflow.enabled=false", "out=tree", "validate.views=[free_run]", *words
+        )
         assert said.code == 0, said.err
         found = {}
         for file in Path("tree/validate").glob("*.free_run.parquet"):

@@ -32,7 +32,9 @@ def test_the_torque_follows_the_firmwares_law():
 
 def test_the_firmware_sees_its_own_encoder():
     duty = 400 * E * (0.5 - 0.25)
-    assert acceleration(0.2, 0.0, goal=0.5, kp=400, q_0=0.05) == pytest.approx(by_hand(0.2, 0, duty), rel=1e-3)
+    assert acceleration(0.2, 0.0, goal=0.5, kp=400, q_0=0.05) == pytest.approx(
+        by_hand(0.2, 0, duty), rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("asked", [-3.0, -1.0, -0.99, -0.5, 0.0, 0.3, 0.999, 1.0, 1.001, 2.0, 40.0])

@@ -34,7 +34,10 @@ def test_samples_beside_constants(tmp_path):
 
 @pytest.mark.parametrize(
     "content",
-    [SAMPLES, {"t": [s["t"] for s in SAMPLES], "q": [s["q"] for s in SAMPLES], "on": [s["on"] for s in SAMPLES]}],
+    [
+        SAMPLES,
+        {"t": [s["t"] for s in SAMPLES], "q": [s["q"] for s in SAMPLES], "on": [s["on"] for s in SAMPLES]},
+    ],
     ids=["a list of samples", "lists"],
 )
 def test_the_other_two_shapes_give_the_same(tmp_path, content):

@@ -1,4 +1,4 @@
-"""The virtual servo: its goals, its motor and firmware, its truth against scipy, and a fit that finds it again."""
+"""The virtual servo: its goals, its motor, its truth against scipy, and a fit that finds it again."""
 
 from __future__ import annotations
 
@@ -23,7 +23,12 @@ COUNT = 2 * math.pi / 4096
 def test_a_record_says_that_it_is_simulated_and_of_what():
     record = ServoRig().record("sin_sin_kp400", duration=0.5)
     assert record.simulated
-    for part in ("simulated", "R_s 1 ohm", "load_friction at joint (mu 0.2)", "coulomb at joint (f_c 0.01 N m)"):
+    for part in (
+        "simulated",
+        "R_s 1 ohm",
+        "load_friction at joint (mu 0.2)",
+        "coulomb at joint (f_c 0.01 N m)",
+    ):
         assert part in record.source
     assert record.input("kp").tolist() == [400.0] * record.n
     np.testing.assert_allclose(record.outputs / COUNT, np.round(record.outputs / COUNT), atol=1e-6)
@@ -73,7 +78,9 @@ def test_a_damped_pendulum_without_torque_swings_as_scipy_says():
 
 def test_load_friction_holds_the_weight_where_the_motor_alone_does_not():
     """At rest |drive + load| <= mu |drive - load|: the bob stops short of where goal and weight agree."""
-    truth = ServoTruth(q_0=0.0, planted=(at("joint", "load_friction", mu=0.2), at("joint", "viscous", f_v=0.02)))
+    truth = ServoTruth(
+        q_0=0.0, planted=(at("joint", "load_friction", mu=0.2), at("joint", "viscous", f_v=0.02))
+    )
     made = ServoRig(ServoConfig(truth=truth)).experiment("up_and_down_kp200")
     still = (made.time > 3.5) & (np.abs(made.truth["velocity"]) == 0.0)
     assert still.sum() > 50
@@ -87,7 +94,7 @@ def test_load_friction_holds_the_weight_where_the_motor_alone_does_not():
 def test_an_impossible_truth_is_one_line():
     with pytest.raises(RigError, match="R_s 4 ohm not below 0 and below R"):
         ServoRig().with_truth({"R_s": 4.0})
-    with pytest.raises(RigError, match="rig.truth"):
+    with pytest.raises(RigError, match=r"rig\.truth"):
         ServoRig().with_truth({"mass": 4.0})
 
 
