@@ -21,6 +21,7 @@ from hybridid.plants.esea import ESEA
 from hybridid.plants.flexible_link import FlexibleLink
 from hybridid.plants.half_car import HalfCar
 from hybridid.plants.plant import Plant
+from hybridid.plants.servo import GRAVITY, Servo
 
 Scalars = SimpleNamespace
 
@@ -56,6 +57,18 @@ def motor_power(x, u, p):
     return p.eta_g * p.eta_m * p.K_g * p.k_t * current * x.theta_dot
 
 
+def servo_energy(x, u, p):
+    height = p.l * (1 - ca.cos(x.q))
+    return 0.5 * (p.J + p.m * p.l**2) * x.v**2 + p.m * GRAVITY * height
+
+
+def servo_power(x, u, p):
+    asked = u.kp * 4096 / (2 * ca.pi * 256 * 885) * (u.goal - x.q - p.q_0)
+    duty = 0.5 * (ca.sqrt((asked + 1) ** 2 + 1e-6) - ca.sqrt((asked - 1) ** 2 + 1e-6))
+    current = u.enabled * (u.supply * duty - p.k_t * x.v) / (p.R - p.R_s * (1 - duty**2))
+    return p.k_t * current * x.v
+
+
 LEDGERS = (
     Ledger(EMPS(), lambda x, u, p: 0.5 * p.M * x.v**2, lambda x, u, p: u.force * x.v),
     Ledger(
@@ -83,6 +96,7 @@ LEDGERS = (
         ),
         motor_power,
     ),
+    Ledger(Servo(), servo_energy, servo_power),
 )
 EACH = pytest.mark.parametrize("ledger", LEDGERS, ids=lambda ledger: ledger.plant.name)
 
