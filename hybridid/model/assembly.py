@@ -127,8 +127,8 @@ def _resolve_acceleration(
     x: SimpleNamespace,
     u: SimpleNamespace,
     p: SimpleNamespace,
-) -> tuple[dict[str, ca.SX], dict[str, ca.SX], Mapping[str, ca.SX]]:
-    """Efforts, term rates and plant rates, with port accelerations eliminated.
+) -> tuple[dict[tuple[str, str], ca.SX], dict[str, ca.SX], Mapping[str, ca.SX]]:
+    """Efforts by term and port, term rates and plant rates, with port accelerations eliminated.
 
     An effect may use the port's acceleration a (added inertia). The equations of motion are
     affine in the efforts and therefore in a: one Newton step solves ``a = g(a)`` exactly.
@@ -139,14 +139,13 @@ def _resolve_acceleration(
     ports = plant.effort_ports
     a = ca.vertcat(*[ca.SX.sym(f"a_{port.name}") for port in ports])
     loads = _loads(plant, x, u, p)
-    efforts: dict[str, ca.SX] = {}
+    efforts: dict[tuple[str, str], ca.SX] = {}
     term_rates: dict[str, ca.SX] = {}
     total = {port.name: ca.SX(0) for port in ports}
-    for term in local.terms:
-        if term.effect.kind != "effort":
-            continue
-        at, index = motion[term.port], [port.name for port in ports].index(term.port)
-        epsilon = local.p[f"{term.port}.epsilon"]
+    acting = [(term, name) for term in local.terms if term.effect.kind == "effort" for name in term.ports]
+    for term, name in acting:
+        at, index = motion[name], [port.name for port in ports].index(name)
+        epsilon = local.p[f"{name}.epsilon"]
         seen = local.see(
             term,
             epsilon=epsilon,
@@ -155,9 +154,9 @@ def _resolve_acceleration(
             acceleration=a[index],
             **_carried(ports[index], loads),
         )
-        efforts[term.name] = term.effect.law(seen)
+        efforts[term.name, name] = term.effect.law(seen)
         term_rates.update(local.rates(term, seen))
-        total[term.port] += efforts[term.name]
+        total[name] += efforts[term.name, name]
     rates = plant.derivative(x, u, p, total)
     used = ca.vertcat(*efforts.values(), *term_rates.values())
     if not ports or not ca.depends_on(used, a):
@@ -167,7 +166,7 @@ def _resolve_acceleration(
     velocity = ca.vertcat(*[motion[port.name].velocity for port in ports])
     gap = a - ca.jtimes(velocity, state, ca.vertcat(*[rates[name] for name in names]))
     if not ca.is_linear(gap, a):
-        bent = [name for name, value in efforts.items() if not ca.is_linear(ca.SX(value), a)]
+        bent = [name for (name, _), value in efforts.items() if not ca.is_linear(ca.SX(value), a)]
         raise ValueError(f"{', '.join(bent) or plant.name}: the acceleration must enter linearly")
     zero = ca.substitute(gap, a, ca.SX.zeros(a.shape))
     solved = -ca.solve(ca.jacobian(gap, a), zero)

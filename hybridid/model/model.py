@@ -50,10 +50,11 @@ class Model:
                 raise ValueError(
                     f"effect {term.effect.id} acts at {term.effect.kind} ports; {term.port} is {kind}"
                 )
-            if not term.effect.possible_at(port):
-                raise ValueError(
-                    f"effect {term.effect.id} needs {_asked(term.effect)}; {term.port} {_lacks(port)}"
-                )
+            for one in map(self.plant.port, term.ports):
+                if not term.effect.possible_at(one):
+                    raise ValueError(
+                        f"effect {term.effect.id} needs {_asked(term.effect)}; {one.name} {_lacks(one)}"
+                    )
 
     def __getstate__(self) -> dict[str, object]:
         """The declaration of the model only: the CasADi functions are built again after unpickling."""
@@ -83,7 +84,7 @@ class Model:
             port = self.plant.port(term.port)
             own += [p.at(port).renamed(f"{term.name}.{p.name}") for p in term.effect.parameters]
         smooth = [
-            _epsilon(port) for port in self.effort_ports if any(t.port == port.name for t in self.terms)
+            _epsilon(port) for port in self.effort_ports if any(port.name in t.ports for t in self.terms)
         ]
         adjusted = tuple(_adjusted(p, self.adjustments.get(p.name, {})) for p in (*own, *smooth))
         for p in adjusted[len(own) :]:
@@ -148,9 +149,16 @@ class Model:
         given = self.f.sx_in()
         return ca.Function("A", given, [ca.densify(ca.jacobian(self.f(*given), given[1]))])
 
+    @property
+    def effort_places(self) -> tuple[tuple[Term, str], ...]:
+        """Each term that is an effort, with each port where it acts, in the order of ``efforts``."""
+        return tuple(
+            (term, port) for term in self.terms if term.effect.kind == "effort" for port in term.ports
+        )
+
     @cached_property
     def efforts(self) -> ca.Function:
-        """Effort of each term at an effort port, ``(t, x, u, p) -> (n_terms,)``, in port units."""
+        """Effort of each of ``effort_places``, ``(t, x, u, p) -> (n_places,)``, in port units."""
         return self._functions[2]
 
     @cached_property

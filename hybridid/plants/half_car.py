@@ -88,6 +88,7 @@ class HalfCar(Plant):
         Parameter("c_r", "N·s/m", guess=2e3, lower=10.0, upper=5e4, meaning="rear damping coefficient"),
         Parameter("k_t", "N/m", guess=3e5, lower=2e4, upper=2e7, meaning="stiffness of a tyre"),
     )
+    alike = (("front_suspension", "rear_suspension"), ("front_tyre", "rear_tyre"))
     ports = (
         _strut(
             "front_suspension", 2000.0, 0.05, "front spring and damper, compression positive", _NO_SIDE_FORCE

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import casadi as ca
 
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.naming import unknown
+
+TOGETHER = "+"
+"""Between the names of ports where one effect acts with one set of parameters."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,10 @@ class Plant(abc.ABC):
     name (``x.q``, ``u.force``, ``p.M``). ``effort`` maps the name of each effort port to the sum
     of the efforts of the effects there, which *resists* the port's motion. A plant whose ports say
     what they carry (``Port.drive``, ``load`` or ``level``) writes ``loads`` too.
+
+    ``alike`` groups effort ports that are built alike (front and rear, left and right). What one of them
+    lacks, the others most likely lack too, so a search also tries an effect at all ports of a group, with one
+    set of parameters.
     """
 
     name: str
@@ -54,6 +61,7 @@ class Plant(abc.ABC):
     outputs: tuple[Signal, ...]
     parameters: tuple[Parameter, ...]
     ports: tuple[Port, ...]
+    alike: tuple[tuple[str, ...], ...] = ()
 
     @abc.abstractmethod
     def motion(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, Motion]:
@@ -83,12 +91,18 @@ class Plant(abc.ABC):
         return tuple(port for port in self.ports if port.kind == "effort")
 
     def port(self, name: str) -> Port:
-        """The port called ``name``.
+        """The port called ``name``; of several, as ``front+rear``, the first under the name of all.
 
         Raises:
-            ValueError: if the plant has no such port; the message gives the nearest name.
+            ValueError: if the plant has no such port (the message gives the nearest name), or several are not
+                effort ports of one unit.
         """
         by_name = {port.name: port for port in self.ports}
-        if name in by_name:
-            return by_name[name]
-        raise ValueError(unknown(f"port of {self.name}", name, by_name))
+        for one in name.split(TOGETHER):
+            if one not in by_name:
+                raise ValueError(unknown(f"port of {self.name}", one, by_name))
+        ports = [by_name[one] for one in name.split(TOGETHER)]
+        kinds = {(port.kind, port.effort_unit, port.position_unit) for port in ports}
+        if len(ports) > 1 and (len(kinds) > 1 or ports[0].kind != "effort"):
+            raise ValueError(f"ports {name}: one effect acts at several effort ports of one unit only")
+        return replace(ports[0], name=name)

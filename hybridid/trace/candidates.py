@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from hybridid.effects.effect import Effect
 from hybridid.model import Model, Term
+from hybridid.plants.plant import TOGETHER, Plant
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect that a model could lack, at a port."""
+    """An effect that a model could lack, at a port, or at several alike (``front+rear``)."""
 
     effect: Effect
     port: str
@@ -59,11 +60,20 @@ class Candidate:
 def admissible(
     model: Model, effects: Sequence[Effect], ports: Sequence[str] | None = None
 ) -> Iterator[Candidate]:
-    """Every effect at every port of its kind where the model does not have it yet."""
-    present = {term.name for term in model.terms}
+    """Every effect at every port of its kind where the model does not have it yet, and at ports alike.
+
+    At ports alike only effects without states are tried, and only where none of the ports has them.
+    """
+    present = {(term.effect.id, name) for term in model.terms for name in term.ports}
     for effect in effects:
-        for port in model.plant.ports:
-            candidate = Candidate(effect, port.name)
-            wanted = ports is None or port.name in ports
-            if wanted and effect.admissible_at(port) and candidate.name not in present:
-                yield candidate
+        for together in _places(model.plant, effect):
+            wanted = ports is None or set(together) <= set(ports)
+            fits = all(effect.admissible_at(model.plant.port(name)) for name in together)
+            if wanted and fits and not any((effect.id, name) in present for name in together):
+                yield Candidate(effect, TOGETHER.join(together))
+
+
+def _places(plant: Plant, effect: Effect) -> Iterator[tuple[str, ...]]:
+    yield from ((port.name,) for port in plant.ports)
+    if not effect.states:
+        yield from plant.alike

@@ -88,8 +88,7 @@ class Path:
 
     def effort(self, model: Model, values: Mapping[str, float], port: str) -> Array:
         """Sum of the efforts of ``model``'s terms at ``port`` along this path, (n,)."""
-        terms = [term for term in model.terms if term.effect.kind == "effort"]
-        rows = [k for k, term in enumerate(terms) if term.port == port]
+        rows = [k for k, (_, where) in enumerate(model.effort_places) if where == port]
         if not rows:
             return np.zeros(len(self.time))
         efforts = self._along(model.efforts, model.values(values))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hybridid.plants.plant import TOGETHER
 from hybridid.quantities import quantity
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.path import Path
@@ -36,7 +37,9 @@ def not_shown(candidate: Candidate, found: Refit, split: Split) -> str:
 
 def _too_long(period: float, candidate: Candidate, found: Refit, split: Split) -> str:
     port = found.model.plant.port(candidate.port)
-    visited = float(np.ptp(Path.of(found, split, split.fitted).motion(port.name, "position")))
+    visited = float(
+        np.ptp(Path.of(found, split, split.fitted).motion(port.name.split(TOGETHER)[0], "position"))
+    )
     if visited >= LEAST * period:
         return ""
     unit = port.position_unit

@@ -19,6 +19,7 @@ from hybridid.estimators.carried import carries_nothing
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import promise
 from hybridid.model import Model
+from hybridid.plants.plant import TOGETHER
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.path import Path
 from hybridid.trace.refit import Refit, begin, problem_of
@@ -57,7 +58,7 @@ def _starts(
             if declared.lower <= value <= declared.upper:
                 yield {**at_nothing, name: value}
         return
-    visited = path.motion(candidate.port, "position")
+    visited = path.motion(candidate.port.split(TOGETHER)[0], "position")
     grid = _grid(parameter, float(visited.min()), float(visited.max()))
     grid = grid[(grid >= declared.lower) & (grid <= declared.upper)]
     for variant in _variants(candidate, model, at_nothing):

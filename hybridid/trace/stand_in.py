@@ -9,9 +9,11 @@ effects), and with the learned effort beside these,
 
 L_own being the loss right after the effect was accepted. A share above ``Rules.stands_in`` has two possible
 causes: the machine lacks two things, or the name is wrong. To tell them apart, the effect is removed and the
-learned effort stays. If the effect takes less than ``Rules.kept`` of what it took alone, the learned effort
-can replace it: the effect is withdrawn, and with it all that was accepted later. The gain of the learned
-effort must survive other numerics. (Where friction sticks, smoothing it leaves an error over velocity that is
+learned effort stays. Two things then show that the learned effort can replace it. The effect took less than
+``Rules.kept`` of what it took alone; and the learned effort in place of the effect leaves no larger error than
+the effect did. (If the truth were a function of that variable, it would leave less. A dozen bumps can follow
+part of what any effect does.) The effect is withdrawn then, and with it all that was accepted later. The gain
+of the learned effort must survive other numerics. (Where friction sticks, smoothing it leaves an error over velocity that is
 no effect.)
 
 Several effects together may hide so much that little is left to find beside them. So one learned effort is
@@ -91,7 +93,7 @@ def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tup
         if step.accepted is None or step.accepted.name not in kept:
             continue
         share = takes / (step.accepted.trial.taken + takes)
-        if share > rules.stands_in and not _needed(step.accepted, learned, split, rules):
+        if share > rules.stands_in and not _needed(found, step.accepted, learned, split, rules):
             return number, (
                 f"beside it a learned effort at {learned.place} still takes {share:.0%} of what both take "
                 "from the squared error"
@@ -118,13 +120,15 @@ def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Se
     return found
 
 
-def _needed(one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool:
-    """Whether the effect still takes its part beside the learned effort."""
+def _needed(found: Search, one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool:
+    """Whether the effect takes its part beside the learned effort, or does more than it in its place."""
     both = learned.refit
     alone = refit_if_possible(
         both.model.without(one.name), split, [values_without(both, one.name)], both, both.numerics
     )
-    return alone is None or alone.score.loss**2 - both.score.loss**2 >= rules.kept * one.trial.taken
+    if alone is None or alone.score.loss > found.final.score.loss:
+        return True
+    return alone.score.loss**2 - both.score.loss**2 >= rules.kept * one.trial.taken
 
 
 def _ended_at(found: Search, number: int, why: str) -> Search:

@@ -58,13 +58,12 @@ def port_efforts(
     p = ca.repmat(ca.DM(model.values(values)), 1, n)
     along = (prediction.time[None, :], prediction.states.T, record.inputs[:n].T, p)
     efforts, motions = (function.map(n)(*along).full() for function in (model.efforts, model.motions))
-    terms = [term for term in model.terms if term.effect.kind == "effort"]
     found = []
     for index, port in enumerate(model.effort_ports):
-        rows = [k for k, term in enumerate(terms) if term.port == port.name]
+        rows = [k for k, (_, where) in enumerate(model.effort_places) if where == port.name]
         if rows:
             velocity = motions.reshape(len(model.effort_ports), n, 2)[index, :, 1]
-            by_name = {terms[k].name: efforts[k] for k in rows}
+            by_name = {model.effort_places[k][0].name: efforts[k] for k in rows}
             found.append(PortEfforts(port, velocity, by_name, _static(model, index, rows)))
     return found
 
@@ -83,7 +82,9 @@ def resisting_effort(
         for s in model.states
     ]
     rates = np.stack(measured, axis=1)[inner]
-    bare = Model(model.plant, tuple(t for t in model.terms if t.port != port.name)).plus(PROBE, port.name)
+    bare = Model(model.plant, tuple(t for t in model.terms if port.name not in t.ports)).plus(
+        PROBE, port.name
+    )
     known = {p.name for p in bare.parameters}
     inherited = {name: value for name, value in values.items() if name in known}
     motion = _port_motion(bare, [p.name for p in bare.effort_ports].index(port.name), len(x))
