@@ -18,8 +18,8 @@ TINY = 1e-12
 """Keeps the derivative of ``|z|^n`` finite at z = 0 for every n."""
 
 
-# At most the stroke: a bristle with a longer memory acts as a spring. The port's scale only guesses the stroke,
-# so no shorter bound may refuse a friction whose memory is long.
+# At most the stroke: a bristle with a longer memory acts as a spring. The port's scale only guesses the
+# stroke, so no shorter bound may refuse a friction whose memory is long.
 LENGTH = EffectParameter(
     "s",
     POSITION,

@@ -10,11 +10,11 @@ effects), and with the learned effort beside these,
 L_own being the loss right after the effect was accepted. A share above ``Rules.stands_in`` has two possible
 causes: the machine lacks two things, or the name is wrong. To tell them apart, the effect is removed and the
 learned effort stays. Two things then show that the learned effort can replace it. The effect took less than
-``Rules.kept`` of what it took alone; and the learned effort in place of the effect leaves no larger error than
-the effect did. (If the truth were a function of that variable, it would leave less. A dozen bumps can follow
-part of what any effect does.) The effect is withdrawn then, and with it all that was accepted later. The gain
-of the learned effort must survive other numerics. (Where friction sticks, smoothing it leaves an error over velocity that is
-no effect.)
+``Rules.kept`` of what it took alone; and the learned effort in its place leaves no larger error than it did.
+(If the truth were a function of that variable, it would leave less. A dozen bumps can follow a part of what
+any effect does.) Then the effect is withdrawn, and with it all that was accepted later. The gain of the
+learned effort must survive other numerics. (Where friction sticks, smoothing it leaves an error over velocity
+that is no effect.)
 
 Several effects together may hide so much that little is left to find beside them. So one learned effort is
 also put in place of them all. If it alone takes more from the squared error, by a share above
