@@ -10,9 +10,9 @@ effects), and with the learned effort beside these,
 L_own being the loss right after the effect was accepted. A share above ``Rules.stands_in`` has two possible
 causes: the machine lacks two things, or the name is wrong. To tell them apart, the effect is removed and the
 learned effort stays. Two things then show that the learned effort can replace it. The effect took less than
-``Rules.kept`` of what it took alone; and the learned effort in its place leaves no larger error than it did.
-(If the truth were a function of that variable, it would leave less. A dozen bumps can follow a part of what
-any effect does.) Then the effect is withdrawn, and with it all that was accepted later. The gain of the
+``Rules.kept`` of what it took alone; and the learned effort in its place explains the records better, by more
+than ``Rules.tie`` and significantly. (If the truth were a function of that variable, it would. Where a dozen
+bumps do as well as a law of one parameter, the law is the simpler of two equals.) Then the effect is withdrawn, and with it all that was accepted later. The gain of the
 learned effort must survive other numerics. (Where friction sticks, smoothing it leaves an error over velocity
 that is no effect.)
 
@@ -126,7 +126,10 @@ def _needed(found: Search, one: Accepted, learned: Ceiling, split: Split, rules:
     alone = refit_if_possible(
         both.model.without(one.name), split, [values_without(both, one.name)], both, both.numerics
     )
-    if alone is None or alone.score.loss > found.final.score.loss:
+    if alone is None:
+        return True
+    better = compare(found.final.score, alone.score)
+    if better.gain < rules.tie or better.p_value > rules.alpha:
         return True
     return alone.score.loss**2 - both.score.loss**2 >= rules.kept * one.trial.taken
 
