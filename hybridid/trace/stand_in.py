@@ -8,13 +8,13 @@ effects), and with the learned effort beside these,
     share = (L_after^2 - L_learned^2) / ((L_before^2 - L_own^2) + (L_after^2 - L_learned^2)),
 
 L_own being the loss right after the effect was accepted. A share above ``Rules.stands_in`` has two possible
-causes: the machine lacks two things, or the name is wrong. To tell them apart, the effect is removed and the
-learned effort stays. Two things then show that the learned effort can replace it. The effect took less than
-``Rules.kept`` of what it took alone; and the learned effort in its place explains the records better, by more
-than ``Rules.tie`` and significantly. (If the truth were a function of that variable, it would. Where a dozen
-bumps do as well as a law of one parameter, the law is the simpler of two equals.) Then the effect is withdrawn, and with it all that was accepted later. The gain of the
-learned effort must survive other numerics. (Where friction sticks, smoothing it leaves an error over velocity
-that is no effect.)
+causes: the machine lacks two things, or the name is wrong. To tell them apart, the effect is removed and
+the learned effort stays. Two things then show that the learned effort can replace it. The effect took less
+than ``Rules.kept`` of what it took alone; and the learned effort in its place explains the records better,
+by more than ``Rules.tie`` and significantly. (If the truth were a function of that variable, it would.
+Where a dozen bumps do as well as a law of one parameter, the law is the simpler of two equals.) Then the
+effect is withdrawn, and with it all that was accepted later. The gain of the learned effort must survive
+other numerics. (Where friction sticks, smoothing it leaves an error over velocity that is no effect.)
 
 Several effects together may hide so much that little is left to find beside them. So one learned effort is
 also put in place of them all. If it alone takes more from the squared error, by a share above
