@@ -118,9 +118,16 @@ def _untried(found: Trace) -> str:
 def _named(entry: AcceptedEffect) -> str:
     """An accepted effect with its parameters, or the class that it stands for."""
     if len(entry.alike) > 1:
-        members = ", ".join(entry.alike)
-        return f"one of {{{members}}} at {entry.port}, which these records cannot tell apart"
+        return f"one of {_members(entry)}, which these records cannot tell apart"
     return f"{entry.effect} at {entry.port} ({', '.join(parameters_in_words(entry))})"
+
+
+def _members(entry: AcceptedEffect) -> str:
+    """``{dahl, coulomb} at motor``, or each with its port where these differ."""
+    if {member.port for member in entry.class_members} <= {entry.port}:
+        return f"{{{', '.join(entry.alike)}}} at {entry.port}"
+    each = dict.fromkeys(f"{member.effect} at {member.port}" for member in entry.class_members)
+    return f"{{{', '.join(each)}}}"
 
 
 def parameters_in_words(entry: AcceptedEffect) -> list[str]:

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from hybridid.trace.entries import Floor, Level, TriedEffect
+from hybridid.trace.entries import AcceptedEffect, Floor, Level, TriedEffect
 from hybridid.trace.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
-from hybridid.trace.words import sentence
+from hybridid.trace.words import _members, sentence
 
 
 def tried(effect: str, gain: float, reason: str) -> TriedEffect:
@@ -96,3 +96,16 @@ def test_a_refused_gain_leaves_the_verdict_open(nothing):
     said = sentence(replace(nothing(SPRING), verdict="undecided", refused=refused))
     assert said.startswith("These records do not decide whether something is missing")
     assert refused in said
+
+
+def test_a_class_names_each_port_where_these_differ():
+    one, other = (
+        replace(tried(effect, 0.2, ""), port=port)
+        for effect, port in (("input_saturation", "force"), ("load_friction", "carriage"))
+    )
+    entry = AcceptedEffect(
+        "input_saturation", "force", "", "", "", "", {}, {}, ("input_saturation", "load_friction"),
+        (one, other), (), 0.0, 0.2, {}, 1.0, 1, (),
+    )  # fmt: skip
+    assert _members(entry) == "{input_saturation at force, load_friction at carriage}"
+    assert _members(replace(entry, class_members=(one,))) == "{input_saturation, load_friction} at force"
