@@ -23,7 +23,7 @@ LEAST = 3
 
 def not_shown(candidate: Candidate, found: Refit, split: Split) -> str:
     """Why the records do not show the fitted period or frequency of the effect; empty if they do."""
-    if candidate.effect.kind != "effort":
+    if candidate.effect.kind != "effort" or candidate.effect.states:  # a resonance claims no repetition
         return ""
     for parameter in candidate.effect.parameters:
         name = f"{candidate.name}.{parameter.name}"

@@ -50,3 +50,4 @@ def test_a_frequency_lies_between_three_periods_and_nyquist(fitted, hertz, why):
 
 def test_other_effects_need_no_period(fitted):
     assert not_shown(*fitted("quadratic_drag")) == ""
+    assert not_shown(*fitted("flexible_mode", **{name_of("flexible_mode", "frequency"): 0.01})) == ""
