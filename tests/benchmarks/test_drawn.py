@@ -91,7 +91,8 @@ def test_every_law_on_offer_can_be_planted(machine, what, ports):
         assert one.planted.what.values[0][1] != 0.0
         if what in {effect.id for effect in EFFECTS}:
             assert effect_named(what).admissible_at(case_of(draw).plant.port(port))
-            assert set(one.truth) <= {p.name for p in one.effect.parameters} | {"q_0"}
+            # the load is what the law sees, no parameter of the effect
+            assert set(one.truth) <= {p.name for p in one.effect.parameters} | {"q_0", "load"}
 
 
 @pytest.mark.parametrize("machine", NOMINAL)
