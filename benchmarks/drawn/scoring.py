@@ -31,9 +31,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from benchmarks.league.machines import CASES
 from benchmarks.league.ours import NAME
 from benchmarks.league.scoring import Asked
-from hybridid.effects.library import EFFECTS
+from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.plants.plant import Plant
 
 ORACLE = "oracle"
 Line = Mapping[str, Any]
@@ -42,6 +44,8 @@ TRUTH_IDS: Mapping[str, tuple[str, ...]] = {
     "blow_off": ("blow_off_valve",),
     "direction.velocity*modulus.load": ("load_friction",),
     "direction.velocity*linear.travel": ("warming_friction",),
+    # it switches with the side that drives; the library's adds a loss of each side
+    "two_sided_load_friction": (),
 }
 """Ids of the library that are a hidden law under another name than its own. They count as soon as the library
 has them. An id is entered here only where its equation is that very law, whatever a trace answered."""
@@ -49,11 +53,21 @@ MOST_ALIKE, MOST_OVER = 3, 3.0
 HONEST = ("unexplained", "undecided")
 
 
-def truths_of(what: str, ports: Sequence[str], library: Iterable[str] | None = None) -> frozenset[str]:
-    """``port.effect`` of every effect of the library (its ids) that is the law ``what`` there."""
+def truths_of(
+    what: str, ports: Sequence[str], library: Iterable[str] | None = None, plant: Plant | None = None
+) -> frozenset[str]:
+    """``port.effect`` of every effect of the library (its ids) that is the law ``what`` there.
+
+    With ``plant``, only where the effect can act: a port that does not know its load has no load friction.
+    """
     ids = {effect.id for effect in EFFECTS} if library is None else set(library)
     own = [one for one in TRUTH_IDS.get(what, (what,)) if one in ids]
-    return frozenset(f"{port}.{one}" for port in ports for one in own)
+    return frozenset(
+        f"{port}.{one}"
+        for port in ports
+        for one in own
+        if plant is None or effect_named(one).admissible_at(plant.port(port))
+    )
 
 
 @dataclass(frozen=True)
@@ -126,11 +140,12 @@ def rounds(lines: Iterable[Line]) -> list[Round]:
 def _round(line: Line, told: Mapping[str, Any]) -> Round:
     about, answer = line["scenario"], line["answer"]
     wanted, notes = about["wanted"], answer["notes"]
+    plant = CASES[about["machine"]].plant
     return Round(
         key=line["key"],
         machine=about["machine"],
         hidden=wanted["what"] if wanted else None,
-        truths=truths_of(wanted["what"], wanted["ports"]) if wanted else frozenset(),
+        truths=truths_of(wanted["what"], wanted["ports"], plant=plant) if wanted else frozenset(),
         detectable=bool(told["detectable"]),
         gain=float(told["gain"]),
         verdict=notes["verdict"],

@@ -22,6 +22,7 @@ from benchmarks.drawn.recipes import Moving
 from benchmarks.drawn.scoring import TRUTH_IDS, Round, asked, truths_of
 from benchmarks.drawn.shapes import Factor, composed
 from benchmarks.drawn.told import ToldMotion
+from benchmarks.league.machines import CASES
 from benchmarks.league.planting import PATHS
 from benchmarks.league.scenarios import all_scenarios
 from hybridid.effects.library import EFFECTS, effect_named
@@ -89,8 +90,7 @@ def test_every_law_on_offer_can_be_planted(machine, what, ports):
             continue
         one = concealed(draw, Wanted(what, ports, 0.1, (0.2, 0.4, 0.6, 0.8)), port, 6.0, MOVING)
         assert one.planted.what.values[0][1] != 0.0
-        if what in {effect.id for effect in EFFECTS}:
-            assert effect_named(what).admissible_at(case_of(draw).plant.port(port))
+        if what in {name.split(".")[1] for name in truths_of(what, [port], plant=case_of(draw).plant)}:
             # the load is what the law sees, no parameter of the effect
             assert set(one.truth) <= {p.name for p in one.effect.parameters} | {"q_0", "load"}
 
@@ -244,6 +244,10 @@ def test_a_law_counts_as_inside_as_soon_as_the_library_has_it():
     assert truths_of("blow_off", ("p",), {"coulomb"}) == frozenset()
     assert truths_of("blow_off", ("p",), {"blow_off_valve"}) == {"p.blow_off_valve"}
     assert truths_of("load_friction", ("p",), {"load_friction"}) == {"p.load_friction"}
+    assert truths_of("two_sided_load_friction", ("p",)) == frozenset()
+    plants = {machine: CASES[machine].plant for machine in ("carriage", "oscillator")}
+    assert truths_of("load_friction", ("carriage",), plant=plants["carriage"]) == {"carriage.load_friction"}
+    assert truths_of("load_friction", ("oscillator",), plant=plants["oscillator"]) == frozenset()
 
 
 def _planted_lines(draws: list[Draw]) -> list[dict]:
