@@ -1,4 +1,4 @@
-"""Figure: learned efforts at a port, an upper bound on what a memoryless effect there can explain."""
+"""Figure: learned efforts at a port, an upper bound on what an effect of one variable can explain."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 from hybridid.quantities import percent
 
+COLUMNS = 3
 PANEL = 46.0  # mm
 TITLE = 4.0  # mm a line
 LARGEST = 40.0  # area in pt² of the dot at the point with the most samples
@@ -23,7 +24,7 @@ LARGEST = 40.0  # area in pt² of the dot at the point with the most samples
 
 @dataclass(frozen=True)
 class LearnedCurve:
-    """Effort (m,) in ``unit`` learned over ``over`` (velocity or position, ``at`` (m,) in ``over_unit``)
+    """Effort (m,) in ``unit`` learned over ``over`` (velocity, position, load; ``at`` (m,) in ``over_unit``)
     beside ``model``, the ``samples`` (m,) that saw it, and the share of held-out RMSE that it takes away."""
 
     model: str
@@ -49,9 +50,14 @@ def ceiling_plot(
         raise PlotError(f"ceiling at {port}: no curve to draw; give at least one")
     variables = list(dict.fromkeys(curve.over for curve in curves))
     models = list(dict.fromkeys(curve.model for curve in curves))
-    height = 22 + TITLE * len(models) + PANEL
+    columns = min(COLUMNS, len(variables))
+    rows = -(-len(variables) // columns)
+    height = 22 + rows * (TITLE * len(models) + PANEL)
     figure = new_figure(width, height, f"learned effort at {port}, {judged}", provenance)
-    panels = figure.subplots(1, len(variables), sharey=True, squeeze=False)[0]
+    grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
+    panels = grid.ravel()[: len(variables)]
+    for unused in grid.ravel()[len(variables) :]:
+        unused.remove()
     effort = scale_for("learned effort", curves[0].unit, *(curve.effort for curve in curves))
     lines: dict[str, Line2D] = {}
     for axes, over in zip(panels, variables, strict=True):
@@ -60,14 +66,15 @@ def ceiling_plot(
         axes.set_title(
             "\n".join(f"{curve.model}: {percent(max(curve.gain, 0), 0)} less error" for curve in shown)
         )
-    name_y(panels[0], effort)
+    for first in grid[:, 0]:
+        name_y(first, effort)
     panels[0].set_ylim(frame([curve.effort * effort.factor for curve in curves]))
     legend_on_top(figure, [lines[model] for model in models])
     found = "; ".join(f"over {c.over} beside the {c.model} {percent(c.gain, 1)}" for c in curves)
     caption = (
         f"Effort at {port} ({provenance}) learned as a free curve of one variable, fitted in simulation "
-        f"beside everything else, and how much of the error it takes away, {judged}: {found}. No memoryless "
-        "effect of that variable alone can do more, up to the curve's resolution. Dots are as large as the "
+        f"beside everything else, and how much of the error it takes away, {judged}: {found}. No effect "
+        "of that variable alone can do more, up to the curve's resolution. Dots are as large as the "
         "record dwells there long: between them little holds the curve."
     )
     return Plot(figure, f"ceiling_{port}", caption, provenance)

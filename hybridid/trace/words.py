@@ -51,8 +51,8 @@ def structure_in_words(found: Trace) -> str:
     if any(found.rules.passes(c.gain, c.p_value) for c in found.ceilings.after):
         return (
             f"A learned effort still lowers the held-out error by {worth} or more, but the strongest do not "
-            "keep that gain when the equations are solved another way (epsilon, step, integrator, input "
-            "hold): no evidence that the machine lacks something."
+            "keep that gain when the equations are solved another way (epsilon, step, integrator): no "
+            "evidence that the machine lacks something."
         )
     return f"No learned effort takes {worth} or more from the held-out error."
 
@@ -96,10 +96,10 @@ def _none_passes(found: Trace, where: str) -> str:
 
 
 def _open(found: Trace) -> str:
-    return _left(found) + _untried(found)
+    return error_left(found) + _untried(found)
 
 
-def _left(found: Trace) -> str:
+def error_left(found: Trace) -> str:
     """How far the error that is left is from what noise and simulation alone leave."""
     each = []
     for name, one in found.noise_floor.items():
@@ -148,5 +148,5 @@ def _fall(found: Trace) -> str:
 
 def _rest(found: Trace) -> str:
     if not found.remains:
-        return f" {_left(found)}" if found.times > found.rules.far else ""
+        return f" {error_left(found)}" if found.times > found.rules.far else ""
     return f" Structure remains {listed(found.remains)} that no effect in the library explains."

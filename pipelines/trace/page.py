@@ -26,6 +26,7 @@ from hybridid.trace.robustness import Survival
 from hybridid.trace.words import (
     VERDICTS,
     completeness_in_words,
+    error_left,
     parameters_in_words,
     structure_in_words,
 )
@@ -204,12 +205,7 @@ def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:
         for c in found.ceilings.after
     )
     tables = [Table("Reduction of the error by a learned effort", header, rows, words=(0, 1))] if rows else []
-    errors = [
-        f"{quantity(found.path[-1].held_out_rmse[name], floor.unit, 3)} of {name} "
-        f"(noise floor of its sensor: {quantity(floor.value, floor.unit, 3)})"
-        for name, floor in found.noise_floor.items()
-    ]
-    paragraphs = [f"RMSE on held-out horizons: {listed(errors)}.", structure_in_words(found)]
+    paragraphs = [f"On held-out horizons: {error_left(found)}", structure_in_words(found)]
     if found.completeness:
         paragraphs.append(f"Completeness check: {completeness_in_words(found)}.")
     return Section("What is left", tuple(paragraphs), tuple(tables), pictures)
@@ -233,6 +229,7 @@ def _rules(traced: TraceFile) -> Table:
                          f"most {rules.collinear:g}"),
         ("form trusted", "a learned effort added to the effect contributes at most "
                          f"{percent(rules.stands_in)} of the reduction of the squared error by both"),
+        ("nothing missing", f"said only up to {rules.far:g} times the error of noise and simulation alone"),
         ("search ended", found.stopped),
         ("took", f"{found.seconds:.0f} s on {traced.processes} processes"),
     )  # fmt: skip
