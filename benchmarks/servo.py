@@ -143,9 +143,12 @@ def main(arguments: Sequence[str] | None = None, say: Say = print) -> dict[str, 
         model, estimate = fitted(form, records)
         whole = error_of(model, estimate, records)
         say(f"{form} ({provenance}): {estimate.status}, {values_of(estimate)}")
-        left = {k: across(form, without(records, k), of_kind(records, k)) for k in KINDS}
-        result[form] = {"all": whole, **left}
-        table.append(row_of(form, whole, left))
+        apart = {k: fitted(form, without(records, k)) for k in KINDS}
+        left = {k: error_of(*apart[k], of_kind(records, k)) for k in KINDS}
+        unfinished = [k for k, (_, e) in {"all": (model, estimate), **apart}.items() if not e.converged]
+        result[form] = {"all": whole, **left, "not_converged": unfinished}
+        remark = f" (not converged: {', '.join(unfinished)})" if unfinished else ""
+        table.append(row_of(form + remark, whole, left))
         say(table[-1])
     if not given.not_chosen:
         taken = {kind: chosen(kind, records, given.only, say) for kind in KINDS}
