@@ -8,7 +8,8 @@ from dataclasses import asdict
 from pathlib import Path
 from statistics import median
 
-from benchmarks.drawn.scoring import Line, Round, asked, groups, rounds
+from benchmarks.answers import Line
+from benchmarks.drawn.scoring import Round, asked, groups, rounds
 from benchmarks.league.scoring import Asked
 from hybridid.quantities import NONE, number, percent
 from pipelines.shared.page import Page, Section, Table

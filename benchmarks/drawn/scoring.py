@@ -31,14 +31,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from benchmarks.answers import ORACLE, Line
 from benchmarks.league.machines import CASES
 from benchmarks.league.ours import NAME
 from benchmarks.league.scoring import Asked
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.plants.plant import Plant
 
-ORACLE = "oracle"
-Line = Mapping[str, Any]
 TRUTH_IDS: Mapping[str, tuple[str, ...]] = {
     "heating": ("warming_friction",),
     "blow_off": ("blow_off_valve",),

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from benchmarks.answers import ORACLE, Line
 from benchmarks.league.figures import confusion, gains
 from benchmarks.league.ours import NAME
-from benchmarks.league.play import ORACLE, Line
 from benchmarks.league.scoring import EMPTY, Asked, Round, Tally, asked, rounds, tallies
 from hybridid.plotting.style import save
 from hybridid.quantities import NONE, number, percent, probability

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
+from benchmarks.answers import ORACLE, Line
 from benchmarks.league.planting import Hidden
-from benchmarks.league.play import ORACLE, Line
 from benchmarks.league.scenario import CATEGORIES
 
 EMPTY = ("outside", "nothing")
