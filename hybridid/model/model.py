@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -148,6 +149,11 @@ class Model:
         """``df/dx``, dense, ``(t, x, u, p) -> (n_x, n_x)``."""
         given = self.f.sx_in()
         return ca.Function("A", given, [ca.densify(ca.jacobian(self.f(*given), given[1]))])
+
+    @cached_property
+    def derived(self) -> dict[object, Any]:
+        """What others derive from the functions above and keep as long as the model lives."""
+        return {}
 
     @property
     def effort_places(self) -> tuple[tuple[Term, str], ...]:

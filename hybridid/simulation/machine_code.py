@@ -1,10 +1,10 @@
 """A model's step as machine code, where the machine has a C compiler.
 
 CasADi interprets a model some five times slower than a compiler's code runs. So what will cost
-more to interpret than to compile is compiled: CasADi writes C of one step, of the outputs and of
-their sensitivities, and ``shoot.c``, compiled once for all models, drives it over all horizons. The
-compiler keeps to IEEE arithmetic (no fused or reordered operations), so both ways give the same numbers
-to rounding.
+more to interpret than to compile is compiled: ``c_code`` writes C of one step, of the outputs and of
+their sensitivities, for four horizons side by side (``lanes.h``). ``shoot.c``, compiled once for all
+models, drives it over all horizons. The compiler keeps to IEEE arithmetic (no fused or reordered operations),
+so each processor gives the same numbers, and the interpreter the same to rounding.
 
 Without a compiler everything is interpreted.
 """
@@ -24,50 +24,53 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
+from typing import Any, TypeVar, cast
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.model import Model
+from hybridid.simulation.c_code import Unwritten, c_of
 from hybridid.simulation.integrators import INTEGRATORS
 from hybridid.simulation.libraries import library
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
-FLAGS = ("-O1", "-fPIC", "-shared", "-ffp-contract=off")
+T = TypeVar("T")
+# -fexpensive-optimizations also clears the wide registers before a call of the C library, which else is slow
+FLAGS = ("-O1", "-fexpensive-optimizations", "-fPIC", "-shared", "-ffp-contract=off", "-Wno-psabi")
 WORTH = 3e6
 """Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.2 s, pays: a
 fit simulates some thirty times, and the code is kept."""
+LANES = 4
+"""Horizons side by side, where there are as many."""
 ONLY = "_only"
 """Behind the names of the functions without sensitivities."""
-STATIC = "#define CASADI_SYMBOL_EXPORT static\n"
-"""CasADi's own switch: the compiler drops the functions that tell names and sparsities, never called here.
-A model of an EMPS trace compiles in 0.13 s of CPU time instead of 0.20 s; regular expressions that cut
-CasADi's text down would save 0.02 s more."""
-STEPS = """
-int (*steps[])(const casadi_real**, casadi_real**, casadi_int*, casadi_real*, int) = {%s};
-"""
+ARGUMENTS = ("x", "s", "t", "h", "u", "p")
+PARTS = "\nconst Part *parts[] = {%s};\n"
 """The functions that are called, where ``ctypes`` finds them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Code:
     """Steps of ``integrator``, differentiated by initial states and ``free``, for simulations of ``steps``
-    such steps. The length of a step is left open: models of one structure share their code."""
+    such steps, with ``lanes`` horizons side by side: 1 or ``LANES``. The length of a step is left open:
+    models of one structure share their code."""
 
     model: Model
     free: tuple[str, ...]
     integrator: str
     held: bool
     steps: int
+    lanes: int
 
     @cached_property
     def worth_it(self) -> bool:
         """Whether to simulate by machine code."""
         if _compiler() is None or self.steps * self._functions[0].n_instructions() < WORTH:
             return False
-        return self._library is not None and _driver() is not None
+        return self._library is not None and _driver(self.lanes) is not None
 
     def __call__(
         self, windows: Windows, carried: Sequence[int], x0: Array, p: Array, sensitivities: bool
@@ -75,41 +78,60 @@ class Code:
         """States (w, H, n_x), outputs (w, H, n_y), final states (w, n_x) and, if asked for (else empty),
         the outputs' sensitivities (w, H, n_x + n_free, n_y) and those of the state after each horizon's last
         sample (w, n_x + n_free, n_x). The states ``carried`` run on from horizon to horizon."""
-        model, shoot = self._library, _driver()
+        model, shoot = self._library, _driver(self.lanes)
         assert model is not None
         assert shoot is not None
         w, length, n_x = windows.count, windows.length, len(self.model.states)
         n_y, n_u, n_stage = len(self.model.outputs), len(self.model.inputs), windows.stages.shape[2]
         n_s = n_x + len(self.free) if sensitivities else 0
         hop = 0 if self.held else 2 * n_u
-        size = [w, length, windows.substeps, n_x, n_s, n_u, n_stage, hop, n_y]
-        follows = windows.follows if carried else [-1] * w
-        marks = np.isin(np.arange(n_x), carried)
-        integers = [np.array(a, dtype=np.int64) for a in (size, follows, windows.lengths, marks)]
-        given = [windows.time, windows.stages, windows.inputs, p, x0]
-        arrays = [np.ascontiguousarray(a, dtype=float) for a in given]
+        follows = windows.follows if carried else (-1,) * w
+        groups = _groups(follows, self.lanes)
         shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y), (w, 1 + n_s, n_x)]
-        results = [np.empty(shape) for shape in shapes]
-        whole, real = ([ctypes.c_void_p(a.ctypes.data) for a in of] for of in (integers, (*arrays, *results)))
-        steps = (ctypes.c_void_p * 4).in_dll(model, "steps")
-        advance, observe = map(ctypes.c_void_p, steps[:2] if sensitivities else steps[2:])
-        if shoot(advance, observe, *whole, ctypes.c_double(windows.dt / windows.substeps), *real):
+        final, states, outputs, slopes, ends = results = [np.empty(shape) for shape in shapes]
+        marks = np.isin(np.arange(n_x), carried)
+        integers = [np.array(a, dtype=np.int64) for a in (groups, follows, windows.lengths, marks)]
+        numbers = [
+            np.ascontiguousarray(a, dtype=float)
+            for a in (windows.time, windows.stages, windows.inputs, p, x0)
+        ]
+        sizes = (len(groups), length, windows.substeps, n_x, n_s, n_u, n_stage, hop, n_y)
+        h = windows.dt / windows.substeps
+        task = _Task(*sizes, *map(_address, integers), h, *map(_address, numbers))
+        parts = (ctypes.c_void_p * 4).in_dll(model, "parts")
+        advance, observe = map(ctypes.c_void_p, parts[:2] if sensitivities else parts[2:])
+        found = _Found(*map(_address, results))
+        if shoot(advance, observe, ctypes.byref(task), ctypes.byref(found)):
             raise MemoryError("no memory left to simulate in")
-        final, states, outputs, slopes, ends = results
         return states, outputs, final, slopes, ends[:, 1:]
 
-    @cached_property
+    @property
     def _functions(self) -> tuple[ca.Function, ...]:
+        """Step and outputs, with sensitivities and without."""
+        return self._derived(("functions", self.free, self.integrator, self.held), self._differentiated)
+
+    def _differentiated(self) -> tuple[ca.Function, ...]:
         step = INTEGRATORS[self.integrator](self.model, ca.SX.sym("h"), self.held)
         return (*_pair(self.model, step, self.free, ""), *_pair(self.model, step, None, ONLY))
 
-    @cached_property
+    @property
     def _library(self) -> ctypes.CDLL | None:
-        generator = ca.CodeGenerator("model.c")
-        for function in self._functions:
-            generator.add(function)
-        names = ", ".join(function.name() for function in self._functions)
-        return _compiled(STATIC + generator.dump() + STEPS % names)
+        return self._derived(("library", self.free, self.integrator, self.held, self.lanes), self._written)
+
+    def _written(self) -> ctypes.CDLL | None:
+        try:
+            parts = [c_of(function, ARGUMENTS) for function in self._functions]
+        except Unwritten:
+            return None
+        names = ", ".join(f"&{function.name()}" for function in self._functions)
+        return _compiled(_side_by_side(self.lanes) + "".join(parts) + PARTS % names)
+
+    def _derived(self, key: tuple[object, ...], make: Callable[[], T]) -> T:
+        """What ``make`` makes, kept with the model: many problems of a fit share it."""
+        kept = self.model.derived
+        if key not in kept:
+            kept[key] = make()
+        return cast(T, kept[key])
 
 
 def _pair(
@@ -143,12 +165,68 @@ def total_derivative(model: Model, value: ca.SX, x: ca.SX, p: ca.SX, s: ca.SX, f
     return through
 
 
+def _typed(kind: type, *names: str) -> tuple[tuple[str, type], ...]:
+    return tuple((name, kind) for name in names)
+
+
+class _Task(ctypes.Structure):
+    """``Task`` of shoot.c."""
+
+    _fields_ = (
+        *_typed(ctypes.c_longlong, "groups", "length", "steps", "n_x", "n_s", "n_u", "n_stage", "hop", "n_y"),
+        *_typed(ctypes.c_void_p, "members", "follows", "lengths", "carried"),
+        *_typed(ctypes.c_double, "h"),
+        *_typed(ctypes.c_void_p, "time", "stages", "inputs", "p", "x0"),
+    )
+
+
+class _Found(ctypes.Structure):
+    """``Result`` of shoot.c."""
+
+    _fields_ = _typed(ctypes.c_void_p, "final", "states", "outputs", "slopes", "ends")
+
+
+def _address(array: NDArray[Any]) -> int:
+    return array.ctypes.data
+
+
 @functools.cache
-def _driver() -> Callable[..., int] | None:
+def _driver(lanes: int) -> Callable[..., int] | None:
     """``shoot`` of shoot.c, or None if the compiler fails."""
-    source = (resources.files("hybridid.simulation") / "shoot.c").read_text(encoding="utf-8")
-    driver = _compiled(source)
+    driver = _compiled(_side_by_side(lanes) + _text("shoot.c"))
     return None if driver is None else driver.shoot
+
+
+def _side_by_side(lanes: int) -> str:
+    return f"#define LANES {lanes}\n" + _text("lanes.h")
+
+
+def _text(name: str) -> str:
+    return (resources.files("hybridid.simulation") / name).read_text(encoding="utf-8")
+
+
+def _groups(follows: Sequence[int], lanes: int) -> Array:
+    """Horizons side by side, (groups, ``lanes``), -1 where a lane is left over: those that follow none first,
+    then those that follow these, and so on."""
+    depth: list[int] = []
+    for before in follows:
+        depth.append(0 if before < 0 else depth[before] + 1)
+    groups = []
+    for level in range(max(depth, default=-1) + 1):
+        members = [k for k, own in enumerate(depth) if own == level]
+        members += [-1] * (-len(members) % lanes)
+        groups += [members[k : k + lanes] for k in range(0, len(members), lanes)]
+    return np.array(groups)
+
+
+@functools.cache
+def _flags() -> tuple[str, ...]:
+    """Of the compiler on this machine: four lanes fit a register where the processor has AVX2."""
+    try:
+        has_avx2 = " avx2 " in Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        has_avx2 = False
+    return (*FLAGS, "-mavx2") if has_avx2 else FLAGS
 
 
 @functools.cache
@@ -164,7 +242,7 @@ def _compiled(source: str) -> ctypes.CDLL | None:
     """The library of a C source, from ``libraries`` where an earlier process has left it; None, with a
     warning, if the compiler fails."""
     compiler = str(_compiler())
-    key = hashlib.sha256("\0".join((compiler, platform.machine(), *FLAGS, source)).encode()).hexdigest()
+    key = hashlib.sha256("\0".join((compiler, platform.machine(), *_flags(), source)).encode()).hexdigest()
     if key not in _LIBRARIES:
         _LIBRARIES[key] = library(key, lambda made: _build(compiler, source, made))
     return _LIBRARIES[key]
@@ -174,7 +252,7 @@ def _build(compiler: str, source: str, made: Path) -> bool:
     """Compile ``source`` into the file ``made``; False, with a warning, if that fails."""
     text = made.with_suffix(".c")
     text.write_text(source, encoding="utf-8")
-    command = [compiler, *FLAGS, str(text), "-o", str(made), "-lm"]
+    command = [compiler, *_flags(), str(text), "-o", str(made), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     text.unlink()
     if done.returncode:

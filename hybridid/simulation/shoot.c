@@ -1,79 +1,145 @@
-/* Simulates horizons, one after another, by two functions that CasADi has written of a model: `advance`, one step of
-   the state and its sensitivities, and `observe`, the outputs and theirs (it ignores h). Without sensitivities they
-   give the first of their results only. Matrices lie column by column, as CasADi has them. */
-#include <math.h>
+/* Simulates horizons, LANES at a time, by two parts of a model: `advance`, one step of the state and its
+   sensitivities, and `observe`, the outputs and theirs (it ignores h). Without sensitivities they give the first of
+   their results only. */
 #include <stdlib.h>
 #include <string.h>
 
-typedef long long casadi_int;
-typedef int (*Function)(const double **arg, double **res, casadi_int *iw, double *w, int memory);
+/* What is to be simulated. Horizons, their `length`, steps a sample, states, columns of sensitivities (0: none),
+   inputs, stage inputs a sample, stage inputs from one step to the next, outputs. `members`: the horizons of each
+   group, -1 where a lane is left over; a group comes after those of the horizons that its own follow. `follows`: the
+   horizon before each, or -1; `lengths`: samples of each that are its own. */
+typedef struct {
+  long long groups, length, steps, n_x, n_s, n_u, n_stage, hop, n_y;
+  const long long *members, *follows, *lengths, *carried;
+  double h;
+  const double *time, *stages, *inputs, *p, *x0;
+} Task;
 
-static void run(Function call, const double *x, const double *s, const double *t, const double *h, const double *u,
-                const double *p, double *value, double *slope) {
-  const double *arg[] = {x, s, t, h, u, p};
-  double *res[] = {value, slope};
-  call(arg, res, NULL, NULL, 0);
+/* `final`: the state one sample after the last; `ends`: state and sensitivities after each horizon's own samples. A
+   horizon that leaves the numbers is blank from there on. */
+typedef struct {
+  double *final, *states, *outputs, *slopes, *ends;
+} Result;
+
+/* A group under way: the horizon of each lane, and which lanes still have one within the numbers. */
+typedef struct {
+  long long own[LANES];
+  int alive[LANES];
+  Lanes *now, *next, *y, *u, *stage;
+} Group;
+
+static void blank(double *a, long long n) {
+  for (long long k = 0; k < n; ++k) a[k] = NAN;
 }
 
-static void blank(double *a, casadi_int n) {
-  for (casadi_int k = 0; k < n; ++k) a[k] = NAN;
-}
-
-static int is_finite(const double *a, casadi_int n) {
-  for (casadi_int k = 0; k < n; ++k)
+static int is_finite(const double *a, long long n) {
+  for (long long k = 0; k < n; ++k)
     if (!isfinite(a[k])) return 0;
   return 1;
 }
 
-/* Where a horizon begins that follows another: the states marked in `carried` are what they were where that one
-   ended, if it did not leave the numbers. */
-static void carry_on(double *now, const double *end, const casadi_int *carried, casadi_int n_x) {
-  if (!is_finite(end, n_x)) return;
-  for (casadi_int i = 0; i < n_x; ++i)
-    if (carried[i]) now[i] = end[i];
+static void take(double *to, const Lanes *from, int lane, long long n) {
+  for (long long k = 0; k < n; ++k) to[k] = AT(from[k], lane);
 }
 
-/* size: horizons, their length, steps a sample, states, columns of sensitivities (0: none), inputs,
-   stage inputs a sample, stage inputs from one step to the next, outputs. `follows`: the horizon before each, or
-   -1; `lengths`: samples of each that are its own; `ends`: its state and sensitivities after these. A horizon that
-   leaves the numbers is blank from there on. Returns 0, or 1 without memory. */
-int shoot(Function advance, Function observe, const casadi_int *size, const casadi_int *follows,
-          const casadi_int *lengths, const casadi_int *carried, double h, const double *time, const double *stages,
-          const double *inputs, const double *p, const double *x0, double *final, double *states, double *outputs,
-          double *slopes, double *ends) {
-  const casadi_int count = size[0], length = size[1], steps = size[2], n_x = size[3], n_s = size[4];
-  const casadi_int n_u = size[5], n_stage = size[6], hop = size[7], n_y = size[8];
-  const casadi_int n = n_x * (1 + n_s);
-  double *now = malloc(n * sizeof *now), *next = malloc(n * sizeof *next);
-  const int ready = now && next;
-  for (casadi_int w = 0; ready && w < count; ++w) {
-    memset(now, 0, n * sizeof *now);
-    memcpy(now, x0 + w * n_x, n_x * sizeof *now);
-    for (casadi_int j = 0; j < n_x && j < n_s; ++j) now[n_x + j * n_x + j] = 1.0;
-    if (follows[w] >= 0) carry_on(now, ends + follows[w] * n, carried, n_x);
-    blank(ends + w * n, n);
-    for (casadi_int k = 0; k < length; ++k) {
-      const casadi_int at = w * length + k;
-      if (!is_finite(now, n_x)) {
-        blank(states + at * n_x, (length - k) * n_x);
-        blank(outputs + at * n_y, (length - k) * n_y);
-        if (n_s) blank(slopes + at * n_s * n_y, (length - k) * n_s * n_y);
-        blank(now, n_x);
-        break;
-      }
-      memcpy(states + at * n_x, now, n_x * sizeof *now);
-      run(observe, now, now + n_x, time + at, &h, inputs + at * n_u, p, outputs + at * n_y,
-          slopes + at * n_s * n_y);
-      for (casadi_int i = 0; i < steps; ++i) {
-        const double t = time[at] + i * h;
-        double *swap = now;
-        run(advance, now, now + n_x, &t, &h, stages + at * n_stage + i * hop, p, next, next + n_x);
-        now = next, next = swap;
-      }
-      if (k + 1 == lengths[w]) memcpy(ends + w * n, now, n * sizeof *now);
-    }
-    memcpy(final + w * n_x, now, n_x * sizeof *now);
+/* The numbers of sample `at` of each lane, n of `from` a sample. */
+static void put(Lanes *to, const Group *g, const Task *task, const double *from, long long sample, long long n) {
+  for (int l = 0; l < LANES; ++l) {
+    const double *own = from + (g->own[l] * task->length + sample) * n;
+    for (long long k = 0; k < n; ++k) AT(to[k], l) = own[k];
   }
-  free(now), free(next);
+}
+
+/* Each horizon begins at its x0. Of one that follows another, the states marked in `carried` are what they were where
+   that one ended, if it did not leave the numbers. */
+static void begin(Group *g, const Task *task, const Result *found, const long long *members) {
+  const long long n_x = task->n_x, n = n_x * (1 + task->n_s);
+  for (long long k = 0; k < n; ++k) g->now[k] = FILL(0.0);
+  for (int l = 0; l < LANES; ++l) {
+    const long long w = members[l] >= 0 ? members[l] : members[0], before = task->follows[w];
+    const double *end = found->ends + before * n;
+    const int handed_on = before >= 0 && is_finite(end, n_x);
+    for (long long i = 0; i < n_x; ++i)
+      AT(g->now[i], l) = handed_on && task->carried[i] ? end[i] : task->x0[w * n_x + i];
+    for (long long j = 0; j < n_x && j < task->n_s; ++j) AT(g->now[n_x + j * n_x + j], l) = 1.0;
+    g->own[l] = w;
+    g->alive[l] = members[l] >= 0;
+    if (g->alive[l]) blank(found->ends + w * n, n);
+  }
+}
+
+/* Whether any lane is still within the numbers; those that have just left them are blank from `sample` on. */
+static int still_alive(Group *g, const Task *task, const Result *found, long long sample) {
+  const long long left = task->length - sample, n_y = task->n_y;
+  int any = 0;
+  for (int l = 0; l < LANES; ++l) {
+    int fine = 1;
+    for (long long i = 0; i < task->n_x; ++i) fine &= isfinite(AT(g->now[i], l)) != 0;
+    if (g->alive[l] && !fine) {
+      const long long at = g->own[l] * task->length + sample;
+      blank(found->states + at * task->n_x, left * task->n_x);
+      blank(found->outputs + at * n_y, left * n_y);
+      if (task->n_s) blank(found->slopes + at * task->n_s * n_y, left * task->n_s * n_y);
+      blank(found->final + g->own[l] * task->n_x, task->n_x);
+      g->alive[l] = 0;
+    }
+    any |= g->alive[l];
+  }
+  return any;
+}
+
+static void store(const Group *g, const Task *task, const Result *found, long long sample) {
+  const long long n_slopes = task->n_s * task->n_y;
+  for (int l = 0; l < LANES; ++l) {
+    const long long at = g->own[l] * task->length + sample;
+    if (!g->alive[l]) continue;
+    take(found->states + at * task->n_x, g->now, l, task->n_x);
+    take(found->outputs + at * task->n_y, g->y, l, task->n_y);
+    take(found->slopes + at * n_slopes, g->y + task->n_y, l, n_slopes);
+  }
+}
+
+static void run(Group *g, const Task *task, const Result *found, const Part *advance, const Part *observe,
+                const double *known) {
+  const long long n_x = task->n_x, n = n_x * (1 + task->n_s);
+  for (long long k = 0; k < task->length && still_alive(g, task, found, k); ++k) {
+    Lanes t;
+    put(&t, g, task, task->time, k, 1);
+    put(g->u, g, task, task->inputs, k, task->n_u);
+    put(g->stage, g, task, task->stages, k, task->n_stage);
+    observe->run(g->now, g->now + n_x, &t, task->h, g->u, task->p, known + advance->constants, g->y, g->y + task->n_y);
+    store(g, task, found, k);
+    for (long long i = 0; i < task->steps; ++i) {
+      const Lanes there = t + i * task->h;
+      Lanes *swap = g->now;
+      advance->run(g->now, g->now + n_x, &there, task->h, g->stage + i * task->hop, task->p, known, g->next,
+                   g->next + n_x);
+      g->now = g->next, g->next = swap;
+    }
+    for (int l = 0; l < LANES; ++l)
+      if (g->alive[l] && k + 1 == task->lengths[g->own[l]]) take(found->ends + g->own[l] * n, g->now, l, n);
+  }
+  for (int l = 0; l < LANES; ++l)
+    if (g->alive[l]) take(found->final + g->own[l] * n_x, g->now, l, n_x);
+}
+
+static Lanes *room(long long n) { return aligned_alloc(sizeof(Lanes), (n + 1) * sizeof(Lanes)); }
+
+/* Returns 0, or 1 without memory. */
+int shoot(const Part *advance, const Part *observe, const Task *task, const Result *found) {
+  const long long n = task->n_x * (1 + task->n_s);
+  Group g = {.now = room(n), .next = room(n), .y = room(task->n_y * (1 + task->n_s)), .u = room(task->n_u),
+             .stage = room(task->n_stage)};
+  double *known = malloc((advance->constants + observe->constants + 1) * sizeof *known);
+  const int ready = g.now && g.next && g.y && g.u && g.stage && known;
+  if (ready) {
+    advance->prepare(task->h, task->p, known);
+    observe->prepare(task->h, task->p, known + advance->constants);
+  }
+  for (long long k = 0; ready && k < task->groups; ++k) {
+    begin(&g, task, found, task->members + k * LANES);
+    run(&g, task, found, advance, observe, known);
+  }
+  free(g.now), free(g.next), free(g.y), free(g.u), free(g.stage), free(known);
   return !ready;
 }

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from hybridid.model import Model
 from hybridid.simulation.integrators import sample_step
-from hybridid.simulation.machine_code import Code, total_derivative
+from hybridid.simulation.machine_code import LANES, Code, total_derivative
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
@@ -96,7 +96,13 @@ class Shooter:
         """One step, as machine code."""
         w = self.windows
         steps = w.count * w.length * w.substeps * (IN_TURN if self._hands_on else 1)
-        return Code(self.model, self.free, self.integrator, w.held, steps)
+        return Code(self.model, self.free, self.integrator, w.held, steps, self._lanes)
+
+    @property
+    def _lanes(self) -> int:
+        """Horizons to run side by side: of those that hand inner states on, one of each record."""
+        at_once = self.windows.follows.count(-1) if self.carried else self.windows.count
+        return LANES if at_once > 2 else 1
 
     @property
     def _hands_on(self) -> bool:

@@ -47,10 +47,7 @@ class Bumps:
         low, high = at.p.first, at.p.last
         s = ca.fmin(ca.fmax(s, low), high)
         bumps = self._heights(((s - low) / (high - low) - 0.5) * (self.bumps - 1))
-        effort = 0
-        for j in range(self.combinations):
-            shape = ca.dot(ca.vertcat(*bumps), ca.vertcat(*(getattr(at.p, v) for v in self._basis(j))))
-            effort += getattr(at.p, f"a{j}") * shape
+        effort = ca.dot(ca.vertcat(*bumps), self._amplitudes(at))
         factors = {
             "": 1, "velocity": at.velocity, "sign of velocity": at.sign, "acceleration": at.acceleration
         }  # fmt: skip
@@ -66,6 +63,14 @@ class Bumps:
         for k in range(1, self.bumps):
             heights.append(heights[-1] * growing * math.exp(-(first + k) + 0.5))
         return heights
+
+    def _amplitudes(self, at: Local) -> ca.SX:
+        """``sum_j a_j V_kj`` of each bump, (bumps,): it depends on parameters alone."""
+        combined = ca.SX.zeros(self.bumps)
+        for j in range(self.combinations):
+            basis = ca.vertcat(*(getattr(at.p, v) for v in self._basis(j)))
+            combined += getattr(at.p, f"a{j}") * basis
+        return combined
 
     def _basis(self, j: int) -> list[str]:
         return [f"v{k}_{j}" for k in range(self.bumps)]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hybridid.simulation import machine_code
+from hybridid.simulation.machine_code import LANES
 from hybridid.simulation.shooter import Shooter
 from hybridid.simulation.windows import cut
 
@@ -84,9 +85,36 @@ def test_a_compiler_that_fails_is_named_once(carriage, make_model, monkeypatch, 
 
 
 @compiled
-def test_what_casadi_tells_of_its_functions_is_not_in_the_library(carriage, make_model):
-    """Names and sparsities take as long to compile as the functions do."""
-    library = shooter_of(carriage, make_model).code._library
-    assert library is not None
-    assert hasattr(library, "steps")
-    assert not hasattr(library, "model_advance_n_in")
+def test_one_lane_and_four_give_the_same_numbers(carriage, make_model):
+    """Handed-on states, horizons of three records, one of them short: lanes are left over."""
+    records = [carriage.record(n) for n in (150, 90, 130)]
+    model = make_model(("viscous", "coulomb", "dahl"))
+    inner = (len(model.states) - 1,)
+    shooter = Shooter(model, cut(records, 60, 2), ("M", "carriage.dahl.s"), carried=inner)
+    assert shooter.code.lanes == LANES
+    alone = replace(shooter)
+    alone.__dict__["code"] = replace(shooter.code, lanes=1)
+    x0 = np.random.default_rng(2).normal(size=(shooter.windows.count, len(model.states))) * 1e-3
+    ours, theirs = (one(x0, model.values(), sensitivities=True) for one in (shooter, alone))
+    for name in ("outputs", "states", "final", "by_state", "by_parameter", "ends_by"):
+        a, b = getattr(ours, name), getattr(theirs, name)
+        np.testing.assert_allclose(a, b, rtol=1e-10, atol=1e-12 * np.abs(b).max())
+
+
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_a_group_comes_after_those_that_its_horizons_follow(lanes):
+    follows = (-1, 0, 1, -1, 3, -1, -1, -1, 7)
+    groups = machine_code._groups(follows, lanes)
+    place = {int(k): g for g, row in enumerate(groups) for k in row if k >= 0}
+    assert sorted(place) == list(range(9))
+    assert all(place[k] > place[before] for k, before in enumerate(follows) if before >= 0)
+    assert (groups[:, 0] >= 0).all()
+
+
+@compiled
+def test_problems_of_one_model_share_their_functions(carriage, make_model):
+    first = shooter_of(carriage, make_model)
+    other = replace(first, windows=cut([carriage.record(150)], 60, 4))
+    assert first.code is not other.code
+    assert first.code._functions is other.code._functions
+    assert replace(first, free=("M",)).code._functions is not first.code._functions

@@ -1,0 +1,200 @@
+"""A CasADi function as C, for the horizons that run side by side in lanes (``lanes.h``).
+
+CasADi's own generator writes C for one number at a time. Here each operation of the function becomes one line
+on four. What depends on the parameters and on the step alone is computed once a simulation (``prepare``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+VARYING = ("x", "s", "t", "u")
+"""Arguments with a number for each lane; ``h`` and ``p`` are the same in all."""
+ARITHMETIC: Mapping[int, str] = {
+    ca.OP_ADD: "{0} + {1}",
+    ca.OP_SUB: "{0} - {1}",
+    ca.OP_MUL: "{0} * {1}",
+    ca.OP_DIV: "{0} / {1}",
+    ca.OP_ASSIGN: "{0}",
+    ca.OP_NEG: "-{0}",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "{0} + {0}",
+    ca.OP_INV: "1.0 / {0}",
+}
+"""The same for one number and for lanes."""
+OF_LANES: Mapping[int, str] = {
+    ca.OP_LT: "TRUTH({0} < {1})",
+    ca.OP_LE: "TRUTH({0} <= {1})",
+    ca.OP_EQ: "TRUTH({0} == {1})",
+    ca.OP_NE: "TRUTH({0} != {1})",
+    ca.OP_NOT: "TRUTH({0} == 0.0)",
+    ca.OP_AND: "TRUTH(({0} != 0.0) & ({1} != 0.0))",
+    ca.OP_OR: "TRUTH(({0} != 0.0) | ({1} != 0.0))",
+    ca.OP_IF_ELSE_ZERO: "ONLY_IF({0}, {1})",
+    ca.OP_FABS: "ABSOLUTE({0})",
+    ca.OP_SIGN: "SIGN({0})",
+    ca.OP_COPYSIGN: "SIGNED_AS({0}, {1})",
+    ca.OP_FMIN: "SMALLER({0}, {1})",
+    ca.OP_FMAX: "LARGER({0}, {1})",
+    ca.OP_EXP: "EXPONENTIAL({0})",
+    ca.OP_TANH: "HYPERBOLIC_TANGENT({0})",
+}
+"""The macros of lanes.h."""
+OF_ONE: Mapping[int, str] = {
+    ca.OP_LT: "{0} < {1}",
+    ca.OP_LE: "{0} <= {1}",
+    ca.OP_EQ: "{0} == {1}",
+    ca.OP_NE: "{0} != {1}",
+    ca.OP_NOT: "!{0}",
+    ca.OP_AND: "{0} && {1}",
+    ca.OP_OR: "{0} || {1}",
+    ca.OP_IF_ELSE_ZERO: "{0} ? {1} : 0.0",
+    ca.OP_FABS: "fabs({0})",
+    ca.OP_SIGN: "({0} > 0) - ({0} < 0)",
+    ca.OP_COPYSIGN: "copysign({0}, {1})",
+    ca.OP_FMIN: "fmin({0}, {1})",
+    ca.OP_FMAX: "fmax({0}, {1})",
+    ca.OP_EXP: "exp({0})",
+    ca.OP_TANH: "tanh({0})",
+}
+LIBRARY: Mapping[int, str] = {
+    getattr(ca, f"OP_{name.upper()}"): name
+    for name in (
+        "sqrt", "log", "log1p", "expm1", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "asinh",
+        "acosh", "atanh", "floor", "ceil", "erf",
+    )
+}  # fmt: skip
+LIBRARY_OF_TWO: Mapping[int, str] = {
+    ca.OP_POW: "pow",
+    ca.OP_CONSTPOW: "pow",
+    ca.OP_ATAN2: "atan2",
+    ca.OP_FMOD: "fmod",
+    ca.OP_HYPOT: "hypot",
+    ca.OP_REMAINDER: "remainder",
+}
+"""Functions of the C library: one lane after another."""
+
+
+class Unwritten(ValueError):
+    """A function has an operation that has no C here."""
+
+
+@dataclass
+class _Text:
+    """The lines written so far.
+
+    ``now`` names what each place of CasADi's work vector holds. ``shared`` are the names of what is the same
+    in all lanes: some stand for a ``literal``, others are ``known`` from ``prepare``, each at its own place.
+    """
+
+    function: ca.Function
+    arguments: tuple[str, ...]
+    now: dict[int, str] = field(default_factory=dict)
+    shared: set[str] = field(default_factory=set)
+    literal: dict[str, str] = field(default_factory=dict)
+    known: dict[str, int] = field(default_factory=dict)
+    prepare: list[str] = field(default_factory=list)
+    run: list[str] = field(default_factory=list)
+
+    def read(self, k: int) -> None:
+        """Take up instruction ``k``."""
+        code, given = self.function.instruction_id(k), self.function.instruction_input(k)
+        made = self.function.instruction_output(k)
+        if code == ca.OP_OUTPUT:
+            array = ("value", "slope")[made[0]]
+            self.run.append(f"{array}[{made[1]}] = {self.lanes(self.now[given[0]])};")
+            return
+        name = f"v{k}"
+        if code == ca.OP_CONST:
+            self._alike(name, _number(self.function.instruction_constant(k)))
+        elif code == ca.OP_INPUT:
+            argument = self.arguments[given[0]]
+            if argument in VARYING:
+                self.run.append(f"const Lanes {name} = {argument}[{given[1]}];")
+            else:
+                self._alike(name, "h" if argument == "h" else f"p[{given[1]}]")
+        else:
+            self._operation(name, code, [self.now[place] for place in given])
+        self.now[made[0]] = name
+
+    def _alike(self, name: str, literal: str) -> None:
+        self.shared.add(name)
+        self.literal[name] = literal
+
+    def _operation(self, name: str, code: int, given: list[str]) -> None:
+        if self.shared.issuperset(given):
+            values = [self.literal.get(one, one) for one in given]
+            self.prepare.append(f"const double {name} = {_of_one(code).format(*values)};")
+            self.shared.add(name)
+        else:
+            self.run.append(f"const Lanes {name} = {_of_lanes(code).format(*map(self.lanes, given))};")
+
+    def lanes(self, name: str) -> str:
+        """What stands for ``name`` in a line on lanes."""
+        if name not in self.shared:
+            return name
+        if name in self.literal:
+            return f"FILL({self.literal[name]})"
+        return f"FILL(c[{self.known.setdefault(name, len(self.known))}])"
+
+
+def c_of(function: ca.Function, arguments: tuple[str, ...]) -> str:
+    """C that defines ``Part NAME`` with NAME the name of ``function``.
+
+    ``arguments`` say which of x, s, t, h, u, p each argument of the function is. Its results, one or two, are
+    written to ``value`` and ``slope``.
+
+    Raises:
+        Unwritten: if the function has an operation that has no C here.
+    """
+    text = _Text(function, arguments)
+    for k in range(function.n_instructions()):
+        text.read(k)
+    name = function.name()
+    kept = [f"c[{place}] = {one};" for one, place in text.known.items()]
+    return "\n".join(
+        (
+            f"static void {name}_prepare(double h, const double *p, double *c) {{",
+            *text.prepare,
+            *kept,
+            "}",
+            f"static void {name}_run(const Lanes *x, const Lanes *s, const Lanes *t, double h,",
+            "const Lanes *u, const double *p, const double *c, Lanes *value, Lanes *slope) {",
+            *text.run,
+            "}",
+            f"static const Part {name} = {{{len(kept)}, {name}_prepare, {name}_run}};\n",
+        )
+    )
+
+
+def _of_one(code: int) -> str:
+    if code in LIBRARY:
+        return LIBRARY[code] + "({0})"
+    if code in LIBRARY_OF_TWO:
+        return LIBRARY_OF_TWO[code] + "({0}, {1})"
+    return _found({**ARITHMETIC, **OF_ONE}, code)
+
+
+def _of_lanes(code: int) -> str:
+    if code in LIBRARY:
+        return f"EACH({LIBRARY[code]}, {{0}})"
+    if code in LIBRARY_OF_TWO:
+        return f"EACH_OF_TWO({LIBRARY_OF_TWO[code]}, {{0}}, {{1}})"
+    return _found({**ARITHMETIC, **OF_LANES}, code)
+
+
+def _found(table: Mapping[int, str], code: int) -> str:
+    if code not in table:
+        raise Unwritten(f"operation {code} of CasADi has no C in hybridid.simulation.c_code")
+    return table[code]
+
+
+def _number(value: float) -> str:
+    """A number as C reads it back to the last bit."""
+    written = repr(float(value))
+    return {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}.get(
+        written, f"({written})" if value < 0 else written
+    )

@@ -1,0 +1,95 @@
+/* Numbers side by side: lane k belongs to horizon k of a group of LANES horizons, 4 or 1. Four make a vector, of
+   which the compiler makes what the processor has (AVX2, SSE2, NEON). Each lane obeys IEEE arithmetic, so all
+   processors give the same numbers. */
+#include <math.h>
+
+#if LANES == 1
+
+typedef double Lanes;
+typedef long long Bits;
+#define FILL(a) (a)
+#define TRUTH(a) ((double)(a))
+#define WHERE(chosen, a, b) ((chosen) ? (a) : (b))
+#define ONLY_IF(a, b) ((a) != 0.0 ? (b) : 0.0)
+#define ABSOLUTE fabs
+#define SIGNED_AS copysign
+#define EXPONENTIAL exp
+#define HYPERBOLIC_TANGENT tanh
+#define EACH(f, a) f(a)
+#define EACH_OF_TWO(f, a, b) f(a, b)
+
+#else
+
+typedef double Lanes __attribute__((vector_size(8 * LANES)));
+typedef long long Bits __attribute__((vector_size(8 * LANES)));
+#define FILL(a) ((Lanes){a, a, a, a})
+#define TRUTH(a) ((Lanes)((a) & (Bits)FILL(1.0)))
+#define WHERE(chosen, a, b) where(chosen, a, b)
+#define ONLY_IF(a, b) ((Lanes)(((a) != FILL(0.0)) & (Bits)(b)))
+#define ABSOLUTE(a) ((Lanes)((Bits)(a) & ~(Bits)FILL(-0.0)))
+#define SIGNED_AS signed_as
+#define EXPONENTIAL exponential
+#define HYPERBOLIC_TANGENT hyperbolic_tangent
+#define EACH(f, a) ((Lanes){f(AT(a, 0)), f(AT(a, 1)), f(AT(a, 2)), f(AT(a, 3))})
+#define EACH_OF_TWO(f, a, b) \
+  ((Lanes){f(AT(a, 0), AT(b, 0)), f(AT(a, 1), AT(b, 1)), f(AT(a, 2), AT(b, 2)), f(AT(a, 3), AT(b, 3))})
+
+static inline Lanes where(Bits chosen, Lanes a, Lanes b) { return (Lanes)((chosen & (Bits)a) | (~chosen & (Bits)b)); }
+
+static inline Lanes signed_as(Lanes a, Lanes b) {
+  return (Lanes)((Bits)ABSOLUTE(a) | ((Bits)b & (Bits)FILL(-0.0)));
+}
+
+/* x = n ln 2 + r, |r| <= ln(2) / 2, and exp(r) = (q + p) / (q - p), so exp(x) = 2^n (q + p) / (q - p). Adding `round`
+   leaves n in the last bits of the sum. Relative error 2e-16. Source: Moshier (1992), Cephes Math Library, exp.c. */
+static inline void split_exponential(Lanes x, Bits *n, Lanes *p, Lanes *q) {
+  const Lanes round = FILL(6755399441055744.0); /* 1.5 * 2^52 */
+  const Lanes shifted = x * 1.4426950408889634 + round, whole = shifted - round;
+  const Lanes r = x - whole * 6.93145751953125e-1 - whole * 1.42860682030941723212e-6, rr = r * r;
+  *n = (Bits)shifted - (Bits)round;
+  *p = r * ((1.26177193074810590878e-4 * rr + 3.02994407707441961300e-2) * rr + 9.99999999999999999910e-1);
+  *q = ((3.00198505138664455042e-6 * rr + 2.52448340349684104192e-3) * rr + 2.27265548208155028766e-1) * rr + 2.0;
+}
+
+static inline Lanes power_of_two(Bits n) { return (Lanes)((n + 1023) << 52); }
+
+static inline Lanes exponential(Lanes x) {
+  Bits n;
+  Lanes p, q;
+  x = where(x > 750.0, FILL(750.0), where(x < -750.0, FILL(-750.0), x));
+  split_exponential(x, &n, &p, &q);
+  const Bits half = n >> 1;
+  return (q + p) / (q - p) * power_of_two(half) * power_of_two(n - half);
+}
+
+/* (exp(2 |x|) - 1) / (exp(2 |x|) + 1) from 0.625 on, below it |x| + |x|^3 P(x^2) / Q(x^2): one division for both.
+   Relative error 3e-16. Source: Moshier (1992), Cephes Math Library, tanh.c. */
+static inline Lanes hyperbolic_tangent(Lanes x) {
+  Bits n;
+  Lanes p, q;
+  const Lanes z = ABSOLUTE(x), xx = x * x;
+  const Bits small = z < 0.625;
+  split_exponential(2.0 * where(z > 20.0, FILL(20.0), z), &n, &p, &q);
+  const Lanes grown = power_of_two(n) * (q + p), kept = q - p;
+  const Lanes above = ((-9.64399179425052238628e-1 * xx - 9.92877231001918586564e1) * xx - 1.61468768441708447952e3) * xx * z;
+  const Lanes below = ((xx + 1.12811678491632931402e2) * xx + 2.23548839060100448583e3) * xx + 4.84406305325125486048e3;
+  const Lanes ratio = where(small, above, grown - kept) / where(small, below, grown + kept);
+  return signed_as(where(small, z, FILL(0.0)) + ratio, x);
+}
+
+#endif
+
+/* One number of a lane. */
+#define AT(a, lane) (((double *)&(a))[lane])
+#define SMALLER(a, b) WHERE(((a) <= (b)) | ((b) != (b)), a, b)
+#define LARGER(a, b) WHERE(((a) >= (b)) | ((b) != (b)), a, b)
+#define SIGN(a) (TRUTH((a) > 0.0) - TRUTH((a) < 0.0) + 0.0 * (a))
+
+/* One step of a model, or its outputs, and the sensitivities of either. `prepare` computes what depends on the
+   parameters and on the step h alone, `constants` numbers of it. Matrices lie column by column. */
+typedef struct {
+  long long constants;
+  void (*prepare)(double h, const double *p, double *c);
+  void (*run)(const Lanes *x, const Lanes *s, const Lanes *t, double h, const Lanes *u, const double *p, const double *c,
+              Lanes *value, Lanes *slope);
+} Part;
