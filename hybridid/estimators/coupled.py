@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from hybridid.estimators.jacobian import columns, products
 from hybridid.estimators.normal_equations import small
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
@@ -45,17 +46,15 @@ class Coupled:
     def of(cls, problem: Problem, shot: Shot, p_scale: Array, x_scale: Array) -> Coupled:
         """From a shot with sensitivities; steps count in ``p_scale`` (n,) and ``x_scale`` (m,)."""
         w, m, n = problem.windows.count, len(x_scale), len(p_scale)
+        by = columns(problem, shot.by_state, shot.by_parameter)
+        begins = _handed_on(problem, shot, by[:, :m])
+        by[:, m:] += begins[..., :n].swapaxes(1, 2) @ by[:, :m][:, problem.carried]
+        matrix, error = _together(problem, *products(problem, shot, by), begins[..., n:])
+        places = np.concatenate([np.arange(n), n + np.flatnonzero(problem.moving)])
+        scale = np.concatenate([p_scale, np.tile(x_scale, w)])[places]
         gram, gradient = np.zeros((n + w * m, n + w * m)), np.zeros(n + w * m)
-        residuals = problem.residuals(shot)
-        for k, (by_p, by_x) in enumerate(_through(problem, shot)):
-            used = problem.windows.used[k]
-            columns = [np.arange(n), *(n + m * j + np.arange(m) for j in by_x)]
-            blocks = [by_p * p_scale, *(block * x_scale for block in by_x.values())]
-            rows = np.concatenate(blocks, axis=2)[used] / problem.scale[:, None]
-            rows = rows.reshape(-1, rows.shape[2])
-            at = np.concatenate(columns)
-            gram[np.ix_(at, at)] += rows.T @ rows
-            gradient[at] -= rows.T @ residuals[k][used].ravel()
+        gram[np.ix_(places, places)] = matrix * np.outer(scale, scale)
+        gradient[places] = -error * scale
         return cls(gram, gradient, n, (w, m))
 
     @property
@@ -109,35 +108,57 @@ def couples(problem: Problem) -> bool:
     )
 
 
-def _through(problem: Problem, shot: Shot) -> list[tuple[Array, dict[int, Array]]]:
-    """For each horizon dy/dp (H, n_y, n), and dy/dx_j (H, n_y, m) of its own and of those earlier initial
-    states that it still feels."""
-    inner, n_x = problem.carried, shot.states.shape[2]
-    own_states = np.where(problem.moving[:, None, None, :], shot.by_state, 0.0)
-    by_p: list[Array] = [np.zeros((int(inner.sum()), shot.by_parameter.shape[3]))] * problem.windows.count
-    by_x: list[dict[int, Array]] = [{}] * problem.windows.count
-    found = []
+def _handed_on(problem: Problem, shot: Shot, by_state: Array) -> Array:
+    """dz_k/dp and dz_k/dx_j (w, i, n + w e) of the i inner states in which each horizon begins, by the n
+    parameters and by the e estimated initial states of each earlier horizon that it still feels, else zero.
+    ``by_state`` (w, m, n_y H) are the columns by each horizon's own."""
+    w, m, n = *by_state.shape[:2], shot.by_parameter.shape[3]
+    own, inner = problem.moving[0], problem.carried
+    i, e = int(inner.sum()), int(own.sum())
+    found = np.zeros((w, i, n + w * e))
+    by_x = found[:, :, n:].reshape(w, i, w, e)
+    whole: NDArray[np.bool_] = np.all(np.isfinite(shot.ends_by), axis=(1, 2))
+    ends = shot.ends_by[..., inner].swapaxes(1, 2)
+    end_by_z, end_by_x = ends[:, :, :m][..., inner], ends[:, :, :m][..., own]
+    through, largest = by_state[:, inner], np.abs(by_state).max(axis=2)
     for k, before in enumerate(problem.windows.follows):
-        through = shot.by_state[k][..., inner]
-        shown: dict[int, Array] = {}
-        if before >= 0 and np.isfinite(shot.ends_by[before]).all():
-            ends = shot.ends_by[before][:, inner].T
-            by_z = ends[:, :n_x][:, inner]
-            own = np.where(problem.moving[before], ends[:, :n_x], 0.0)
-            by_p[k] = ends[:, n_x:] + by_z @ by_p[before]
-            earlier = {**{j: by_z @ block for j, block in by_x[before].items()}, before: own}
-            shown = _felt({j: _chained(through, block) for j, block in earlier.items()}, own_states[k])
-            by_x[k] = {j: earlier[j] for j in shown}
-        found.append((shot.by_parameter[k] + _chained(through, by_p[k]), {**shown, k: own_states[k]}))
+        if before < 0 or not whole[before]:
+            continue
+        np.matmul(end_by_z[before], found[before], out=found[k])
+        found[k, :, :n] += ends[before, :, m:]
+        by_x[k, :, before] = end_by_x[before]
+        past = np.flatnonzero(by_x[k].any(axis=(0, 2)))
+        block = by_x[k][:, past].reshape(i, len(past) * e)
+        shown = _largest(through[k], largest[k, inner], block).reshape(len(past), e)
+        felt = (shown > FORGOTTEN * largest[k, own]).any(axis=1)
+        by_x[k][:, past[~felt]] = 0.0
     return found
 
 
-def _chained(through: Array, block: Array) -> Array:
-    """``through`` (H, n_y, i) times ``block`` (i, m), in one product."""
-    return (through.reshape(-1, len(block)) @ block).reshape(*through.shape[:2], -1)
+def _largest(through: Array, most: Array, block: Array) -> Array:
+    """Largest size in each column of the product of ``through`` (i, N), transposed, and ``block`` (i, c).
+    ``most`` (i,) are the largest of ``through``: with one inner state they give it without the product."""
+    if len(most) == 1:
+        return most @ np.abs(block)
+    return np.abs(block.T @ through).max(axis=1)
 
 
-def _felt(shown: dict[int, Array], own: Array) -> dict[int, Array]:
-    """Of dy/dx_j those that still count beside what is the horizon's own."""
-    least = FORGOTTEN * np.abs(own).max(axis=(0, 1))
-    return {j: block for j, block in shown.items() if (np.abs(block).max(axis=(0, 1)) > least).any()}
+def _together(problem: Problem, square: Array, error: Array, earlier: Array) -> tuple[Array, Array]:
+    """J'J (n + w e, n + w e) and J'r (n + w e,) by the parameters and all estimated initial states.
+
+    Made of each horizon's own, ``square`` (w, m + n, m + n) and ``error`` (w, m + n), in whose columns by the
+    parameters dz_k/dp is included, and of dz_k/dx_j ``earlier`` (w, i, w e)."""
+    w, m = problem.moving.shape
+    n, e = square.shape[1] - m, int(problem.moving[0].sum())
+    none = np.zeros(n, dtype=bool)
+    own, inner = np.append(problem.moving[0], none), np.append(problem.carried, none)
+    through, to_own = square[:, inner], square[:, own]
+    tall = earlier.reshape(-1, w * e)
+    later = (to_own[:, :, inner] @ earlier).reshape(w * e, w * e)
+    xx = tall.T @ (through[:, :, inner] @ earlier).reshape(tall.shape) + later + later.T
+    each = np.arange(w)
+    xx.reshape(w, e, w, e)[each, :, each] += to_own[:, :, own]
+    xp = tall.T @ through[:, :, m:].reshape(len(tall), n) + to_own[:, :, m:].reshape(w * e, n)
+    gx = tall.T @ error[:, inner].ravel() + error[:, own].ravel()
+    matrix = np.block([[square[:, m:, m:].sum(axis=0), xp.T], [xp, xx]])
+    return matrix, np.concatenate([error[:, m:].sum(axis=0), gx])

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from hybridid.estimators.carried import by_parameter
 from hybridid.estimators.coupled import Coupled, couples
+from hybridid.estimators.jacobian import columns, products
 from hybridid.estimators.multiple_shooting import MultipleShooting, Program
 from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
@@ -76,25 +77,18 @@ class LeastSquares:
         if couples(problem):
             with np.errstate(over="ignore", invalid="ignore"):
                 return Coupled.of(problem, shot, self.p, self.x)
-        r = problem.residuals(shot)
-        # what lies beyond a record's end may have left the range of numbers
-        used = problem.windows.used[..., None, None]
-        with np.errstate(over="ignore"):
-            by_p = np.where(used, by_parameter(problem, shot) / problem.scale[:, None], 0.0) * self.p
-            by_x = np.where(used, shot.by_state / problem.scale[:, None], 0.0) * self.x
-        by_x = np.where(problem.moving[:, None, None, :], by_x, 0.0)
-        w, rows = len(r), r[0].size
-        jp = by_p.reshape(w, rows, -1) if by_p.size else np.zeros((w, rows, 0))
-        jx = by_x.reshape(w, rows, -1)
-        error = r.reshape(w, rows)
-        flat = jp.reshape(w * rows, jp.shape[-1])
+        by = columns(problem, shot.by_state, by_parameter(problem, shot))
+        square, error = products(problem, shot, by)
+        m, moving = len(self.x), problem.moving
         with np.errstate(over="ignore", invalid="ignore"):
+            xx = square[:, :m, :m] * np.outer(self.x, self.x)
+            xp = square[:, :m, m:] * np.outer(self.x, self.p)
             return Normal(
-                pp=flat.T @ flat,
-                xx=jx.swapaxes(1, 2) @ jx,
-                xp=jx.swapaxes(1, 2) @ jp,
-                gp=-flat.T @ error.ravel(),
-                gx=-np.einsum("wkm,wk->wm", jx, error),
+                pp=square[:, m:, m:].sum(axis=0) * np.outer(self.p, self.p),
+                xx=np.where(moving[:, :, None] & moving[:, None, :], xx, 0.0),
+                xp=np.where(moving[:, :, None], xp, 0.0),
+                gp=-error[:, m:].sum(axis=0) * self.p,
+                gx=-np.where(moving, error[:, :m], 0.0) * self.x,
             )
 
     def inside(self, p: Array, x0: Array) -> tuple[Array, Array]:
