@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -185,6 +186,10 @@ class _Basis:
     def length(self) -> int:
         return self.value.shape[3]
 
+    @cached_property
+    def _conjugate(self) -> NDArray[np.complex128]:
+        return self.transform.conj()
+
     def expected(self, kernels: Sequence[Array], lags: int) -> tuple[Array, Array]:
         """What noises of autocovariance ``kernels`` (n_y of (H,)) leave in the residual.
 
@@ -194,13 +199,13 @@ class _Basis:
         """
         count = np.maximum(self.lengths[:, None] - np.arange(lags + 1), 0).sum(axis=0)
         through = [self._spread(value, kernel) for value, kernel in zip(self.transform, kernels, strict=True)]
-        inner = sum(np.einsum("wih,wjh->wij", b, z) for b, z in zip(self.value, through, strict=True))
+        inner = sum(b @ z.swapaxes(1, 2) for b, z in zip(self.value, through, strict=True))
         own = inner[:, self.states :, self.states :].sum(axis=0)
         inner[:, self.states :, self.states :] = own
         left = []
-        for value, transform, z, kernel in zip(self.value, self.transform, through, kernels, strict=True):
-            taken = fft.rfft(z - 0.5 * np.einsum("wih,wij->wjh", value, inner), self.size, axis=2)
-            crossed = fft.irfft(np.einsum("wkf,wkf->f", transform.conj(), taken), self.size)
+        for value, conjugate, z, kernel in zip(self.value, self._conjugate, through, kernels, strict=True):
+            taken = fft.rfft(z - 0.5 * inner.swapaxes(1, 2) @ value, self.size, axis=2)
+            crossed = fft.irfft(np.einsum("wkf,wkf->f", conjugate, taken), self.size)
             both = crossed[: lags + 1] + crossed[-np.arange(lags + 1)]
             left.append(count * kernel[: lags + 1] - both)
         return np.array(left) / self.samples, np.diag(own)
