@@ -11,14 +11,14 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-recovery study-servo study-sweep study-slurm league league-drawn clean distclean FORCE
+.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-recovery study-rebuilt study-servo study-sweep study-slurm league league-drawn clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
 	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
-	@echo "  ARGS=...         for make league and league-drawn, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
+	@echo "  ARGS=...         for make league, league-drawn and study-rebuilt, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
@@ -55,6 +55,9 @@ study-coverage: $(READY) ## do the stated 95 % intervals hold the truth? (simula
 
 study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters again? (simulated, minutes)
 	$(BIN)/python benchmarks/recovery.py
+
+study-rebuilt: $(READY) ## is trace right or honest where it was wrong on records by others? (simulated, hours; goes on)
+	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.rebuilt $(ARGS)
 
 study-servo: $(READY) ## how well does the servo's model predict a trajectory of another kind? (measured, minutes)
 	$(BIN)/python benchmarks/servo.py

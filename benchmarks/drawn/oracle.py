@@ -21,7 +21,9 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from scipy.stats import norm
@@ -29,13 +31,23 @@ from scipy.stats import norm
 from benchmarks.drawn.amount import made, records_of
 from benchmarks.drawn.draw import Draw
 from benchmarks.drawn.machines import case_of
-from benchmarks.league.machines import Case
 from benchmarks.league.ours import DETECTABLE
+from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.score import Score
 from hybridid.trace.split import Split, by_record
 from hybridid.trace.verdict import regressed
+
+
+class Declared(Protocol):
+    """What is declared of a machine: its model, the samples of a horizon, the parameters' true values."""
+
+    @property
+    def horizon(self) -> int: ...
+    @property
+    def truth(self) -> Mapping[str, float]: ...
+    def model(self) -> Model: ...
 
 
 @dataclass(frozen=True)
@@ -62,32 +74,40 @@ def consult(draw: Draw) -> Oracle:
     """What the records of ``draw`` can show."""
     began = time.process_time()
     case = case_of(draw)
-    empty = _score(case, records_of(draw, quiet=True, empty=True))
+    empty = declared_score(case, records_of(draw, quiet=True, empty=True))
     hidden = made(draw.number)
-    worked = _score(case, records_of(draw, quiet=True)) if hidden.hidden else empty
-    samples = worked.samples.sum(axis=0)
-    floor = draw.noise**2 + empty.squares.sum(axis=0) / samples
-    more = np.maximum(worked.squares.sum(axis=0) - empty.squares.sum(axis=0), 0.0)
-    noncentrality = float((more / floor).sum())
-    before, after = (float(np.mean(x / worked.scale**2)) for x in (floor + more / samples, floor))
+    worked = declared_score(case, records_of(draw, quiet=True)) if hidden.hidden else empty
     return Oracle(
-        noncentrality=noncentrality,
-        p_value=float(norm.sf(math.sqrt(noncentrality) / 2)),
-        gain=1 - math.sqrt(after / before),
-        numerics=tuple((empty.rmse / draw.noise).tolist()),
-        left=tuple((worked.rmse / draw.noise).tolist()),
+        **shown(empty, worked, draw.noise),
         share=hidden.share,
         hidden=tuple({"what": h.what, "port": h.port, "values": dict(h.values)} for h in hidden.hidden),
         seconds=time.process_time() - began,
     )
 
 
-def split_of(case: Case, records: tuple[Record, Record]) -> Split:
+def shown(empty: Score, worked: Score, noise: float) -> dict[str, Any]:
+    """What records show of a law, by the declared model's score on noise-free records without it and with it;
+    ``noise`` is the sensor's standard deviation. The first five fields of ``Oracle``, by name."""
+    samples = worked.samples.sum(axis=0)
+    floor = noise**2 + empty.squares.sum(axis=0) / samples
+    more = np.maximum(worked.squares.sum(axis=0) - empty.squares.sum(axis=0), 0.0)
+    noncentrality = float((more / floor).sum())
+    before, after = (float(np.mean(x / worked.scale**2)) for x in (floor + more / samples, floor))
+    return {
+        "noncentrality": noncentrality,
+        "p_value": float(norm.sf(math.sqrt(noncentrality) / 2)),
+        "gain": 1 - math.sqrt(after / before),
+        "numerics": tuple((empty.rmse / noise).tolist()),
+        "left": tuple((worked.rmse / noise).tolist()),
+    }
+
+
+def split_of(case: Declared, records: tuple[Record, Record]) -> Split:
     """Fitted on the first record, judged on the second."""
     return by_record(records[:1], records[1:], case.horizon)
 
 
-def _score(case: Case, records: tuple[Record, Record]) -> Score:
+def declared_score(case: Declared, records: tuple[Record, Record]) -> Score:
     """The declared model, refitted from the regression and from the true values."""
     model, split = case.model(), split_of(case, records)
     return refit(model, split, [regressed(model, split), case.truth], factors=CONTINUATION).score

@@ -8,32 +8,42 @@ from typing import Any
 
 from benchmarks.drawn.draw import Draw
 from benchmarks.drawn.machines import case_of
-from benchmarks.drawn.oracle import split_of
+from benchmarks.drawn.oracle import Declared, split_of
 from benchmarks.league.answer import Answer
 from benchmarks.league.ours import NAME, _step_notes
 from hybridid.effects.library import EFFECTS
 from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
-from hybridid.trace.verdict import conclude
+from hybridid.trace.verdict import Conclusion, conclude
 
 
 def play(
     draw: Draw, records: tuple[Record, Record], most_effects: int = 2, ids: Sequence[str] | None = None
 ) -> Answer:
-    """A trace over the library (or its effects ``ids``) that may accept ``most_effects``.
+    """A trace over the library (or its effects ``ids``) that may accept ``most_effects``."""
+    return traced(case_of(draw), records, draw.noise, most_effects, ids)[0]
+
+
+def traced(
+    case: Declared,
+    records: tuple[Record, Record],
+    noise: float,
+    most_effects: int,
+    ids: Sequence[str] | None = None,
+) -> tuple[Answer, Conclusion]:
+    """A trace of ``case`` and the answer that it comes to.
 
     ``notes`` hold the verdict, the class of every accepted effect and, of each output, the last model's
-    held-out RMSE over the sensor's noise.
+    held-out RMSE over ``noise``, the sensor's.
     """
     began = time.process_time()
-    case = case_of(draw)
     effects = tuple(effect for effect in EFFECTS if ids is None or effect.id in ids)
     context = Context(split_of(case, records), effects, Rules(most_effects=most_effects))
     found = conclude(case.model(), context)
     classes = [[one.name, *_others(one)] for one in found.accepted]
     first = found.accepted[0] if found.accepted else None
-    return Answer(
+    answer = Answer(
         player=NAME,
         named=tuple(one.name for one in found.accepted),
         alike=tuple(classes[0]) if classes else (),
@@ -42,8 +52,9 @@ def play(
         after=found.search.final.score.loss,
         remains=bool(found.remains),
         seconds=time.process_time() - began,
-        notes=_notes(draw, found, classes),
+        notes=_notes(noise, found, classes),
     )
+    return answer, found
 
 
 def _others(one) -> list[str]:
@@ -51,11 +62,11 @@ def _others(one) -> list[str]:
     return [name for name in names if name != one.name]
 
 
-def _notes(draw: Draw, found, classes: list[list[str]]) -> dict[str, Any]:
+def _notes(noise: float, found: Conclusion, classes: list[list[str]]) -> dict[str, Any]:
     return {
         "verdict": found.verdict,
         "classes": classes,
-        "over_noise": (found.search.final.score.rmse / draw.noise).tolist(),
+        "over_noise": (found.search.final.score.rmse / noise).tolist(),
         "remains": list(found.remains),
         "stopped": found.search.stopped,
         "steps": [_step_notes(step.trials) for step in found.search.steps],

@@ -62,7 +62,7 @@ def _page(found: Sequence[Round], bars: Sequence[Asked], parts: dict[str, list[R
         "The drawn league",
         lead,
         (
-            Section("The bars", (*rules, told), (_bars(bars),)),
+            Section("The bars", (*rules, told), (bars_table(bars),)),
             Section("By what is hidden", (), (_table("By what is hidden", parts),)),
             Section("By machine", (), (_table("By machine", _by_machine(found)),)),
             Section("Every scenario", (), (_all(found),)),
@@ -71,7 +71,7 @@ def _page(found: Sequence[Round], bars: Sequence[Asked], parts: dict[str, list[R
     )
 
 
-def _bars(bars: Sequence[Asked]) -> Table:
+def bars_table(bars: Sequence[Asked]) -> Table:
     rows = tuple((bar.what, bar.found, WORDS[bar.holds]) for bar in bars)
     return Table("Bars (simulated)", ("asked", "found", ""), rows, words=(0, 1, 2))
 

@@ -1,0 +1,204 @@
+"""The rebuilt rows: their draws are fixed, nothing but what is hidden is missing, their scores add up. All is
+simulated."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import Counter
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from benchmarks.drawn.oracle import declared_score, split_of
+from benchmarks.rebuilt import dampers, tanks
+from benchmarks.rebuilt.__main__ import main
+from benchmarks.rebuilt.draw import CATEGORIES, HALF, ROWS, Draw, _draw, all_draws
+from benchmarks.rebuilt.machines import declared, records_of
+from benchmarks.rebuilt.play import LEAGUE, PLAYERS
+from benchmarks.rebuilt.scoring import Round, asked, truths_of
+from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.simulation.stability import MOST, substeps_wanted
+
+DRAWS = all_draws()
+
+
+def first_of(row: str) -> Draw:
+    """The first scenario of ``row``, with something missing."""
+    return next(d for d in DRAWS if d.row == row)
+
+
+@cache
+def records(row: str, empty: bool = False):
+    return records_of(first_of(row), empty=empty)
+
+
+def test_draws_are_fixed_and_evenly_spread():
+    assert len({d.key for d in DRAWS}) == len({d.digest("") for d in DRAWS}) == len(DRAWS)
+    assert [_draw(d.number, d.row) for d in DRAWS[::9]] == list(DRAWS[::9])
+    assert Counter(d.category for d in DRAWS) == dict.fromkeys(CATEGORIES, HALF)
+    assert set(Counter((d.row, d.category) for d in DRAWS).values()) == {7, 8}
+    # of the day they were committed: whoever changes how scenarios are drawn makes another bench
+    keys = hashlib.sha256(" ".join(d.key for d in DRAWS).encode()).hexdigest()
+    assert keys.startswith("f1650367fa508f21")
+
+
+def test_draws_are_within_what_is_stated():
+    for d in DRAWS:
+        row = ROWS[d.row]
+        assert row.noise[0] <= d.noise <= row.noise[1]
+        assert all(2**-0.5 <= value / row.nominal[name] <= 2**0.5 for name, value in d.parameters.items())
+        assert all(row.amounts[name][0] <= a <= row.amounts[name][1] for name, a in d.amounts.items())
+
+
+@pytest.mark.parametrize("row", ROWS)
+def test_with_nothing_hidden_the_declared_model_fits_down_to_the_noise(row):
+    draw = first_of(row)
+    left = declared_score(declared(draw), records(row, empty=True)).rmse / draw.noise
+    assert ((left > 0.8) & (left < 1.4)).all(), left
+
+
+@pytest.mark.parametrize("row", ROWS)
+def test_what_is_hidden_is_more_than_the_noise(row):
+    draw = first_of(row)
+    left = declared_score(declared(draw), records(row)).rmse / draw.noise
+    assert (left > 3).all(), left
+    again, other = records_of(draw)
+    assert np.array_equal(again.outputs, records(row)[0].outputs)
+    assert not np.array_equal(again.inputs, other.inputs)
+    assert again.simulated
+    quiet, _ = records_of(draw, quiet=True)
+    assert (again.outputs - quiet.outputs).std() == pytest.approx(draw.noise, rel=0.1)
+
+
+@pytest.mark.parametrize("row", ROWS)
+def test_truths_are_effects_that_can_act_there(row):
+    ids = {effect.id for effect in EFFECTS}
+    plant = declared(first_of(row)).plant
+    for name in truths_of(row, first_of(row).amounts):
+        port, _, effect = name.partition(".")
+        if effect in ids:
+            assert effect_named(effect).admissible_at(plant.port(port)), name
+    assert truths_of(row, {}) == frozenset()
+
+
+def test_the_stiff_row_is_too_stiff_for_the_explicit_integrator():
+    """At the true pre-sliding length, in every draw of the row."""
+    for draw in [d for d in DRAWS if d.row == "stiff" and d.amounts]:
+        case, split = declared(draw), split_of(declared(draw), records_of(draw))
+        (name,) = truths_of("stiff", draw.amounts)
+        model = case.model().plus(effect_named(name.split(".")[1]), "damper")
+        travelled = float(np.abs(split.records[0].inputs[:, 1]).max()) * dampers.DT
+        told = {**case.truth, f"{name}.s": travelled / draw.amounts["stiffness"], f"{name}.f_c": 50.0}
+        p = np.array([told.get(q.name, q.guess) for q in model.parameters])
+        assert substeps_wanted(model, p, split.records) > MOST
+
+
+@pytest.mark.parametrize(
+    ("step", "sigma", "n"), [(dampers._dahl, 1.0, 1), (dampers._bouc_wen, dampers.SIGMA, 2)]
+)
+def test_pre_sliding_in_closed_form_solves_its_equation(step, sigma, n):
+    """Against an integrator over a path that turns twice."""
+    q = z = 0.0
+    for target in (1.5, -0.4, 0.3):
+        side = np.sign(target - q)
+
+        def rate(_, y, side=side):
+            return side - sigma * np.abs(y) ** (n - 1) * y + side * (sigma - 1) * np.abs(y) ** n
+
+        found = solve_ivp(rate, (0.0, abs(target - q)), [z], rtol=1e-10, atol=1e-12)
+        z, q = step(z, target - q), target
+        assert z == pytest.approx(found.y[0, -1], abs=1e-7)
+
+
+def test_friction_behind_a_gap_acts_only_beyond_it():
+    q = np.concatenate([np.linspace(0.0, 2.0, 201), np.linspace(2.0, -2.0, 401)])
+    amounts = {"share": 0.5, "gap": 0.4 / q.std(), "s": 0.1 / q.std()}
+    force = dampers._hidden("friction_behind_gap", amounts, 20.0, q, np.gradient(q), q)
+    assert np.all(force[q[:201].searchsorted(0.39) :: -1] == 0.0)
+    assert force[200] == pytest.approx(10.0)
+    back = force[201:]
+    assert np.all(back[(q[201:] < 1.85) & (q[201:] > 1.15)] == 0.0)
+    assert back[-1] == pytest.approx(-10.0)
+
+
+def test_an_overflow_limits_the_level_and_fills_the_lower_tank():
+    p, pump = first_of("overflow").parameters, np.full(300, 3.0)
+    full = tanks._levels(p, pump)[-1]
+    held = tanks._levels(p, pump, limit=0.7 * full[0], share=0.0)[-1]
+    given = tanks._levels(p, pump, limit=0.7 * full[0], share=1.0)[-1]
+    assert 0.7 * full[0] < held[0] < 0.8 * full[0]
+    assert held[1] == pytest.approx(held[0] / full[0] * full[1], rel=1e-3)
+    assert given[1] == pytest.approx(full[1], rel=1e-3)
+
+
+def _round(category: str = "missing", verdict: str = "effect_found", classes=(), **more) -> Round:
+    truths = frozenset({"p.dahl"}) if category != "nothing" else frozenset()
+    values = {"noise": 1.0, "detectable": True, "gain": 0.5, "left": 9.0, "over_noise": 1.0, **more}
+    return Round(
+        "k", "stiff", "m", category, truths=truths, verdict=verdict,
+        classes=tuple(map(tuple, classes)), times=1.0, seconds=1.0, **values,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (_round(classes=[["p.dahl"]]), "right, good"),
+        (_round(classes=[["p.dahl", "a", "b", "c"]]), "right, good"),
+        (_round(classes=[["a", "b", "p.dahl"]]), "right, good"),
+        (_round(classes=[["a", "b", "c", "p.dahl"]]), "wrong"),
+        (_round(classes=[["q.dahl"]]), "wrong"),
+        (_round(classes=[["p.dahl"], ["p.coulomb"]]), "right, wrong"),
+        (_round(verdict="unexplained", over_noise=9.0), "good"),
+        (_round(verdict="undecided", over_noise=9.0), "good"),
+        (_round(verdict="nothing_missing", over_noise=2.9), "good"),
+        (_round(verdict="nothing_missing", over_noise=3.1), "all clear"),
+        (_round("nothing", verdict="nothing_missing"), ""),
+        (_round("nothing", verdict="unexplained"), "speaks"),
+        (_round("nothing", classes=[["p.dahl"]]), "speaks"),
+    ],
+)  # fmt: skip
+def test_an_answer_is_scored_as_stated(answer, said):
+    assert answer.said == said
+
+
+def test_the_bars_hold_and_fall():
+    good, wrong = _round(verdict="unexplained"), _round(classes=[["q.dahl"]])
+    quiet, speaks = _round("nothing", verdict="nothing_missing"), _round("nothing", verdict="undecided")
+    assert [bar.holds for bar in asked([good] * 57 + [wrong] * 3 + [quiet] * 58 + [speaks] * 2)] == [True] * 2
+    assert [bar.holds for bar in asked([good] * 56 + [wrong] * 4 + [quiet] * 57 + [speaks] * 3)] == [
+        False
+    ] * 2
+    assert asked([good])[1].holds is None
+
+
+def test_a_page_is_written_from_what_is_there(tmp_path, capsys):
+    """Answers written by hand, under the digests of today's code."""
+    some = [first_of("stiff"), first_of("backlash"), DRAWS[-1]]
+    lines = []
+    for d in some:
+        named = sorted(truths_of(d.row, d.amounts))
+        notes = {
+            "verdict": "effect_found" if named else "nothing_missing",
+            "classes": [named] if named else [],
+        }
+        told = {"detectable": bool(named), "gain": 0.4, "p_value": 0.0, "left": [9.0, 2.0]}
+        ours = {"named": named, "seconds": 1.0, "notes": {**notes, "over_noise": [1.0], "times": 1.1}}
+        lines += [{**LEAGUE.line(d, p), "answer": a} for p, a in zip(PLAYERS, (told, ours), strict=True)]
+    (tmp_path / "results.jsonl").write_text("\n".join(map(json.dumps, lines)))
+    assert main(["--report", "--out", str(tmp_path)]) == 0
+    assert "2 of 2" in capsys.readouterr().out
+    data = json.loads((tmp_path / "rebuilt.json").read_text())
+    assert [r["said"] for r in data["rounds"]] == ["right, good", "right, good", ""]
+    assert data["rows"]["backlash missing"]["good"] == 1
+    assert "simulated" in (tmp_path / "index.md").read_text()
+
+
+def test_a_list_is_spread_over_the_halves(capsys):
+    assert main(["--list", "--limit", "4"]) == 0
+    said = capsys.readouterr().out.split()
+    assert said[::2] == ["missing", "nothing"] * 2
+    assert main(["--match", "no such"]) == 2
