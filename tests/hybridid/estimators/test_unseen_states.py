@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hybridid.estimators import problem as problems
 from hybridid.estimators.carried import run_on
 from hybridid.estimators.problem import build_problem
 from hybridid.estimators.short_horizons import SHORT, short_horizon_problem, short_horizon_start
@@ -100,3 +101,16 @@ def test_where_the_machine_stands_runs_on_from_horizon_to_horizon(joint):
     np.testing.assert_allclose(
         problem.shooter(found, p).outputs, problem.shooter(astray, p).outputs, atol=1e-9
     )
+
+
+def test_a_record_is_smoothed_once_for_all_models(monkeypatch, carriage, make_model):
+    record, calls = carriage.record(200), []
+    found = problems.measured_states
+    monkeypatch.setattr(problems, "measured_states", lambda *given: calls.append(given) or found(*given))
+    one, other, sprung = (make_model(effects) for effects in (("viscous",), ("coulomb",), ("maxwell",)))
+    measured = [build_problem(model, [record], 50, 1).measured_x0() for model in (one, other, sprung)]
+    assert [model for model, _ in calls] == [one, sprung], "a model with one more state is another"
+    np.testing.assert_array_equal(measured[0], measured[1])
+    np.testing.assert_array_equal(measured[2], found(sprung, record)[::50])
+    build_problem(one, [carriage.record(200)], 50, 1).measured_x0()
+    assert len(calls) == 3, "another record"
