@@ -84,7 +84,7 @@ def made(number: int) -> Made:
         value = between(wanted.chances[0], 0.5, 4.0) * plain.record.dt
         return Made((Concealed(wanted.what, wanted.ports[0], {LATE[wanted.what]: value}),), math.nan)
     if wanted.what in ("input_dead_zone", "input_saturation"):
-        return _of_drive(wanted, plain)
+        return of_drive(wanted, plain)
     moving = [_moving(draw, plain, port) for port in wanted.ports]
     spreads = [
         [seen.motion[port][0].std() for port in wanted.ports if port in seen.motion]
@@ -100,7 +100,7 @@ def _moving(draw: Draw, plain: Seen, port: str) -> Moving:
     return Moving.of(position, velocity, effort, plain.record.dt, viscous)
 
 
-def _of_drive(wanted: Wanted, plain: Seen) -> Made:
+def of_drive(wanted: Wanted, plain: Seen) -> Made:
     """A dead zone or a limit of the drive that takes the share of the command in the run without it."""
     u = plain.record.inputs[:, 0]
     name = {"input_dead_zone": "dead_zone", "input_saturation": "limit"}[wanted.what]

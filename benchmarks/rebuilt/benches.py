@@ -1,4 +1,4 @@
-"""The rows that are rebuilt on machines of the drawn league: oscillator, carriage and half-car.
+"""The rows on machines of the drawn league: oscillator, carriage, half-car, eSEA.
 
 The rigs integrate the truth by their own code, with dry friction that truly sticks. What is hidden is a law
 of theirs, whose values follow here from the amounts that were drawn.
@@ -9,20 +9,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from benchmarks.drawn import car, told
 from benchmarks.drawn import draw as drawn
+from benchmarks.drawn.amount import of_drive
+from benchmarks.drawn.draw import Wanted
 from benchmarks.drawn.laws import HARDENING_HYSTERESIS, VARYING_INERTIA
 from benchmarks.drawn.machines import bench_of, case_of
 from benchmarks.drawn.recipes import rms
-from benchmarks.league.bench import Sensor
+from benchmarks.league.bench import Drive, Sensor
 from benchmarks.league.laws import BACKLASH
 from benchmarks.league.machines import RUNS, Case
 from benchmarks.rebuilt.draw import Draw
 from hybridid.records.record import Record
 from hybridid.rigs.law_library import ASYMMETRIC_VISCOUS
 from hybridid.rigs.laws import Planted
+from hybridid.rigs.load_laws import LOAD_FRICTION
 from hybridid.rigs.truth import PlantedAt
 
+Array = NDArray[np.float64]
 Amounts = Mapping[str, float]
 GAMMA = 0.8
 """Of the hysteresis, as in Noël, Schoukens (2016), Hysteretic benchmark with a dynamic nonlinearity."""
@@ -51,9 +58,11 @@ def record(draw: Draw, run: str, noise: float, amounts: Amounts) -> Record:
         lighter = {**draw.parameters, "M": (1 - BEHIND) * draw.parameters["M"]}
         machine = replace(machine, parameters=lighter)
     bench = bench_of(machine)
-    (port,) = bench.contacts
-    if amounts:
-        bench = replace(bench, planted={port: (_law(draw, amounts),)})
+    if amounts and draw.category == "saturation":
+        path = Wanted("input_saturation", (bench.input.name,), amounts["share"], ())
+        bench = replace(bench, drive=Drive(**of_drive(path, _plain(draw)).hidden[0].values))
+    elif amounts:
+        bench = replace(bench, planted={next(iter(bench.contacts)): (_law(draw, amounts),)})
     sensors = dict.fromkeys(bench.outputs, Sensor(noise))
     return told.perform(bench, run, sensors, draw.seed).record
 
@@ -68,6 +77,17 @@ def _dampers(p: Mapping[str, float], amounts: Amounts) -> list[PlantedAt]:
     ]
 
 
+def _plain(draw: Draw) -> told.Seen:
+    """The run to fit, without noise and with nothing hidden."""
+    bench = bench_of(as_drawn(draw))
+    return told.perform(bench, RUNS[0], dict.fromkeys(bench.outputs, Sensor(0.0)), 0)
+
+
+def _load(draw: Draw, seen: told.Seen) -> Array | float:
+    """What the load exerts on the first contact: the eSEA's rubber on its motor, nothing on a carriage."""
+    return -draw.parameters["K_e"] * seen.motion["elastomer"][0] if draw.machine == "esea" else 0.0
+
+
 def _law(draw: Draw, amounts: Amounts) -> Planted:
     p = draw.parameters
     if draw.row == "backlash":
@@ -77,8 +97,9 @@ def _law(draw: Draw, amounts: Amounts) -> Planted:
             damping=amounts["damping"],
             gap=amounts["gap"] / 2,
         )
-    plain = as_drawn(draw)
-    seen = told.perform(bench_of(plain), RUNS[0], dict.fromkeys(bench_of(plain).outputs, Sensor(0.0)), 0)
+    seen = _plain(draw)
+    if draw.category == "load_friction":
+        return LOAD_FRICTION(mu=amounts["share"] * rms(seen.drive) / rms(seen.drive - _load(draw, seen)))
     ((q, _),) = seen.motion.values()
     if draw.row == "hysteresis":
         return HARDENING_HYSTERESIS(

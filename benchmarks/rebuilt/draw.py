@@ -8,6 +8,9 @@ evenly over the rows, and 60 on the same rigs with nothing missing.
     amounts       of the hidden law, log-uniform between the bounds of ``Row.amounts``
     noise         log-uniform between the bounds of ``Row.noise``
 
+Beside them: friction in proportion to the load, and a drive that saturates, planted on four machines. Either
+takes 3-20 % of the drive's RMS effort, at four levels of noise.
+
 All is drawn before anything is simulated.
 """
 
@@ -23,10 +26,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.drawn.draw import NOMINAL
-from benchmarks.drawn.excitation import log_uniform
+from benchmarks.drawn.excitation import between, log_uniform
 
 SEED, HALF = 20261123, 60
-CATEGORIES = ("missing", "nothing")
+CATEGORIES = ("missing", "nothing", "load_friction", "saturation")
 Bounds = tuple[float, float]
 
 
@@ -57,7 +60,7 @@ ROWS: Mapping[str, Row] = {
         NOMINAL["oscillator"],
         {"share": (0.03, 0.2), "s": (0.5, 1.5), "stiffening": (1.2, 1.6)},
         (2e-5, 3e-4),
-        ("sines", "multisine"),
+        ("multisine",),
     ),
     # share: of the damper's own RMS force; gap (half of it) and s: over the stroke's standard deviation
     "friction_behind_gap": Row(
@@ -93,6 +96,20 @@ ROWS: Mapping[str, Row] = {
     # how much stiffer in rebound than in compression
     "dampers": Row("half_car", NOMINAL["half_car"], {"front": (0.3, 0.7), "rear": (0.3, 0.7)}, (2e-4, 2e-3)),
 }
+EMPS = {"M": 95.0, "f_v": 203.0, "f_c": 20.4, "offset": -3.2}
+SERVO = {"J": 1.8e-3, "k_t": 0.3, "R_s": 1.0, "f_v": 3e-3, "f_c": 0.01}
+SHARE = {"share": (0.03, 0.2)}
+LEVELS, EACH = 4, 2
+"""Levels of noise of a planted row, evenly spread (log) from its least to its most, and scenarios at each."""
+PLANTED: Mapping[str, Row] = {
+    "load_friction@carriage": Row("carriage", CARRIAGE, SHARE, (2e-6, 5e-5), ("moves", "sines")),
+    "load_friction@emps_rig": Row("emps_rig", EMPS, SHARE, (1e-6, 5e-5)),
+    "load_friction@servo_rig": Row("servo_rig", SERVO, SHARE, (3e-4, 3e-3)),
+    "load_friction@esea": Row("esea", NOMINAL["esea"], SHARE, (2e-3, 5e-2), ("sines", "multisine")),
+    # the EMPS rig records the force behind its own limit, the servo's plant has no path for its torque
+    "saturation@carriage": Row("carriage", CARRIAGE, SHARE, (2e-6, 5e-5), ("moves", "sines")),
+    "saturation@esea": Row("esea", NOMINAL["esea"], SHARE, (2e-3, 5e-2), ("sines", "multisine")),
+}
 
 
 @dataclass(frozen=True)
@@ -108,11 +125,12 @@ class Draw:
 
     @property
     def category(self) -> str:
-        return "missing" if self.amounts else "nothing"
+        what, _, planted = self.row.partition("@")
+        return what if planted else "missing" if self.amounts else "nothing"
 
     @property
     def machine(self) -> str:
-        return ROWS[self.row].machine
+        return {**ROWS, **PLANTED}[self.row].machine
 
     @property
     def seed(self) -> int:
@@ -135,15 +153,30 @@ class Draw:
 
 @cache
 def all_draws() -> tuple[Draw, ...]:
-    """The 120 scenarios, always the same: 60 with something missing, then 60 without."""
+    """Always the same: 60 scenarios with something missing, 60 without, then the planted ones."""
     names = list(ROWS)
-    return tuple(_draw(number, names[number % HALF % len(names)]) for number in range(2 * HALF))
+    rows = [_draw(number, names[number % HALF % len(names)]) for number in range(2 * HALF)]
+    places = [(name, level, half) for name in PLANTED for level in range(LEVELS) for half in range(EACH)]
+    return (*rows, *(_planted(2 * HALF + k, *place) for k, place in enumerate(places)))
 
 
 def _draw(number: int, name: str) -> Draw:
     generator, row = np.random.default_rng([SEED, number]), ROWS[name]
-    parameters = {k: float(value * 2 ** generator.uniform(-0.5, 0.5)) for k, value in row.nominal.items()}
+    parameters = _parameters(generator, row)
     amounts = {k: log_uniform(generator, *bounds) for k, bounds in row.amounts.items()}
     noise = log_uniform(generator, *row.noise)
     kind = str(generator.choice(row.kinds))
     return Draw(number, name, parameters, amounts if number < HALF else {}, noise, kind)
+
+
+def _planted(number: int, name: str, level: int, half: int) -> Draw:
+    """Of the ``level`` of noise; the share is in that ``half`` of its bounds (log)."""
+    generator, row = np.random.default_rng([SEED, number]), PLANTED[name]
+    parameters = _parameters(generator, row)
+    share = between((half + generator.uniform()) / EACH, *row.amounts["share"])
+    noise = between(level / (LEVELS - 1), *row.noise)
+    return Draw(number, name, parameters, {"share": share}, noise, str(generator.choice(row.kinds)))
+
+
+def _parameters(generator: np.random.Generator, row: Row) -> dict[str, float]:
+    return {k: float(value * 2 ** generator.uniform(-0.5, 0.5)) for k, value in row.nominal.items()}
