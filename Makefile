@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-recovery study-rebuilt study-servo study-sweep study-slurm league league-drawn clean distclean FORCE
+.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-evidence study-recovery study-rebuilt study-servo study-sweep study-slurm league league-drawn clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -52,6 +52,9 @@ reproduce-thesis: $(READY) ## the thesis' tables and figures beside ours: output
 
 study-coverage: $(READY) ## do the stated 95 % intervals hold the truth? (simulated, minutes)
 	$(BIN)/python benchmarks/interval_coverage.py
+
+study-evidence: $(READY) ## how often does the evidence for a missing effect err, or miss one? (simulated, an hour)
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/evidence_power.py
 
 study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters again? (simulated, minutes)
 	$(BIN)/python benchmarks/recovery.py

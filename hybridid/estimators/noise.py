@@ -73,7 +73,7 @@ class Absorbed:
 def noise_of(fitted: Absorbed) -> list[Autoregression]:
     """The noise of each output, its outputs taken as independent of each other."""
     size = fft.next_fast_len(2 * fitted.used.shape[1], real=True)
-    lags = _most_lags(fitted.lengths)
+    lags = most_lags(fitted.lengths)
     seen = _autocovariance(fitted, size, lags)
     basis = _Basis.of(fitted, size)
     weights, targets = None, list(seen)
@@ -96,14 +96,15 @@ def autoregression(pieces: Sequence[Array]) -> tuple[Array, float]:
 
     Yule-Walker on the pooled autocovariance, always stable; the order minimises BIC.
     """
-    lengths = np.array([len(piece) for piece in pieces])
-    lags, total = _most_lags(lengths), max(int(lengths.sum()), 1)
+    lengths = [len(piece) for piece in pieces]
+    lags, total = most_lags(lengths), max(sum(lengths), 1)
     products = [sum(float(p[k:] @ p[: len(p) - k]) for p in pieces if len(p) > k) for k in range(lags + 1)]
     return _chosen(np.array(products) / total, total)
 
 
-def _most_lags(lengths: NDArray[np.int64]) -> int:
-    return max(0, min(MOST_LAGS, int(lengths.max()) // 4, int(lengths.sum()) // 20))
+def most_lags(lengths: Sequence[int] | NDArray[np.int64]) -> int:
+    """The highest order of an autoregression of a series in pieces of these ``lengths``."""
+    return max(0, min(MOST_LAGS, int(max(lengths)) // 4, int(sum(lengths)) // 20))
 
 
 def _autocovariance(fitted: Absorbed, size: int, lags: int) -> Array:

@@ -63,11 +63,11 @@ def _of_logarithms(poorer: Score, richer: Score) -> Array:
 
 
 def _one_sided(differences: Array) -> float:
-    """p-value of "the mean is not positive": Student's t over horizons (h,), of which
+    """p-value of "the mean is not positive": Student's t over units (n,), horizons or blocks, of which
 
-        h (1 - r) / (1 + r)
+        n (1 - r) / (1 + r)
 
-    count as independent, r their autocorrelation at one horizon's distance if it is positive. Source:
+    count as independent, r their autocorrelation at one unit's distance if it is positive. Source:
     Bayley, Hammersley (1946), J. R. Stat. Soc. Suppl. 8(2), 184-197.
     """
     if not np.isfinite(differences).all() or len(differences) < 2:

@@ -9,18 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from hybridid.estimators.noise import MOST_LAGS, autoregression
+from hybridid.estimators.noise import autoregression, most_lags
 
 Array = NDArray[np.float64]
+BLOCKS = 48
+"""Where there are fewer horizons, each is divided: with so many units Student's t is near its limit."""
+SHORTEST = 8
+"""Samples of a block at least."""
 
 
 @dataclass(frozen=True)
 class Score:
-    """Held-out evidence by horizon, shapes (h, n_y).
+    """Held-out evidence.
 
-    ``squares`` sums of squared errors in units², ``samples`` how many; ``likelihood`` the
-    Gaussian log-likelihood of the errors whitened by an autoregression that was fitted to
-    the model's own residual on the fitted horizons.
+    By horizon, (h, n_y): ``squares`` sums of squared errors in units², ``samples`` how many. By block,
+    (b, n_y), one or several a horizon: ``likelihood``, the Gaussian log-likelihood of the errors whitened by
+    an autoregression that was fitted to the model's own residual on the fitted horizons.
     ``scale`` (n_y,) is each output's standard deviation over the records.
     """
 
@@ -40,10 +44,13 @@ class Score:
         return float(np.sqrt(np.mean((self.rmse / self.scale) ** 2)))
 
 
-def score_of(fitted: Sequence[Array], held_out: Sequence[Array], scale: Array) -> Score:
-    """The score from each horizon's errors (n_k, n_y), fitted and held out; ``scale`` (n_y,)."""
+def score_of(fitted: Sequence[Array], held_out: Sequence[Array], scale: Array, blocks: int = BLOCKS) -> Score:
+    """The score from each horizon's errors (n_k, n_y), fitted and held out; ``scale`` (n_y,).
+
+    The likelihood is that of at least ``blocks`` blocks, if there are samples enough.
+    """
     n_y = held_out[0].shape[1]
-    columns = [_whitened([e[:, k] for e in fitted], [e[:, k] for e in held_out]) for k in range(n_y)]
+    columns = [_whitened([e[:, k] for e in fitted], [e[:, k] for e in held_out], blocks) for k in range(n_y)]
     return Score(
         squares=np.array([(e**2).sum(axis=0) for e in held_out]),
         samples=np.array([[len(e)] * n_y for e in held_out]),
@@ -52,15 +59,25 @@ def score_of(fitted: Sequence[Array], held_out: Sequence[Array], scale: Array) -
     )
 
 
-def _whitened(fitted: Sequence[Array], held_out: Sequence[Array]) -> Array:
-    """Gaussian log-likelihood of each held-out row under the fitted residual's autoregression.
+def _whitened(fitted: Sequence[Array], held_out: Sequence[Array], least: int) -> Array:
+    """Gaussian log-likelihood of each block of the held-out rows under the fitted residual's autoregression.
+
+    Innovations are independent from sample to sample, if the autoregression holds. So a few long horizons are
+    divided into blocks: what their samples tell is not lost in the few degrees of freedom of so few horizons.
 
     Of every row the first samples are conditioned on, as many whatever the order: a likelihood of
     more samples is no better or worse a likelihood.
     """
     coefficients, variance = autoregression(fitted)
-    if variance <= 0:
-        return np.full(len(held_out), np.inf)
     taps = np.concatenate([[1.0], -coefficients])
-    innovations = [lfilter(taps, [1.0], row)[min(MOST_LAGS, len(row) // 2) :] for row in held_out]
-    return np.array([-0.5 * np.sum(e**2 / variance + np.log(2 * np.pi * variance)) for e in innovations])
+    first = most_lags([len(row) for row in fitted])
+    innovations = [lfilter(taps, [1.0], row)[min(first, len(row) // 2) :] for row in held_out]
+    blocks = [block for row in innovations for block in _divided(row, -(-least // len(innovations)))]
+    if variance <= 0:
+        return np.full(len(blocks), np.inf)
+    return np.array([-0.5 * np.sum(e**2 / variance + np.log(2 * np.pi * variance)) for e in blocks])
+
+
+def _divided(row: Array, parts: int) -> list[Array]:
+    """``row`` in at most so many ``parts``, none shorter than ``SHORTEST``."""
+    return np.array_split(row, max(1, min(parts, len(row) // SHORTEST)))

@@ -10,7 +10,7 @@ from statsmodels.stats.multitest import multipletests
 
 from hybridid.estimators.noise import MOST_LAGS
 from hybridid.trace.evidence import compare, holm
-from hybridid.trace.score import Score, score_of
+from hybridid.trace.score import BLOCKS, Score, score_of
 
 HORIZONS, LENGTH = 24, 200
 
@@ -86,7 +86,7 @@ def test_coloured_errors_are_whitened(noise):
         score_of(half[:HORIZONS], half[HORIZONS:], np.ones(1)),
     )
     assert evidence.gain == pytest.approx(0.5)
-    expected = HORIZONS * (LENGTH - MOST_LAGS) * np.log(2)
+    expected = HORIZONS * (LENGTH - min(MOST_LAGS, LENGTH // 4)) * np.log(2)
     assert evidence.likelihood_gain == pytest.approx(expected, rel=0.02)
 
 
@@ -101,7 +101,7 @@ def test_slow_errors_count_though_whitening_looks_away(noise):
 
 def test_horizons_that_follow_each_other_count_less():
     """The same gains in long runs of like horizons are worth fewer of them."""
-    base = score_of(errors(1.0, 0), errors(1.0, 1), np.ones(1))
+    base = score_of(errors(1.0, 0), errors(1.0, 1), np.ones(1), blocks=1)
     gains = np.random.default_rng(2).normal(0.4, 1.0, HORIZONS)
     likelihood = {"mixed": gains, "runs": np.sort(gains)}
     p = {
@@ -123,6 +123,40 @@ def test_the_order_of_the_whitening_changes_no_count(noise):
         for a, b in ((white, coloured), (coloured, white))
     ]
     innovations = np.sqrt(1 - 0.9**2)
-    expected = HORIZONS * (LENGTH - MOST_LAGS) * np.log(1 / innovations)
+    expected = HORIZONS * (LENGTH - min(MOST_LAGS, LENGTH // 4)) * np.log(1 / innovations)
     assert gained[0].likelihood_gain == pytest.approx(expected, rel=0.05)
     assert gained[1].likelihood_gain == pytest.approx(-expected, rel=0.05)
+
+
+def parts_of_a_long_row(gained):
+    """Six long horizons each of a poorer and a richer model; the errors that fall are ``gained`` (6, 480)."""
+    noise = np.random.default_rng(7).normal(size=(12, 480))
+    poorer = noise[6:] + gained
+    return [list(rows[..., None]) for rows in (noise[:6], poorer, noise[6:])]
+
+
+def test_a_few_long_horizons_are_judged_by_their_blocks():
+    """A gain in every part of six horizons: six are too few for a hundred candidates, blocks are not."""
+    slow = 0.5 * np.sin(np.arange(480) / 9.0)
+    fitted, before, after = parts_of_a_long_row(slow)
+    by_units = [
+        compare(*(score_of(fitted, held, np.ones(1), blocks) for held in (before, after))).p_value
+        for blocks in (1, BLOCKS)
+    ]
+    assert by_units[0] > 1e-4
+    assert by_units[1] < 1e-6
+
+
+def test_a_gain_in_one_of_a_few_horizons_is_not_many_gains():
+    """The blocks of one lucky horizon follow each other, and count as few."""
+    lucky = np.zeros((6, 480))
+    lucky[2] = 2.0
+    fitted, before, after = parts_of_a_long_row(lucky)
+    assert compare(*(score_of(fitted, held, np.ones(1)) for held in (before, after))).p_value > 0.01
+
+
+def test_a_short_horizon_is_not_divided_into_nothing():
+    rows = [row[:12] for row in errors(1.0, 3)[:6]]
+    score = score_of(rows, rows, np.ones(1))
+    assert score.likelihood.shape == (6, 1)
+    assert np.isfinite(score.likelihood).all()

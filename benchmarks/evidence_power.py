@@ -1,0 +1,142 @@
+"""How often does the evidence for a missing effect err, and how often does it see one? Simulated.
+
+Errors of a model are drawn on a short record: white, coloured, heavy-tailed, or in bursts. A hundred
+candidates are tried as a trace tries them: each is fitted on every other horizon and judged by
+``hybridid.trace.evidence`` on the horizons between, all as one family (Holm). Here a candidate is one signal
+with one amplitude, so that its fit is a division.
+
+- Nothing missing: no candidate is in the errors. Counted are the records on which any passes.
+- One missing: the first candidate takes a share of the error. Counted are the records on which it passes.
+
+Both with the horizons as units and with the blocks of ``hybridid.trace.score``.
+
+    python benchmarks/evidence_power.py [--draws 200] [--candidates 100] [--seed 0]
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from hybridid.trace.evidence import compare, holm
+from hybridid.trace.rules import Rules
+from hybridid.trace.score import BLOCKS, Score, score_of
+from hybridid.trace.split import automatic_horizon
+
+Array = NDArray[np.float64]
+Generator = np.random.Generator
+RATE = 100
+"""Samples a second."""
+SECONDS = (6, 12, 30, 60)
+SHARES = (0.0, 0.1, 0.2)
+"""By how much the RMSE falls without what the first candidate explains; 0: nothing is missing."""
+UNITS: Mapping[str, int] = {"horizons": 1, "blocks": BLOCKS}
+OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies"
+
+
+def _coloured(n: int, generator: Generator, memory: float) -> Array:
+    """A first-order autoregression with the coefficient ``memory``, of unit variance, (n,)."""
+    made = lfilter([1.0], [1.0, -memory], generator.normal(size=n + 500))[500:]
+    return np.asarray(made * np.sqrt(1 - memory**2))
+
+
+def _bursts(n: int, generator: Generator) -> Array:
+    """White noise with short transients, about one in 3 s, eight times as high; of unit variance, (n,)."""
+    made = generator.normal(size=n)
+    shape = np.exp(-np.arange(40) / 10)
+    for start in generator.integers(n - 40, size=max(2, n // 300)):
+        made[start : start + 40] += 8 * generator.normal() * shape
+    return made / made.std()
+
+
+NOISES: Mapping[str, Callable[[int, Generator], Array]] = {
+    "white": lambda n, generator: generator.normal(size=n),
+    "coloured": lambda n, generator: _coloured(n, generator, 0.9),
+    "heavy-tailed": lambda n, generator: generator.standard_t(3, size=n) / np.sqrt(3),
+    "bursts": _bursts,
+}
+
+
+def p_values(errors: Array, candidates: Array, horizon: int, blocks: int) -> list[float]:
+    """p-value of each of ``candidates`` (c, n) in ``errors`` (n,), adjusted for all of them."""
+    rows = errors[: len(errors) // horizon * horizon].reshape(-1, horizon, 1)
+    poorer = _score(rows, blocks)
+    found = []
+    for signal in candidates:
+        shape = signal[: rows.size].reshape(rows.shape)
+        amplitude = (shape[::2] * rows[::2]).sum() / (shape[::2] ** 2).sum()
+        found.append(compare(poorer, _score(rows - amplitude * shape, blocks)).p_value)
+    return holm(found)
+
+
+def _score(rows: Array, blocks: int) -> Score:
+    return score_of(list(rows[::2]), list(rows[1::2]), np.ones(1), blocks)
+
+
+def drawn(noise: str, seconds: int, share: float, count: int, generator: Generator) -> tuple[Array, Array]:
+    """Errors (n,), and ``count`` candidates (count, n), of which the first explains ``share`` of the RMSE."""
+    n = seconds * RATE
+    memories = generator.uniform(0.5, 0.99, size=count)
+    candidates = np.array([_coloured(n, generator, memory) for memory in memories])
+    amplitude = np.sqrt(1 / (1 - share) ** 2 - 1)
+    return NOISES[noise](n, generator) + amplitude * candidates[0], candidates
+
+
+def counted(noise: str, seconds: int, share: float, draws: int, count: int, seed: int) -> dict[str, float]:
+    """Share of records on which a candidate passes, by unit: the first if there is one to find, else any."""
+    generator, alpha = np.random.default_rng([seed, seconds, len(noise)]), Rules().alpha
+    horizon = round(automatic_horizon([seconds], []) * RATE)
+    passed = dict.fromkeys(UNITS, 0)
+    for _ in range(draws):
+        errors, candidates = drawn(noise, seconds, share, count, generator)
+        for unit, blocks in UNITS.items():
+            found = p_values(errors, candidates, horizon, blocks)
+            passed[unit] += (found[0] if share else min(found)) <= alpha
+    return {unit: passed[unit] / draws for unit in UNITS}
+
+
+def main(
+    arguments: Sequence[str] | None = None, say: Callable[[str], None] = print
+) -> list[dict[str, object]]:
+    """Count, print the table and write it to ``outputs/studies``."""
+    given = _parser().parse_args(arguments)
+    say(f"share of records on which a candidate passes (simulated, {given.draws} draws, seed {given.seed})")
+    table = []
+    for noise in NOISES:
+        for seconds in SECONDS:
+            for share in SHARES:
+                found = counted(noise, seconds, share, given.draws, given.candidates, given.seed)
+                row = {"noise": noise, "seconds": seconds, "missing": share, **found}
+                table.append(row)
+                what = f"one takes {share:.0%}" if share else "nothing missing"
+                units = ", ".join(f"{unit} {value:.1%}" for unit, value in found.items())
+                say(f"  {noise:13} {seconds:3} s  {what:16} {units}")
+    OUT.mkdir(parents=True, exist_ok=True)
+    file = OUT / "evidence_power.csv"
+    with file.open("w", newline="", encoding="utf-8") as out:
+        writer = csv.DictWriter(out, fieldnames=list(table[0]))
+        writer.writeheader()
+        writer.writerows(table)
+    say(f"written to {os.path.relpath(file)}")
+    return table
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--draws", type=int, default=200)
+    parser.add_argument("--candidates", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=0)
+    return parser
+
+
+if __name__ == "__main__":
+    main()
