@@ -89,7 +89,7 @@ class Code:
         groups = _groups(follows, self.lanes)
         shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y), (w, 1 + n_s, n_x)]
         final, states, outputs, slopes, ends = results = [np.empty(shape) for shape in shapes]
-        marks = np.isin(np.arange(n_x), carried)
+        marks = [k in carried for k in range(n_x)]
         integers = [np.array(a, dtype=np.int64) for a in (groups, follows, windows.lengths, marks)]
         numbers = [
             np.ascontiguousarray(a, dtype=float)
@@ -205,7 +205,8 @@ def _text(name: str) -> str:
     return (resources.files("hybridid.simulation") / name).read_text(encoding="utf-8")
 
 
-def _groups(follows: Sequence[int], lanes: int) -> Array:
+@functools.lru_cache
+def _groups(follows: tuple[int, ...], lanes: int) -> NDArray[np.int64]:
     """Horizons side by side, (groups, ``lanes``), -1 where a lane is left over: those that follow none first,
     then those that follow these, and so on."""
     depth: list[int] = []
@@ -216,7 +217,7 @@ def _groups(follows: Sequence[int], lanes: int) -> Array:
         members = [k for k, own in enumerate(depth) if own == level]
         members += [-1] * (-len(members) % lanes)
         groups += [members[k : k + lanes] for k in range(0, len(members), lanes)]
-    return np.array(groups)
+    return np.array(groups, dtype=np.int64)
 
 
 @functools.cache
