@@ -1,6 +1,6 @@
 """A model's step as machine code, where the machine has a C compiler.
 
-CasADi interprets a model some five times slower than a compiler's code runs. So what will cost
+CasADi interprets a model seven to forty times slower than compiled code simulates it. So what will cost
 more to interpret than to compile is compiled: ``c_code`` writes C of one step, of the outputs and of
 their sensitivities, for four horizons side by side (``lanes.h``). ``shoot.c``, compiled once for all
 models, drives it over all horizons. The compiler keeps to IEEE arithmetic (no fused or reordered operations),
