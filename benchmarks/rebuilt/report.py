@@ -56,7 +56,8 @@ def _counts(part: Sequence[Round]) -> dict[str, int]:
 def _page(found: Sequence[Round], bars: Sequence[Asked]) -> Page:
     lead = (
         f"{len(found)} simulated experiments, drawn from a fixed seed before any trace was run on them: "
-        "rows of a table of wrong verdicts, each rebuilt on a rig of its kind, with the physics or without."
+        "rows of a table of wrong verdicts, each rebuilt on a rig of its kind, with the physics or without; "
+        "and planted load friction and saturation."
     )
     return Page(
         "The rebuilt rows",
