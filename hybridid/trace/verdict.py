@@ -73,8 +73,8 @@ def conclude(
 ) -> Conclusion:
     """Find what ``model`` lacks on the horizons of ``context``.
 
-    ``start`` holds parameter values to start from (none: by regression); ``integrator`` solves the
-    equations, and the other one checks it.
+    ``start`` holds parameter values to start from (none: by regression, and the guesses; the better one is
+    carried on). ``integrator`` solves the equations, and the other one checks it.
 
     Raises:
         ValueError: if a record does not fit the model or it diverges on the records.
@@ -83,7 +83,8 @@ def conclude(
     noise = np.max([noise_level(record) for record in split.records], axis=0)
     spread = np.concatenate([record.outputs for record in split.records]).std(axis=0)
     floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
-    found = search(model, context, start or [regressed(model, split)], floor, Numerics(integrator=integrator))
+    starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
+    found = search(model, context, starts, floor, Numerics(integrator=integrator))
     found = without_mixed_classes(recheck(found, split, rules))
     found, left, before = _trusted(found, context)
     told = _telling(left, rules)[:MOST_TOLD]

@@ -22,6 +22,9 @@ from benchmarks.rebuilt.play import LEAGUE, PLAYERS, consult
 from benchmarks.rebuilt.scoring import Round, asked, truths_of
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.simulation.stability import MOST, substeps_wanted
+from hybridid.trace.context import Context
+from hybridid.trace.refit import CONTINUATION, refit
+from hybridid.trace.verdict import conclude, regressed
 
 DRAWS = all_draws()
 ALL = {**ROWS, **PLANTED}
@@ -60,6 +63,17 @@ def test_with_nothing_hidden_the_declared_model_fits_down_to_the_noise(row):
     draw = first_of(row)
     left = declared_score(declared(draw), records(row, empty=True)).rmse / draw.noise
     assert ((left > 0.8) & (left < 1.4)).all(), left
+
+
+def test_a_trace_also_starts_from_the_guesses():
+    """Three sines hide the mass from the regression, and a descent from there ends far above the noise."""
+    draw = replace(_draw(1004, "hysteresis"), kind="sines", amounts={})
+    case, seen = declared(draw), records_of(draw)
+    split, model = split_of(case, seen), case.model()
+    strayed = refit(model, split, [regressed(model, split)], factors=CONTINUATION)
+    assert strayed.score.rmse > 100 * draw.noise
+    found = conclude(model, Context(split, effects=(), ports=()))
+    assert found.search.final.score.rmse < 1.2 * draw.noise
 
 
 @pytest.mark.parametrize("row", PLANTED)
