@@ -9,10 +9,10 @@ from pathlib import Path
 from rich.console import RenderableType
 from rich.text import Text
 
-from hybridid.declarations import Port
+from hybridid.declarations import Port, Signal
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect
-from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.effects.library import effect_named, library_for
 from hybridid_cli.config_files import conf_folder, options, user_folders
 from hybridid_cli.tables import rendered
 from pipelines.shared.config import Settings
@@ -39,12 +39,12 @@ def effects(name: str, words: Sequence[str]) -> int:
     folders, asked = _arguments(words)
     make_importable(folder.resolve() for folder in folders)
     if not asked:
-        print("\n".join(_described(effect) for effect in EFFECTS))
+        print("\n".join(_described(effect) for effect in library_for([_CHANNEL])))
         print("hybridid effects NAME also says what tells an effect from its look-alikes")
         return 0
     for word in asked:
         try:
-            effect = effect_named(word)
+            effect = effect_named(word, [_CHANNEL])
             print(f"{_described(effect)}{_paragraph('tells', effect.pattern)}\n")
         except ValueError as error:
             raise ConfigError(str(error)) from error
@@ -56,6 +56,8 @@ _NEEDS = {
     "both_sides": "the efforts of the drive and of the load at the port",
     "level": "what sets the level of the port's friction, such as a field or a pressure",
 }
+# Stands for any input or channel of a case.
+_CHANNEL = Signal("CHANNEL", "its unit")
 # What a port may measure in, for units that depend on it.
 _LINEAR = Port("linear", "effort", effort_unit="N", effort_scale=1.0, position_unit="m")
 _ROTARY = Port("rotary", "effort", effort_unit="Nm", effort_scale=1.0, position_unit="rad")
@@ -90,7 +92,8 @@ def _case(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> list[
         lines.append(Text(f"  source   {settings['case.source']}"))
     model = model_of(settings)
     signals = {
-        "inputs": ", ".join(f"{s.name} [{s.unit}]" for s in model.inputs),
+        "inputs": ", ".join(f"{s.name} [{s.unit}]" for s in model.plant.inputs),
+        **({"channels": ", ".join(f"{s.name} [{s.unit}]" for s in model.channels)} if model.channels else {}),
         "outputs": ", ".join(f"{s.name} [{s.unit}]" for s in model.outputs),
         "effects": ", ".join(f"{term.effect.id}@{term.port}" for term in model.terms),
         "ports": ", ".join(f"{p.name} ({p.kind})" for p in model.plant.ports),
@@ -161,6 +164,7 @@ def _described(effect: Effect) -> str:
             f"  parameter {parameter.name} [{_unit(effect, parameter.dimension)}]: {parameter.meaning}{zero}"
         )
     lines += [f"  needs     {_NEEDS[need]}" for need in effect.needs]
+    lines += [f"  needs     the input or channel {name}" for name in effect.channels]
     lines += [f"  state     {s.name} [{_unit(effect, s.dimension)}]: {s.meaning}" for s in effect.states]
     return "\n".join([*lines, _paragraph("source", effect.source)])
 

@@ -9,6 +9,7 @@ from hybridid.records.store import save_record
 from hybridid.signals.step import StepError
 from hybridid.signals.steps import apply_steps, parse_steps
 from pipelines.shared import sources
+from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.prepared import NamedUnit, Prepared
@@ -16,16 +17,16 @@ from pipelines.shared.sources import Source, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
 
-KEYS = (*sources.KEYS, "preprocess")
+KEYS = (*sources.KEYS, "preprocess", "channels")
 
 
 def run(job: Job) -> None:
-    """Read every record of the case, apply its own steps and then ``preprocess.steps``, store samples and
-    description."""
-    rows = []
+    """Read every record of the case, apply its own steps and then ``preprocess.steps``, make inputs of its
+    ``channels``, store samples and description."""
+    rows, channels = [], [signal.name for signal in channels_of(job.settings)]
     for source in sources_of(job.settings).found:
         steps = [*source.steps, *job.settings.get("preprocess.steps", [])]
-        record = apply_steps(source.record(), steps)
+        record = apply_steps(source.record(), steps).with_channels(channels)
         for warning in record.warnings:
             job.watcher.warn(f"record {source.name}: {warning}")
         save_record(record, job.folder / f"{source.name}.parquet")
@@ -57,7 +58,7 @@ def check(settings: Settings) -> None:
         ConfigError: if a name or number in the config is wrong.
         RecordNotFoundError: if a record is not found and the case has no rig to simulate it.
     """
-    found = sources_of(settings).found
+    found, _ = sources_of(settings).found, channels_of(settings)
     try:
         for source in found:
             parse_steps(source.steps, f"records.{source.name}.steps")

@@ -61,7 +61,9 @@ def laboratory(tmp_path_factory):
     """The folder that the page builds, file by file, beside a simulated recording."""
     root = tmp_path_factory.mktemp("docs")
     files = re.findall(r"^`(mylab/\S+)`\n\n```\w+\n(.*?)```", OWN.read_text(), flags=re.DOTALL | re.MULTILINE)
-    assert {name for name, _ in files} == {"mylab/pendulum.py", "mylab/case/pendulum.yaml"}
+    assert {name for name, _ in files} == {
+        "mylab/pendulum.py", "mylab/case/pendulum.yaml", "mylab/grease.py"
+    }  # fmt: skip
     for name, text in files:
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(text)
@@ -139,6 +141,29 @@ print(*map(float, model.efforts(0, [0.5, 1.0], [0.3], values).elements()))
     gear, drive = map(float, run(["-c", seen], laboratory).split())
     assert gear == pytest.approx(0.1 * 1.0 * np.sin(0.5))
     assert drive == pytest.approx(0.2 * 0.3)
+
+
+def test_the_effect_of_the_page_sees_a_channel_that_the_case_lists(laboratory):
+    """The case with the page's lines of YAML beside its own."""
+    (lines,) = re.findall(r"```yaml\n(signals:\n  auxiliary.*?)```", OWN.read_text(), flags=re.DOTALL)
+    (laboratory / "mylab" / "case" / "warm.yaml").write_text(
+        f"# @package _global_\ndefaults: [pendulum]\neffects: [viscous, 'grease:GREASE']\n{lines}"
+    )
+    said = run(["-m", "hybridid_cli", "cases", "warm", "--config-dir", "mylab"], laboratory)
+    assert "inputs   torque [N·m]" in said
+    assert "channels temperature [°C]" in said
+    assert "cold_grease@pivot" in said
+    seen = """
+from grease import GREASE
+from hybridid.declarations import Signal
+from hybridid.model import compose
+from pendulum import Pendulum
+
+model = compose(Pendulum(), [GREASE], channels=[Signal("temperature", "°C")])
+values = model.values({"pivot.cold_grease.f": 0.2, "pivot.cold_grease.T_0": 30.0})
+print(float(model.efforts(0, [0.5, 1.0], [0.3, 15.0], values)))
+"""
+    assert float(run(["-c", seen], laboratory)) == pytest.approx(0.2 * np.exp(-0.5))
 
 
 def test_notebook_example_finds_the_same(laboratory):

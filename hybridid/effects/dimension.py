@@ -13,11 +13,17 @@ _NAMED = {"N·s²/m": "kg", "N·m·s²/rad": "kg·m²", "Nm·s²/rad": "kg·m²"
 
 @dataclass(frozen=True)
 class Dimension:
-    """A unit as powers of a port's effort, position and time: N·s/m is (1, -1, 1)."""
+    """A unit as powers of a port's effort, position and time: N·s/m is (1, -1, 1).
+
+    ``channel`` is the power of ``channel_unit``, the unit of an input or channel that an effect sees. N/°C is
+    ``Dimension(effort=1, channel=-1, channel_unit="°C")``. No port knows the scale of that unit: it is 1.
+    """
 
     effort: int = 0
     position: int = 0
     time: int = 0
+    channel: int = 0
+    channel_unit: str = "1"
 
     def scale(self, port: Port) -> float:
         """The natural magnitude of such a quantity at ``port``, in SI units."""
@@ -35,6 +41,7 @@ class Dimension:
             (port.effort_unit, self.effort),
             (port.position_unit, self.position),
             ("s", self.time),
+            (self.channel_unit, 0 if self.channel_unit == "1" else self.channel),
         ):
             powers[name] = powers.get(name, 0) + power
         above = [_power(name, n) for name, n in powers.items() if n > 0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from types import SimpleNamespace
 from typing import Any, Literal
@@ -31,7 +31,8 @@ class EffectParameter:
     ``starts`` are further starting values for a shape parameter whose cost has several local
     minima (a Stribeck velocity, a pitch). ``sought`` says that starting values are estimated from
     the record as well: a ``"period"`` over the positions of the port, a ``"place"`` (one of these
-    positions), or a ``"frequency"`` of the model's residual over time.
+    positions), or a ``"frequency"`` of the model's residual over time. A fixed parameter that is the
+    ``"mean"`` takes the mean over the records of the first channel that the effect sees.
 
     A ``minor`` parameter does not decide whether the effect is present. A fit may leave it
     undetermined or at a bound.
@@ -54,7 +55,7 @@ class EffectParameter:
     absolute: bool = False
     fixed: bool = False
     minor: bool = False
-    sought: Literal["", "period", "place", "frequency"] = ""
+    sought: Literal["", "period", "place", "frequency", "mean"] = ""
 
     def __post_init__(self) -> None:
         for value in (self.guess, *self.starts):
@@ -122,6 +123,8 @@ class Local:
 
     ``position``, ``velocity``, ``acceleration`` of an effort port, or ``signal`` of an
     input or output port; ``p`` its parameters and ``z`` its states by name; ``time`` in s.
+    ``channels`` holds the inputs of the model and its auxiliary channels by name, as they were recorded: an
+    effect that uses some names them in ``Effect.channels``.
 
     ``drive``, ``load`` and ``level`` are those of ``hybridid.plants.plant.Load``, where the port has them: an
     effect that uses them says so in ``Effect.needs``. ``load_width`` rounds their modulus at zero. It is a
@@ -141,6 +144,7 @@ class Local:
     load: ca.SX | float = 0.0
     level: ca.SX | float = 0.0
     load_width: ca.SX | float = 1.0
+    channels: SimpleNamespace = field(default_factory=SimpleNamespace)
 
     @property
     def sign(self) -> ca.SX:
@@ -189,7 +193,8 @@ class Effect:
 
     ``position_units`` and ``ports`` (patterns of port names) say where the effect makes physical
     sense; empty means anywhere. A search respects them. A user may name any port of the same kind.
-    ``needs`` is what the law uses beside the motion; a port must have it (``Port.knows``).
+    ``needs`` is what the law uses beside the motion; a port must have it (``Port.knows``). ``channels`` names
+    the inputs or auxiliary channels that the law sees; the model must have them.
 
     An effect is sent to another process by its name: see ``hybridid.effects.pickling``.
 
@@ -213,6 +218,7 @@ class Effect:
     position_units: tuple[str, ...] = ()
     ports: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
+    channels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if bool(self.states) != (self.dynamics is not None):

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterable
 
+from hybridid.declarations import Signal
 from hybridid.effects import (
     contact,
     dampers,
@@ -19,6 +21,7 @@ from hybridid.effects import (
     presliding,
     varying_friction,
 )
+from hybridid.effects.channel_friction import friction_over
 from hybridid.effects.effect import Effect
 from hybridid.naming import unknown
 
@@ -68,15 +71,22 @@ EFFECTS: tuple[Effect, ...] = (
 )
 
 
-def effect_named(name: str) -> Effect:
+def library_for(channels: Iterable[Signal]) -> tuple[Effect, ...]:
+    """The library, and the effects that follow one of ``channels``."""
+    return (*EFFECTS, *(friction_over(channel) for channel in channels))
+
+
+def effect_named(name: str, channels: Iterable[Signal] = ()) -> Effect:
     """The effect called ``name``: an id of the library, or ``module.path:NAME`` of a user's own effect.
+
+    ``channels`` are the inputs and auxiliary channels that the effects of the library may follow.
 
     Raises:
         ValueError: if there is no such effect; the message gives the nearest name.
     """
     if ":" in name:
         return _imported(name)
-    by_id = {effect.id: effect for effect in EFFECTS}
+    by_id = {effect.id: effect for effect in library_for(channels)}
     if name in by_id:
         return by_id[name]
     raise ValueError(unknown("effect", name, [*by_id, "module:NAME of your own"]))

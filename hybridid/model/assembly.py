@@ -8,27 +8,31 @@ from types import SimpleNamespace
 
 import casadi as ca
 
-from hybridid.declarations import Parameter, Port, State
+from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.effects.effect import LOAD_WIDTH, Local
 from hybridid.model.term import Term
 from hybridid.plants.plant import Load, Motion, Plant
 
 
 def assemble(
-    plant: Plant, terms: Sequence[Term], states: Sequence[State], parameters: Sequence[Parameter]
+    plant: Plant,
+    terms: Sequence[Term],
+    states: Sequence[State],
+    inputs: Sequence[Signal],
+    parameters: Sequence[Parameter],
 ) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
     """A model's ``f``, ``h``, ``efforts`` and ``motions``, as functions of (t, x, u, p).
 
     ``states`` (n_x) and ``parameters`` (n_p) are those of the plant and of the terms, under their
-    qualified names, in the order of x and p.
+    qualified names, in the order of x and p. ``inputs`` (n_u) are those of the plant, then the channels.
     """
     t = ca.SX.sym("t")
     x, x_by = _symbols([s.name for s in states])
-    u, u_by = _symbols([s.name for s in plant.inputs])
+    u, u_by = _symbols([s.name for s in inputs])
     p, p_by = _symbols([q.name for q in parameters])
     plant_p = SimpleNamespace(**{q.name: p_by[q.name] for q in plant.parameters})
     plant_x = SimpleNamespace(**{s.name: x_by[s.name] for s in plant.states})
-    local = _Locals(terms, t, x_by, p_by)
+    local = _Locals(terms, t, x_by, u_by, p_by)
 
     plant_u, input_rates = local.through("input", u_by)
     motion = plant.motion(plant_x, plant_u, plant_p)
@@ -97,12 +101,13 @@ class _Locals:
     terms: Sequence[Term]
     t: ca.SX
     x: Mapping[str, ca.SX]
+    u: Mapping[str, ca.SX]
     p: Mapping[str, ca.SX]
 
     def see(self, term: Term, **seen: ca.SX) -> Local:
         p = SimpleNamespace(**{q.name: self.p[f"{term.name}.{q.name}"] for q in term.effect.parameters})
         z = SimpleNamespace(**{s.name: self.x[f"{term.name}.{s.name}"] for s in term.effect.states})
-        return Local(p=p, z=z, time=self.t, **seen)
+        return Local(p=p, z=z, time=self.t, channels=SimpleNamespace(**self.u), **seen)
 
     def rates(self, term: Term, local: Local) -> dict[str, ca.SX]:
         if term.effect.dynamics is None:

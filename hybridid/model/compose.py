@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from hybridid.declarations import Signal
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named
 from hybridid.model.model import Model
@@ -17,20 +18,23 @@ def compose(
     plant: Plant,
     effects: Iterable[str | Effect] = (),
     adjustments: Mapping[str, Mapping[str, float]] | None = None,
+    channels: Iterable[Signal] = (),
 ) -> Model:
     """A model from names: ``"viscous"``, ``"viscous@carriage"``, ``"module:NAME@port"``.
+
+    ``channels`` are the auxiliary channels of the records that effects may see.
 
     Raises:
         ValueError: if an effect or port is unknown, or an adjustment names no parameter
             of the model or gives something else than guess, lower, upper, fixed.
     """
-    model = Model(plant, adjustments=dict(adjustments or {}))
+    model = Model(plant, adjustments=dict(adjustments or {}), channels=tuple(channels))
     for entry in effects:
         if isinstance(entry, Effect):
             model = model.plus(entry)
             continue
         name, _, port = entry.partition("@")
-        model = model.plus(effect_named(name), port or None)
+        model = model.plus(effect_named(name, model.inputs), port or None)
     known = [p.name for p in model.parameters]
     for name, changes in model.adjustments.items():
         if name not in known:

@@ -27,17 +27,22 @@ from hybridid.plants.plant import Plant
 class Model:
     """A plant and its terms. ``adjustments`` overrides declared guesses and bounds.
 
+    ``channels`` are auxiliary channels of the records (a temperature, a supply voltage). The plant does not
+    know them; its effects may see them. In u they follow the plant's inputs.
+
     ``plus`` and ``without`` return new models. With its nesting parameters at zero, a term changes
     nothing, so ``model`` is a special case of ``model.plus(effect)``.
 
     Raises:
         ValueError: if a term occurs twice, its port does not exist, is of another kind, or does not know the
-            load that the effect needs.
+            load that the effect needs; if the effect sees a channel that the model lacks, or two channels or
+            inputs share a name.
     """
 
     plant: Plant
     terms: tuple[Term, ...] = ()
     adjustments: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    channels: tuple[Signal, ...] = ()
 
     def __post_init__(self) -> None:
         names = [term.name for term in self.terms]
@@ -56,10 +61,24 @@ class Model:
                     raise ValueError(
                         f"effect {term.effect.id} needs {_asked(term.effect)}; {one.name} {_lacks(one)}"
                     )
+        self._check_channels()
+
+    def _check_channels(self) -> None:
+        names = [signal.name for signal in self.inputs]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"channel {name}: two inputs or channels of the model have that name")
+        for term in self.terms:
+            for name in term.effect.channels:
+                if name not in names:
+                    raise ValueError(unknown(f"channel that effect {term.name} sees", name, names))
 
     def __getstate__(self) -> dict[str, object]:
         """The declaration of the model only: the CasADi functions are built again after unpickling."""
-        return {"plant": self.plant, "terms": self.terms, "adjustments": dict(self.adjustments)}
+        adjustments = dict(self.adjustments)
+        return {
+            "plant": self.plant, "terms": self.terms, "adjustments": adjustments, "channels": self.channels
+        }  # fmt: skip
 
     def plus(self, effect: Effect, port: str | None = None) -> Model:
         """This model with ``effect`` added at ``port`` (default: the first where it is possible)."""
@@ -104,8 +123,8 @@ class Model:
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
-        """The plant's inputs, in the order of u (n_u,)."""
-        return self.plant.inputs
+        """The plant's inputs, then the channels, in the order of u (n_u,)."""
+        return (*self.plant.inputs, *self.channels)
 
     @property
     def outputs(self) -> tuple[Signal, ...]:
@@ -174,7 +193,7 @@ class Model:
 
     @cached_property
     def _functions(self) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
-        return assemble(self.plant, self.terms, self.states, self.parameters)
+        return assemble(self.plant, self.terms, self.states, self.inputs, self.parameters)
 
 
 def first_port(plant: Plant, effect: Effect) -> Port:

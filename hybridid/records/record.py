@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,7 +19,7 @@ class Record:
     """One evenly sampled recording.
 
     Shapes: ``time`` (n,) in s, ``inputs`` (n, n_u), ``outputs`` (n, n_y),
-    ``auxiliary`` (n, n_a) for signals that a plot shows but no model uses.
+    ``auxiliary`` (n, n_a) for signals that a plot shows but no model uses (``with_channels`` lets one).
     ``simulated`` marks whatever comes from a virtual rig; it travels with every result.
     ``digest`` is the SHA-256 of the file it came from, or of the rig's configuration.
     ``warnings`` are one line each: those of reading and preprocessing, and those of its own check.
@@ -122,6 +123,27 @@ class Record:
         if name not in names:
             raise RecordError(f"record {self.name}: {unknown(what, name, names)}")
         return names.index(name)
+
+    def with_channels(self, names: Sequence[str]) -> Record:
+        """The record with the auxiliary signals ``names`` as further inputs: the channels of a model.
+
+        Raises:
+            RecordError: if it has no auxiliary signal of one of the names.
+        """
+        if not names:
+            return self
+        chosen = [self._index("auxiliary signal", name, self.auxiliary_channels) for name in names]
+        assert self.auxiliary is not None
+        left = [k for k in range(len(self.auxiliary_channels)) if k not in chosen]
+        # how a channel runs between samples matters little: a trace need not vary it
+        channels = (replace(self.auxiliary_channels[k], assumed=False) for k in chosen)
+        return replace(
+            self,
+            inputs=np.column_stack([self.inputs, self.auxiliary[:, chosen]]),
+            input_channels=(*self.input_channels, *channels),
+            auxiliary=self.auxiliary[:, left] if left else None,
+            auxiliary_channels=tuple(self.auxiliary_channels[k] for k in left),
+        )
 
     def part(self, start: int, stop: int, name: str | None = None) -> Record:
         """Samples ``start`` to ``stop`` (exclusive) as a record of their own.

@@ -28,10 +28,14 @@ def _check_signals(model: Model, record: Record) -> None:
     for what, channels, signals in pairs:
         have, want = [c.name for c in channels], [s.name for s in signals]
         if have != want:
-            raise ValueError(f"record {record.name} has {what} {have}, plant {model.plant.name} needs {want}")
+            raise ValueError(f"record {record.name} has {what} {have}, {_who(model)} needs {want}")
         for channel, signal in zip(channels, signals, strict=True):
             if channel.unit != signal.unit:
                 raise ValueError(
                     f"record {record.name}: {channel.name} is in {channel.unit}, "
-                    f"plant {model.plant.name} needs {signal.unit}"
+                    f"{_who(model)} needs {signal.unit}"
                 )
+
+
+def _who(model: Model) -> str:
+    return f"plant {model.plant.name}{' with its channels' if model.channels else ''}"

@@ -91,7 +91,7 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
         raise ValueError(
             f"port {port} is {where.kind}: a missing effort can only be estimated at an effort port"
         )
-    walking = Model(model.plant, model.terms, model.adjustments).plus(WALK, port)
+    walking = model.plus(WALK, port)
     p = walking.values(_known(walking, {**values, f"{port}.{WALK.id}.g": 1.0}))
     about = np.zeros((record.n, len(walking.states)))
     about[:, :-1] = filled_states(model, model.values(_known(model, values)), record)

@@ -8,7 +8,7 @@ dynamics, Janot, Gautier, Brunot (2019), Eq. (5).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -82,9 +82,8 @@ def resisting_effort(
         for s in model.states
     ]
     rates = np.stack(measured, axis=1)[inner]
-    bare = Model(model.plant, tuple(t for t in model.terms if port.name not in t.ports)).plus(
-        PROBE, port.name
-    )
+    elsewhere = tuple(t for t in model.terms if port.name not in t.ports)
+    bare = replace(model, terms=elsewhere, adjustments={}).plus(PROBE, port.name)
     known = {p.name for p in bare.parameters}
     inherited = {name: value for name, value in values.items() if name in known}
     motion = _port_motion(bare, [p.name for p in bare.effort_ports].index(port.name), len(x))

@@ -19,7 +19,7 @@ from pipelines.shared.storage import read_as
 
 
 def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
-    """``config`` with plant, effects and parameters from the file that its key ``model`` names, if any.
+    """``config`` with its model (``MAKES_A_MODEL``) from the file that its key ``model`` names, if any.
 
     Raises:
         ConfigError: if there is no such file, or it holds no model.
@@ -31,7 +31,8 @@ def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
         path = path / "model.json"
     try:
         described = read_as(DescribedModel, path)
-        given = {key: described.config[key] for key in MAKES_A_MODEL}
+        saved = {"channels": None, **described.config}  # an older file has no channels
+        given = {key: saved[key] for key in MAKES_A_MODEL}
     except FileNotFoundError as error:
         raise ConfigError(f"model is {path}: no such file; fit and trace write one, model.json") from error
     except (OSError, ValueError, KeyError) as error:

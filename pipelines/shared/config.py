@@ -20,8 +20,8 @@ T = TypeVar("T")
 
 # The keys that a model depends on: runs with the same values here share a run tree.
 MODELLING = (
-    "plant", "rig", "data", "records", "signals", "preprocess", "effects", "parameters", "estimator", "fit",
-    "residual",
+    "plant", "rig", "data", "records", "signals", "preprocess", "channels", "effects", "parameters",
+    "estimator", "fit", "residual",
 )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from pipelines.shared.storage import read_as
 
 ESTIMATE = "fit/estimate.json"
 MODEL = "fit/model.json"
-MAKES_A_MODEL = ("plant", "effects", "parameters")
+MAKES_A_MODEL = ("plant", "channels", "effects", "parameters")
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class TermEquation:
 class DescribedModel:
     """What rebuilds a model, and its equations for a reader.
 
-    ``config`` holds the keys ``plant``, ``effects`` and ``parameters``; the user's own code lies in
-    ``python_folders``. ``provenance`` is that of the records behind its effects and parameters.
+    ``config`` holds the keys ``plant``, ``channels``, ``effects`` and ``parameters``; the user's own code
+    lies in ``python_folders``. ``provenance`` is that of the records behind its effects and parameters.
     """
 
     case: str

@@ -7,16 +7,17 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from hybridid.effects.effect import Effect
-from hybridid.effects.library import EFFECTS
+from hybridid.effects.library import library_for
 from hybridid.model import Model, compose
 from hybridid.model.compose import ADJUSTABLE
 from hybridid.plants.plant import Plant
 from hybridid.settings.fit import FitSettings
+from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import code_digests, named
 
-KEYS = ("plant", "effects", "parameters")
+KEYS = ("plant", "channels", "effects", "parameters")
 
 
 def plant_of(settings: Settings) -> Plant:
@@ -46,20 +47,20 @@ def model_of(settings: Settings) -> Model:
     Raises:
         ConfigError: if an effect, port or parameter is unknown, or a number is not allowed.
     """
-    plant = plant_of(settings)
+    plant, channels = plant_of(settings), channels_of(settings)
     entries = effect_entries(settings)
     for entry in entries:
         if ":" in entry:
             named(entry.partition("@")[0], "effect")
     try:
-        bare = compose(plant, entries)
+        bare = compose(plant, entries, channels=channels)
         names = {p.name for p in bare.parameters}
         given = adjustments(settings.get("parameters", {}))
-        ownable = names | _ownable(plant, [term.effect for term in bare.terms])
+        ownable = names | _ownable(plant, [*library_for(channels), *(term.effect for term in bare.terms)])
         for name in given:
             if name not in ownable:
                 raise ConfigError(unknown("parameter", name, ownable, allowed=names))
-        model = compose(plant, entries, {name: given[name] for name in given if name in names})
+        model = compose(plant, entries, {name: given[name] for name in given if name in names}, channels)
         _ = model.parameters  # raises if bounds contradict each other
     except ConfigError:
         raise
@@ -126,12 +127,12 @@ def _leaves(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, dict[str,
             raise ConfigError(f"parameters.{name} is {below!r}: say which of {', '.join(ADJUSTABLE)} that is")
 
 
-def _ownable(plant: Plant, selected: list[Effect]) -> set[str]:
-    """The names of all parameters that the plant could have with any effect at any port."""
+def _ownable(plant: Plant, effects: list[Effect]) -> set[str]:
+    """The names of all parameters that the plant could have with any of ``effects`` at any port."""
     names = {p.name for p in plant.parameters} | {
         f"{p.name}.epsilon" for p in plant.ports if p.kind == "effort"
     }
-    for effect in (*EFFECTS, *selected):
+    for effect in effects:
         for port in plant.ports:
             if port.kind == effect.kind:
                 names |= {f"{port.name}.{effect.id}.{p.name}" for p in effect.parameters}

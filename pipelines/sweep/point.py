@@ -20,7 +20,7 @@ SEEDS = "residual.seeds"
 GRIDS: Mapping[str, tuple[str, ...]] = {"narx": ("depth", "width", "seeds"), "rbf": ("nodes", "horizons")}
 """Keys of each kind of network whose lists are grids."""
 _STAYS_A_LIST = ("horizons",)  # [null] is the whole record, null the gray box' own horizon
-_SHARED = ("rig", "data", "records", "signals", "preprocess", "fit")
+_SHARED = ("rig", "data", "records", "signals", "preprocess", "channels", "fit")
 _JUDGED_BY = ("kind", "outputs", "blocks", "held_out", "folds", "initial_state")
 
 

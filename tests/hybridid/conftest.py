@@ -25,8 +25,8 @@ EPSILON = 3e-3
 
 @dataclass(frozen=True)
 class Carriage:
-    """``M q'' = force - F`` from rest at 0, ``F = (f_v -+ df_v/2 + damping_slope q) q' + f_c tanh(q'/epsilon)
-    + offset + ripple sin(2 pi q / pitch)``."""
+    """``M q'' = force - F`` from rest at 0, ``F = (f_v -+ df_v/2 + damping_slope q) q' + (f_c + warming
+    (temperature - 25 °C)) tanh(q'/epsilon) + offset + ripple sin(2 pi q / pitch)``."""
 
     M: float = 95.0
     f_v: float = 203.0
@@ -37,6 +37,7 @@ class Carriage:
     ripple: float = 0.0  # N, a force that is periodic in position
     pitch: float = 0.02  # m, its period
     epsilon: float = EPSILON
+    warming: float = 0.0  # N/K: the Coulomb friction rises by it with the temperature
 
     @property
     def truth(self) -> dict[str, float]:
@@ -53,6 +54,10 @@ class Carriage:
         slow, fast = 45 * np.sin(2 * np.pi * 0.7 * time), 30 * np.sign(np.sin(2 * np.pi * 1.9 * time + 0.3))
         return self.offset + slow + fast
 
+    def temperature(self, time: Array) -> Array:
+        """A temperature that rises and falls and comes back, °C."""
+        return 25 + 8 * np.sin(2 * np.pi * 0.4 * time)
+
     def states(self, n: int = 600, dt: float = 0.005) -> Array:
         """Position and velocity at the samples, (n, 2)."""
         return _states(self, n, dt)
@@ -60,9 +65,11 @@ class Carriage:
     def record(
         self, n: int = 600, dt: float = 0.005, noise: Array | None = None, name: str = "carriage"
     ) -> Record:
-        """The carriage as an encoder with ``noise`` (n,) m records it, the force held."""
+        """The carriage as an encoder with ``noise`` (n,) m records it, the force held; where its friction
+        follows the temperature, with that as an auxiliary signal."""
         time = np.arange(n) * dt
         position = self.states(n, dt)[:, 0] + (0.0 if noise is None else noise)
+        aside = (Channel("temperature", "°C", assumed=True),) if self.warming else ()
         return Record(
             name=name,
             time=time,
@@ -70,23 +77,26 @@ class Carriage:
             outputs=position[:, None],
             input_channels=(Channel("force", "N", "zoh"),),
             output_channels=(Channel("position", "m"),),
+            auxiliary=self.temperature(time)[:, None] if aside else None,
+            auxiliary_channels=aside,
             simulated=True,
         )
 
 
 @cache
 def _states(carriage: Carriage, n: int, dt: float) -> Array:
-    force = carriage.force(np.arange(n) * dt)
+    force, temperature = carriage.force(np.arange(n) * dt), carriage.temperature(np.arange(n) * dt)
     states = np.zeros((n, 2))
 
-    def rate(_: float, x: Array, u: float) -> list[float]:
+    def rate(_: float, x: Array, u: float, f_c: float) -> list[float]:
         resist = (carriage.f_v + carriage.damping_slope * x[0]) * x[1] - 0.5 * carriage.df_v * abs(x[1])
-        resist += carriage.f_c * np.tanh(x[1] / carriage.epsilon) + carriage.offset
+        resist += f_c * np.tanh(x[1] / carriage.epsilon) + carriage.offset
         resist += carriage.ripple * np.sin(2 * np.pi * x[0] / carriage.pitch)
         return [x[1], (u - resist) / carriage.M]
 
     for k in range(n - 1):
-        solved = solve_ivp(rate, (0, dt), states[k], "LSODA", args=(force[k],), rtol=1e-10, atol=1e-13)
+        held = (force[k], carriage.f_c + carriage.warming * (temperature[k] - 25))
+        solved = solve_ivp(rate, (0, dt), states[k], "LSODA", args=held, rtol=1e-10, atol=1e-13)
         states[k + 1] = solved.y[:, -1]
     states.flags.writeable = False
     return states

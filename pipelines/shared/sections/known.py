@@ -37,7 +37,7 @@ SECTIONS: Mapping[str, type] = {
     "mlflow": MLflowSection,
 }
 """Sections whose keys are always the same."""
-FREE = ("plant", "records", "signals", "effects", "parameters", "residual")
+FREE = ("plant", "records", "signals", "channels", "effects", "parameters", "residual")
 """Keys below which the case, or the kind of network, decides what may stand."""
 LONE: tuple[type, ...] = (LoneKeys, UiKeys)
 """Keys that stand in no section."""
