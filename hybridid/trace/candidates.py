@@ -62,10 +62,14 @@ def admissible(
 ) -> Iterator[Candidate]:
     """Every effect at every port of its kind where the model does not have it yet, and at ports alike.
 
+    An effect that sees a channel which the model lacks is left out.
     At ports alike only effects without states are tried, and only where none of the ports has them.
     """
     present = {(term.effect.id, name) for term in model.terms for name in term.ports}
+    seen = {signal.name for signal in model.inputs}
     for effect in effects:
+        if not seen.issuperset(effect.channels):
+            continue
         for together in _places(model.plant, effect):
             wanted = ports is None or set(together) <= set(ports)
             fits = all(effect.admissible_at(model.plant.port(name)) for name in together)

@@ -18,7 +18,7 @@ from hybridid.model import Model
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.learned_effort import learned_effort
-from hybridid.trace.over import OVERS, Over
+from hybridid.trace.over import Over, overs_for
 from hybridid.trace.path import Path
 from hybridid.trace.refit import WITHOUT_STD, Refit, refit
 from hybridid.trace.rules import Rules
@@ -65,7 +65,7 @@ def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Cei
     places = [
         (base, context.split, port.name, over)
         for port in context.effort_ports(base.model)
-        for over in OVERS
+        for over in overs_for(base.model.inputs)
         if path.shows(port.name, over)
     ]
     return tuple(context.each(stage, ceiling, places, lambda found: found.place))
@@ -76,19 +76,17 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     where = base.model.plant.port(port)
     path = Path.of(base, split, (*split.fitted, *split.held_out))
     fitted = Path.of(base, split, split.fitted)
-    seen, remembers = fitted.motion(port, over.variable), fitted.memory(port, over.variable)
+    seen, remembers = fitted.seen(port, over), fitted.memory(port, over.variable)
     effect = learned_effort(over, seen, remembers=remembers)
     model: Model = base.model.plus(effect, port)
     starts = _starts(model, effect, port, base)
     found = refit(model, split, starts, base, base.numerics, tolerance=TOLERANCE, std_up_to=WITHOUT_STD)
     evidence = compare(base.score, found.score)
     shown = (
-        replace(path, states=np.column_stack([path.states, path.motion(port, over.variable)]))
-        if effect.states
-        else path
+        replace(path, states=np.column_stack([path.states, path.seen(port, over)])) if effect.states else path
     )
     net = shown.effort(model, found.values, port) - path.effort(base.model, base.values, port)
-    curve = _binned(path.motion(port, over.variable), net)
+    curve = _binned(path.seen(port, over), net)
     over_unit = over.dimension.unit(where)
     return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, over_unit, found)
 

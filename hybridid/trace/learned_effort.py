@@ -43,7 +43,7 @@ class Bumps:
     combinations: int
 
     def __call__(self, at: Local) -> ca.SX:
-        s = value_of(self.over.variable, at)
+        s = value_of(self.over, at)
         low, high = at.p.first, at.p.last
         s = ca.fmin(ca.fmax(s, low), high)
         bumps = self._heights(((s - low) / (high - low) - 0.5) * (self.bumps - 1))
@@ -123,6 +123,7 @@ def learned_effort(over: Over, seen: Array, bumps: int | None = None, remembers:
         states=(memory.state,) if memory else (),
         dynamics=memory.dynamics if memory else None,
         needs=over.needs,
+        channels=over.channels,
         source="thesis Eqs. 6-4 to 6-6 with fixed centres",
         pattern=f"any function of {over}",
     )

@@ -1,6 +1,7 @@
 """``Over``: the variable that a learned effort depends on, and the factor it is multiplied by.
 
-A variable is the port's velocity or position, the time, its load (drive minus load), or a state with memory:
+A variable is the port's velocity or position, the time, its load (drive minus load), an input or channel of
+the model, or a state with memory:
 
     recent speed          s' = (|v| - s) / tau     a contact that warms
     bristle deflection    s' = (v - |v| s) / d     over its largest: Dahl's friction and Bouc-Wen's hysteresis
@@ -8,17 +9,17 @@ A variable is the port's velocity or position, the time, its load (drive minus l
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import casadi as ca
 
-from hybridid.declarations import Need
+from hybridid.declarations import Need, Signal
 from hybridid.effects.dimension import DAMPING, EFFORT, INERTIA, ONE, POSITION, TIME, VELOCITY, Dimension
 from hybridid.effects.effect import EffectParameter, EffectState, Local
 
-Variable = Literal["velocity", "position", "time", "load", "recent speed", "bristle deflection"]
+Variable = Literal["velocity", "position", "time", "load", "recent speed", "bristle deflection", "input"]
 Factor = Literal["", "velocity", "sign of velocity", "acceleration"]
 RECENT: Variable = "recent speed"
 BRISTLE: Variable = "bristle deflection"
@@ -26,18 +27,36 @@ BRISTLE: Variable = "bristle deflection"
 
 @dataclass(frozen=True)
 class Over:
-    """What a learned effort depends on: a function of ``variable``, times ``factor``."""
+    """What a learned effort depends on: a function of ``variable``, times ``factor``.
+
+    ``signal`` is the input or channel of the model that the variable ``input`` stands for.
+    """
 
     variable: Variable
     factor: Factor = ""
+    signal: Signal | None = None
 
     def __str__(self) -> str:
-        return f"{self.variable}, times {self.factor}" if self.factor else self.variable
+        return f"{self.name}, times {self.factor}" if self.factor else self.name
+
+    @property
+    def name(self) -> str:
+        """Of the variable; that of an input, unless it could be taken for a variable of the port."""
+        if self.signal is None:
+            return self.variable
+        return f"input {self.signal.name}" if self.signal.name in _DIMENSIONS else self.signal.name
 
     @property
     def dimension(self) -> Dimension:
         """Of the variable."""
+        if self.signal is not None:
+            return Dimension(channel=1, channel_unit=self.signal.unit)
         return _DIMENSIONS[self.variable]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The inputs and channels that it sees."""
+        return () if self.signal is None else (self.signal.name,)
 
     @property
     def needs(self) -> tuple[Need, ...]:
@@ -82,8 +101,17 @@ OVERS = (
 )
 
 
-def value_of(variable: Variable, at: Local) -> ca.SX:
+def overs_for(inputs: Sequence[Signal]) -> tuple[Over, ...]:
+    """All that a learned effort may depend on in a model of these inputs and channels."""
+    factors: tuple[Factor, ...] = ("", "sign of velocity")
+    return (*OVERS, *(Over("input", factor, signal) for signal in inputs for factor in factors))
+
+
+def value_of(over: Over, at: Local) -> ca.SX:
     """The variable at a port."""
+    if over.signal is not None:
+        return getattr(at.channels, over.signal.name)
+    variable = over.variable
     if variable in MEMORIES:
         return getattr(at.z, MEMORIES[variable].state.name)
     seen = {"velocity": at.velocity, "position": at.position, "time": at.time, "load": at.drive - at.load}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.signal import lfilter
 from hybridid.effects.dimension import ONE
 from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.model import Model
+from hybridid.plants.plant import Plant
 from hybridid.trace.over import BRISTLE, RECENT, Over, Variable
 from hybridid.trace.refit import Refit
 from hybridid.trace.split import Split
@@ -63,7 +65,7 @@ class Path:
         return float(np.ptp(seen)) / 10
 
     def motion(self, port: str, variable: Variable) -> Array:
-        """The variable of a learned effort at ``port``, (n,)."""
+        """A variable of the motion at ``port``, (n,), or of what it carries."""
         if variable == "time":
             return self.time
         if variable == RECENT:
@@ -77,14 +79,23 @@ class Path:
         moved = self._along(self.model.motions, self.p).reshape(len(ports), -1, 2)
         return moved[ports.index(port), :, 1 if variable == "velocity" else 0]
 
+    def seen(self, port: str, over: Over) -> Array:
+        """The variable of a learned effort over ``over`` at ``port``, (n,); an input as it was recorded."""
+        if over.signal is None:
+            return self.motion(port, over.variable)
+        return self.inputs[:, [s.name for s in self.model.inputs].index(over.signal.name)]
+
     def shows(self, port: str, over: Over) -> bool:
         """Whether ``port`` knows what a learned effort over ``over`` needs, and all of it changes along the
-        path; a port may have no velocity."""
-        if not self.model.plant.port(port).knows.issuperset(over.needs):
+        path; a port may have no velocity. An input that is the load itself says nothing beside it."""
+        plant = self.model.plant
+        if not plant.port(port).knows.issuperset(over.needs):
+            return False
+        if over.signal is not None and is_load(plant, port, over.signal.name):
             return False
         moves = over.factor or over.variable == BRISTLE
-        needed: tuple[Variable, ...] = (over.variable, "velocity") if moves else (over.variable,)
-        return all(np.ptp(self.motion(port, one)) > 0 for one in needed)
+        needed = (over, Over("velocity")) if moves else (over,)
+        return all(np.ptp(self.seen(port, one)) > 0 for one in needed)
 
     def effort(self, model: Model, values: Mapping[str, float], port: str) -> Array:
         """Sum of the efforts of ``model``'s terms at ``port`` along this path, (n,)."""
@@ -113,6 +124,21 @@ class Path:
                 many = function.map("along", "serial", len(t), [last], [])  # p is not repeated
             found.append(np.asarray(many(t[None, :], x.T, u.T, p)))
         return np.concatenate(found, axis=1)
+
+
+def is_load(plant: Plant, port: str, name: str) -> bool:
+    """Whether what ``port`` carries is the input ``name`` alone, times a constant, plus a constant."""
+    x, u, p = (
+        SimpleNamespace(**{one.name: ca.SX.sym(one.name) for one in declared})
+        for declared in (plant.states, plant.inputs, plant.parameters)
+    )
+    if not hasattr(u, name) or "load" not in plant.port(port).knows:
+        return False
+    at, given = plant.loads(x, u, p)[port], getattr(u, name)
+    carried = ca.SX(at.drive - at.load)
+    others = ca.vertcat(*vars(x).values(), *(one for one in vars(u).values() if one is not given))
+    alone = ca.depends_on(carried, given) and not ca.depends_on(carried, others)
+    return bool(alone and ca.is_linear(carried, given))
 
 
 def _deflection(position: Array, length: float) -> Array:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hybridid.effects.effect import Effect
-from hybridid.effects.library import EFFECTS
+from hybridid.effects.library import library_for
 from hybridid.estimators import FitSettings
 from hybridid.model import Model
 from hybridid.records.record import Record
@@ -30,7 +30,7 @@ def trace(
     held_out: Sequence[Record] = (),
     *,
     horizon: float | None = None,
-    effects: Sequence[Effect] = EFFECTS,
+    effects: Sequence[Effect] | None = None,
     ports: Sequence[str] | None = None,
     rules: Rules | None = None,
     settings: FitSettings | None = None,
@@ -42,11 +42,11 @@ def trace(
     """Find what ``model`` lacks on ``records``, judged on the records ``held_out``.
 
     Without any, alternate horizons of ``records`` judge. ``horizon`` is the length of each in s (None: 1 s,
-    or less where the records are short). ``effects`` are tried at every port of their kind, or only at
-    ``ports``, by ``rules``. ``settings`` are those of the fits before and after, and give the integrator;
-    ``start`` (values by name; None: by regression) is where the declared model starts. ``initial_state``
-    ("estimated" or "measured") is that of free runs. ``mapper`` runs the refits, one after another or side
-    by side, and ``report`` follows them.
+    or less where the records are short). ``effects`` (None: the library) are tried at every port of their
+    kind, or only at ``ports``, by ``rules``. ``settings`` are those of the fits before and after, and give
+    the integrator; ``start`` (values by name; None: by regression) is where the declared model starts.
+    ``initial_state`` ("estimated" or "measured") is that of free runs. ``mapper`` runs the refits, one after
+    another or side by side, and ``report`` follows them.
 
     Raises:
         ValueError: if a record does not fit the model, the model diverges on the records, or they give too
@@ -56,9 +56,8 @@ def trace(
     fitted, others = tuple(records), tuple(held_out)
     seconds = horizon or automatic_horizon([r.n * r.dt for r in fitted], [r.n * r.dt for r in others])
     split = divided(fitted, others, seconds)
-    context = Context(
-        split, tuple(effects), rules or Rules(), None if ports is None else tuple(ports), mapper, report
-    )
+    tried = library_for(model.channels) if effects is None else tuple(effects)
+    context = Context(split, tried, rules or Rules(), None if ports is None else tuple(ports), mapper, report)
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     validation = Validation(fitted, others, settings, seconds, initial_state)
 

@@ -41,9 +41,19 @@ def sought(candidate: Candidate, model: Model, base: Refit, split: Split) -> lis
     return [
         start
         for parameter in candidate.effect.parameters
-        if parameter.sought
+        if parameter.sought and parameter.sought != "mean"
         for start in _starts(candidate, parameter, model, base, split)
     ]
+
+
+def known_means(candidate: Candidate, model: Model, split: Split) -> dict[str, float]:
+    """The parameters of the effect that are the mean over the records of the channel it sees."""
+    names = [p.name for p in candidate.effect.parameters if p.sought == "mean"]
+    if not names:
+        return {}
+    column = [signal.name for signal in model.inputs].index(candidate.effect.channels[0])
+    seen = np.concatenate([record.inputs[:, column] for record in split.records])
+    return {f"{candidate.name}.{name}": float(seen.mean()) for name in names}
 
 
 def _starts(

@@ -17,7 +17,7 @@ from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
 from hybridid.trace.refit import CONTINUATION, Refit, refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.sought import sought
+from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
 
 PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED = "passed", "rejected", "unidentifiable", "untried"
@@ -81,7 +81,9 @@ def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
 def _attempt(candidate: Candidate, base: Refit, split: Split, numerics: Numerics) -> Trial:
     model: Model = candidate.added_to(base.model)
     try:
+        known = known_means(candidate, model, split)
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
+        starts = [{**start, **known} for start in starts]
         found = refit(model, split, starts, base, numerics, CONTINUATION, std_up_to=base.score.loss)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))

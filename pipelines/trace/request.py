@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from hybridid.declarations import Port
+from hybridid.declarations import Port, Signal
 from hybridid.effects.effect import Effect
-from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.effects.library import effect_named, library_for
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import automatic_horizon
+from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.modelling import plant_of
@@ -39,10 +40,15 @@ def request_of(settings: Settings) -> Request:
         ConfigError: if an effect or port is unknown or a number is not allowed.
     """
     section = section_of(settings)
-    effects = (*_library(section), *_own(section))
+    seen = (*plant_of(settings).inputs, *channels_of(settings))
+    effects = (*_library(section, settings, seen), *_own(section))
     for effect in effects:
         if [e.id for e in effects].count(effect.id) > 1:
             raise ConfigError(f"trace.extra_effects: two effects to try are called {effect.id}")
+        for name in effect.channels:
+            known = [signal.name for signal in seen]
+            if name not in known:
+                raise ConfigError(unknown(f"channel that effect {effect.id} of trace sees", name, known))
     ports = _ports(settings, section, effects)
     return Request(effects, ports, section.rules, _horizon(settings, section), _processes(settings, section))
 
@@ -93,10 +99,11 @@ def fitting_horizon(request: Request, prepared: Sequence[Prepared], settings: Se
     return replace(request, horizon=automatic_horizon(fitted, held_out, request.horizon))
 
 
-def _library(section: TraceSection) -> tuple[Effect, ...]:
+def _library(section: TraceSection, settings: Settings, seen: Sequence[Signal]) -> tuple[Effect, ...]:
+    """The effects of ``trace.effects``, which may follow any of the signals ``seen``; None: the library."""
     if section.effects is None:
-        return EFFECTS
-    return tuple(_named(name, "trace.effects") for name in section.effects)
+        return library_for(channels_of(settings))
+    return tuple(_named(name, "trace.effects", seen) for name in section.effects)
 
 
 def _own(section: TraceSection) -> list[Effect]:
@@ -106,9 +113,9 @@ def _own(section: TraceSection) -> list[Effect]:
     return [_named(entry, "trace.extra_effects") for entry in section.extra_effects]
 
 
-def _named(name: str, key: str) -> Effect:
+def _named(name: str, key: str, seen: Sequence[Signal] = ()) -> Effect:
     try:
-        return effect_named(name)
+        return effect_named(name, seen)
     except ValueError as error:
         raise ConfigError(f"{key}: {error}") from error
 

@@ -28,6 +28,9 @@ def two_records(carriage_like, noise) -> Callable[..., tuple[Record, Record]]:
             def force(self, time: Array) -> Array:
                 return self.offset - 0.9 * (super().force(0.9 * time) - self.offset)
 
+            def temperature(self, time: Array) -> Array:
+                return 50 - super().temperature(1.3 * time)
+
         other = Reversed(**truth)
         first = carriage.record(n, noise=noise(n, std, seed=1), name="first")
         return first, other.record(n, noise=noise(n, std, seed=2), name="second")
