@@ -116,15 +116,21 @@ class Code:
 
     @property
     def _library(self) -> ctypes.CDLL | None:
-        return self._derived(("library", self.free, self.integrator, self.held, self.lanes), self._written)
+        return self._derived(("library", self.free, self.integrator, self.held, self.lanes), self._compiled)
 
-    def _written(self) -> ctypes.CDLL | None:
+    def _compiled(self) -> ctypes.CDLL | None:
+        """The library, or None if the compiler fails or an operation has no C. It is known by what CasADi
+        tells of the functions: that costs a sixth of writing their C."""
+        said = "".join(function.serialize() for function in self._functions)
         try:
-            parts = [c_of(function, ARGUMENTS) for function in self._functions]
+            return _compiled(_text("c_code.py") + _side_by_side(self.lanes) + said, self._written)
         except Unwritten:
             return None
+
+    def _written(self) -> str:
+        parts = [c_of(function, ARGUMENTS) for function in self._functions]
         names = ", ".join(f"&{function.name()}" for function in self._functions)
-        return _compiled(_side_by_side(self.lanes) + "".join(parts) + PARTS % names)
+        return _side_by_side(self.lanes) + "".join(parts) + PARTS % names
 
     def _derived(self, key: tuple[object, ...], make: Callable[[], T]) -> T:
         """What ``make`` makes, kept with the model: many problems of a fit share it."""
@@ -193,7 +199,8 @@ def _address(array: NDArray[Any]) -> int:
 @functools.cache
 def _driver(lanes: int) -> Callable[..., int] | None:
     """``shoot`` of shoot.c, or None if the compiler fails."""
-    driver = _compiled(_side_by_side(lanes) + _text("shoot.c"))
+    source = _side_by_side(lanes) + _text("shoot.c")
+    driver = _compiled(source, lambda: source)
     return None if driver is None else driver.shoot
 
 
@@ -201,6 +208,7 @@ def _side_by_side(lanes: int) -> str:
     return f"#define LANES {lanes}\n" + _text("lanes.h")
 
 
+@functools.cache
 def _text(name: str) -> str:
     return (resources.files("hybridid.simulation") / name).read_text(encoding="utf-8")
 
@@ -239,13 +247,13 @@ def _compiler() -> str | None:
 _LIBRARIES: dict[str, ctypes.CDLL | None] = {}
 
 
-def _compiled(source: str) -> ctypes.CDLL | None:
-    """The library of a C source, from ``libraries`` where an earlier process has left it; None, with a
-    warning, if the compiler fails."""
+def _compiled(said: str, source: Callable[[], str]) -> ctypes.CDLL | None:
+    """The library of a C ``source`` of which ``said`` says all, from ``libraries`` where an earlier process
+    has left it; None, with a warning, if the compiler fails."""
     compiler = str(_compiler())
-    key = hashlib.sha256("\0".join((compiler, platform.machine(), *_flags(), source)).encode()).hexdigest()
+    key = hashlib.sha256("\0".join((compiler, platform.machine(), *_flags(), said)).encode()).hexdigest()
     if key not in _LIBRARIES:
-        _LIBRARIES[key] = library(key, lambda made: _build(compiler, source, made))
+        _LIBRARIES[key] = library(key, lambda made: _build(compiler, source(), made))
     return _LIBRARIES[key]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hybridid.simulation import machine_code
+from hybridid.simulation.c_code import Unwritten
 from hybridid.simulation.machine_code import LANES
 from hybridid.simulation.shooter import Shooter
 from hybridid.simulation.windows import cut
@@ -118,3 +119,25 @@ def test_problems_of_one_model_share_their_functions(carriage, make_model):
     assert first.code is not other.code
     assert first.code._functions is other.code._functions
     assert replace(first, free=("M",)).code._functions is not first.code._functions
+
+
+@compiled
+def test_c_is_written_only_of_what_is_not_yet_compiled(carriage, make_model, monkeypatch):
+    shooter = shooter_of(carriage, make_model)
+    assert shooter.code.worth_it
+    monkeypatch.setattr(machine_code, "_LIBRARIES", {})
+    monkeypatch.setattr(machine_code, "c_of", None)
+    again = replace(shooter, model=replace(shooter.model))
+    x0, p = np.zeros((again.windows.count, len(again.model.states))), again.model.values()
+    np.testing.assert_array_equal(again(x0, p).outputs, shooter(x0, p).outputs)
+
+
+@compiled
+def test_an_operation_without_c_is_interpreted(carriage, make_model, monkeypatch):
+    def refuse(*given):
+        raise Unwritten("no C")
+
+    monkeypatch.setattr(machine_code, "c_of", refuse)
+    monkeypatch.setattr(machine_code, "_LIBRARIES", {})
+    monkeypatch.setattr(machine_code, "library", lambda key, build: build(None))
+    assert not shooter_of(carriage, make_model).code.worth_it
