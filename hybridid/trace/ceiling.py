@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from hybridid.effects.effect import Effect
 from hybridid.model import Model
+from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.learned_effort import learned_effort
 from hybridid.trace.over import Over, overs_for
 from hybridid.trace.path import Path
-from hybridid.trace.refit import WITHOUT_STD, Refit, refit
+from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 
@@ -37,7 +38,8 @@ class Ceiling:
 
     ``curve`` (s, effort, samples) is the learned effort in ``unit`` over s in ``over_unit``, plus the change
     of the model's own terms in the refit: alone, bumps and viscous friction could trade any amount.
-    ``refit`` is the model with it.
+    ``refit`` is the model with it. If it could not be solved, ``failure`` says why. There is then no curve, and
+    neither the gain of zero nor ``refit``, the model without it, claims anything.
     """
 
     port: str
@@ -48,6 +50,7 @@ class Ceiling:
     unit: str
     over_unit: str
     refit: Refit
+    failure: str = ""
 
     @property
     def place(self) -> str:
@@ -80,14 +83,17 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     effect = learned_effort(over, seen, remembers=remembers)
     model: Model = base.model.plus(effect, port)
     starts = _starts(model, effect, port, base)
-    found = refit(model, split, starts, base, base.numerics, tolerance=TOLERANCE, std_up_to=WITHOUT_STD)
+    over_unit = over.dimension.unit(where)
+    try:
+        found = refit(model, split, starts, base, base.numerics, tolerance=TOLERANCE, std_up_to=WITHOUT_STD)
+    except (TooStiff, *FAILURES) as error:
+        return Ceiling(port, over, 0.0, 1.0, (), where.effort_unit, over_unit, base, failure=str(error))
     evidence = compare(base.score, found.score)
     shown = (
         replace(path, states=np.column_stack([path.states, path.seen(port, over)])) if effect.states else path
     )
     net = shown.effort(model, found.values, port) - path.effort(base.model, base.values, port)
     curve = _binned(path.seen(port, over), net)
-    over_unit = over.dimension.unit(where)
     return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, over_unit, found)
 
 

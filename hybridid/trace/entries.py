@@ -121,7 +121,10 @@ class StepTaken:
 
 @dataclass(frozen=True)
 class LearnedGain:
-    """The held-out gain of a learned effort in ``unit`` at ``port``, over a variable in ``over_unit``."""
+    """The held-out gain of a learned effort in ``unit`` at ``port``, over a variable in ``over_unit``.
+
+    ``failure`` says why it could not be solved; its gain is then no evidence.
+    """
 
     port: str
     over: str
@@ -129,6 +132,7 @@ class LearnedGain:
     p_value: float
     unit: str
     over_unit: str
+    failure: str = ""
 
 
 @dataclass(frozen=True)

@@ -144,7 +144,9 @@ def estimated_values(estimate: Estimate) -> dict[str, EstimatedValue]:
 
 def learned_gains(found: Sequence[Ceiling]) -> tuple[LearnedGain, ...]:
     """The ceilings without their curves and refits."""
-    return tuple(LearnedGain(c.port, str(c.over), c.gain, c.p_value, c.unit, c.over_unit) for c in found)
+    return tuple(
+        LearnedGain(c.port, str(c.over), c.gain, c.p_value, c.unit, c.over_unit, c.failure) for c in found
+    )
 
 
 def used_records(fitted: Sequence[Record], held_out: Sequence[Record]) -> tuple[UsedRecord, ...]:

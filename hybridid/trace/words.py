@@ -110,8 +110,9 @@ def error_left(found: Trace) -> str:
 
 
 def _untried(found: Trace) -> str:
-    """Which effects could not be tried; a verdict does not speak of these."""
+    """Which effects and learned efforts could not be tried; a verdict does not speak of these."""
     names = [entry.name for entry in found.rejected if entry.status == UNTRIED]
+    names += [f"a learned effort at {c.port} over {c.over}" for c in found.ceilings.after if c.failure]
     return f" Not tried, for they could not be fitted: {listed(names)}." if names else ""
 
 

@@ -75,7 +75,7 @@ def _ceilings(found: Trace) -> Named:
         (one.port, _curve(model.name, one))
         for model, of_model in zip(found.shown.models, found.shown.ceilings, strict=True)
         for one in of_model
-        if not one.over.factor
+        if not one.over.factor and one.curve
     ]
     for port in dict.fromkeys(port for port, _ in curves):
         own = [curve for at, curve in curves if at == port]

@@ -213,7 +213,7 @@ def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:
 
 def _taken(learned: LearnedGain) -> str:
     """The reduction of the error by a learned effort; zero for one that learned only noise."""
-    return share(max(learned.gain, 0.0))
+    return f"not solved: {learned.failure}" if learned.failure else share(max(learned.gain, 0.0))
 
 
 def _rules(traced: TraceFile) -> Table:

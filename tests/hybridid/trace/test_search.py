@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.simulation.stability import TooStiff
+from hybridid.trace import ceiling as ceiling_module
 from hybridid.trace import stand_in
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
@@ -84,6 +86,19 @@ def test_structure_that_no_effect_explains_is_said_to_remain(make_model, split_o
     found = conclude(make_model(), Context(split_of(df_v=DF_V), tried))
     assert found.verdict == "unexplained"
     assert "at carriage over velocity" in found.remains
+
+
+def test_a_learned_effort_that_cannot_be_solved_claims_nothing(worn, split_of, monkeypatch):
+    def refuse(*arguments, **options):
+        raise TooStiff("needs more than 50 steps a sample")
+
+    monkeypatch.setattr(ceiling_module, "refit", refuse)
+    base = worn.search.steps[0].base
+    found = ceiling(base, split_of(df_v=DF_V), "carriage", Over("velocity"))
+    assert found.failure == "needs more than 50 steps a sample"
+    assert (found.gain, found.p_value, found.curve) == (0.0, 1.0, ())
+    assert found.refit is base
+    assert not found.passes(Rules())
 
 
 def test_a_learned_effort_is_the_ceiling(worn, split_of):

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from hybridid.trace.entries import AcceptedEffect, Floor, Level, TriedEffect
+from hybridid.trace.entries import AcceptedEffect, Floor, LearnedGain, Level, TriedEffect
 from hybridid.trace.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
 from hybridid.trace.words import _members, sentence
@@ -83,6 +83,12 @@ def test_nothing_was_tried_because_nothing_is_left(nothing):
 def test_effects_that_could_not_be_tried_are_named(nothing):
     said = sentence(nothing(DRAG, replace(SPRING, status="untried")))
     assert said.endswith("Not tried, for they could not be fitted: carriage.cubic_stiffness.")
+
+
+def test_a_learned_effort_that_could_not_be_solved_is_named(nothing):
+    stiff = LearnedGain("carriage", "position", 0.0, 1.0, "N", "m", failure="too stiff")
+    said = sentence(replace(nothing(DRAG), ceilings=LearnedGains((), (stiff,))))
+    assert "could not be fitted: a learned effort at carriage over position." in said
 
 
 def test_an_error_far_above_the_noise_is_unexplained_also_where_no_place_is_known(nothing):
