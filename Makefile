@@ -53,7 +53,7 @@ reproduce-thesis: $(READY) ## the thesis' tables and figures beside ours: output
 study-coverage: $(READY) ## do the stated 95 % intervals hold the truth? (simulated, minutes)
 	$(BIN)/python benchmarks/interval_coverage.py
 
-study-evidence: $(READY) ## how often does the evidence for a missing effect err, or miss one? (simulated, an hour)
+study-evidence: $(READY) ## how often does the evidence for a missing effect err, or miss one? (simulated, hours)
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/evidence_power.py
 
 study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters again? (simulated, minutes)

@@ -58,7 +58,8 @@ def check(settings: Settings) -> None:
         ConfigError: if a name or number in the config is wrong.
         RecordNotFoundError: if a record is not found and the case has no rig to simulate it.
     """
-    found, _ = sources_of(settings).found, channels_of(settings)
+    channels_of(settings)
+    found = sources_of(settings).found
     try:
         for source in found:
             parse_steps(source.steps, f"records.{source.name}.steps")

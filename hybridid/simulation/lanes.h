@@ -41,7 +41,7 @@ static inline Lanes signed_as(Lanes a, Lanes b) {
 }
 
 /* x = n ln 2 + r, |r| <= ln(2) / 2, and exp(r) = (q + p) / (q - p), so exp(x) = 2^n (q + p) / (q - p). Adding `round`
-   leaves n in the last bits of the sum. Relative error 2e-16. Source: Moshier (1992), Cephes Math Library, exp.c. */
+   leaves n in the last bits of the sum. Relative error 3e-16. Source: Moshier (1992), Cephes Math Library, exp.c. */
 static inline void split_exponential(Lanes x, Bits *n, Lanes *p, Lanes *q) {
   const Lanes round = FILL(6755399441055744.0); /* 1.5 * 2^52 */
   const Lanes shifted = x * 1.4426950408889634 + round, whole = shifted - round;

@@ -124,7 +124,8 @@ class Code:
         said = "".join(function.serialize() for function in self._functions)
         try:
             return _compiled(_text("c_code.py") + _side_by_side(self.lanes) + said, self._written)
-        except Unwritten:
+        except Unwritten as why:
+            warnings.warn(f"{why}: the model is interpreted, which is slower", stacklevel=2)
             return None
 
     def _written(self) -> str:

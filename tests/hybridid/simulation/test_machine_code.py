@@ -140,4 +140,5 @@ def test_an_operation_without_c_is_interpreted(carriage, make_model, monkeypatch
     monkeypatch.setattr(machine_code, "c_of", refuse)
     monkeypatch.setattr(machine_code, "_LIBRARIES", {})
     monkeypatch.setattr(machine_code, "library", lambda key, build: build(None))
-    assert not shooter_of(carriage, make_model).code.worth_it
+    with pytest.warns(UserWarning, match="no C: the model is interpreted"):
+        assert not shooter_of(carriage, make_model).code.worth_it
