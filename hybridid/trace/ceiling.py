@@ -38,8 +38,8 @@ class Ceiling:
 
     ``curve`` (s, effort, samples) is the learned effort in ``unit`` over s in ``over_unit``, plus the change
     of the model's own terms in the refit: alone, bumps and viscous friction could trade any amount.
-    ``refit`` is the model with it. If it could not be solved, ``failure`` says why. There is then no curve, and
-    neither the gain of zero nor ``refit``, the model without it, claims anything.
+    ``refit`` is the model with it. If it could not be solved, ``failure`` says why. There is then no curve,
+    and neither the gain of zero nor ``refit``, the model without it, claims anything.
     """
 
     port: str
