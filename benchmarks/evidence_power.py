@@ -2,8 +2,10 @@
 
 Errors of a model are drawn on a short record: white, coloured, heavy-tailed, or in bursts. A hundred
 candidates are tried as a trace tries them: each is fitted on every other horizon and judged by
-``hybridid.trace.evidence`` on the horizons between, all as one family (Holm). Here a candidate is one signal
-with one amplitude, so that its fit is a division.
+``hybridid.trace.evidence`` on the horizons between, all as one family, weighted by what each takes from the
+fitted horizons (Holm). Here a candidate is one signal with one amplitude, so that its fit is a division. It
+acts always, as a friction does, or now and then, as a limit does: in three stretches of a fifteenth of the
+record.
 
 - Nothing missing: no candidate is in the errors. Counted are the records on which any passes.
 - One missing: the first candidate takes a share of the error. Counted are the records on which it passes.
@@ -19,6 +21,7 @@ import argparse
 import csv
 import os
 from collections.abc import Callable, Mapping, Sequence
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -68,34 +71,56 @@ def p_values(errors: Array, candidates: Array, horizon: int, blocks: int) -> lis
     """p-value of each of ``candidates`` (c, n) in ``errors`` (n,), adjusted for all of them."""
     rows = errors[: len(errors) // horizon * horizon].reshape(-1, horizon, 1)
     poorer = _score(rows, blocks)
-    found = []
+    found, taken = [], []
     for signal in candidates:
         shape = signal[: rows.size].reshape(rows.shape)
-        amplitude = (shape[::2] * rows[::2]).sum() / (shape[::2] ** 2).sum()
+        power, together = (shape[::2] ** 2).sum(), (shape[::2] * rows[::2]).sum()
+        amplitude = together / power if power > 0 else 0.0
         found.append(compare(poorer, _score(rows - amplitude * shape, blocks)).p_value)
-    return holm(found)
+        taken.append(amplitude * together / (rows[::2] ** 2).sum())
+    return holm(found, taken)
 
 
 def _score(rows: Array, blocks: int) -> Score:
     return score_of(list(rows[::2]), list(rows[1::2]), np.ones(1), blocks)
 
 
-def drawn(noise: str, seconds: int, share: float, count: int, generator: Generator) -> tuple[Array, Array]:
+def _always(n: int, generator: Generator) -> Array:
+    """Ones, (n,)."""
+    return np.ones(n)
+
+
+def _now_and_then(n: int, generator: Generator) -> Array:
+    """Ones in three stretches, (n,), else zeros."""
+    made, length = np.zeros(n), n // 15
+    for start in generator.integers(n - length, size=3):
+        made[start : start + length] = 1
+    return made
+
+
+ACTS: Mapping[str, Callable[[int, Generator], Array]] = {"always": _always, "now and then": _now_and_then}
+
+
+def drawn(
+    noise: str, acts: str, seconds: int, share: float, count: int, generator: Generator
+) -> tuple[Array, Array]:
     """Errors (n,), and ``count`` candidates (count, n), of which the first explains ``share`` of the RMSE."""
     n = seconds * RATE
     memories = generator.uniform(0.5, 0.99, size=count)
-    candidates = np.array([_coloured(n, generator, memory) for memory in memories])
-    amplitude = np.sqrt(1 / (1 - share) ** 2 - 1)
+    candidates = np.array([_coloured(n, generator, memory) * ACTS[acts](n, generator) for memory in memories])
+    amplitude = np.sqrt(1 / (1 - share) ** 2 - 1) / candidates[0].std()
     return NOISES[noise](n, generator) + amplitude * candidates[0], candidates
 
 
-def counted(noise: str, seconds: int, share: float, draws: int, count: int, seed: int) -> dict[str, float]:
+def counted(
+    noise: str, acts: str, seconds: int, share: float, draws: int, count: int, seed: int
+) -> dict[str, float]:
     """Share of records on which a candidate passes, by unit: the first if there is one to find, else any."""
     generator, alpha = np.random.default_rng([seed, seconds, len(noise)]), Rules().alpha
     horizon = round(automatic_horizon([seconds], []) * RATE)
     passed = dict.fromkeys(UNITS, 0)
     for _ in range(draws):
-        errors, candidates = drawn(noise, seconds, share, count, generator)
+        errors, candidates = drawn(noise, acts, seconds, share, count, generator)
         for unit, blocks in UNITS.items():
             found = p_values(errors, candidates, horizon, blocks)
             passed[unit] += (found[0] if share else min(found)) <= alpha
@@ -109,15 +134,12 @@ def main(
     given = _parser().parse_args(arguments)
     say(f"share of records on which a candidate passes (simulated, {given.draws} draws, seed {given.seed})")
     table = []
-    for noise in NOISES:
-        for seconds in SECONDS:
-            for share in SHARES:
-                found = counted(noise, seconds, share, given.draws, given.candidates, given.seed)
-                row = {"noise": noise, "seconds": seconds, "missing": share, **found}
-                table.append(row)
-                what = f"one takes {share:.0%}" if share else "nothing missing"
-                units = ", ".join(f"{unit} {value:.1%}" for unit, value in found.items())
-                say(f"  {noise:13} {seconds:3} s  {what:16} {units}")
+    for noise, acts, seconds, share in product(NOISES, ACTS, SECONDS, SHARES):
+        found = counted(noise, acts, seconds, share, given.draws, given.candidates, given.seed)
+        table.append({"noise": noise, "acts": acts, "seconds": seconds, "missing": share, **found})
+        what = f"one takes {share:.0%}" if share else "nothing missing"
+        units = ", ".join(f"{unit} {value:.1%}" for unit, value in found.items())
+        say(f"  {noise:13} {acts:13} {seconds:3} s  {what:16} {units}")
     OUT.mkdir(parents=True, exist_ok=True)
     file = OUT / "evidence_power.csv"
     with file.open("w", newline="", encoding="utf-8") as out:

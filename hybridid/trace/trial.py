@@ -29,12 +29,14 @@ OTHERWISE = "rodas3"
 class Trial:
     """A candidate's refit, its evidence over the model without it, and what was decided.
 
-    ``failure`` says why it could not be fitted, ``not_shown`` why the records cannot show its form.
+    ``fitted_gain`` is the share that it takes from the squared error of the fitted horizons. ``failure`` says
+    why it could not be fitted, ``not_shown`` why the records cannot show its form.
     """
 
     candidate: Candidate
     refit: Refit | None
     comparison: Comparison | None
+    fitted_gain: float = 1.0
     p_adjusted: float = 1.0
     status: str = REJECTED
     reason: str = ""
@@ -90,12 +92,18 @@ def _attempt(candidate: Candidate, base: Refit, split: Split, numerics: Numerics
     if not math.isfinite(found.cost):
         return Trial(candidate, None, None, failure="the simulation diverges from every start")
     evidence = compare(base.score, found.score)
-    return Trial(candidate, found, evidence, not_shown=not_shown(candidate, found, split))
+    fitted_gain = max(0.0, 1.0 - found.cost / base.cost) if base.cost > 0 else 0.0
+    return Trial(candidate, found, evidence, fitted_gain, not_shown=not_shown(candidate, found, split))
 
 
 def judge(trials: Sequence[Trial], rules: Rules) -> list[Trial]:
-    """Give every trial its status and reason; all tried together are one family."""
-    adjusted = holm([t.comparison.p_value if t.comparison else 1.0 for t in trials])
+    """Give every trial its status and reason.
+
+    All tried together are one family, weighted by what each takes from the fitted horizons: what does
+    nothing there needs no share of the error allowed. No held-out horizon has a part in the weights.
+    """
+    p_values = [t.comparison.p_value if t.comparison else 1.0 for t in trials]
+    adjusted = holm(p_values, [t.fitted_gain for t in trials])
     return [_decided(replace(t, p_adjusted=p), rules) for t, p in zip(trials, adjusted, strict=True)]
 
 

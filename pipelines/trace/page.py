@@ -38,7 +38,7 @@ KINDS = ("waterfall", "trials", "missing_effort", "ceiling", "error")
 _TRIED = (
     "Every effect at every port of its kind was added to the model and all parameters refitted together; the "
     "gain is the relative decrease of the RMSE on horizons that no fit has seen. p-values are adjusted for "
-    "all effects tried in a step (Holm)."
+    "all effects tried in a step (Holm, weighted by what each takes from the fitted horizons)."
 )
 _RESIDUAL = (
     "The missing effort is the effort at the port that the model would need in addition to agree with the "

@@ -1,15 +1,16 @@
-"""Holm's adjustment against statsmodels, and comparisons whose answer is known."""
+"""Adjustments and changes of sign against counting them all, and comparisons whose answer is known."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations, product
 
 import numpy as np
 import pytest
 from statsmodels.stats.multitest import multipletests
 
 from hybridid.estimators.noise import MOST_LAGS
-from hybridid.trace.evidence import compare, holm
+from hybridid.trace.evidence import by_signs, compare, holm
 from hybridid.trace.score import BLOCKS, Score, score_of
 
 HORIZONS, LENGTH = 24, 200
@@ -19,6 +20,55 @@ HORIZONS, LENGTH = 24, 200
 def test_holm_is_holm(seed):
     p = np.random.default_rng(seed).uniform(size=17) ** 4
     assert holm(list(p)) == pytest.approx(multipletests(p, method="holm")[1])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_weights_share_the_error_that_is_allowed(seed):
+    """Weighted Holm closes the weighted Bonferroni test: what is adjusted fails in no set that it is in."""
+    generator = np.random.default_rng(seed)
+    p, w = generator.uniform(size=6) ** 4, generator.uniform(size=6)
+    sets = [s for size in range(1, 7) for s in combinations(range(6), size)]
+    of_sets = {s: min(p[j] * sum(w[list(s)]) / w[j] for j in s) for s in sets}
+    closed = [min(1.0, max(of_sets[s] for s in sets if k in s)) for k in range(6)]
+    assert holm(list(p), list(w)) == pytest.approx(closed)
+
+
+def test_what_does_nothing_where_it_is_fitted_takes_no_share():
+    assert holm([0.004, 1e-9], [1.0, 0.0]) == [0.004, 1.0]
+    assert holm([0.004, 1e-9], [0.0, 0.0]) == [1.0, 1.0]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_every_change_of_sign_is_counted(seed):
+    """Sizes are rounded down, so a little more than the changes whose sum is as large."""
+    differences = np.random.default_rng(seed).normal(0.5, 1.0, 12)
+    signs = np.array(list(product((-1, 1), repeat=12)))
+    counted = np.mean(signs @ np.abs(differences) >= differences.sum() - 1e-12)
+    found = by_signs(alternated(differences))
+    assert counted <= found <= counted + 2e-3
+
+
+def alternated(differences):
+    """The same differences in an order without positive autocorrelation: large and small by turns."""
+    ranked = np.sort(differences)
+    half = len(ranked) // 2
+    return np.stack([ranked[:half], ranked[: half - 1 : -1]], axis=1).ravel()
+
+
+def test_an_effect_that_acts_now_and_then_is_seen():
+    """Large gains in every fifth block, small losses in the others: t takes the scatter for noise."""
+    generator = np.random.default_rng(3)
+    differences = -0.1 * generator.uniform(size=60)
+    differences[::5] = 10.0 ** generator.uniform(1, 4, size=12)
+    t = differences.mean() / differences.std(ddof=1) * np.sqrt(60)
+    assert t < 3
+    assert by_signs(differences) < 1e-3
+
+
+def test_one_large_gain_is_one_sign():
+    differences = np.full(40, -1e-3)
+    differences[20] = 100.0
+    assert by_signs(differences) > 0.4
 
 
 def errors(std, seed, bias=0.0):

@@ -18,7 +18,7 @@ from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Tria
 
 RULES = Rules()
 HORIZONS, SAMPLES = 20, 100
-LUCKY = 0.08  # three standard errors of the scatter
+LUCKY = 0.1  # some three standard errors of the scatter
 
 
 def score(rmse, likelihood, seed=0, lone=False):
@@ -94,6 +94,14 @@ def test_significance_counts_all_that_were_tried(trial):
     judged = judge([lucky, *idle], RULES)[0]
     assert judged.status == REJECTED
     assert "not significant" in judged.reason
+
+
+def test_what_gains_nothing_where_it_is_fitted_costs_the_others_little(trial):
+    lucky = trial("asymmetric_viscous", likelihood=LUCKY, lone=True)
+    idle = [replace(trial("stribeck", rmse=1.0, likelihood=-1.0), fitted_gain=1e-4)] * 99
+    assert judge([lucky, *idle], RULES)[0].status == PASSED
+    shy = replace(lucky, fitted_gain=1e-4)
+    assert judge([shy, *idle], RULES)[0].status == REJECTED
 
 
 def test_an_amplitude_that_could_be_nothing_is_not_identifiable(trial):
