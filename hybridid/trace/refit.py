@@ -51,9 +51,10 @@ FAILURES = (Diverged, ArithmeticError, np.linalg.LinAlgError)
 class Refit:
     """A model fitted on the split's fitted horizons, and its score on the held-out ones.
 
-    ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out; ``numerics``
-    say how its equations were solved, in ``substeps`` a sample. ``std`` and ``correlation`` are those of
-    the noise alone, empty where they were not asked for.
+    ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out; ``numerics`` say how its
+    equations were solved, in ``substeps`` a sample. They are ``too_stiff`` if a start was left out, or the
+    end would need more than ``STIFF`` steps: then the integrator may have decided, not the records. ``std``
+    and ``correlation`` are those of the noise alone, empty where they were not asked for.
     """
 
     model: Model
@@ -69,6 +70,7 @@ class Refit:
     seconds: float
     substeps: int
     numerics: Numerics = DECLARED
+    too_stiff: bool = False
 
     def problem(self, split: Split) -> Problem:
         """Every horizon of ``split`` as the problem that was solved."""
@@ -98,14 +100,19 @@ def refit(
     cost_limit = np.inf if before is None else (1 - LEAST_DECREASE) * before.cost
     plan = _descent(numerics, factors, tolerance, len(starts) > 1, cost_limit)
 
+    def steps_at(found: Result) -> int:
+        p = found.solution.p
+        return numerics.steps(model, p, split, paths(found.problem, p, found.x0))
+
     def finer(found: Result) -> Start | None:
-        problem, p = found.problem, found.solution.p
-        needed = min(numerics.steps(model, p, split, paths(problem, p, found.x0)), STIFF)
-        if needed * numerics.finer <= problem.windows.substeps:
+        p = found.solution.p
+        needed = min(steps_at(found), STIFF)
+        if needed * numerics.finer <= found.problem.windows.substeps:
             return None
         return Start(numerics.problem(model, split, needed), p, found.x0)
 
-    found = descend(_starts(model, split, starts, before, numerics), plan, split.fitted)
+    begun = _starts(model, split, starts, before, numerics)
+    found = descend(begun, plan, split.fitted)
     found = refine(found, plan, finer, split.fitted)
     problem, solution, x0 = found.problem, found.solution, found.x0
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
@@ -129,6 +136,7 @@ def refit(
         seconds=time.perf_counter() - began,
         substeps=problem.windows.substeps,
         numerics=numerics,
+        too_stiff=len(begun) < len(starts) or steps_at(found) > STIFF,
     )
 
 

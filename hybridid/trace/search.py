@@ -132,9 +132,10 @@ def _free_parameters(trial: Trial) -> int:
 
 
 def _survivals(base: Refit, best: Trial, context: Context) -> tuple[Survival, ...]:
-    """What becomes of the gain of ``best`` under every variation of the numerics."""
+    """What becomes of the gain of ``best`` under every variation of the numerics it was solved with."""
+    assert best.refit is not None
     split, name = context.split, best.candidate.name
-    varied = variations(split.records, base.numerics)
+    varied = variations(split.records, best.refit.numerics)
     arguments = ((base, best.refit, name, split, numerics, context.rules) for numerics in varied)
     return tuple(context.mapper(survival, arguments))
 

@@ -67,16 +67,19 @@ class Trial:
 def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons.
 
-    What the integrator of ``base`` cannot solve is tried again with the implicit one.
+    What is too stiff for the integrator of ``base`` is tried again with the implicit one.
     """
     trial = _attempt(candidate, base, split, base.numerics)
-    if not trial.failure or base.numerics.integrator == OTHERWISE:
+    solved = trial.refit is not None and not trial.refit.too_stiff
+    if solved or base.numerics.integrator == OTHERWISE:
         return trial
     again = _attempt(candidate, base, split, replace(base.numerics, integrator=OTHERWISE))
+    if not again.failure:
+        return again
     return (
         replace(again, failure=f"{trial.failure}; with {OTHERWISE}: {again.failure}")
-        if again.failure
-        else again
+        if trial.failure
+        else trial
     )
 
 

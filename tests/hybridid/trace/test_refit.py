@@ -8,7 +8,7 @@ from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import refit
+from hybridid.trace.refit import STIFF, refit
 
 
 def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
@@ -19,3 +19,13 @@ def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
     assert slow.cost == pytest.approx(fast.cost, rel=1e-5)
     assert slow.score.loss == pytest.approx(fast.score.loss, rel=1e-3)
     assert slow.cost != fast.cost, "another method was used"
+
+
+def test_a_start_that_is_left_out_as_too_stiff_is_told(make_model, split_of):
+    """Dahl friction over a nanometre: RK4 would need hundreds of steps a sample there."""
+    model, split = make_model(("viscous", "coulomb", "dahl")), split_of()
+    mild = {"carriage.dahl.f_c": 1.0, "carriage.dahl.s": 1e-2}
+    short = {"carriage.dahl.f_c": 20.0, "carriage.dahl.s": 1e-6}
+    assert Numerics().steps(model, model.values(short), split) > STIFF
+    assert not refit(model, split, [mild]).too_stiff
+    assert refit(model, split, [mild, short]).too_stiff

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.model import compose
 from hybridid.plants.emps import EMPS
+from hybridid.trace import trial as trials
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.evidence import compare
+from hybridid.trace.numerics import DECLARED
 from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.score import Score
@@ -171,3 +175,30 @@ def test_candidates_begin_where_the_poorer_model_ended(make_model):
     assert sum(start["carriage.stribeck.df_s"] == 0.0 for start in starts) >= 3
     assert len({start["carriage.stribeck.v_s"] for start in starts}) >= 3
     assert starts[-1]["carriage.stribeck.df_s"] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("explicit", "implicit", "kept"),
+    [
+        ("solved", "solved", "rk4"),
+        ("too stiff", "solved", "rodas3"),
+        ("failed", "solved", "rodas3"),
+        ("too stiff", "failed", "rk4"),
+        ("failed", "failed", None),
+    ],
+)
+def test_what_is_too_stiff_is_tried_with_the_implicit_integrator(monkeypatch, explicit, implicit, kept):
+    """A trial must not be refused for the integrator's sake."""
+
+    def tried(candidate, base, split, numerics):
+        outcome = {"rk4": explicit, "rodas3": implicit}[numerics.integrator]
+        if outcome == "failed":
+            return Trial(candidate, None, None, failure=f"not by {numerics.integrator}")
+        return Trial(candidate, SimpleNamespace(numerics=numerics, too_stiff=outcome == "too stiff"), None)
+
+    monkeypatch.setattr(trials, "_attempt", tried)
+    candidate = next(admissible(compose(EMPS()), [effect_named("dahl")]))
+    found = trials.attempt(candidate, SimpleNamespace(numerics=DECLARED), None)
+    assert (found.refit.numerics.integrator if found.refit else None) == kept
+    if kept is None:
+        assert found.failure == "not by rk4; with rodas3: not by rodas3"
