@@ -14,8 +14,9 @@ from benchmarks.rebuilt.report import write_report
 def main(arguments: Sequence[str] | None = None) -> int:
     """Play what is missing, print what came out; 1 where a player failed."""
     words = parser("python -m benchmarks.rebuilt", __doc__, PLAYERS, Path("outputs/study-rebuilt"))
+    words.add_argument("--series", type=int, default=0, help="of draws: 0, 1, 2, ... (default: 0)")
     asked = words.parse_args(arguments)
-    draws = evenly([d for d in all_draws() if asked.match in d.key], CATEGORIES, asked.limit)
+    draws = evenly([d for d in all_draws(asked.series) if asked.match in d.key], CATEGORIES, asked.limit)
     return LEAGUE.conduct(draws, asked, write_report)
 
 

@@ -11,7 +11,8 @@ evenly over the rows, and 60 on the same rigs with nothing missing.
 Beside them: friction in proportion to the load, and a drive that saturates, planted on four machines. Either
 takes 3-20 % of the drive's RMS effort, at four levels of noise.
 
-All is drawn before anything is simulated.
+All is drawn before anything is simulated. A series of draws is known once somebody looked at its answers; the
+next one is as new as the first was.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ from benchmarks.drawn.draw import NOMINAL
 from benchmarks.drawn.excitation import between, log_uniform
 
 SEED, HALF = 20261123, 60
+A_SERIES = 1000
+"""Numbers from one series of draws to the next: a further one judges after somebody looked at the first."""
 CATEGORIES = ("missing", "nothing", "load_friction", "saturation")
 Bounds = tuple[float, float]
 
@@ -152,21 +155,21 @@ class Draw:
 
 
 @cache
-def all_draws() -> tuple[Draw, ...]:
-    """Always the same: 60 scenarios with something missing, 60 without, then the planted ones."""
-    names = list(ROWS)
-    rows = [_draw(number, names[number % HALF % len(names)]) for number in range(2 * HALF)]
+def all_draws(series: int = 0) -> tuple[Draw, ...]:
+    """Always the same in a ``series``: 60 with something missing, 60 without, then the planted ones."""
+    names, first = list(ROWS), A_SERIES * series
+    rows = [_draw(first + k, names[k % HALF % len(names)], k < HALF) for k in range(2 * HALF)]
     places = [(name, level, half) for name in PLANTED for level in range(LEVELS) for half in range(EACH)]
-    return (*rows, *(_planted(2 * HALF + k, *place) for k, place in enumerate(places)))
+    return (*rows, *(_planted(first + 2 * HALF + k, *place) for k, place in enumerate(places)))
 
 
-def _draw(number: int, name: str) -> Draw:
+def _draw(number: int, name: str, hides: bool) -> Draw:
     generator, row = np.random.default_rng([SEED, number]), ROWS[name]
     parameters = _parameters(generator, row)
     amounts = {k: log_uniform(generator, *bounds) for k, bounds in row.amounts.items()}
     noise = log_uniform(generator, *row.noise)
     kind = str(generator.choice(row.kinds))
-    return Draw(number, name, parameters, amounts if number < HALF else {}, noise, kind)
+    return Draw(number, name, parameters, amounts if hides else {}, noise, kind)
 
 
 def _planted(number: int, name: str, level: int, half: int) -> Draw:

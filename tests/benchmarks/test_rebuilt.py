@@ -42,7 +42,7 @@ def records(row: str, empty: bool = False):
 
 def test_draws_are_fixed_and_evenly_spread():
     assert len({d.key for d in DRAWS}) == len({d.digest("") for d in DRAWS}) == len(DRAWS)
-    assert [_draw(d.number, d.row) for d in DRAWS[:120:9]] == list(DRAWS[:120:9])
+    assert [_draw(d.number, d.row, d.category == "missing") for d in DRAWS[:120:9]] == list(DRAWS[:120:9])
     assert Counter(d.category for d in DRAWS) == dict(zip(CATEGORIES, (HALF, HALF, 32, 16), strict=True))
     assert set(Counter((d.row, d.category) for d in DRAWS).values()) == {7, 8}
     # of the day they were committed: whoever changes how scenarios are drawn makes another bench
@@ -50,8 +50,15 @@ def test_draws_are_fixed_and_evenly_spread():
     assert keys.startswith("7e5e27b0576b8740")
 
 
+def test_a_further_series_is_drawn_anew():
+    other = all_draws(series=1)
+    assert not {d.key for d in DRAWS} & {d.key for d in other}
+    assert [(d.row, d.category) for d in other] == [(d.row, d.category) for d in DRAWS]
+    assert not {d.noise for d in DRAWS[:120]} & {d.noise for d in other[:120]}
+
+
 def test_draws_are_within_what_is_stated():
-    for d in DRAWS:
+    for d in (*DRAWS, *all_draws(series=1)):
         row = ALL[d.row]
         assert 0.999 * row.noise[0] <= d.noise <= 1.001 * row.noise[1]
         assert all(2**-0.5 <= value / row.nominal[name] <= 2**0.5 for name, value in d.parameters.items())
@@ -67,7 +74,7 @@ def test_with_nothing_hidden_the_declared_model_fits_down_to_the_noise(row):
 
 def test_a_trace_also_starts_from_the_guesses():
     """Three sines hide the mass from the regression, and a descent from there ends far above the noise."""
-    draw = replace(_draw(1004, "hysteresis"), kind="sines", amounts={})
+    draw = replace(_draw(1004, "hysteresis", hides=False), kind="sines")
     case, seen = declared(draw), records_of(draw)
     split, model = split_of(case, seen), case.model()
     strayed = refit(model, split, [regressed(model, split)], factors=CONTINUATION)
