@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from itertools import accumulate
 
 import numpy as np
@@ -90,24 +91,16 @@ class FieldDamper(FrictionDamper):
 
 def record(draw: Draw, run: str, noise: float, amounts: Mapping[str, float]) -> Record:
     """The run of the damper of ``draw`` with ``amounts`` of what is hidden (none: nothing)."""
-    generator = np.random.default_rng([draw.seed, 10 + RUNS.index(run)])
-    time = DT * np.arange(SAMPLES)
-    velocity = _velocity(draw, generator, time)
-    current = np.clip(0.5 + sines(generator, 3, (0.1, 0.6), 0.3)(time), 0.0, 1.0)
-    fine = np.linspace(0.0, time[-1], (SAMPLES - 1) * PIECES + 1)
-    v = np.interp(fine, time, velocity)
-    q = cumulative_trapezoid(v, fine, initial=0.0)
-    level = np.append(np.repeat(current[:-1], PIECES), current[-1])
-    own = draw.parameters["f_v"] * v + draw.parameters.get("f_c", 0.0) * np.sign(v)
-    own += draw.parameters["k"] * q
-    force = _through_cell(own + _hidden(draw.row, amounts, rms(own), q, v, level))[::PIECES]
-    inputs = {"displacement": (q[::PIECES], "m", "foh"), "velocity": (velocity, "m/s", "foh")}
+    way = _Way.of(draw, run)
+    hidden = _Hidden.of(draw.row, amounts, _Way.of(draw, RUNS[0])) if amounts else None
+    force = _through_cell(way.own + (hidden.effort(draw.row, way) if hidden else 0.0))[::PIECES]
+    inputs = {"displacement": (way.q[::PIECES], "m", "foh"), "velocity": (way.v[::PIECES], "m/s", "foh")}
     if draw.machine == "field_damper":
-        inputs["current"] = (current, "A", "zoh")
+        inputs["current"] = (way.level[::PIECES], "A", "zoh")
     noisy = np.random.default_rng([draw.seed, RUNS.index(run)]).standard_normal(SAMPLES)
     return Record(
         name=run,
-        time=time,
+        time=DT * np.arange(SAMPLES),
         inputs=np.column_stack([signal for signal, _, _ in inputs.values()]),
         outputs=(force + noise * noisy)[:, None],
         input_channels=tuple(Channel(name, unit, hold) for name, (_, unit, hold) in inputs.items()),
@@ -115,6 +108,29 @@ def record(draw: Draw, run: str, noise: float, amounts: Mapping[str, float]) -> 
         simulated=True,
         source=f"rebuilt rows, {draw.machine}, {run} run, seed {draw.seed} (simulated)",
     )
+
+
+@dataclass(frozen=True)
+class _Way:
+    """Position, velocity, current and the damper's own force over the pieces of a run, (m,)."""
+
+    q: Array
+    v: Array
+    level: Array
+    own: Array
+
+    @classmethod
+    def of(cls, draw: Draw, run: str) -> _Way:
+        generator = np.random.default_rng([draw.seed, 10 + RUNS.index(run)])
+        time = DT * np.arange(SAMPLES)
+        velocity = _velocity(draw, generator, time)
+        current = np.clip(0.5 + sines(generator, 3, (0.1, 0.6), 0.3)(time), 0.0, 1.0)
+        fine = np.linspace(0.0, time[-1], (SAMPLES - 1) * PIECES + 1)
+        v = np.interp(fine, time, velocity)
+        q = cumulative_trapezoid(v, fine, initial=0.0)
+        level = np.append(np.repeat(current[:-1], PIECES), current[-1])
+        p = draw.parameters
+        return cls(q, v, level, p["f_v"] * v + p.get("f_c", 0.0) * np.sign(v) + p["k"] * q)
 
 
 def _velocity(draw: Draw, generator: np.random.Generator, time: Array) -> Array:
@@ -125,20 +141,34 @@ def _velocity(draw: Draw, generator: np.random.Generator, time: Array) -> Array:
     return np.where(time // TURN % 2 == 0, slow, fast)
 
 
-def _hidden(row: str, amounts: Mapping[str, float], own: float, q: Array, v: Array, level: Array) -> Array:
-    """Effort (m,) of the hidden law along the path; ``own`` is the RMS of the damper's own force."""
-    if not amounts:
-        return np.zeros_like(q)
-    f_c = amounts["share"] * own
-    if row == "scaled_friction":
-        return f_c * level * np.sign(v)
-    if row == "friction_behind_gap":
-        gap, s = amounts["gap"] * q.std(), amounts["s"] * q.std()
-        x = _followed(q, lambda x, dq: min(max(x + dq, -gap - s), gap + s))
-        return f_c * np.sign(x) * np.maximum(np.abs(x) - gap, 0.0) / s
-    s = float(np.abs(v).max()) * DT / amounts["stiffness"]
-    law = _dahl if amounts["form"] < 1 else _bouc_wen
-    return f_c * _followed(q, lambda z, dq: law(z, dq / s))
+@dataclass(frozen=True)
+class _Hidden:
+    """What a damper hides, the same in every run: the amounts are relative to the run that is fitted."""
+
+    f_c: float
+    gap: float
+    s: float
+    dahl: bool
+
+    @classmethod
+    def of(cls, row: str, amounts: Mapping[str, float], fitted: _Way) -> _Hidden:
+        f_c = amounts["share"] * rms(fitted.own)
+        if row == "stiff":
+            s = float(np.abs(fitted.v).max()) * DT / amounts["stiffness"]
+            return cls(f_c, 0.0, s, amounts["form"] < 1)
+        deviation = float(fitted.q.std())
+        return cls(f_c, amounts.get("gap", 0.0) * deviation, amounts.get("s", 0.0) * deviation, dahl=False)
+
+    def effort(self, row: str, way: _Way) -> Array:
+        """Effort (m,) along ``way``."""
+        if row == "scaled_friction":
+            return self.f_c * way.level * np.sign(way.v)
+        if row == "friction_behind_gap":
+            reach = self.gap + self.s
+            x = _followed(way.q, lambda x, dq: min(max(x + dq, -reach), reach))
+            return self.f_c * np.sign(x) * np.maximum(np.abs(x) - self.gap, 0.0) / self.s
+        law = _dahl if self.dahl else _bouc_wen
+        return self.f_c * _followed(way.q, lambda z, dq: law(z, dq / self.s))
 
 
 def _followed(q: Array, step: Callable[[float, float], float]) -> Array:

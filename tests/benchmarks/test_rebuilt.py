@@ -152,10 +152,25 @@ def test_pre_sliding_in_closed_form_solves_its_equation(step, sigma, n):
         assert z == pytest.approx(found.y[0, -1], abs=1e-7)
 
 
+@pytest.mark.parametrize("row", ["friction_behind_gap", "scaled_friction"])
+def test_a_damper_hides_the_same_in_both_runs(row):
+    """The true law, fitted to one run, leaves little more than the noise of the other."""
+    draw = first_of(row)
+    case, split = declared(draw), split_of(declared(draw), records(row))
+    (name,) = truths_of(row, draw.amounts)
+    model = case.model().plus(effect_named(name.split(".")[1]), "damper")
+    hidden = dampers._Hidden.of(row, draw.amounts, dampers._Way.of(draw, dampers.RUNS[0]))
+    level = {f"{name}.f_u": hidden.f_c} if row == "scaled_friction" else {f"{name}.f_c": hidden.f_c}
+    told = {**case.truth, **level, f"{name}.g": hidden.gap, f"{name}.s": hidden.s}
+    start = {q.name: told[q.name] for q in model.parameters if q.name in told}
+    assert (refit(model, split, [start]).score.rmse < 1.5 * draw.noise).all()
+
+
 def test_friction_behind_a_gap_acts_only_beyond_it():
     q = np.concatenate([np.linspace(0.0, 2.0, 201), np.linspace(2.0, -2.0, 401)])
+    way = dampers._Way(q, np.gradient(q), level=q, own=np.full_like(q, 20.0))
     amounts = {"share": 0.5, "gap": 0.4 / q.std(), "s": 0.1 / q.std()}
-    force = dampers._hidden("friction_behind_gap", amounts, 20.0, q, np.gradient(q), q)
+    force = dampers._Hidden.of("friction_behind_gap", amounts, way).effort("friction_behind_gap", way)
     assert np.all(force[q[:201].searchsorted(0.39) :: -1] == 0.0)
     assert force[200] == pytest.approx(10.0)
     back = force[201:]
