@@ -21,6 +21,8 @@ class Rules:
     ``refuted``: how many times the error a change of the numerics may leave; above, the records refute it.
     ``near_floor``: how close to the noise floor, as a factor, the search ends.
     ``far``: how many times what noise and simulation alone leave is too much for ``nothing_missing``.
+    ``majority``: the least share of the squared error that effects must take to be named where more than
+    ``far`` is left.
     ``stands_in``: the largest share of what an effect and a learned effort beside it take from the squared
     error that may be the learned effort's; above it, the trace tests whether the effect only stands in for
     something else.
@@ -45,6 +47,7 @@ class Rules:
     kept: float = 0.5
     refuted: float = 1.5
     near_floor: float = 1.05
+    majority: float = 0.5
     far: float = setting(
         3.0,
         "nothing is called missing up to this many times the error that noise and simulation alone leave",

@@ -19,6 +19,10 @@ other numerics. (Where friction sticks, smoothing it leaves an error over veloci
 Several effects together may hide so much that little is left to find beside them. So one learned effort is
 also put in place of them all. If it alone takes more from the squared error, by a share above
 ``Rules.stands_in``, they are withdrawn.
+
+Last, every test above asks whether an effect explains more than noise would. Where the error that is left is
+far above the noise, most of it comes from something unknown, and every flexible law resembles a part of that.
+There the accepted effects are names only if, together, they take most of the squared error.
 """
 
 from __future__ import annotations
@@ -118,6 +122,23 @@ def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Se
                 f"of the squared error, all effects accepted take {1 - named / declared:.1%}",
             )
     return found
+
+
+def unless_minor(found: Search, times: float, rules: Rules) -> Search:
+    """``found`` without its effects if they take less than most of the squared error and leave far more than
+    noise and simulation do: the error left is ``times`` theirs."""
+    if not found.accepted or times <= rules.far:
+        return found
+    taken = 1 - found.final.score.loss**2 / found.first.score.loss**2
+    if taken >= rules.majority:
+        return found
+    names = listed([one.name for one in found.accepted])
+    return _ended_at(
+        found,
+        0,
+        f"with {names} the squared error falls by {taken:.0%}, to {times:.1f} times the error that noise and "
+        "simulation alone leave: most of what is missing is something else",
+    )
 
 
 def _needed(found: Search, one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool:

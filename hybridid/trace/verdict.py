@@ -24,7 +24,7 @@ from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, recheck, search
 from hybridid.trace.split import Split
-from hybridid.trace.stand_in import unless_outdone, without_mixed_classes, without_stand_ins
+from hybridid.trace.stand_in import unless_minor, unless_outdone, without_mixed_classes, without_stand_ins
 
 MOST_TOLD = 3
 """Places where structure remains, the strongest, that are looked at and named."""
@@ -87,10 +87,15 @@ def conclude(
     found = search(model, context, starts, floor, Numerics(integrator=integrator))
     found = without_mixed_classes(recheck(found, split, rules))
     found, left, before = _trusted(found, context)
-    told = _telling(left, rules)[:MOST_TOLD]
-    remains = tuple(f"at {told[k].place}" for k in surviving([c.refit for c in told], found.final, context))
     simulation = simulation_error(found.final, context)
     times = times_the_limit(found.final.score.rmse, noise, simulation)
+    kept = unless_minor(found, times, rules)
+    if kept is not found:
+        found, left = kept, before or ceilings(kept.final, context)
+        simulation = simulation_error(found.final, context)
+        times = times_the_limit(found.final.score.rmse, noise, simulation)
+    told = _telling(left, rules)[:MOST_TOLD]
+    remains = tuple(f"at {told[k].place}" for k in surviving([c.refit for c in told], found.final, context))
     refused = _refused(found, left, times, rules)
     names = [s.name for s in model.outputs]
     return Conclusion(

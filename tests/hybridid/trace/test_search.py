@@ -228,6 +228,22 @@ def test_effects_that_one_learned_effort_outdoes_are_withdrawn(worn, share, trus
         assert "all effects accepted take 50.0%" in found.stopped
 
 
+@pytest.mark.parametrize(
+    ("left", "times", "trusted"), [(0.4, 9.0, True), (0.6, 2.9, True), (0.6, 3.1, False)]
+)
+def test_effects_that_take_less_than_half_of_an_error_far_above_the_noise_are_no_names(
+    worn, left, times, trusted
+):
+    """As if the accepted effect left this share of the squared error."""
+    base = worn.search.steps[0].base
+    final = replace(worn.search.final, score=scaled(base.score, left))
+    found = stand_in.unless_minor(replace(worn.search, final=final), times, Rules())
+    assert [a.name for a in found.accepted] == (["carriage.asymmetric_viscous"] if trusted else [])
+    if not trusted:
+        assert found.final is base
+        assert "the squared error falls by 40%, to 3.1 times the error" in found.withdrawn
+
+
 def scaled(score, factor):
     """Every horizon's squares times ``factor``."""
     return replace(score, squares=score.squares * factor)
