@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 PortKind = Literal["effort", "input", "output"]
-Need = Literal["load", "both_sides", "level"]
+Need = Literal["load", "drive", "both_sides", "level"]
 """What an effect may need to see beside the motion of its port: see ``Port.knows``."""
 
 
@@ -124,9 +124,10 @@ class Port:
 
     @property
     def knows(self) -> frozenset[Need]:
-        """``load``: the drive or the load is declared; ``both_sides``: both are; ``level``: that is."""
+        """What of the drive, the load and the level is declared; ``load``: one of the first two."""
         known: dict[Need, bool] = {
             "load": bool(self.drive or self.load),
+            "drive": bool(self.drive),
             "both_sides": bool(self.drive and self.load),
             "level": bool(self.level),
         }

@@ -53,6 +53,7 @@ def effects(name: str, words: Sequence[str]) -> int:
 
 _NEEDS = {
     "load": "the effort that the port carries (its drive or its load)",
+    "drive": "the effort of the drive at the port",
     "both_sides": "the efforts of the drive and of the load at the port",
     "level": "what sets the level of the port's friction, such as a field or a pressure",
 }

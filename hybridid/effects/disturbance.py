@@ -40,7 +40,13 @@ COGGING = Effect(
         "periodic in position, whatever the speed, and the same in both directions; position-dependent "
         "friction flips, a periodic disturbance keeps time"
     ),
-    look_alikes=("periodic_disturbance", "position_friction", "gravity", "linear_stiffness"),
+    look_alikes=(
+        "periodic_disturbance",
+        "position_friction",
+        "gravity",
+        "linear_stiffness",
+        "detent",
+    ),
     separating_experiment=(
         "constant-velocity runs at two speeds in both directions over many pitches: the ripple stays "
         "where it is in position and its frequency doubles with the speed"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from hybridid.effects.dimension import EFFORT, POSITION, STIFFNESS, TIME, Dimension
-from hybridid.effects.effect import Effect, EffectParameter, EffectState
+from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
 from hybridid.effects.smooth import saturated
 
 CUBIC = Dimension(effort=1, position=-3)
@@ -22,7 +22,15 @@ LINEAR_STIFFNESS = Effect(
         "proportional to position, the same on the way out and back; a spring about another centre is "
         "this and an offset"
     ),
-    look_alikes=("offset", "cubic_stiffness", "maxwell", "position_friction", "gravity", "free_play"),
+    look_alikes=(
+        "offset",
+        "cubic_stiffness",
+        "maxwell",
+        "position_friction",
+        "gravity",
+        "free_play",
+        "detent",
+    ),
     separating_experiment=(
         "slow runs over the whole stroke in both directions, and long holds at its ends: the mean of the "
         "two directions is a straight line that does not relax"
@@ -48,7 +56,14 @@ CUBIC_STIFFNESS = Effect(
         "a resonance that moves with amplitude, and third harmonics; the spring is straight at small "
         "amplitudes"
     ),
-    look_alikes=("linear_stiffness", "free_play", "end_stop", "bouc_wen", "gravity"),
+    look_alikes=(
+        "linear_stiffness",
+        "free_play",
+        "end_stop",
+        "bouc_wen",
+        "gravity",
+        "detent",
+    ),
     separating_experiment=(
         "slow sweeps through resonance, or slow strokes, at amplitudes from a tenth to the largest "
         "allowed: the shift of the resonance grows with the square of the amplitude and the loop encloses"
@@ -140,4 +155,43 @@ GRAVITY = Effect(
         " tilted: gravity follows the tilt"
     ),
     position_units=("rad",),
+)
+
+
+def _catch(at: Local) -> ca.SX:
+    x = (at.position - at.p.q_0) / at.p.w
+    return at.p.F_d * x * ca.exp(0.5 * (1 - x**2))
+
+
+DETENT = Effect(
+    id="detent",
+    kind="effort",
+    title="detent",
+    equation="F = F_d x exp((1 - x²)/2),  x = (q - q_0)/w: largest, F_d, at q_0 ± w",
+    law=_catch,
+    parameters=(
+        EffectParameter(
+            "F_d", EFFORT, "effort to leave the catch; negative: a hump in the way", guess=0.1, nests=True
+        ),
+        EffectParameter(
+            "q_0", POSITION, "place of the catch", guess=0.0, lower=-5.0, upper=5.0, sought="place"
+        ),
+        EffectParameter(
+            "w", POSITION, "from the place to where it holds most", guess=0.1, lower=0.01, upper=0.5
+        ),
+    ),
+    source=(
+        "a sprung ball in a notch: Maplesoft, MapleSim, component Translational Detent; detents measured: "
+        "Swindells, MacLean (2006), University of British Columbia TR-2006-14. The form here is the slope of "
+        "a Gaussian well, which is smooth"
+    ),
+    pattern=(
+        "a spring about one place only: the machine is held there, drawn in from both sides, and left alone "
+        "farther away; the same in both directions"
+    ),
+    look_alikes=("cogging", "cubic_stiffness", "linear_stiffness", "position_friction"),
+    separating_experiment=(
+        "slow constant-velocity runs over the whole stroke in both directions: the mean of the two shows one "
+        "wave at one place, where cogging shows many"
+    ),
 )

@@ -40,7 +40,7 @@ VISCOUS = Effect(
     ),
     source="thesis Eqs. 5-5 and 6-2",
     pattern="proportional to the velocity, odd; quadratic drag bends upwards",
-    look_alikes=("quadratic_drag", "coulomb", "maxwell", "eddy_brake"),
+    look_alikes=("quadratic_drag", "coulomb", "maxwell", "eddy_brake", "back_emf_limit"),
     separating_experiment=(
         "constant-velocity runs at five speeds over a decade, in both directions: effort over speed is a "
         "straight line through the origin"
@@ -138,7 +138,7 @@ QUADRATIC_DRAG = Effect(
     ),
     source="Batchelor (1967), An Introduction to Fluid Dynamics, sec. 5.11",
     pattern="odd in velocity and growing with its square",
-    look_alikes=("viscous", "coulomb", "eddy_brake"),
+    look_alikes=("viscous", "coulomb", "eddy_brake", "back_emf_limit"),
     separating_experiment=(
         "constant-velocity runs up to the highest speed allowed: effort over speed squared is a straight "
         "line there, where viscous friction is left behind"

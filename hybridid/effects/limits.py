@@ -1,23 +1,39 @@
-"""Saturation and dead zone of a drive."""
+"""Saturation, dead zone and speed-dependent limit of a drive."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 
-from hybridid.effects.dimension import EFFORT, ONE, Dimension
+from hybridid.effects.dimension import EFFORT, ONE, VELOCITY, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
-from hybridid.effects.smooth import saturated
+from hybridid.effects.smooth import ramp, saturated
 
 INVERSE = Dimension(effort=-1)
 TINY = 1e-9
 """Keeps the derivative of ``|u|^n`` finite at u = 0 for every n."""
 
 
-def _clipped(at: Local) -> ca.SX:
+def _clipping(u: ca.SX, inverse_limit: ca.SX, n: ca.SX) -> ca.SX:
     """``u / (1 + |u/limit|^n)^(1/n) - u``, exactly zero for 1/limit = 0."""
-    n = at.p.n
-    load = ((at.p.inverse_limit * at.signal) ** 2 + TINY) ** (n / 2) - TINY ** (n / 2)
-    return at.signal * ((1 + load) ** (-1 / n) - 1)
+    load = ((inverse_limit * u) ** 2 + TINY) ** (n / 2) - TINY ** (n / 2)
+    return u * ((1 + load) ** (-1 / n) - 1)
+
+
+LIMIT = EffectParameter(
+    "inverse_limit",
+    INVERSE,
+    "1 over the largest magnitude that passes",
+    guess=0.3,
+    lower=0.0,
+    upper=100.0,
+    starts=(0.1, 1.0),
+    nests=True,
+)
+SHARPNESS = EffectParameter(
+    "n", ONE, "sharpness, fixed: 2 bends early, 12 clips", guess=4.0, lower=1.0, fixed=True
+)
 
 
 INPUT_SATURATION = Effect(
@@ -25,27 +41,8 @@ INPUT_SATURATION = Effect(
     kind="input",
     title="drive that saturates",
     equation="u → u / (1 + |u/limit|^n)^(1/n)",
-    law=_clipped,
-    parameters=(
-        EffectParameter(
-            "inverse_limit",
-            INVERSE,
-            "1 over the largest magnitude that passes",
-            guess=0.3,
-            lower=0.0,
-            upper=100.0,
-            starts=(0.1, 1.0),
-            nests=True,
-        ),
-        EffectParameter(
-            "n",
-            ONE,
-            "sharpness, fixed: 2 bends early, 12 clips",
-            guess=4.0,
-            lower=1.0,
-            fixed=True,
-        ),
-    ),
+    law=lambda at: _clipping(at.signal, at.p.inverse_limit, at.p.n),
+    parameters=(LIMIT, SHARPNESS),
     source=(
         "Tao, Kokotović (1996), Adaptive Control of Systems with Actuator and Sensor Nonlinearities, "
         "Wiley, ch. 1"
@@ -58,12 +55,52 @@ INPUT_SATURATION = Effect(
         "input_dead_zone",
         "end_stop",
         "two_sided_load_friction",
+        "back_emf_limit",
     ),
     separating_experiment=(
         "the same motion with twice the mass or twice the acceleration: saturation goes with the input's "
         "size, drag with the speed. Against load friction, brake hard: a saturation weakens the braking, "
         "load friction adds to it"
     ),
+)
+
+NEAR_NO_LOAD = 0.02
+"""Rounding of the share of the limit that the speed leaves: it stays positive beyond the no-load speed."""
+
+
+def _lacking(at: Local) -> ca.SX:
+    ahead = at.velocity * ca.tanh(at.drive / at.load_width)  # positive while the drive drives
+    left = ramp(1 - ahead / at.p.v_0, NEAR_NO_LOAD)
+    return -_clipping(at.drive, at.p.inverse_limit / left, at.p.n)
+
+
+BACK_EMF_LIMIT = Effect(
+    id="back_emf_limit",
+    kind="effort",
+    title="drive whose limit falls with the speed",
+    equation="F = drive - drive/(1 + |drive/limit|^n)^(1/n),  limit = F_0 (1 - v sign(drive)/v_0)",
+    law=_lacking,
+    parameters=(
+        replace(LIMIT, meaning="1/F_0: 1 over the largest effort at standstill", starts=(1.0,)),
+        EffectParameter(
+            "v_0", VELOCITY, "no-load speed, at which nothing is left", guess=2.0, lower=0.2, upper=50.0
+        ),
+        SHARPNESS,
+    ),
+    source=(
+        "torque of a motor at full voltage, k_t (V - k_t ω)/R: Duclusaud, Passault, Padois, Ly (2025), IEEE "
+        "ICRA, arXiv:2410.08650; as a limit of a drive: NVIDIA PhysX 5.6 (2025), PxPerformanceEnvelope"
+    ),
+    pattern=(
+        "while it drives, the drive gives less than is asked for where both the effort and the speed are "
+        "large; while it brakes it gives more. A saturation is the same at every speed"
+    ),
+    look_alikes=("input_saturation", "quadratic_drag", "load_friction", "viscous"),
+    separating_experiment=(
+        "full command from standstill up to the highest speed, and full braking from there, at two supply "
+        "voltages: the limit falls with the speed on a straight line that the voltage shifts"
+    ),
+    needs=("drive",),
 )
 
 INPUT_DEAD_ZONE = Effect(

@@ -40,7 +40,7 @@ LOAD_FRICTION = Effect(
         "at cruise. While the drive accelerates, the input seems too weak by the share μ; while it "
         "brakes, too strong"
     ),
-    look_alikes=("input_saturation", "input_gain", "coulomb", "quadratic_drag"),
+    look_alikes=("input_saturation", "input_gain", "coulomb", "quadratic_drag", "back_emf_limit"),
     separating_experiment=(
         "the same slow constant-velocity runs with a weight or a spring that the drive must hold, in several"
         " sizes: half the difference between the directions grows with the weight. A saturation or a gain "

@@ -28,7 +28,7 @@ POSITION_FRICTION = Effect(
         "flips with the direction of motion, as friction does, and its level follows the position; a "
         "spring or cogging does not flip. The level at q = 0 is Coulomb friction's"
     ),
-    look_alikes=("linear_stiffness", "cogging", "friction_drift", "coulomb", "position_damping"),
+    look_alikes=("linear_stiffness", "cogging", "friction_drift", "coulomb", "position_damping", "detent"),
     separating_experiment=(
         "slow constant-velocity runs over the whole stroke, forwards and backwards: half the difference "
         "between the directions is friction over position, half the sum is spring, cogging and gravity"

@@ -211,6 +211,7 @@ def first_port(plant: Plant, effect: Effect) -> Port:
 
 _NEEDS: Mapping[Need, str] = {
     "load": "a port that knows its load",
+    "drive": "a port that knows its drive",
     "both_sides": "a port that knows its drive and its load",
     "level": "a port that knows what sets the level of its friction",
 }

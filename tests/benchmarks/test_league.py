@@ -301,6 +301,8 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "added_inertia",
         "sensor_scale",
         "sensor_offset",
+        "detent",
+        "back_emf_limit",
         # in the drawn league, or there under the names of their laws (heating, blow_off)
         "load_friction",
         "load_stribeck",

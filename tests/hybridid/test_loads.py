@@ -87,7 +87,7 @@ def test_an_effect_that_needs_a_load_is_refused_where_there_is_none():
     assert not any(LOSS.admissible_at(q) for q in (*HalfCar().ports, *Duffing().ports))
     with pytest.raises(ValueError, match=r"needs a port that knows its load; link has no load \(a beam"):
         Model(FlexibleLink()).plus(LOSS, "link")
-    with pytest.raises(ValueError, match=r"knows its drive and its load; carriage knows load only"):
+    with pytest.raises(ValueError, match=r"knows its drive and its load; carriage knows drive, load only"):
         Model(EMPS()).plus(wants_both, "carriage")
     with pytest.raises(ValueError, match=r"half_car has no effort port .* needs a port that knows its load"):
         compose(HalfCar(), [LOSS])

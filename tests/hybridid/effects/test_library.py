@@ -45,6 +45,8 @@ PROMISED = [
     "eddy_brake",
     "position_damping",
     "blow_off_valve",
+    "detent",
+    "back_emf_limit",
     "input_gain",
     "input_delay",
     "input_lag",
@@ -167,8 +169,8 @@ def test_derivatives_are_finite_everywhere(effect, pressed):
             assert np.isfinite(np.asarray(value)).all()
 
 
-BLIND_AT_ZERO = {"input_saturation"}
-"""Its limit at infinity is out of any input's reach: a fit has to start from a limit."""
+BLIND_AT_ZERO = {"input_saturation", "back_emf_limit"}
+"""Their limit at infinity is out of any input's reach: a fit has to start from a limit."""
 
 
 @each_effect
@@ -180,6 +182,8 @@ def test_a_fit_can_leave_zero_amplitude(bench, effect):
     seen |= {"drive": 3.0, "load": -1.0, "level": 0.8}
     if effect.id == "wheel_lift_off":
         seen["position"] = -0.17
+    if effect.id == "detent":
+        seen["position"] = 0.017
     if effect.id == "blow_off_valve":
         seen["velocity"] = -2.0
     slopes = at_port.slopes(z=[0.3] * len(effect.states), p=zero, **seen)[0]
@@ -238,22 +242,24 @@ def test_effects_are_searched_where_they_make_sense():
     tyre = Port("front_tyre", "effort", "N", 5000.0, "m", 0.02, velocity_scale=0.5)
     strut = Port("rear_suspension", "effort", "N", 2000.0, "m", 0.05, velocity_scale=0.5)
     hinge = Port("hinge", "effort", "N·m", 1.0, "rad", 1.0, velocity_scale=1.0)
+    tank = Port("upper", "effort", "V/s", 0.1, "V", 5.0, velocity_scale=0.05)
+    ports = (carriage, force, position, tyre, strut, hinge, tank)
     sensible = {
         "gravity": (hinge,),
         "wheel_lift_off": (tyre,),
         "asymmetric_damper": (strut,),
-        "viscous": (carriage, tyre, strut, hinge),
+        "viscous": (carriage, tyre, strut, hinge, tank),
         "load_friction": (carriage,),
         "two_sided_load_friction": (),
         "input_scaled_friction": (),
         "blow_off_valve": (strut,),
+        "detent": (carriage, tyre, strut, hinge, tank),
+        "back_emf_limit": (carriage,),
         "input_delay": (force,),
         "sensor_lag": (position,),
     }
     for id_, where in sensible.items():
-        found = [
-            p for p in (carriage, force, position, tyre, strut, hinge) if effect_named(id_).admissible_at(p)
-        ]
+        found = [port for port in ports if effect_named(id_).admissible_at(port)]
         assert found == list(where), id_
 
 

@@ -30,6 +30,8 @@ PLANTED = {
     "wheel_lift_off": {"d": 0.01},
     "input_saturation": {"inverse_limit": 1 / 60},
     "blow_off_valve": {"dc": 100.0, "v_b": 0.03},
+    "detent": {"F_d": 5.0, "q_0": 0.01, "w": 0.005},
+    "back_emf_limit": {"inverse_limit": 1 / 60, "v_0": 0.5},
     "two_sided_load_friction": {"mu_d": 0.03, "mu_l": 0.2},
 }
 """What to plant where the guess is nothing or out of this motion's reach, in SI units."""
@@ -76,7 +78,7 @@ def test_a_planted_effect_is_fitted_back(effect, pressed):
         name for name in truth if name.rsplit(".", 1)[1] in {p.name for p in effect.parameters if p.nests}
     }
     # its limit out of reach, a saturation shows no slope
-    share = 0.5 if effect.id == "input_saturation" else 0.0
+    share = 0.5 if "inverse_limit" in {p.name for p in effect.parameters} else 0.0
     start = {name: value * (share if name in amplitudes else 1.0) for name, value in truth.items()}
     before = np.std(position_of(model, start) - record.output("position"))
     assert before > 1e-6, "the effect must change the motion"

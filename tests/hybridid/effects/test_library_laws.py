@@ -57,7 +57,7 @@ ODD_IN_VELOCITY = (
     *LOADED,
 )
 CARRIED = {"drive": 2.0, "load": 3.5, "level": 0.7}
-EVEN_IN_VELOCITY = ("asymmetric_viscous", "asymmetric_coulomb", "asymmetric_damper")
+EVEN_IN_VELOCITY = (*("asymmetric_viscous", "asymmetric_coulomb", "asymmetric_damper"),)
 BLIND_TO_VELOCITY = (
     "offset",
     "cogging",
@@ -69,9 +69,10 @@ BLIND_TO_VELOCITY = (
     "end_stop",
     "wheel_lift_off",
     "added_inertia",
+    "detent",
 )
 ODD_ALTOGETHER = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play")
-OF_THE_SPEED = ("warming_friction",)
+OF_THE_SPEED = ("warming_friction", "back_emf_limit")
 
 
 @pytest.mark.parametrize("name", ODD_IN_VELOCITY + EVEN_IN_VELOCITY + BLIND_TO_VELOCITY)
@@ -148,6 +149,7 @@ CONSERVATIVE = (
     "end_stop",
     "wheel_lift_off",
     "added_inertia",
+    "detent",
 )
 DISSIPATIVE = ("viscous", "coulomb", "stribeck", "quadratic_drag", "eddy_brake", *LOADED)
 DISSIPATIVE_OVER_A_CYCLE = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "friction_behind_play")
@@ -254,6 +256,15 @@ def test_springs_with_gaps_and_stops_are_what_their_equations_say(bench):
     for q in (-0.5, -0.2, 0.0, 0.3):
         carried = 50 * (0.1 + q) + tyre.law(position=q)
         assert carried == pytest.approx(max(50 * (0.1 + q), 0.0), abs=1e-3), "a tyre never pulls"
+
+
+def test_a_detent_holds_most_at_its_width_and_lets_go_beyond(bench):
+    catch = bench("detent", F_d=5.0, q_0=0.2, w=0.01)
+    assert catch.law(position=0.2) == 0.0
+    assert catch.law(position=0.21) == pytest.approx(5.0)
+    assert catch.law(position=0.19) == pytest.approx(-5.0)
+    assert max(abs(catch.law(position=q)) for q in np.linspace(0, 0.4, 4001)) == pytest.approx(5.0)
+    assert abs(catch.law(position=0.26)) < 1e-5
 
 
 def test_stribeck_friction_falls_with_speed(bench):

@@ -118,3 +118,26 @@ def test_gains_scale_and_offsets_add(bench):
     assert bench("input_gain", g=0.1).law(signal=3.0) == pytest.approx(0.3)
     assert bench("sensor_scale", e=-0.02).law(signal=3.0) == pytest.approx(-0.06)
     assert bench("sensor_offset", b=0.7).law(signal=3.0) == 0.7
+
+
+@pytest.mark.parametrize(("v", "share"), [(0.0, 1.0), (0.3, 0.7), (0.9, 0.1), (-0.5, 1.5)])
+def test_a_back_emf_takes_the_limit_with_the_speed(bench, v, share):
+    """At v of a no-load speed of 1 m/s a drive of 8 N gives its share at most, both ways."""
+    effect = bench("back_emf_limit", inverse_limit=1 / 8.0, v_0=1.0)
+    gives = lambda drive, v: drive - effect.law(drive=drive, velocity=v)  # noqa: E731
+    assert gives(80.0, v) == pytest.approx(8.0 * share, rel=0.015)
+    assert gives(-80.0, -v) == pytest.approx(-gives(80.0, v))
+    assert gives(0.2 * share, v) == pytest.approx(0.2 * share, rel=1e-4)
+
+
+def test_beyond_its_no_load_speed_a_drive_gives_nearly_nothing(bench):
+    effect = bench("back_emf_limit", inverse_limit=1 / 8.0, v_0=1.0)
+    given = [80.0 - effect.law(drive=80.0, velocity=v) for v in (0.9, 1.0, 1.5, 5.0)]
+    assert np.all(np.diff(given) < 0)
+    assert 0 < given[-1] < given[1] < 0.03 * 8.0
+
+
+def test_at_rest_a_back_emf_limit_is_a_saturation(bench):
+    limit, saturation = bench("back_emf_limit"), bench("input_saturation")
+    for u in (-40.0, 3.0, 25.0):
+        assert limit.law(drive=u) == pytest.approx(-saturation.law(signal=u), rel=0.02)
