@@ -62,7 +62,7 @@ POSITION_DAMPING = Effect(
         "flips with the direction and grows with the speed, on one side of the stroke more than on the "
         "other; position-dependent friction is the same at every speed"
     ),
-    look_alikes=("position_friction", "viscous", "quadratic_drag", "friction_drift"),
+    look_alikes=("position_friction", "viscous", "quadratic_drag", "friction_drift", "varying_inertia"),
     separating_experiment=(
         "constant-velocity runs over the whole stroke at three speeds in both directions: half the "
         "difference of the directions, over the speed, is one straight line over position"

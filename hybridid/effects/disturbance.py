@@ -45,6 +45,7 @@ COGGING = Effect(
         "position_friction",
         "gravity",
         "linear_stiffness",
+        "cyclic_inertia",
         "detent",
     ),
     separating_experiment=(

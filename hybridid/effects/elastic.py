@@ -149,7 +149,7 @@ GRAVITY = Effect(
         "a sine of the angle with period 2π, the same in both directions and at rest; on a sliding axis "
         "gravity is an offset"
     ),
-    look_alikes=("offset", "linear_stiffness", "cogging", "cubic_stiffness"),
+    look_alikes=("offset", "linear_stiffness", "cogging", "cubic_stiffness", "cyclic_inertia"),
     separating_experiment=(
         "slow turns through more than half a revolution in both directions, or the same run with the axis"
         " tilted: gravity follows the tilt"

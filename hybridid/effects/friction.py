@@ -99,7 +99,7 @@ ASYMMETRIC_VISCOUS = Effect(
     ),
     source="Janot, Gautier, Brunot (2019), Eq. (12); Janot, Gautier, Young (2017), Int. J. Control 90(4)",
     pattern="even in velocity and linear in speed; quadratic drag is odd, offset does not grow with speed",
-    look_alikes=("asymmetric_coulomb", "offset", "asymmetric_damper"),
+    look_alikes=("asymmetric_coulomb", "offset", "asymmetric_damper", "varying_inertia"),
     separating_experiment=(
         "constant-velocity runs at several speeds in both directions over one stretch: the difference "
         "between the directions grows in proportion to the speed"

@@ -28,7 +28,7 @@ ADDED_INERTIA = Effect(
         "proportional to the acceleration; where the plant's own inertia at the port is free they are "
         "one, so it speaks only where that is known"
     ),
-    look_alikes=("flexible_mode", "input_gain", "linear_stiffness"),
+    look_alikes=("flexible_mode", "input_gain", "linear_stiffness", "varying_inertia", "cyclic_inertia"),
     separating_experiment=(
         "the same run with a known mass attached, and accelerations over a decade of frequency: a rigid "
         "inertia shows no resonance"

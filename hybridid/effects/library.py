@@ -20,6 +20,7 @@ from hybridid.effects import (
     play_friction,
     presliding,
     varying_friction,
+    varying_inertia,
 )
 from hybridid.effects.channel_friction import friction_over
 from hybridid.effects.effect import Effect
@@ -59,6 +60,8 @@ EFFECTS: tuple[Effect, ...] = (
     contact.END_STOP,
     contact.WHEEL_LIFT_OFF,
     inertia.ADDED_INERTIA,
+    varying_inertia.VARYING_INERTIA,
+    varying_inertia.CYCLIC_INERTIA,
     inertia.FLEXIBLE_MODE,
     inertia.BACKLASH,
     limits.BACK_EMF_LIMIT,

@@ -301,6 +301,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "added_inertia",
         "sensor_scale",
         "sensor_offset",
+        "cyclic_inertia",
         "detent",
         "back_emf_limit",
         # in the drawn league, or there under the names of their laws (heating, blow_off)
@@ -311,6 +312,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "friction_behind_play",
         "warming_friction",
         "blow_off_valve",
+        "varying_inertia",
     }
     assert Hidden("dahl", "carriage", {"amplitude": 5.0, "stiffness": 2500.0}).truth["s"] == pytest.approx(
         2e-3

@@ -57,7 +57,10 @@ ODD_IN_VELOCITY = (
     *LOADED,
 )
 CARRIED = {"drive": 2.0, "load": 3.5, "level": 0.7}
-EVEN_IN_VELOCITY = (*("asymmetric_viscous", "asymmetric_coulomb", "asymmetric_damper"),)
+EVEN_IN_VELOCITY = (
+    *("asymmetric_viscous", "asymmetric_coulomb", "asymmetric_damper"),
+    *("varying_inertia", "cyclic_inertia"),
+)
 BLIND_TO_VELOCITY = (
     "offset",
     "cogging",
@@ -149,6 +152,8 @@ CONSERVATIVE = (
     "end_stop",
     "wheel_lift_off",
     "added_inertia",
+    "varying_inertia",
+    "cyclic_inertia",
     "detent",
 )
 DISSIPATIVE = ("viscous", "coulomb", "stribeck", "quadratic_drag", "eddy_brake", *LOADED)
