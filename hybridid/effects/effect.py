@@ -191,8 +191,9 @@ class Effect:
     ``look_alikes`` are ids of effects that a record may not distinguish from this one. ``pattern``
     says how they differ, ``separating_experiment`` which recording would tell them apart.
 
-    ``position_units`` and ``ports`` (patterns of port names) say where the effect makes physical
-    sense; empty means anywhere. A search respects them. A user may name any port of the same kind.
+    ``position_units``, ``effort_units`` and ``ports`` (patterns of units, as ``*/s`` for a flow, and of port
+    names) say where the effect makes physical sense; empty means anywhere. A search respects them. A user may
+    name any port of the same kind.
     ``needs`` is what the law uses beside the motion; a port must have it (``Port.knows``). ``channels`` names
     the inputs or auxiliary channels that the law sees; the model must have them.
 
@@ -216,6 +217,7 @@ class Effect:
     look_alikes: tuple[str, ...] = ()
     separating_experiment: str = ""
     position_units: tuple[str, ...] = ()
+    effort_units: tuple[str, ...] = ()
     ports: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
     channels: tuple[str, ...] = ()
@@ -231,12 +233,13 @@ class Effect:
                 raise ValueError(f"effect {self.id}: two of its parameters and states are called {name}")
 
     def admissible_at(self, port: Port) -> bool:
-        """Whether the effect makes sense at ``port``: its kind, unit of position and name, what it knows."""
-        if not self.possible_at(port) or (
-            self.position_units and port.position_unit not in self.position_units
-        ):
-            return False
-        return not self.ports or any(fnmatchcase(port.name.lower(), pattern) for pattern in self.ports)
+        """Whether the effect makes sense at ``port``: its kind, units and name, and what it knows."""
+        return (
+            self.possible_at(port)
+            and _fits(port.position_unit, self.position_units)
+            and _fits(port.effort_unit, self.effort_units)
+            and _fits(port.name.lower(), self.ports)
+        )
 
     def possible_at(self, port: Port) -> bool:
         """Whether ``port`` is of the effect's kind and has all that it needs."""
@@ -244,3 +247,7 @@ class Effect:
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         return reduced(self) or super().__reduce_ex__(protocol)
+
+
+def _fits(word: str, patterns: tuple[str, ...]) -> bool:
+    return not patterns or any(fnmatchcase(word, pattern) for pattern in patterns)

@@ -29,6 +29,7 @@ LINEAR_STIFFNESS = Effect(
         "position_friction",
         "gravity",
         "free_play",
+        "orifice_leak",
         "detent",
     ),
     separating_experiment=(
@@ -62,6 +63,7 @@ CUBIC_STIFFNESS = Effect(
         "end_stop",
         "bouc_wen",
         "gravity",
+        "overflow",
         "detent",
     ),
     separating_experiment=(

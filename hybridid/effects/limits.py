@@ -54,6 +54,7 @@ INPUT_SATURATION = Effect(
         "quadratic_drag",
         "input_dead_zone",
         "end_stop",
+        "overflow",
         "two_sided_load_friction",
         "back_emf_limit",
     ),

@@ -31,6 +31,7 @@ PLANTED = {
     "input_saturation": {"inverse_limit": 1 / 60},
     "blow_off_valve": {"dc": 100.0, "v_b": 0.03},
     "varying_inertia": {"m_1": 150.0, "m_2": 3000.0},
+    "overflow": {"k": 3000.0, "limit": 0.005},
     "detent": {"F_d": 5.0, "q_0": 0.01, "w": 0.005},
     "back_emf_limit": {"inverse_limit": 1 / 60, "v_0": 0.5},
     "two_sided_load_friction": {"mu_d": 0.03, "mu_l": 0.2},

@@ -72,6 +72,8 @@ BLIND_TO_VELOCITY = (
     "end_stop",
     "wheel_lift_off",
     "added_inertia",
+    "overflow",
+    "orifice_leak",
     "detent",
 )
 ODD_ALTOGETHER = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play")
