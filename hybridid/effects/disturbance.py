@@ -47,6 +47,7 @@ COGGING = Effect(
         "linear_stiffness",
         "cyclic_inertia",
         "detent",
+        "sensor_periodic_error",
     ),
     separating_experiment=(
         "constant-velocity runs at two speeds in both directions over many pitches: the ripple stays "
@@ -86,7 +87,7 @@ PERIODIC_DISTURBANCE = Effect(
         "one line in the spectrum that is there at rest too and does not care where or how fast the "
         "machine moves"
     ),
-    look_alikes=("cogging", "flexible_mode"),
+    look_alikes=("cogging", "flexible_mode", "sensor_periodic_error"),
     separating_experiment=(
         "record at rest and at two speeds, ten seconds each: the line keeps its frequency and its phase "
         "from start to end"

@@ -65,6 +65,7 @@ CUBIC_STIFFNESS = Effect(
         "gravity",
         "overflow",
         "detent",
+        "sensor_nonlinearity",
     ),
     separating_experiment=(
         "slow sweeps through resonance, or slow strokes, at amplitudes from a tenth to the largest "

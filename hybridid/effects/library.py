@@ -20,6 +20,7 @@ from hybridid.effects import (
     paths,
     play_friction,
     presliding,
+    sensors,
     varying_friction,
     varying_inertia,
 )
@@ -76,6 +77,8 @@ EFFECTS: tuple[Effect, ...] = (
     paths.SENSOR_LAG,
     paths.SENSOR_SCALE,
     paths.SENSOR_OFFSET,
+    sensors.SENSOR_NONLINEARITY,
+    sensors.SENSOR_PERIODIC_ERROR,
 )
 
 

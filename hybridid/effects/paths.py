@@ -123,7 +123,7 @@ SENSOR_SCALE = Effect(
     pattern=(
         "proportional to the output itself, at rest too; on a machine whose inertia is free it hides in that"
     ),
-    look_alikes=("input_gain", "linear_stiffness", "sensor_offset"),
+    look_alikes=("input_gain", "linear_stiffness", "sensor_offset", "sensor_nonlinearity"),
     separating_experiment="compare the output with a gauge at two known positions, or with a second sensor",
 )
 
@@ -139,6 +139,6 @@ SENSOR_OFFSET = Effect(
         "a constant on the output that moves nothing; where only differences of the output matter (a "
         "position that is integrated) no record shows it"
     ),
-    look_alikes=("offset", "sensor_scale"),
+    look_alikes=("offset", "sensor_scale", "sensor_nonlinearity"),
     separating_experiment="read the sensor with the machine known to be at zero, before and after the run",
 )

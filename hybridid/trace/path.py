@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 from hybridid.effects.dimension import ONE
 from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.model import Model
-from hybridid.plants.plant import Plant
+from hybridid.plants.plant import TOGETHER, Plant
 from hybridid.trace.over import BRISTLE, RECENT, Over, Variable
 from hybridid.trace.refit import Refit
 from hybridid.trace.split import Split
@@ -78,6 +78,14 @@ class Path:
         ports = [q.name for q in self.model.effort_ports]
         moved = self._along(self.model.motions, self.p).reshape(len(ports), -1, 2)
         return moved[ports.index(port), :, 1 if variable == "velocity" else 0]
+
+    def place(self, port: str) -> Array:
+        """The position at an effort port, (n,), or the signal of an output port; of several, the first's."""
+        first = port.split(TOGETHER)[0]
+        outputs = [signal.name for signal in self.model.outputs]
+        if first in outputs:
+            return self._along(self.model.h, self.p)[outputs.index(first)]
+        return self.motion(first, "position")
 
     def seen(self, port: str, over: Over) -> Array:
         """The variable of a learned effort over ``over`` at ``port``, (n,); an input as it was recorded."""

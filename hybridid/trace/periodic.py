@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hybridid.plants.plant import TOGETHER
+from hybridid.effects.effect import EffectParameter
 from hybridid.quantities import quantity
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.path import Path
@@ -23,26 +23,24 @@ LEAST = 3
 
 def not_shown(candidate: Candidate, found: Refit, split: Split) -> str:
     """Why the records do not show the fitted period or frequency of the effect; empty if they do."""
-    if candidate.effect.kind != "effort" or candidate.effect.states:  # a resonance claims no repetition
+    if candidate.effect.kind == "input" or candidate.effect.states:  # a resonance claims no repetition
         return ""
     for parameter in candidate.effect.parameters:
         name = f"{candidate.name}.{parameter.name}"
         free = not next(p for p in found.model.parameters if p.name == name).fixed
         if free and parameter.sought == "period":
-            return _too_long(abs(found.values[name]), candidate, found, split)
+            return _too_long(parameter, candidate, found, split)
         if free and parameter.sought == "frequency":
             return _not_sampled(abs(found.values[name]), split)
     return ""
 
 
-def _too_long(period: float, candidate: Candidate, found: Refit, split: Split) -> str:
-    port = found.model.plant.port(candidate.port)
-    visited = float(
-        np.ptp(Path.of(found, split, split.fitted).motion(port.name.split(TOGETHER)[0], "position"))
-    )
+def _too_long(parameter: EffectParameter, candidate: Candidate, found: Refit, split: Split) -> str:
+    period = abs(found.values[f"{candidate.name}.{parameter.name}"])
+    visited = float(np.ptp(Path.of(found, split, split.fitted).place(candidate.port)))
     if visited >= LEAST * period:
         return ""
-    unit = port.position_unit
+    unit = parameter.dimension.unit(found.model.plant.port(candidate.port))
     return (
         f"the records cover {quantity(visited, unit, 3)}, or {visited / period:.1f} of its periods of "
         f"{quantity(period, unit, 3)}; {LEAST} are needed to show that it repeats"

@@ -19,7 +19,6 @@ from hybridid.estimators.carried import carries_nothing
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import promise
 from hybridid.model import Model
-from hybridid.plants.plant import TOGETHER
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.path import Path
 from hybridid.trace.refit import Refit, begin, problem_of
@@ -36,8 +35,6 @@ LOOKED_AT = 10
 
 def sought(candidate: Candidate, model: Model, base: Refit, split: Split) -> list[dict[str, float]]:
     """Further starts of the augmented ``model``, beside ``Candidate.starts``; none for most effects."""
-    if candidate.effect.kind != "effort":
-        return []
     return [
         start
         for parameter in candidate.effect.parameters
@@ -68,7 +65,7 @@ def _starts(
             if declared.lower <= value <= declared.upper:
                 yield {**at_nothing, name: value}
         return
-    visited = path.motion(candidate.port.split(TOGETHER)[0], "position")
+    visited = path.place(candidate.port)
     grid = _grid(parameter, float(visited.min()), float(visited.max()))
     grid = grid[(grid >= declared.lower) & (grid <= declared.upper)]
     for variant in _variants(candidate, model, at_nothing):

@@ -301,6 +301,8 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "added_inertia",
         "sensor_scale",
         "sensor_offset",
+        "sensor_nonlinearity",
+        "sensor_periodic_error",
         "cyclic_inertia",
         "detent",
         "back_emf_limit",

@@ -58,6 +58,9 @@ PROMISED = [
     "input_dead_zone",
     "sensor_lag",
     "sensor_scale",
+    "sensor_offset",
+    "sensor_nonlinearity",
+    "sensor_periodic_error",
 ]
 IDS = [effect.id for effect in EFFECTS]
 LEAST_LETTERS = {"title": 6, "equation": 6, "source": 15, "pattern": 40, "separating_experiment": 40}

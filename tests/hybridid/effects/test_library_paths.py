@@ -141,3 +141,13 @@ def test_at_rest_a_back_emf_limit_is_a_saturation(bench):
     limit, saturation = bench("back_emf_limit"), bench("input_saturation")
     for u in (-40.0, 3.0, 25.0):
         assert limit.law(drive=u) == pytest.approx(-saturation.law(signal=u), rel=0.02)
+
+
+def test_a_bent_sensor_and_one_with_a_ripple(bench):
+    bent = bench("sensor_nonlinearity", c_2=0.03, c_3=-0.01)
+    assert bent.law(signal=-2.0) == pytest.approx(0.03 * 4 + 0.01 * 8)
+    ripple = bench("sensor_periodic_error", A_s=0.2, A_c=0.1, period=0.5)
+    for y in (0.0, 0.13, -3.1):
+        assert ripple.law(signal=y + 0.5) == pytest.approx(ripple.law(signal=y))
+    assert ripple.law(signal=0.125) == pytest.approx(0.2)
+    assert ripple.law(signal=0.25) == pytest.approx(-0.1)

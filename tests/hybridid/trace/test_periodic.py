@@ -18,8 +18,8 @@ def fitted(make_model, split_of):
     split = split_of()
     base = refit(make_model(), split)
 
-    def make(effect: str, **own: float):
-        candidate = Candidate(effect_named(effect), "carriage")
+    def make(effect: str, port: str = "carriage", **own: float):
+        candidate = Candidate(effect_named(effect), port)
         model = candidate.added_to(base.model)
         values = {**base.values, **candidate.starts(model, base.values)[0]}
         values |= {f"{candidate.name}.{name}": value for name, value in own.items()}
@@ -38,6 +38,13 @@ def test_a_period_as_long_as_the_stroke_is_a_bend(fitted, pitch, shown):
     assert (why == "") is shown
     if not shown:
         assert "3 are needed to show that it repeats" in why
+
+
+@pytest.mark.parametrize(("period", "shown"), [(0.001, True), (10.0, False)])
+def test_a_sensors_period_repeats_over_what_it_shows(fitted, period, shown):
+    why = not_shown(*fitted("sensor_periodic_error", "position", period=period))
+    assert (why == "") is shown
+    assert shown or "of its periods of 10 m" in why
 
 
 @pytest.mark.parametrize(("hertz", "why"), [(10.0, ""), (150.0, "half the sampling"), (0.1, "are needed")])

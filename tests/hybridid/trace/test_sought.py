@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.records.record import Record
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import refit
 from hybridid.trace.sought import sought
@@ -49,3 +52,23 @@ def test_most_effects_seek_nothing(rippled):
         port = "force" if effect.kind == "input" else "carriage"
         candidate = Candidate(effect, port)
         assert sought(candidate, candidate.added_to(base.model), base, split) == []
+
+
+def test_a_period_of_a_sensor_is_sought_over_what_it_shows(make_model, split_of):
+    """Both records of the carriage read through an encoder whose error repeats every 7 mm."""
+    period, split = 7e-3, split_of()
+    split = replace(split, records=tuple(_rippled(record, period, 2e-4) for record in split.records))
+    base = refit(make_model(), split)
+    candidate = Candidate(effect_named("sensor_periodic_error"), "position")
+    name = f"{candidate.name}.period"
+    starts = sought(candidate, candidate.added_to(base.model), base, split)
+    assert min(abs(start[name] / period - 1) for start in starts) < 0.05
+    trial = attempt(candidate, base, split)
+    assert trial.gain > 0.8
+    assert trial.own("values")["period"] == pytest.approx(period, rel=0.01)
+    assert trial.not_shown == ""
+
+
+def _rippled(record: Record, period: float, amplitude: float) -> Record:
+    error = amplitude * np.sin(2 * np.pi * record.outputs / period)
+    return replace(record, outputs=record.outputs + error)
