@@ -129,7 +129,7 @@ BOUC_WEN = Effect(
     dynamics=lambda at: {"z": _bouc_wen_rate(at)},
     parameters=(
         LEVEL,
-        replace(LENGTH, upper=1.0, guess=0.02, starts=(1e-3, 0.2)),
+        replace(LENGTH, upper=1.0, guess=0.02, starts=(2e-4, 2e-3, 0.2)),
         EffectParameter(
             "sigma",
             ONE,

@@ -86,12 +86,14 @@ class Start:
 @dataclass(frozen=True)
 class Result:
     """Where a descent ended: the ``solution`` on the fitted horizons, initial states ``x0`` (w, n_x) of all
-    horizons, and the cost at which each of the ``starts`` ended that were carried to the end."""
+    horizons, and the cost at which each of the ``starts`` ended that were carried to the end. ``diverged`` is
+    how many of the others could not be simulated."""
 
     problem: Problem
     solution: Solution
     x0: Array
     starts: tuple[float, ...] = ()
+    diverged: int = 0
 
 
 Finer = Callable[[Result], Start | None]
@@ -105,14 +107,15 @@ def descend(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None
     estimated at the parameters found.
     """
     results: list[Result] = []
-    for start in _promising(starts, plan, fitted):
+    promising, diverged = _promising(starts, plan, fitted)
+    for start in promising:
         results.append(_settled(start, plan, plan.continuation, plan.handover, fitted))
         if plan.screening and np.isfinite(results[-1].solution.cost):
             break
     costs = tuple(one.solution.cost for one in results)
     # where each start diverges, the last one is refined: as long as this stands, traces keep their numbers
     best = len(results) - 1 if plan.screening and not np.isfinite(min(costs)) else int(np.argmin(costs))
-    return replace(results[best], starts=costs)
+    return replace(results[best], starts=costs, diverged=diverged)
 
 
 def refine(found: Result, plan: Descent, finer: Finer, fitted: Sequence[int] | None = None) -> Result:
@@ -126,21 +129,24 @@ def refine(found: Result, plan: Descent, finer: Finer, fitted: Sequence[int] | N
         if plan.refinement.must_hold and not np.isfinite(again.solution.cost):
             break
         solution = _after(found.solution, again.solution, again.solution)
-        found = replace(again, solution=solution, starts=found.starts)
+        found = replace(again, solution=solution, starts=found.starts, diverged=found.diverged)
     return found
 
 
-def _promising(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None) -> Iterable[Start]:
-    """The starts, in the order of how far a short descent gets from each."""
+def _promising(
+    starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None
+) -> tuple[Iterable[Start], int]:
+    """The starts, in the order of how far a short descent gets from each, and how many diverge."""
     if plan.screening is None:
-        return starts
+        return starts, 0
     ends = sorted({plan.continuation[0], plan.continuation[-1]}, reverse=True)
     found: list[tuple[float, Start]] = []
     for start in starts:
         task = _Task.of(start, plan.method, fitted)
         seen = task.solve(start.p, start.x0, ends, plan.screening)
         found.append((seen.cost, replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0))))
-    return [start for _, start in sorted(found, key=lambda one: one[0])]
+    diverged = sum(not np.isfinite(cost) for cost, _ in found)
+    return [start for _, start in sorted(found, key=lambda one: one[0])], diverged
 
 
 def _settled(

@@ -22,7 +22,7 @@ from hybridid.estimators.stop import Stop
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import MOST, TooStiff
+from hybridid.simulation.stability import IMPLICIT, MOST, TooStiff
 from hybridid.trace.numerics import DECLARED, Numerics, paths
 from hybridid.trace.score import Score, score_of
 from hybridid.trace.split import Split
@@ -52,9 +52,9 @@ class Refit:
     """A model fitted on the split's fitted horizons, and its score on the held-out ones.
 
     ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out; ``numerics`` say how its
-    equations were solved, in ``substeps`` a sample. They are ``too_stiff`` if a start was left out, or the
-    end would need more than ``STIFF`` steps: then the integrator may have decided, not the records. ``std``
-    and ``correlation`` are those of the noise alone, empty where they were not asked for.
+    equations were solved, in ``substeps`` a sample. They are ``too_stiff`` if a start was left out or
+    diverged, or the end would need more than ``STIFF`` steps: then the integrator may have decided, not the
+    records. ``std`` and ``correlation`` are those of the noise alone, empty where they were not asked for.
     """
 
     model: Model
@@ -136,7 +136,7 @@ def refit(
         seconds=time.perf_counter() - began,
         substeps=problem.windows.substeps,
         numerics=numerics,
-        too_stiff=len(begun) < len(starts) or steps_at(found) > STIFF,
+        too_stiff=len(begun) < len(starts) or found.diverged > 0 or steps_at(found) > STIFF,
     )
 
 
@@ -200,11 +200,16 @@ def _starts(
 ) -> list[Start]:
     """The starts that are not too stiff, each in steps of its own.
 
+    The implicit integrator is stable in any number of steps. Where ``MOST`` do not resolve a start, it begins
+    with ``STIFF``, which is what the end gets at most.
+
     Raises:
         TooStiff: if every start is.
     """
     about = None if before is None else _lent(before, model, split)
     wanted = [numerics.steps(model, model.values(s), split, about) for s in starts]
+    if numerics.integrator == IMPLICIT:
+        wanted = [steps if steps <= MOST else STIFF for steps in wanted]
     if min(wanted) > MOST:
         raise TooStiff(f"needs more than {MOST} steps a sample at every start")
     limit = max(STIFF, min(wanted))
