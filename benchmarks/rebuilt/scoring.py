@@ -36,7 +36,7 @@ TRUTHS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     # an end stop above is a level that is limited: nothing up to one level, then a flow in proportion
     "overflow": (("upper",), ("overflow", "end_stop")),
     # the library's bouc_wen excludes gamma + delta < 0
-    "hysteresis": (("oscillator",), ()),
+    "hysteresis": (("oscillator",), ("hardening_hysteresis",)),
     "friction_behind_gap": (("damper",), ("friction_behind_play",)),
     "scaled_friction": (("damper",), ("input_scaled_friction",)),
     "varying_inertia": (("carriage",), ("varying_inertia",)),

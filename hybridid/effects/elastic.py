@@ -62,6 +62,7 @@ CUBIC_STIFFNESS = Effect(
         "free_play",
         "end_stop",
         "bouc_wen",
+        "hardening_hysteresis",
         "gravity",
         "overflow",
         "detent",
@@ -125,7 +126,7 @@ MAXWELL = Effect(
         "between a damper (slow motion) and a spring (fast motion): effort that relaxes when the motion "
         "stops, a loop whose width depends on frequency and scales with amplitude"
     ),
-    look_alikes=("viscous", "linear_stiffness", "bouc_wen", "dahl", "flexible_mode"),
+    look_alikes=("viscous", "linear_stiffness", "bouc_wen", "dahl", "flexible_mode", "hardening_hysteresis"),
     separating_experiment=(
         "a step of position held for ten times τ, and small sines over two decades of frequency about "
         "1/τ: relaxation, and loss and stiffness that change with frequency but not with amplitude"

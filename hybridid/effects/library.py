@@ -43,6 +43,7 @@ EFFECTS: tuple[Effect, ...] = (
     presliding.DAHL,
     presliding.LUGRE,
     presliding.BOUC_WEN,
+    presliding.HARDENING_HYSTERESIS,
     play_friction.FRICTION_BEHIND_PLAY,
     varying_friction.POSITION_FRICTION,
     varying_friction.FRICTION_DRIFT,

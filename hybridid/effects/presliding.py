@@ -48,7 +48,15 @@ DAHL = Effect(
         "after each reversal the friction builds up over a travel of about s, whatever the speed; Coulomb"
         " friction jumps, Stribeck friction depends on the speed"
     ),
-    look_alikes=("coulomb", "stribeck", "lugre", "bouc_wen", "maxwell", "friction_behind_play"),
+    look_alikes=(
+        "coulomb",
+        "stribeck",
+        "lugre",
+        "bouc_wen",
+        "maxwell",
+        "friction_behind_play",
+        "hardening_hysteresis",
+    ),
     separating_experiment=(
         "reversals of amplitudes from a tenth to ten times s, slow and fast: hysteresis loops that depend"
         " on travel and not on speed"
@@ -159,9 +167,57 @@ BOUC_WEN = Effect(
         "a hysteresis loop that depends on travel and not on speed, and yields over a rounded knee: a "
         "rubber or a joint that slips a little before it slides"
     ),
-    look_alikes=("dahl", "coulomb", "lugre", "maxwell", "cubic_stiffness", "friction_behind_play"),
+    look_alikes=(
+        "dahl",
+        "coulomb",
+        "lugre",
+        "maxwell",
+        "cubic_stiffness",
+        "friction_behind_play",
+        "hardening_hysteresis",
+    ),
     separating_experiment=(
         "quasi-static loops of growing amplitude with partial unloading and reloading: the slope of "
         "unloading against that of loading gives sigma, the knee gives n"
     ),
 )
+
+
+def _hardening_rate(at: Local) -> ca.SX:
+    """``s z' = v - |v| z - δ v |z|``."""
+    return (at.velocity - ca.fabs(at.velocity) * at.z.z - at.p.delta * at.velocity * ca.fabs(at.z.z)) / at.p.s
+
+
+HARDENING_HYSTERESIS = Effect(
+    id="hardening_hysteresis",
+    kind="effort",
+    title="Bouc-Wen hysteresis that stiffens",
+    equation="F = f_c z,  s z' = v - |v| z - δ v |z|;  1 + δ < 0: stiffer the farther it goes; δ = 0: Dahl's",
+    law=lambda at: at.p.f_c * at.z.z,
+    dynamics=lambda at: {"z": _hardening_rate(at)},
+    parameters=(
+        replace(LEVEL, meaning="k s: the effort at the travel s, were the stiffness k constant"),
+        replace(
+            LENGTH, guess=0.1, lower=1e-3, upper=100.0, starts=(1.0,),
+            meaning="travel s over which the slope of the loop changes by its own size",
+        ),
+        EffectParameter(
+            "delta", ONE, "δ: at -1 a loading flank is straight, below it stiffens", guess=-1.0, lower=-5.0,
+            upper=0.0, starts=(-1.5,),
+        ),
+    ),
+    states=(EffectState("z", ONE, "hysteretic deflection over s"),),
+    source=(
+        "Noël, Schoukens (2016), Hysteretic benchmark with a dynamic nonlinearity (n = 1, γ > 0, γ + δ < 0); "
+        "Ikhouane, Rodellar (2007), Systems with Hysteresis, Wiley, ch. 2 (classes of the model)"
+    ),
+    pattern=(
+        "a hysteresis loop whose flanks grow steeper with the amplitude instead of yielding: wire rope, "
+        "stacked leaves, a rubber stop"
+    ),
+    look_alikes=("bouc_wen", "cubic_stiffness", "dahl", "maxwell"),
+    separating_experiment=(
+        "quasi-static loops of growing amplitude: the slope at the tips grows with the amplitude and the "
+        "loop encloses an area; a cubic spring encloses none, a friction's tips are flat"
+    ),
+)  # fmt: skip

@@ -316,6 +316,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "blow_off_valve",
         "varying_inertia",
         # in the rebuilt rows
+        "hardening_hysteresis",
         "overflow",
         "orifice_leak",
     }

@@ -76,7 +76,10 @@ BLIND_TO_VELOCITY = (
     "orifice_leak",
     "detent",
 )
-ODD_ALTOGETHER = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play")
+ODD_ALTOGETHER = (
+    *("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play"),
+    "hardening_hysteresis",
+)
 OF_THE_SPEED = ("warming_friction", "back_emf_limit")
 
 
