@@ -28,9 +28,16 @@ SENSOR_NONLINEARITY = Effect(
     ),
     pattern=(
         "an error of the output that is a curve over the output itself, the same at every speed and at rest; "
-        "a spring that hardens moves the machine too"
+        "a spring that hardens moves the machine too. A mass behind a bent sensor seems to vary with position"
     ),
-    look_alikes=("sensor_scale", "sensor_offset", "sensor_periodic_error", "cubic_stiffness"),
+    look_alikes=(
+        "sensor_scale",
+        "sensor_offset",
+        "sensor_periodic_error",
+        "cubic_stiffness",
+        "varying_inertia",
+        "cyclic_inertia",
+    ),
     separating_experiment=(
         "compare the output with a gauge at ten positions over the whole range: the difference is a curve, "
         "alike on the way out and back"

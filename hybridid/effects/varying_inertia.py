@@ -58,7 +58,13 @@ VARYING_INERTIA = Effect(
         "the machine is heavier at one place of the stroke than at another: its share of the effort follows "
         "the acceleration times the position, and at constant speed the square of the speed"
     ),
-    look_alikes=("added_inertia", "cyclic_inertia", "position_damping", "asymmetric_viscous"),
+    look_alikes=(
+        "added_inertia",
+        "cyclic_inertia",
+        "position_damping",
+        "asymmetric_viscous",
+        "sensor_nonlinearity",
+    ),
     separating_experiment=(
         "the same short acceleration to and fro at five places of the stroke: effort over acceleration is a "
         "curve over position. Friction and springs stay when the acceleration is halved"
@@ -98,7 +104,7 @@ CYCLIC_INERTIA = Effect(
         "the machine is heavier at one angle than at another, and its speed ripples at constant torque by the"
         " same share at every speed; gravity ripples less the faster it turns"
     ),
-    look_alikes=("added_inertia", "gravity", "cogging", "varying_inertia"),
+    look_alikes=("added_inertia", "gravity", "cogging", "varying_inertia", "sensor_nonlinearity"),
     separating_experiment=(
         "turns at two constant speeds: the ripple of the torque grows with the square of the speed, where "
         "that of gravity and cogging stays"

@@ -18,7 +18,8 @@ other numerics. (Where friction sticks, smoothing it leaves an error over veloci
 
 Several effects together may hide so much that little is left to find beside them. So one learned effort is
 also put in place of them all. If it alone takes more from the squared error, by a share above
-``Rules.stands_in``, they are withdrawn.
+``Rules.stands_in``, they are withdrawn. A periodic effect that shows less than three periods is such a
+curve, too: it is no name, but where it explains more than the names do, they are not the truth.
 
 Last, every test above asks whether an effect explains more than noise would. Where the error that is left is
 far above the noise, most of it comes from something unknown, and every flexible law resembles a part of that.
@@ -39,7 +40,7 @@ from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step, values_without
 from hybridid.trace.split import Split
-from hybridid.trace.trial import REJECTED, Trial, look_alikes
+from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE, Trial, look_alikes
 
 
 def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Context) -> Search:
@@ -106,20 +107,27 @@ def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tup
 
 
 def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Search:
-    """``found`` without its effects if one of ``before``, learned efforts beside the declared model, does
-    better than all of them."""
-    if not before:
-        return found
-    declared, named = (r.score.loss**2 for r in (found.steps[0].base, found.final))
-    for one in sorted(before, key=lambda c: -c.gain):
-        learned = one.refit.score.loss**2
-        outdone = named - learned > rules.stands_in * (declared - learned)
-        if outdone and compare(found.final.score, one.refit.score).p_value <= rules.alpha:
+    """``found`` without its effects if one curve does better than all of them: one of ``before``, learned
+    efforts beside the declared model, or in any step a periodic effect of less than three periods."""
+    kept = {one.name for one in found.accepted}
+    learned = [(0, c.refit, f"a learned effort at {c.place} alone") for c in before]
+    bent = [
+        (number, t.refit, f"{t.candidate.name}, which is not shown to repeat,")
+        for number, step in enumerate(found.steps)
+        if step.accepted is not None and step.accepted.name in kept
+        for t in step.trials
+        if t.status == UNIDENTIFIABLE and t.not_shown and t.refit is not None
+    ]
+    named = found.final.score.loss**2
+    for number, curve, what in sorted([*learned, *bent], key=lambda one: one[1].score.loss):
+        declared, left = (r.score.loss**2 for r in (found.steps[number].base, curve))
+        outdone = named - left > rules.stands_in * (declared - left)
+        if outdone and compare(found.final.score, curve.score).p_value <= rules.alpha:
             return _ended_at(
                 found,
-                0,
-                f"a learned effort at {one.place} alone takes {1 - learned / declared:.1%} "
-                f"of the squared error, all effects accepted take {1 - named / declared:.1%}",
+                number,
+                f"{what} takes {1 - left / declared:.1%} of the squared error, all effects accepted take "
+                f"{1 - named / declared:.1%}",
             )
     return found
 

@@ -244,6 +244,26 @@ def test_effects_that_take_less_than_half_of_an_error_far_above_the_noise_are_no
         assert "the squared error falls by 40%, to 3.1 times the error" in found.withdrawn
 
 
+@pytest.mark.parametrize(
+    ("left", "shown", "trusted"), [(0.4, False, False), (0.49, False, True), (0.4, True, True)]
+)
+def test_a_sine_of_less_than_three_periods_that_does_better_withdraws_the_names(worn, left, shown, trusted):
+    """As if the names left half of the squared error, and a sine that is refused as a name left ``left``."""
+    first = worn.search.steps[0]
+    named = replace(worn.search.final, score=scaled(first.base.score, 0.5))
+    sine = replace(
+        next(t for t in first.trials if t.candidate.name != "carriage.asymmetric_viscous"),
+        refit=replace(worn.search.final, score=scaled(first.base.score, left)),
+        status="unidentifiable",
+        not_shown="" if shown else "3 periods are needed",
+    )
+    step = replace(first, trials=(*first.trials, sine))
+    found = stand_in.unless_outdone(replace(worn.search, steps=(step,), final=named), (), Rules())
+    assert bool(found.accepted) is trusted
+    if not trusted:
+        assert "not shown to repeat" in found.withdrawn
+
+
 def scaled(score, factor):
     """Every horizon's squares times ``factor``."""
     return replace(score, squares=score.squares * factor)
