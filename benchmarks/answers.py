@@ -7,19 +7,32 @@ the answer. A line of another digest is not used.
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Generic, Protocol, TypeVar
 
 from pipelines.shared.pool import Lost, side_by_side
+from pipelines.shared.source_code import code_of
 from pipelines.shared.watch import Watcher
 
 Line = Mapping[str, Any]
+Answered = Callable[[str, int], Mapping[str, Any] | None]
+"""One player's answer, by the player and the most effects that it may name."""
 ORACLE = "oracle"
+
+
+@cache
+def version_of(*modules: ModuleType) -> str:
+    """SHA-256 of all code that ``modules`` run."""
+    code = [code_of(module.__name__) for module in modules]
+    return hashlib.sha256(json.dumps(code).encode()).hexdigest()[:16]
 
 
 class AnyScenario(Protocol):
@@ -48,7 +61,7 @@ class League(Generic[S]):
     players: tuple[str, ...]
     version: Callable[[str], str]
     described: Callable[[S], Mapping[str, Any]]
-    begun: Callable[[S], Callable[[str, int], Mapping[str, Any] | None]]
+    begun: Callable[[S], Answered]
 
     def line(self, scenario: S, player: str) -> dict[str, Any]:
         """A line without its answer."""
@@ -145,6 +158,18 @@ class League(Generic[S]):
             said = " | ".join([str(lines[0]["key"]), *map(_said, lines)])
             print(f"  {done}/{total} after {time.perf_counter() - began:.0f} s: {said}", flush=True)
         return failures
+
+
+def alone(answered: Callable[[S, str, int], Mapping[str, Any] | None]) -> Callable[[S], Answered]:
+    """A league's ``begun`` where its players share nothing: ``answered(scenario, player, most_effects)``."""
+    return partial(partial, answered)
+
+
+def beside_oracle(lines: Iterable[Line]) -> list[tuple[Line, Any]]:
+    """The lines of all other players whose scenario the oracle has seen, each with the oracle's answer."""
+    lines = [line for line in lines if "failure" not in line]
+    told = {line["key"]: line["answer"] for line in lines if line["player"] == ORACLE}
+    return [(line, told[line["key"]]) for line in lines if line["player"] != ORACLE and line["key"] in told]
 
 
 def _answers(given: tuple[League[S], S, Sequence[str], int], watcher: Watcher) -> list[dict[str, Any]]:

@@ -31,9 +31,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.answers import ORACLE, Line
+from benchmarks.answers import Line, beside_oracle
 from benchmarks.league.machines import CASES
-from benchmarks.league.ours import NAME
 from benchmarks.league.scoring import Asked
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.plants.plant import Plant
@@ -127,13 +126,7 @@ class Round:
 
 def rounds(lines: Iterable[Line]) -> list[Round]:
     """Every answer whose scenario the oracle has seen."""
-    lines = [line for line in lines if "failure" not in line]
-    oracle = {line["key"]: line["answer"] for line in lines if line["player"] == ORACLE}
-    return [
-        _round(line, oracle[line["key"]])
-        for line in lines
-        if line["player"] == NAME and line["key"] in oracle
-    ]
+    return [_round(line, told) for line, told in beside_oracle(lines)]
 
 
 def _round(line: Line, told: Mapping[str, Any]) -> Round:

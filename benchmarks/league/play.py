@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from benchmarks.answers import ORACLE, League
+from benchmarks.answers import ORACLE, League, version_of
 from benchmarks.league import ours, rivals
 from benchmarks.league.machines import records_of
 from benchmarks.league.scenario import CATEGORIES, Scenario
-from pipelines.shared.source_code import code_of
 
 PLAYERS = (ORACLE, ours.NAME, "regression", "regression_own_cutoff", "regression_memory", "pysindy")
 
 
 def version(player: str) -> str:
     """SHA-256 of the code that decides what ``player`` answers, its scenarios' records included."""
-    code = code_of((ours if player in (ORACLE, ours.NAME) else rivals).__name__)
-    return hashlib.sha256(json.dumps(code).encode()).hexdigest()[:16]
+    return version_of(ours if player in (ORACLE, ours.NAME) else rivals)
 
 
 def chosen(

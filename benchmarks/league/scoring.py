@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from benchmarks.answers import ORACLE, Line
+from benchmarks.answers import Line, beside_oracle
 from benchmarks.league.planting import Hidden
 from benchmarks.league.scenario import CATEGORIES
 
@@ -61,26 +61,21 @@ class Round:
 
 def rounds(lines: Iterable[Line]) -> list[Round]:
     """Every answer beside what the oracle says of its scenario; what it has not seen is left out."""
-    lines = [line for line in lines if "failure" not in line]
-    oracle = {line["key"]: line["answer"] for line in lines if line["player"] == ORACLE}
-    made = []
-    for line in lines:
-        if line["player"] == ORACLE or line["key"] not in oracle:
-            continue
-        said, about = oracle[line["key"]], line["scenario"]
-        made.append(
-            Round(
-                key=line["key"],
-                category=about["category"],
-                machine=about["machine"],
-                truth=about["truth"],
-                player=line["player"],
-                answer=line["answer"],
-                detectable=None if said is None else bool(said["detectable"]),
-                hidden=about["hidden"],
-            )
-        )
-    return made
+    return [_round(line, told) for line, told in beside_oracle(lines)]
+
+
+def _round(line: Line, told: Mapping[str, Any] | None) -> Round:
+    about = line["scenario"]
+    return Round(
+        key=line["key"],
+        category=about["category"],
+        machine=about["machine"],
+        truth=about["truth"],
+        player=line["player"],
+        answer=line["answer"],
+        detectable=None if told is None else bool(told["detectable"]),
+        hidden=about["hidden"],
+    )
 
 
 @dataclass(frozen=True)

@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from dataclasses import replace
-from functools import cache, partial
 from typing import Any
 
-from benchmarks.answers import ORACLE, League
+from benchmarks.answers import ORACLE, League, alone, version_of
 from benchmarks.drawn import oracle, ours
 from benchmarks.league.ours import DETECTABLE
 from benchmarks.rebuilt import machines
 from benchmarks.rebuilt.draw import Draw
-from pipelines.shared.source_code import code_of
 
 PLAYERS = (ORACLE, ours.NAME)
 
 
-@cache
 def version(player: str) -> str:
     """SHA-256 of the code that decides what ``player`` answers, its scenarios' records included."""
-    decides = oracle if player == ORACLE else ours
-    code = [code_of(module.__name__) for module in (machines, decides)]
-    return hashlib.sha256(json.dumps(code).encode()).hexdigest()[:16]
+    return version_of(machines, oracle if player == ORACLE else ours)
 
 
 def consult(draw: Draw) -> dict[str, Any]:
@@ -47,8 +40,4 @@ def _answered(draw: Draw, player: str, most_effects: int) -> dict[str, Any]:
     return replace(answer, notes={**answer.notes, "times": found.times}).described()
 
 
-def _begun(draw: Draw):
-    return partial(_answered, draw)
-
-
-LEAGUE = League("rebuilt rows", PLAYERS, version, Draw.described, _begun)
+LEAGUE = League("rebuilt rows", PLAYERS, version, Draw.described, alone(_answered))

@@ -25,8 +25,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.answers import ORACLE, Line
-from benchmarks.league.ours import NAME
+from benchmarks.answers import Line, beside_oracle
 from benchmarks.league.scoring import Asked
 
 MOST_ALIKE, MOST_OVER = 3, 3.0
@@ -123,10 +122,7 @@ class Round:
 
 def rounds(lines: Iterable[Line]) -> list[Round]:
     """Every answer whose scenario the oracle has seen."""
-    lines = [line for line in lines if "failure" not in line]
-    told = {line["key"]: line["answer"] for line in lines if line["player"] == ORACLE}
-    ours = [line for line in lines if line["player"] == NAME and line["key"] in told]
-    return [_round(line, told[line["key"]]) for line in ours]
+    return [_round(line, told) for line, told in beside_oracle(lines)]
 
 
 def _round(line: Line, told: Mapping[str, Any]) -> Round:
