@@ -83,8 +83,8 @@ class Unwritten(ValueError):
 
 
 @dataclass
-class _Text:
-    """The lines written so far.
+class _Writer:
+    """Writes a function instruction by instruction; holds the lines written so far.
 
     ``now`` names what each place of CasADi's work vector holds. ``shared`` are the names of what is the same
     in all lanes: some stand for a ``literal``, others are ``known`` from ``prepare``, each at its own place.
@@ -99,8 +99,8 @@ class _Text:
     prepare: list[str] = field(default_factory=list)
     run: list[str] = field(default_factory=list)
 
-    def read(self, k: int) -> None:
-        """Take up instruction ``k``."""
+    def write(self, k: int) -> None:
+        """Write instruction ``k``."""
         code, given = self.function.instruction_id(k), self.function.instruction_input(k)
         made = self.function.instruction_output(k)
         if code == ca.OP_OUTPUT:
@@ -150,20 +150,20 @@ def c_of(function: ca.Function, arguments: tuple[str, ...]) -> str:
     Raises:
         Unwritten: if the function has an operation that has no C here.
     """
-    text = _Text(function, arguments)
+    writer = _Writer(function, arguments)
     for k in range(function.n_instructions()):
-        text.read(k)
+        writer.write(k)
     name = function.name()
-    kept = [f"c[{place}] = {one};" for one, place in text.known.items()]
+    kept = [f"c[{place}] = {one};" for one, place in writer.known.items()]
     return "\n".join(
         (
             f"static void {name}_prepare(double h, const double *p, double *c) {{",
-            *text.prepare,
+            *writer.prepare,
             *kept,
             "}",
             f"static void {name}_run(const Lanes *x, const Lanes *s, const Lanes *t, double h,",
             "const Lanes *u, const double *p, const double *c, Lanes *value, Lanes *slope) {",
-            *text.run,
+            *writer.run,
             "}",
             f"static const Part {name} = {{{len(kept)}, {name}_prepare, {name}_run}};\n",
         )

@@ -3,8 +3,7 @@
 CasADi interprets a model seven to forty times slower than compiled code simulates it. So what will cost
 more to interpret than to compile is compiled: ``c_code`` writes C of one step, of the outputs and of
 their sensitivities, for four horizons side by side (``lanes.h``). ``shoot.c``, compiled once for all
-models, drives it over all horizons. The compiler keeps to IEEE arithmetic (no fused or reordered operations),
-so each processor gives the same numbers, and the interpreter the same to rounding.
+models, drives it over all horizons. The interpreter gives the same numbers to rounding.
 
 Without a compiler everything is interpreted.
 """
@@ -13,17 +12,11 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import hashlib
-import os
-import platform
-import shutil
-import subprocess
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import casadi as ca
@@ -32,14 +25,12 @@ from numpy.typing import NDArray
 
 from hybridid.model import Model
 from hybridid.simulation.c_code import Unwritten, c_of
+from hybridid.simulation.compiler import c_compiler, compiled
 from hybridid.simulation.integrators import INTEGRATORS
-from hybridid.simulation.libraries import library
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
-# -fexpensive-optimizations also clears the wide registers before a call of the C library, which else is slow
-FLAGS = ("-O1", "-fexpensive-optimizations", "-fPIC", "-shared", "-ffp-contract=off", "-Wno-psabi")
 WORTH = 3e6
 """Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.2 s, pays: a
 fit simulates some thirty times, and the code is kept."""
@@ -68,7 +59,7 @@ class Code:
     @cached_property
     def worth_it(self) -> bool:
         """Whether to simulate by machine code."""
-        if _compiler() is None or self.steps * self._functions[0].n_instructions() < WORTH:
+        if c_compiler() is None or self.steps * self._functions[0].n_instructions() < WORTH:
             return False
         return self._library is not None and _driver(self.lanes) is not None
 
@@ -116,14 +107,16 @@ class Code:
 
     @property
     def _library(self) -> ctypes.CDLL | None:
-        return self._derived(("library", self.free, self.integrator, self.held, self.lanes), self._compiled)
+        return self._derived(
+            ("library", self.free, self.integrator, self.held, self.lanes), self._make_library
+        )
 
-    def _compiled(self) -> ctypes.CDLL | None:
+    def _make_library(self) -> ctypes.CDLL | None:
         """The library, or None if the compiler fails or an operation has no C. It is known by what CasADi
         tells of the functions: that costs a sixth of writing their C."""
         said = "".join(function.serialize() for function in self._functions)
         try:
-            return _compiled(_text("c_code.py") + _side_by_side(self.lanes) + said, self._written)
+            return compiled(_text("c_code.py") + _side_by_side(self.lanes) + said, self._written)
         except Unwritten as why:
             warnings.warn(f"{why}: the model is interpreted, which is slower", stacklevel=2)
             return None
@@ -201,7 +194,7 @@ def _address(array: NDArray[Any]) -> int:
 def _driver(lanes: int) -> Callable[..., int] | None:
     """``shoot`` of shoot.c, or None if the compiler fails."""
     source = _side_by_side(lanes) + _text("shoot.c")
-    driver = _compiled(source, lambda: source)
+    driver = compiled(source, lambda: source)
     return None if driver is None else driver.shoot
 
 
@@ -227,45 +220,3 @@ def _groups(follows: tuple[int, ...], lanes: int) -> NDArray[np.int64]:
         members += [-1] * (-len(members) % lanes)
         groups += [members[k : k + lanes] for k in range(0, len(members), lanes)]
     return np.array(groups, dtype=np.int64)
-
-
-@functools.cache
-def _flags() -> tuple[str, ...]:
-    """Of the compiler on this machine: four lanes fit a register where the processor has AVX2."""
-    try:
-        has_avx2 = " avx2 " in Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        has_avx2 = False
-    return (*FLAGS, "-mavx2") if has_avx2 else FLAGS
-
-
-@functools.cache
-def _compiler() -> str | None:
-    """The C compiler: the one that CC names, or the first of the usual names on the PATH."""
-    return next(filter(None, map(shutil.which, (os.environ.get("CC", ""), "cc", "gcc", "clang"))), None)
-
-
-_LIBRARIES: dict[str, ctypes.CDLL | None] = {}
-
-
-def _compiled(said: str, source: Callable[[], str]) -> ctypes.CDLL | None:
-    """The library of a C ``source`` of which ``said`` says all, from ``libraries`` where an earlier process
-    has left it; None, with a warning, if the compiler fails."""
-    compiler = str(_compiler())
-    key = hashlib.sha256("\0".join((compiler, platform.machine(), *_flags(), said)).encode()).hexdigest()
-    if key not in _LIBRARIES:
-        _LIBRARIES[key] = library(key, lambda made: _build(compiler, source(), made))
-    return _LIBRARIES[key]
-
-
-def _build(compiler: str, source: str, made: Path) -> bool:
-    """Compile ``source`` into the file ``made``; False, with a warning, if that fails."""
-    text = made.with_suffix(".c")
-    text.write_text(source, encoding="utf-8")
-    command = [compiler, *_flags(), str(text), "-o", str(made), "-lm"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    text.unlink()
-    if done.returncode:
-        why = (done.stderr.strip().splitlines() or ["no message"])[-1]
-        warnings.warn(f"{compiler} fails ({why}): models are interpreted, which is slower", stacklevel=2)
-    return done.returncode == 0

@@ -11,6 +11,7 @@ from hybridid.estimators.method import GAUSS_NEWTON
 from hybridid.estimators.problem import build_problem
 from hybridid.estimators.stop import Stop
 from hybridid.simulation import machine_code
+from hybridid.simulation.compiler import c_compiler
 from hybridid.simulation.shooter import Shooter
 from hybridid.simulation.windows import cut
 
@@ -19,7 +20,7 @@ CARRIED = (2,)
 WAYS = [
     pytest.param(
         True,
-        marks=pytest.mark.skipif(machine_code._compiler() is None, reason="no C compiler on this machine"),
+        marks=pytest.mark.skipif(c_compiler() is None, reason="no C compiler on this machine"),
         id="compiled",
     ),
     pytest.param(False, id="interpreted"),

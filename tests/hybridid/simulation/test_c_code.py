@@ -10,8 +10,9 @@ import pytest
 
 from hybridid.simulation import machine_code
 from hybridid.simulation.c_code import Unwritten, c_of
+from hybridid.simulation.compiler import c_compiler, compiled
 
-pytestmark = pytest.mark.skipif(machine_code._compiler() is None, reason="no C compiler on this machine")
+pytestmark = pytest.mark.skipif(c_compiler() is None, reason="no C compiler on this machine")
 CALL = "\nvoid call(const Lanes *x, const double *p, Lanes *y) {{ double c[{n}]; f.prepare(0.5, p, c); " \
     "f.run(x, x, x, 0.5, x, p, c, y, y); }}\n"  # fmt: skip
 
@@ -19,7 +20,7 @@ CALL = "\nvoid call(const Lanes *x, const double *p, Lanes *y) {{ double c[{n}];
 def written(function: ca.Function, lanes: int):
     """``(x (n, lanes), p) -> y (m, lanes)`` by the compiled C of ``function`` of x and p."""
     text = machine_code._side_by_side(lanes) + c_of(function, ("x", "p")) + CALL.format(n=1000)
-    library = machine_code._compiled(text, lambda: text)
+    library = compiled(text, lambda: text)
     assert library is not None
 
     def run(x, p):

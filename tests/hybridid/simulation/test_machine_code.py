@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybridid.simulation import machine_code
+from hybridid.simulation import compiler, machine_code
 from hybridid.simulation.c_code import Unwritten
 from hybridid.simulation.machine_code import LANES
 from hybridid.simulation.shooter import Shooter
 from hybridid.simulation.windows import cut
 
 FREE = ("carriage.coulomb.f_c", "M", "carriage.dahl.s")
-compiled = pytest.mark.skipif(machine_code._compiler() is None, reason="no C compiler on this machine")
+compiled = pytest.mark.skipif(compiler.c_compiler() is None, reason="no C compiler on this machine")
 
 
 @pytest.fixture(autouse=True)
@@ -67,7 +67,7 @@ def test_a_horizon_that_leaves_the_numbers_is_blank_from_there_on(carriage, make
 
 
 def test_without_a_compiler_everything_is_interpreted(carriage, make_model, monkeypatch):
-    monkeypatch.setattr(machine_code, "_compiler", lambda: None)
+    monkeypatch.setattr(machine_code, "c_compiler", lambda: None)
     shooter = shooter_of(carriage, make_model)
     x0 = np.zeros((shooter.windows.count, len(shooter.model.states)))
     assert not shooter.code.worth_it
@@ -78,8 +78,8 @@ def test_a_compiler_that_fails_is_named_once(carriage, make_model, monkeypatch, 
     broken = tmp_path / "cc"
     broken.write_text("#!/bin/sh\necho no such option >&2\nexit 1\n")
     broken.chmod(0o755)
-    monkeypatch.setattr(machine_code, "_compiler", lambda: str(broken))
-    monkeypatch.setattr(machine_code, "_LIBRARIES", {})
+    monkeypatch.setattr(compiler, "c_compiler", lambda: str(broken))
+    monkeypatch.setattr(compiler, "_LIBRARIES", {})
     shooter = shooter_of(carriage, make_model)
     with pytest.warns(UserWarning, match="fails \\(no such option\\): models are interpreted"):
         assert not shooter.code.worth_it
@@ -125,7 +125,7 @@ def test_problems_of_one_model_share_their_functions(carriage, make_model):
 def test_c_is_written_only_of_what_is_not_yet_compiled(carriage, make_model, monkeypatch):
     shooter = shooter_of(carriage, make_model)
     assert shooter.code.worth_it
-    monkeypatch.setattr(machine_code, "_LIBRARIES", {})
+    monkeypatch.setattr(compiler, "_LIBRARIES", {})
     monkeypatch.setattr(machine_code, "c_of", None)
     again = replace(shooter, model=replace(shooter.model))
     x0, p = np.zeros((again.windows.count, len(again.model.states))), again.model.values()
@@ -138,7 +138,7 @@ def test_an_operation_without_c_is_interpreted(carriage, make_model, monkeypatch
         raise Unwritten("no C")
 
     monkeypatch.setattr(machine_code, "c_of", refuse)
-    monkeypatch.setattr(machine_code, "_LIBRARIES", {})
-    monkeypatch.setattr(machine_code, "library", lambda key, build: build(None))
+    monkeypatch.setattr(compiler, "_LIBRARIES", {})
+    monkeypatch.setattr(compiler, "library", lambda key, build: build(None))
     with pytest.warns(UserWarning, match="no C: the model is interpreted"):
         assert not shooter_of(carriage, make_model).code.worth_it

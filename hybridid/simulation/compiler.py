@@ -1,0 +1,62 @@
+"""The C compiler of this machine, if it has one, and the libraries that it makes.
+
+It keeps to IEEE arithmetic (no fused or reordered operations), so each processor gives the same numbers.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+from hybridid.simulation.libraries import library
+
+# -fexpensive-optimizations also clears the wide registers before a call of the C library, which else is slow
+FLAGS = ("-O1", "-fexpensive-optimizations", "-fPIC", "-shared", "-ffp-contract=off", "-Wno-psabi")
+_LIBRARIES: dict[str, ctypes.CDLL | None] = {}
+
+
+@functools.cache
+def c_compiler() -> str | None:
+    """The C compiler: the one that CC names, or the first of the usual names on the PATH."""
+    return next(filter(None, map(shutil.which, (os.environ.get("CC", ""), "cc", "gcc", "clang"))), None)
+
+
+def compiled(said: str, source: Callable[[], str]) -> ctypes.CDLL | None:
+    """The library of a C ``source`` of which ``said`` says all, from ``libraries`` where an earlier process
+    has left it; None, with a warning, if the compiler fails."""
+    compiler = str(c_compiler())
+    key = hashlib.sha256("\0".join((compiler, platform.machine(), *_flags(), said)).encode()).hexdigest()
+    if key not in _LIBRARIES:
+        _LIBRARIES[key] = library(key, lambda made: _build(compiler, source(), made))
+    return _LIBRARIES[key]
+
+
+def _build(compiler: str, source: str, made: Path) -> bool:
+    """Compile ``source`` into the file ``made``; False, with a warning, if that fails."""
+    text = made.with_suffix(".c")
+    text.write_text(source, encoding="utf-8")
+    command = [compiler, *_flags(), str(text), "-o", str(made), "-lm"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    text.unlink()
+    if done.returncode:
+        why = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        warnings.warn(f"{compiler} fails ({why}): models are interpreted, which is slower", stacklevel=2)
+    return done.returncode == 0
+
+
+@functools.cache
+def _flags() -> tuple[str, ...]:
+    """Of the compiler on this machine: four lanes fit a register where the processor has AVX2."""
+    try:
+        has_avx2 = " avx2 " in Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        has_avx2 = False
+    return (*FLAGS, "-mavx2") if has_avx2 else FLAGS
