@@ -29,6 +29,7 @@ from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.signals.steps import apply_steps
 from hybridid.simulation.simulate import Diverged
+from hybridid.simulation.stability import TooStiff
 from hybridid.validation.predict import free_run
 from hybridid_cli.config_files import conf_folder
 from pipelines.shared.config import Settings
@@ -49,6 +50,7 @@ FORMS: Mapping[str, tuple[str, ...]] = {
 HERE = Path(__file__).resolve().parent
 OUT = HERE.parent / "outputs" / "studies"
 Records = Mapping[str, Record]
+Fitted = tuple[Model, Estimate]
 Say = Callable[[str], None]
 
 
@@ -80,15 +82,22 @@ def of_kind(records: Records, *kinds: str) -> dict[str, Record]:
     return {name: record for name, record in records.items() if name.startswith(kinds)}
 
 
-def fitted(form: str, records: Records) -> tuple[Model, Estimate]:
-    """The form, fitted in free run to ``records``."""
+def fitted(form: str, records: Records) -> Fitted | None:
+    """The form, fitted in free run to ``records``; None where it is too stiff."""
     settings = settings_of(form)
     model = model_of(settings)
-    return model, fit(model, list(records.values()), fit_settings(settings))
+    try:
+        return model, fit(model, list(records.values()), fit_settings(settings))
+    except TooStiff:
+        return None
 
 
-def error_of(model: Model, estimate: Estimate, records: Records) -> float:
-    """Mean over ``records`` of the mean absolute error [mrad] in free run; infinite where one diverges."""
+def error_of(form: Fitted | None, records: Records) -> float:
+    """Mean over ``records`` of the mean absolute error [mrad] in free run; infinite for a form that was not
+    fitted, and where a run diverges."""
+    if form is None:
+        return float("inf")
+    model, estimate = form
     found = []
     for record in records.values():
         try:
@@ -103,7 +112,7 @@ def error_of(model: Model, estimate: Estimate, records: Records) -> float:
 
 def across(form: str, given: Records, judged: Records) -> float:
     """The error [mrad] on ``judged`` of the form fitted to ``given``."""
-    return error_of(*fitted(form, given), judged)
+    return error_of(fitted(form, given), judged)
 
 
 def chosen(left: str, records: Records, forms: Sequence[str], say: Say) -> str:
@@ -140,12 +149,12 @@ def main(arguments: Sequence[str] | None = None, say: Say = print) -> dict[str, 
     provenance = " and ".join(sorted({record.provenance for record in records.values()}))
     table, result = [], {}
     for form in given.only:
-        model, estimate = fitted(form, records)
-        whole = error_of(model, estimate, records)
-        say(f"{form} ({provenance}): {estimate.status}, {values_of(estimate)}")
+        together = fitted(form, records)
+        whole = error_of(together, records)
+        say(f"{form} ({provenance}): {outcome_of(together)}")
         apart = {k: fitted(form, without(records, k)) for k in KINDS}
-        left = {k: error_of(*apart[k], of_kind(records, k)) for k in KINDS}
-        unfinished = [k for k, (_, e) in {"all": (model, estimate), **apart}.items() if not e.converged]
+        left = {k: error_of(apart[k], of_kind(records, k)) for k in KINDS}
+        unfinished = [k for k, f in {"all": together, **apart}.items() if f is None or not f[1].converged]
         result[form] = {"all": whole, **left, "not_converged": unfinished}
         remark = f" (not converged: {', '.join(unfinished)})" if unfinished else ""
         table.append(row_of(form + remark, whole, left))
@@ -168,9 +177,12 @@ def without(records: Records, kind: str) -> dict[str, Record]:
     return of_kind(records, *(other for other in KINDS if other != kind))
 
 
-def values_of(estimate: Estimate) -> str:
-    """The estimated parameters in one line, with their units."""
-    return ", ".join(f"{p.name} {p.value:.4g} {p.unit}" for p in estimate.parameters)
+def outcome_of(form: Fitted | None) -> str:
+    """How a fit ended, and the estimated parameters with their units."""
+    if form is None:
+        return "too stiff to fit"
+    _, estimate = form
+    return ", ".join([estimate.status, *(f"{p.name} {p.value:.4g} {p.unit}" for p in estimate.parameters)])
 
 
 def write(name: str, text: str) -> None:

@@ -126,46 +126,52 @@ def _deflecting(at: Local) -> dict[str, ca.SX]:
     return {"deflection": (at.velocity - at.speed * at.z.deflection) / at.p.d}
 
 
-def _time_constant(seconds: float) -> EffectParameter:
-    return EffectParameter(
-        "tau",
-        TIME,
-        "time constant of the lag that gives the recent speed",
-        guess=seconds,
-        lower=seconds / 30,
-        upper=seconds * 30,
-        starts=(seconds / 5, seconds * 5),
-        absolute=True,
-    )
-
-
-def _length(metres: float) -> EffectParameter:
-    return EffectParameter(
-        "d",
-        POSITION,
-        "length over which the bristle deflects",
-        guess=metres,
-        lower=metres / 1000,
-        upper=metres * 30,
-        starts=(metres / 30, metres * 5),
-        absolute=True,
-    )
-
-
 @dataclass(frozen=True)
 class Memory:
-    """The state of a variable with memory, its rate, and the parameter of its memory by a guess."""
+    """The state of a variable with memory, its rate, and the parameter that says how far it remembers.
+
+    The parameter may go down to its guess over ``lowest``; a second start lies at its guess over ``nearer``.
+    """
 
     state: EffectState
     dynamics: Callable[[Local], dict[str, ca.SX]]
-    parameter: Callable[[float], EffectParameter]
+    name: str
+    dimension: Dimension
+    meaning: str
+    lowest: float
+    nearer: float
+
+    def parameter(self, guess: float) -> EffectParameter:
+        """The parameter, by its guess in SI units."""
+        return EffectParameter(
+            self.name,
+            self.dimension,
+            self.meaning,
+            guess=guess,
+            lower=guess / self.lowest,
+            upper=guess * 30,
+            starts=(guess / self.nearer, guess * 5),
+            absolute=True,
+        )
 
 
 MEMORIES: Mapping[Variable, Memory] = {
     RECENT: Memory(
-        EffectState("recent_speed", VELOCITY, "recent speed, a lag of |v|"), _lag_of_speed, _time_constant
+        EffectState("recent_speed", VELOCITY, "recent speed, a lag of |v|"),
+        _lag_of_speed,
+        "tau",
+        TIME,
+        "time constant of the lag that gives the recent speed",
+        lowest=30,
+        nearer=5,
     ),
     BRISTLE: Memory(
-        EffectState("deflection", ONE, "deflection of a bristle, over its largest"), _deflecting, _length
+        EffectState("deflection", ONE, "deflection of a bristle, over its largest"),
+        _deflecting,
+        "d",
+        POSITION,
+        "length over which the bristle deflects",
+        lowest=1000,
+        nearer=30,
     ),
 }
