@@ -18,7 +18,6 @@ from benchmarks.league.machines import RUNS
 from benchmarks.rebuilt.draw import Draw
 from hybridid.records.record import Record
 from hybridid.rigs.emps import EMPSConfig, EMPSRig, EMPSTruth
-from hybridid.rigs.load_laws import LOAD_FRICTION
 from hybridid.rigs.servo import GRAVITY, ServoConfig, ServoRig, ServoTruth
 from hybridid.rigs.truth import at
 
@@ -36,7 +35,7 @@ def record(draw: Draw, run: str, noise: float, amounts: Mapping[str, float]) -> 
 
 
 def _emps(draw: Draw, amounts: Mapping[str, float]) -> EMPSRig:
-    planted = (LOAD_FRICTION(mu=amounts["share"]),) if amounts else ()
+    planted = (at("carriage", "load_friction", mu=amounts["share"]),) if amounts else ()
     return EMPSRig(EMPSConfig(truth=EMPSTruth(**draw.parameters, planted=planted)))
 
 

@@ -12,21 +12,20 @@ Source: Janot, Gautier, Brunot (2019), "Data set and reference models of EMPS".
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Self, final
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.records.record import Channel
-from hybridid.rigs.law_library import ASYMMETRIC_VISCOUS, COULOMB, OFFSET, VISCOUS
-from hybridid.rigs.laws import Planted, RigError
+from hybridid.rigs.law_library import COULOMB, OFFSET, VISCOUS
+from hybridid.rigs.laws import RigError
 from hybridid.rigs.loop import CascadedPD, Drive, Encoder
 from hybridid.rigs.machine import Machine, Motion
 from hybridid.rigs.rig import Experiment, Rig
 from hybridid.rigs.trajectory import BangBang, Move
-from hybridid.rigs.truth import PlantedAt, revised
+from hybridid.rigs.truth import PlantedAt, at
 
 Array = NDArray[np.float64]
 
@@ -35,14 +34,14 @@ Array = NDArray[np.float64]
 class EMPSTruth:
     """``M q'' = force - f_v q' - f_c sign(q') - offset - planted``; M [kg], f_v [N s/m], f_c, offset [N].
 
-    ``planted`` are further effects, which the declared model does not contain.
+    ``planted`` are further effects of the carriage, which the declared model does not contain.
     """
 
     M: float = 95.0
     f_v: float = 203.0
     f_c: float = 20.4
     offset: float = -3.2
-    planted: tuple[Planted, ...] = ()
+    planted: tuple[PlantedAt, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.M > 0 or self.f_c < 0:
@@ -52,7 +51,8 @@ class EMPSTruth:
     def machine(self) -> Machine:
         """The carriage: one mass, one contact."""
         believed = (VISCOUS(f_v=self.f_v), COULOMB(f_c=self.f_c), OFFSET(offset=self.offset))
-        return Machine(((self.M,),), ((1.0,),), ((1.0,),), ((*believed, *self.planted),))
+        laws = (*believed, *(one.what for one in self.planted))
+        return Machine(((self.M,),), ((1.0,),), ((1.0,),), (laws,))
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ DEFAULT = EMPSConfig(
         f_v=203.565,
         f_c=20.386,
         offset=-0.242,
-        planted=(ASYMMETRIC_VISCOUS(difference=73.718),),
+        planted=(at("carriage", "asymmetric_viscous", difference=73.718),),
     )
 )
 
@@ -123,6 +123,7 @@ class EMPSRig(Rig):
     """The electro-mechanical positioning system, simulated. Runs: ``identification`` and, with pulses
     on the command, ``validation``."""
 
+    config: EMPSConfig
     name = "emps"
     runs = ("identification", "validation")
     ports = ("carriage",)
@@ -133,22 +134,11 @@ class EMPSRig(Rig):
     auxiliary_channels = (Channel("reference", "m", meaning="commanded position"),)
 
     def __init__(self, config: EMPSConfig = DEFAULT) -> None:
-        self.config = config
-
-    def with_truth(self, values: Mapping[str, Any], planted: tuple[PlantedAt, ...] | None = None) -> Self:
-        truth = revised(self.config.truth, values)
-        if planted is not None:
-            truth = replace(truth, planted=tuple(one.what for one in planted))
-        return type(self)(replace(self.config, truth=truth))
-
-    def configuration(self) -> dict[str, Any]:
-        plain = asdict(self.config)
-        plain["truth"]["planted"] = [planted.described() for planted in self.config.truth.planted]
-        return plain
+        super().__init__(config)
 
     def summary(self) -> str:
         truth = self.config.truth
-        planted = ", ".join(str(planted) for planted in truth.planted) or "nothing"
+        planted = ", ".join(one.said() for one in truth.planted) or "nothing"
         return (
             f"M {truth.M:g} kg, f_v {truth.f_v:g} N s/m, f_c {truth.f_c:g} N, offset {truth.offset:g} N, "
             f"planted: {planted}"

@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Self, final
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ from hybridid.rigs.loop import PD, Drive, Encoder
 from hybridid.rigs.machine import Machine, Motion
 from hybridid.rigs.rig import Experiment, Rig
 from hybridid.rigs.sweep import LinearSweep, VelocityFilter
-from hybridid.rigs.truth import PlantedAt, at, revised
+from hybridid.rigs.truth import PlantedAt, at
 
 Array = NDArray[np.float64]
 PORTS = ("motor", "elastomer", "link")
@@ -125,6 +125,7 @@ class ESEARig(Rig):
     other direction.
     """
 
+    config: ESEAConfig
     name = "esea"
     runs = ("identification", "validation")
     ports = PORTS
@@ -139,18 +140,7 @@ class ESEARig(Rig):
     )
 
     def __init__(self, config: ESEAConfig | None = None) -> None:
-        self.config = config or ESEAConfig()
-
-    def with_truth(self, values: Mapping[str, Any], planted: tuple[PlantedAt, ...] | None = None) -> Self:
-        truth = revised(self.config.truth, values)
-        if planted is not None:
-            truth = replace(truth, planted=planted)
-        return type(self)(replace(self.config, truth=truth))
-
-    def configuration(self) -> dict[str, Any]:
-        plain = asdict(self.config)
-        plain["truth"]["planted"] = [one.described() for one in self.config.truth.planted]
-        return plain
+        super().__init__(config or ESEAConfig())
 
     def summary(self) -> str:
         truth = self.config.truth

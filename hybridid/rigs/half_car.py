@@ -20,9 +20,8 @@ Source: thesis Eqs. 4-1 to 4-14, Section 4.2, Tables 4.1 and 4.2.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Self, final
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +31,6 @@ from hybridid.rigs.half_car_truth import DEFAULT, PORTS, HalfCarTruth
 from hybridid.rigs.machine import Motion
 from hybridid.rigs.rig import Experiment, Rig
 from hybridid.rigs.road import Bump, Sensor
-from hybridid.rigs.truth import PlantedAt, revised
 
 Array = NDArray[np.float64]
 STEPS = 10  # of the truth a sample
@@ -59,6 +57,7 @@ class HalfCarConfig:
 class HalfCarRig(Rig):
     """A vehicle over a bump, simulated. Runs: ``identification`` at 20 km/h, ``validation`` at 15 km/h."""
 
+    config: HalfCarConfig
     name = "half_car"
     runs = ("identification", "validation")
     ports = PORTS
@@ -75,18 +74,7 @@ class HalfCarRig(Rig):
     auxiliary_channels = ()
 
     def __init__(self, config: HalfCarConfig | None = None) -> None:
-        self.config = config or HalfCarConfig()
-
-    def with_truth(self, values: Mapping[str, Any], planted: tuple[PlantedAt, ...] | None = None) -> Self:
-        truth = revised(self.config.truth, values)
-        if planted is not None:
-            truth = replace(truth, planted=planted)
-        return type(self)(replace(self.config, truth=truth))
-
-    def configuration(self) -> dict[str, Any]:
-        plain = asdict(self.config)
-        plain["truth"]["planted"] = [one.described() for one in self.config.truth.planted]
-        return plain
+        super().__init__(config or HalfCarConfig())
 
     def summary(self) -> str:
         truth = self.config.truth

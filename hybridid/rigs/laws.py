@@ -110,11 +110,6 @@ class Planted:
         """Name, values and fingerprint as plain data, for a digest or a file."""
         return {"law": self.law.name, "fingerprint": self.law.fingerprint, **dict(self.values)}
 
-    def __str__(self) -> str:
-        units = dict(self.law.parameters)
-        inside = ", ".join(f"{name} {value:g} {units[name]}".rstrip() for name, value in self.values)
-        return f"{self.law.name} ({inside})"
-
 
 def nearest(name: str, allowed: list[str]) -> str:
     """``"; nearest: ..."`` for a misspelt name, or what is allowed."""

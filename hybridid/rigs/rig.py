@@ -12,7 +12,7 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Self, final
 
 import numpy as np
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 import hybridid
 from hybridid.records.record import Channel, Record
 from hybridid.rigs.laws import RigError, nearest
-from hybridid.rigs.truth import PlantedAt
+from hybridid.rigs.truth import PlantedAt, revised
 
 Array = NDArray[np.float64]
 
@@ -45,8 +45,11 @@ class Rig(abc.ABC):
     """A virtual rig. A subclass declares its channels, runs and ports, and writes the experiment.
 
     ``ports`` are the places where laws can be planted, with the names of the plant's effort ports.
+    ``config`` holds all settings of the experiment, a frozen dataclass; its ``truth`` is another, with the
+    laws ``planted`` at the ports.
     """
 
+    config: Any
     name: str
     runs: tuple[str, ...]
     ports: tuple[str, ...]
@@ -56,25 +59,35 @@ class Rig(abc.ABC):
     output_channels: tuple[Channel, ...]
     auxiliary_channels: tuple[Channel, ...]
 
+    def __init__(self, config: Any) -> None:
+        self.config = config
+
     @abc.abstractmethod
     def perform(self, run: str, time: Array, generator: np.random.Generator) -> Experiment:
         """Perform the experiment ``run`` at the instants ``time`` (n,) [s], with noise from ``generator``."""
 
     @abc.abstractmethod
+    def summary(self) -> str:
+        """The truth in one line, with units."""
+
+    @final
     def with_truth(self, values: Mapping[str, Any], planted: tuple[PlantedAt, ...] | None = None) -> Self:
         """The same rig with another truth: ``values`` by name, and the laws ``planted`` (None: unchanged).
 
         Raises:
             RigError: in one line for an unknown name or a value that is not allowed.
         """
+        truth = revised(self.config.truth, values)
+        if planted is not None:
+            truth = replace(truth, planted=planted)
+        return type(self)(replace(self.config, truth=truth))
 
-    @abc.abstractmethod
-    def configuration(self) -> Mapping[str, Any]:
+    @final
+    def configuration(self) -> dict[str, Any]:
         """All settings of the experiment as plain data."""
-
-    @abc.abstractmethod
-    def summary(self) -> str:
-        """The truth in one line, with units."""
+        plain = asdict(self.config)
+        plain["truth"]["planted"] = [one.described() for one in self.config.truth.planted]
+        return plain
 
     @final
     def experiment(

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Self, final
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ from hybridid.rigs.load_laws import WEIGHT
 from hybridid.rigs.loop import Encoder
 from hybridid.rigs.machine import Machine, Motion
 from hybridid.rigs.rig import Experiment, Rig
-from hybridid.rigs.truth import PlantedAt, at, revised
+from hybridid.rigs.truth import PlantedAt, at
 
 Array = NDArray[np.float64]
 COUNTS = 4096
@@ -129,6 +129,7 @@ class ServoRig(Rig):
     Runs: each kind of trajectory with each gain, as ``sin_sin_kp400``.
     """
 
+    config: ServoConfig
     name = "servo"
     runs = tuple(f"{kind}_kp{gain}" for kind in GOALS for gain in GAINS)
     ports = ("joint",)
@@ -144,18 +145,7 @@ class ServoRig(Rig):
     auxiliary_channels = (Channel("duty", "1", meaning="duty of the bridge"),)
 
     def __init__(self, config: ServoConfig | None = None) -> None:
-        self.config = config or ServoConfig()
-
-    def with_truth(self, values: Mapping[str, Any], planted: tuple[PlantedAt, ...] | None = None) -> Self:
-        truth = revised(self.config.truth, values)
-        if planted is not None:
-            truth = replace(truth, planted=planted)
-        return type(self)(replace(self.config, truth=truth))
-
-    def configuration(self) -> dict[str, Any]:
-        plain = asdict(self.config)
-        plain["truth"]["planted"] = [one.described() for one in self.config.truth.planted]
-        return plain
+        super().__init__(config or ServoConfig())
 
     def summary(self) -> str:
         truth = self.config.truth

@@ -12,6 +12,7 @@ from hybridid.rigs.emps import DEFAULT, EMPSConfig, EMPSRig, EMPSTruth, SquareWa
 from hybridid.rigs.law_library import plant
 from hybridid.rigs.laws import RigError
 from hybridid.rigs.loop import Drive, Encoder
+from hybridid.rigs.truth import PlantedAt
 
 SHORT = 3.0
 GAIN, KP, KV, DT = 35.15, 160.18, 243.45, 1e-3
@@ -31,7 +32,9 @@ PLANTED = (
 
 
 def rig_with(*planted, **truth):
-    return EMPSRig(EMPSConfig(truth=EMPSTruth(planted=planted, **truth)))
+    return EMPSRig(
+        EMPSConfig(truth=EMPSTruth(planted=tuple(PlantedAt("carriage", one) for one in planted), **truth))
+    )
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +49,7 @@ def test_a_record_says_that_it_is_simulated_and_of_what():
     assert record.provenance == "simulated"
     assert "simulated" in record.source
     assert "M 95.154 kg" in record.source
-    assert "asymmetric_viscous (difference 73.718 N s/m)" in record.source
+    assert "asymmetric_viscous at carriage (difference 73.718 N s/m)" in record.source
     assert record.n == 3001
     assert record.dt == pytest.approx(1e-3)
     channels = (*record.input_channels, *record.output_channels, *record.auxiliary_channels)

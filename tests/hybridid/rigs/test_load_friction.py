@@ -10,7 +10,7 @@ from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
 from hybridid.rigs.emps import DEFAULT, EMPSRig, EMPSTruth
-from hybridid.rigs.load_laws import LOAD_FRICTION
+from hybridid.rigs.truth import at
 
 TRUTH = EMPSTruth(M=95.0, f_v=203.0, f_c=20.4, offset=-3.2)
 SETTINGS = FitSettings(horizon=500)
@@ -21,7 +21,7 @@ SYMMETRIC = ["viscous", "coulomb", "offset"]
 
 @pytest.mark.parametrize("mu", [0.03, 0.1])
 def test_a_fit_finds_the_planted_share_of_the_load_again(mu):
-    rig = EMPSRig(replace(DEFAULT, truth=replace(TRUTH, planted=(LOAD_FRICTION(mu=mu),))))
+    rig = EMPSRig(replace(DEFAULT, truth=replace(TRUTH, planted=(at("carriage", "load_friction", mu=mu),))))
     record = rig.record("identification", duration=12.0)
     poor = fit(compose(EMPS(), SYMMETRIC, SHARP), [record], SETTINGS)
     found = fit(compose(EMPS(), [*SYMMETRIC, "load_friction"], SHARP), [record], SETTINGS)

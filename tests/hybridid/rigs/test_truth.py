@@ -9,18 +9,18 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hybridid.rigs.emps import DEFAULT, EMPSConfig, EMPSRig, EMPSTruth
-from hybridid.rigs.law_library import plant
 from hybridid.rigs.laws import Law
 from hybridid.rigs.machine import Motion
+from hybridid.rigs.truth import PlantedAt, at
 
 DT = 1e-3
 M, F_V, F_C, OFFSET = 95.0, 203.0, 20.4, -3.2
 PEAK, V_S, K_3, DRAG = 6.0, 0.008, 4000.0, 300.0
 RICH = EMPSTruth(
     planted=(
-        plant("stribeck", amplitude=PEAK, velocity=V_S),
-        plant("cubic_stiffness", k_3=K_3, q_0=0.1),
-        plant("quadratic_drag", c=DRAG),
+        at("carriage", "stribeck", amplitude=PEAK, velocity=V_S),
+        at("carriage", "cubic_stiffness", k_3=K_3, q_0=0.1),
+        at("carriage", "quadratic_drag", c=DRAG),
     )
 )
 
@@ -95,8 +95,8 @@ def test_halving_the_step_and_tightening_the_tolerance_change_nothing_that_a_sen
         RICH,
         planted=(
             *RICH.planted,
-            plant("dahl", amplitude=4.0, stiffness=2e5),
-            plant("flexible_mode", mass=8.0, frequency=40.0, damping=0.01),
+            at("carriage", "dahl", amplitude=4.0, stiffness=2e5),
+            at("carriage", "flexible_mode", mass=8.0, frequency=40.0, damping=0.01),
         ),
     )
     force = EMPSRig(EMPSConfig(truth=truth)).experiment("validation", duration=3.0).inputs["force"]
@@ -115,7 +115,7 @@ def _meter(t, q, v, s, z, p, dz):
 
 def test_the_work_of_the_drive_is_found_again_as_heat_spring_and_motion():
     meter = Law("meter", "z' = power of the friction, F = 0", _meter, (("scale", ""),), states=1)
-    truth = replace(RICH, planted=(*RICH.planted, meter(scale=1.0)))
+    truth = replace(RICH, planted=(*RICH.planted, PlantedAt("carriage", meter(scale=1.0))))
     force = EMPSRig(EMPSConfig(truth=truth)).experiment("validation", duration=4.0).inputs["force"]
     q, v, motion = replay(truth.machine, force)
     work = np.sum(force[:-1] * np.diff(q))
@@ -129,8 +129,8 @@ def test_the_default_truth_is_the_published_machine_by_direction():
     """Janot, Gautier, Brunot (2019), Section 4.2: Fv+ 166.7061, Fc+ 20.1440, Fv- 240.4236, Fc- 20.6277."""
     truth = DEFAULT.truth
     (worn,) = truth.planted
-    (difference,) = dict(worn.values).values()
-    assert worn.law.name == "asymmetric_viscous"
+    (difference,) = dict(worn.what.values).values()
+    assert worn.what.law.name == "asymmetric_viscous"
     assert (truth.f_v - difference / 2, truth.f_v + difference / 2) == pytest.approx(
         (166.706, 240.424), abs=1e-3
     )

@@ -44,7 +44,7 @@ def test_a_planted_effect_reaches_the_records_and_their_digests(settings, own_fo
         for p in (None, planted)
     )
     assert plain.digest != told.digest
-    assert "quadratic_drag (c 400" in told.record().source
+    assert "quadratic_drag at carriage (c 400" in told.record().source
     assert not np.array_equal(plain.record().outputs, told.record().outputs)
 
 
