@@ -36,7 +36,7 @@ def confusion(found: Sequence[Round], player: str) -> Plot:
     axes.set_xticks(range(len(columns)), columns, rotation=90, fontsize=5.5)
     axes.set_yticks(range(len(rows)), rows, fontsize=5.5)
     axes.set_xlabel("named first")
-    axes.set_ylabel("planted; (outside the library)")
+    axes.set_ylabel("planted")
     axes.grid(False)
     axes.tick_params(length=0)
     for i, row in enumerate(rows):
@@ -47,7 +47,10 @@ def confusion(found: Sequence[Round], player: str) -> Plot:
                 axes.text(j, i, f"{table[i, j]:.0f}", ha="center", va="center", fontsize=5.5, color=colour)
             if right:
                 axes.add_patch(_frame(i, j))
-    caption = f"Effects planted (rows) and named first (columns) by {player}, where an oracle can detect them"
+    caption = (
+        "Effects planted (rows; in brackets those outside the library) and named first (columns) by "
+        f"{player}, where an oracle can detect them"
+    )
     return Plot(figure, f"confusion_{player}", caption, "simulated")
 
 

@@ -48,7 +48,8 @@ def heat_map_plot(
     provenance: str,
     width: float = DOUBLE_COLUMN,
 ) -> Plot:
-    """``rows`` and ``columns`` give a setting's name and its values, ``measure`` the number's name and unit.
+    """``rows`` and ``columns`` give a setting's name and its values, ``measure`` the number's name and unit,
+    ``title`` what the number is.
 
     Darker is smaller. At most ``MOST`` panels.
 
@@ -74,17 +75,19 @@ def heat_map_plot(
         _draw(axes, panel, rows, columns, factor, norm)
     for axes in grid[len(shown) :]:
         axes.set_visible(False)
-    bar = figure.colorbar(
-        grid[0].images[0], ax=list(grid), label=f"{measure[0]} [{unit}]", fraction=0.03, aspect=12
-    )
+    # the title says what the number is: on a low figure a longer label would leave the page
+    bar = figure.colorbar(grid[0].images[0], ax=list(grid), label=f"[{unit}]", fraction=0.03, aspect=12)
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
     bar.ax.yaxis.set_minor_formatter(NullFormatter())
     bar.outline.set_visible(False)
     left_out = f"; {MOST} panels of {len(panels)}" if len(panels) > MOST else ""
     over = " and ".join(name.partition(" [")[0] for name, _ in (rows, columns) if name)
+    several = any(np.isfinite(panel.spread).any() for panel in shown)
+    seeds = ", mean ± standard deviation over seeds where there are several" if several else ""
+    framed = "; framed: chosen" if any(panel.chosen for panel in shown) else ""
     caption = (
-        f"{measure[0][:1].upper()}{measure[0][1:]} in {unit} over {over} ({provenance}), "
-        f"mean ± standard deviation over seeds where there are several; framed: chosen{left_out}."
+        f"{measure[0][:1].upper()}{measure[0][1:]} in {unit} over {over} ({provenance})"
+        f"{seeds}{framed}{left_out}."
     )
     return Plot(figure, "heat_map", caption, provenance)
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hybridid.quantities import percent
+
 if TYPE_CHECKING:  # the choice itself need not load torch
     from hybridid.residuals.training import Trained
 
@@ -14,8 +16,8 @@ NEAR = 1.05
 """A held-out error up to this multiple of the lowest counts as equal. A standard error over the blocks is no
 alternative: if one block holds most of the error (a bump, say), one standard error admits every network."""
 RULE = (
-    f"the fewest weights whose free-run RMSE on the held-out blocks is within {NEAR - 1:.0%} of the lowest; "
-    "among equals the lowest"
+    f"the fewest weights whose free-run RMSE on the held-out blocks is within {percent(NEAR - 1)} of the "
+    "lowest; among equals the lowest"
 )
 
 

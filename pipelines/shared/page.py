@@ -17,6 +17,8 @@ from pipelines.shared.tree import write_text
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _IMAGE_TYPES = {".svg": "svg+xml", ".png": "png"}
+_SEPARATOR = re.compile(r"(?<=[\w%]/)(?=\w)|(?<=[\w%][._*+])(?=[^\W\d])")
+"""Where a long name may go on in the next line; never inside a number."""
 _MARKDOWN = re.compile(r"[*`\\]|<(?=[a-zA-Z/!])")
 """What Markdown would take for emphasis, code or HTML."""
 
@@ -24,6 +26,7 @@ _MARKDOWN = re.compile(r"[*`\\]|<(?=[a-zA-Z/!])")
 @dataclass(frozen=True)
 class Table:
     """Rows of text under a header. ``words`` are the columns that hold words, not numbers: the row's name.
+    A ``folded`` one shows its caption alone until it is opened.
 
     Raises:
         ValueError: if a row has more or fewer cells than the header.
@@ -34,6 +37,7 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     notes: tuple[str, ...] = ()
     words: tuple[int, ...] = (0,)
+    folded: bool = False
 
     def __post_init__(self) -> None:
         for row in self.rows:
@@ -111,7 +115,7 @@ def _render(template: str, page: Page, **filters: Callable[..., Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"text": _text, "cell": _cell, **filters}
+    environment.filters |= {"text": _text, "cell": _cell, "pieces": _SEPARATOR.split, **filters}
     return environment.get_template(template).render(page=page).rstrip() + "\n"
 
 

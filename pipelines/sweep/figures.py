@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hybridid.quantities import NONE
+from pipelines.shared.sections.known import unit_of
 from pipelines.sweep.grid import Cell, Group, Spread
 from pipelines.sweep.point import SEEDS, spelt
 from pipelines.sweep.words import axis_name
@@ -72,8 +74,8 @@ def heat_maps(groups: Sequence[Group], axes: Sequence[str], folder: Path) -> dic
 
 
 def _axis(key: str) -> str:
-    """Settings are counts and names: they have no unit, and the axis says so."""
-    return f"{axis_name(key)} [–]" if key else ""
+    """Most settings are counts and names: they have no unit, and the axis says so."""
+    return f"{axis_name(key)} [{unit_of(key) or NONE}]" if key else ""
 
 
 def _panels(group: Group, layout: _Layout) -> Iterator[Cells]:

@@ -21,7 +21,7 @@ from pipelines.sweep.rows import Row, rows_of
 RULES: Mapping[str | None, str] = {
     "narx": SMALLEST_NEAR_BEST,
     "rbf": FEWEST_NODES,
-    None: "none: of a gray box' fit nothing is held out, so nothing is chosen; compare the records' scores",
+    None: "none: the fit of a gray box holds nothing out, so nothing is chosen; compare the records' scores",
 }
 """How the network of each output is chosen, by the kind of network."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from pipelines.shared.page import Page, Picture, Section, Table
@@ -51,7 +51,9 @@ def page_of(swept: SweepOutcome, groups: Sequence[Group], pictures: tuple[Pictur
     rules = tuple(dict.fromkeys(f"Rule of choice: {group.rule}." for group in groups))
     chosen = [group.chosen.point for group in groups if group.chosen is not None]
     sections = [
-        Section("Chosen", (*map(choice, groups), *rules, UNSEEN), (), (), _commands(swept, chosen)),
+        Section(
+            "Chosen", (*map(choice, groups), *rules, *_remarks(groups)), (), (), _commands(swept, chosen)
+        ),
         Section("Grid", (), tables, pictures),
     ]
     compared = thesis_tables(sweep.name, swept.done, groups)
@@ -69,10 +71,11 @@ def page_of(swept: SweepOutcome, groups: Sequence[Group], pictures: tuple[Pictur
     return Page(f"Sweep: {sweep.name}", lead, tuple(sections), tuple(provenance))
 
 
-UNSEEN = (
-    "Validation records (unseen) are shown and take no part in the choice. Numbers are mean ± standard "
-    "deviation over seeds."
-)
+def _remarks(groups: Sequence[Group]) -> Iterator[str]:
+    """What the numbers of the tables are."""
+    yield "Validation records (unseen) are shown and take no part in the choice."
+    if any(len(cell.rows) > 1 for group in groups for cell in group.cells):
+        yield "Numbers are mean ± standard deviation over seeds."
 
 
 def _commands(swept: SweepOutcome, chosen: Sequence[Point]) -> tuple[str, ...]:

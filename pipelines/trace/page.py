@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from hybridid.naming import listed
 from hybridid.quantities import (
     DIVERGES,
     NONE,
     UNKNOWN,
-    change,
-    mean_square,
     number,
     percent,
     probability,
-    quantity,
-    r_squared,
     share,
 )
-from hybridid.trace.before_after import AFTER, BEFORE, ScoreRow
+from hybridid.trace.before_after import AFTER, BEFORE
 from hybridid.trace.entries import AcceptedEffect, EstimatedValue, LearnedGain
 from hybridid.trace.result import Trace
 from hybridid.trace.robustness import Survival
@@ -32,6 +27,7 @@ from hybridid.trace.words import (
 )
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.traced import TraceFile
+from pipelines.trace.scores import score_tables
 
 KINDS = ("waterfall", "trials", "missing_effort", "ceiling", "error")
 """Kinds of figures, as in the names of their files."""
@@ -51,7 +47,7 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
     found = traced.found
     about = {kind: tuple(p for p in pictures if kind in p.path.stem.split(".")) for kind in KINDS}
     sections = (
-        Section("Before and after", tables=_scores(found), pictures=about["waterfall"]),
+        Section("Before and after", tables=score_tables(found), pictures=about["waterfall"]),
         _accepted(found),
         Section("Parameters", tables=(_parameters(found),)),
         Section("What was tried", (_TRIED,), _refused(found), about["trials"]),
@@ -63,46 +59,6 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
     marks = (VERDICTS[found.verdict], found.provenance, f"case {traced.case}")
     shown = tuple(section for section in sections if section is not None)
     return Page(f"Trace of {traced.case}", found.sentence, shown, marks)
-
-
-def _scores(found: Trace) -> tuple[Table, ...]:
-    """A table for each output with a row for each model, grouped by record and view."""
-    rows = [*found.before, *(found.after if found.accepted else ())]
-    models = [[r for r in rows if r.model == name] for name in dict.fromkeys(r.model for r in rows)]
-    groups = list(zip(*models, strict=True))
-    header = ("record", "", "view", "model", "RMSE", "change", "MSE", "R²", "data")
-    notes = (
-        f"Effects declared: {listed(found.declared or ['none'])}; added: "
-        f"{listed([entry.name for entry in found.accepted] or ['none'])}. "
-        f"Each with every parameter refitted over horizons of {found.horizon:g} s of "
-        f"{listed(found.fitted_records)}.",
-        *(("The network was trained on the fitted horizons only.",) if found.completeness else ()),
-    )
-    tables = []
-    for output in found.noise_floor:
-        cells = [_score(row, same[0]) for same in groups for row in same if row.output == output]
-        tables.append(
-            Table(f"Error of {output} before and after", header, tuple(cells), words=(0, 1, 2, 3, 8))
-        )
-    return (*tables[:-1], replace(tables[-1], notes=notes))
-
-
-def _score(row: ScoreRow, first: ScoreRow) -> tuple[str, ...]:
-    leading = row is first
-    where = (row.record, row.role, _view(row)) if leading else ("", "", "")
-    return (
-        *where,
-        row.model,
-        quantity(row.rmse, row.unit),
-        "" if leading else change(first.rmse, row.rmse),
-        mean_square(row.mse, row.unit),
-        r_squared(row.r2),
-        row.provenance,
-    )
-
-
-def _view(row: ScoreRow) -> str:
-    return "free run" if row.horizon is None else f"{row.horizon:g} s horizons"
 
 
 def _accepted(found: Trace) -> Section | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from hybridid.hybrid.narx_grid import HeldOutError
 from hybridid.plain import restored
+from hybridid.quantities import percent
 from hybridid.residuals.choice import NEAR, smallest_within
 from pipelines.tune.request import Value
 
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
     from optuna.trial import FrozenTrial
 
 RULE = (
-    f"the fewest weights whose held-out share is within {NEAR - 1:.0%} of the lowest; of equals the lowest; "
-    "pruned trials take no part"
+    f"the fewest weights whose held-out share is within {percent(NEAR - 1)} of the lowest; of equals the "
+    "lowest; pruned trials take no part"
 )
 State = Literal["done", "pruned", "failed", "stopped", "running"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hybridid.settings import keys
+from hybridid.settings import declared, keys
 from hybridid.settings.fit import FitSettings
 from pipelines.shared.sections.searches import SweepSection, TraceSection, TuneSection
 from pipelines.shared.sections.stages import (
@@ -43,3 +43,10 @@ LONE: tuple[type, ...] = (LoneKeys, UiKeys)
 """Keys that stand in no section."""
 KEYS: tuple[str, ...] = (*SECTIONS, *FREE, *(key for cls in LONE for key in keys(cls)))
 """All that may stand at the top of a config."""
+
+
+def unit_of(key: str) -> str:
+    """Of a setting by its dotted name, such as ``estimator.horizon``; empty if it has none."""
+    name = key.partition(".")[0]
+    found = declared(SECTIONS[name], f"{name}.") if name in SECTIONS else ()
+    return next((one.setting.unit for one in found if one.name == key), "")

@@ -23,7 +23,10 @@ def test_numbers_are_written_with_their_spread_in_a_readable_unit():
     plot = drawn([[2e-3, 3e-3]], [[1e-4, np.nan]])
     written = [text.get_text() for text in plot.figure.axes[0].texts]
     assert written == ["2\n± 0.1", "3"]
-    assert "Held-out RMSE in mm over layers and neurons a layer (simulated)" in plot.caption
+    assert plot.caption == (
+        "Held-out RMSE in mm over layers and neurons a layer (simulated), mean ± standard deviation over "
+        "seeds where there are several."
+    )
 
 
 def test_the_chosen_cell_is_framed_and_a_missing_one_says_so():
@@ -33,6 +36,7 @@ def test_the_chosen_cell_is_framed_and_a_missing_one_says_so():
     centre = frame.get_x() + frame.get_width() / 2, frame.get_y() + frame.get_height() / 2
     assert centre == pytest.approx((0, 1))
     assert [text.get_text() for text in axes.texts][1] == "–"
+    assert plot.caption.endswith("(simulated); framed: chosen.")
 
 
 def test_colours_go_by_decades_where_the_numbers_do():

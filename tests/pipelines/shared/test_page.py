@@ -91,6 +91,26 @@ def test_numbers_stand_right_and_words_left(page):
     assert "| --- | ---: | --- |" in page.markdown(page.sections[0].pictures[0].path.parent)
 
 
+def test_a_folded_table_shows_its_caption_until_it_is_opened(page, tmp_path):
+    table = replace(page.sections[0].tables[0], folded=True)
+    folded = Page("", "", (Section("a", tables=(table,)),))
+    outline = Outline(folded.html())
+    assert (outline.open, outline.unbalanced) == ([], [])
+    assert outline.texts["summary"] == ["Scores (measured)"]
+    assert "caption" not in outline.texts
+    assert "<details><summary>Scores (measured)</summary>\n\n| record |" in folded.markdown(tmp_path)
+    assert "| second | diverges |  |\n\n</details>\n\n*Intervals" in folded.markdown(tmp_path)
+
+
+def test_long_names_go_on_in_the_next_line_and_numbers_do_not():
+    name = "004/oscillator/following_friction/noise0.00034"
+    table = Table("", ("residual.width", "RMSE"), ((name, "0.585 mm"),))
+    html = Page("", "", (Section("a", tables=(table,)),)).html()
+    assert "residual.<wbr>width" in html
+    assert "004/<wbr>oscillator/<wbr>following_<wbr>friction/<wbr>noise0.00034" in html
+    assert "0.585 mm" in html
+
+
 def test_pictures_are_inside_the_html_and_need_no_other_file(page):
     html = page.html()
     for kind, content in (("svg+xml", SVG), ("png", PNG)):
@@ -169,6 +189,7 @@ HOSTILE = """<b>x</b> & "quoted" 'single' <script>alert(1)</script>"""
         Page("", "", (Section("a", (HOSTILE,)),)),
         Page("", "", (Section("a", commands=(HOSTILE,)),)),
         Page("", "", (Section("a", tables=(Table(HOSTILE, (), ()),)),)),
+        Page("", "", (Section("a", tables=(Table(HOSTILE, (), (), folded=True),)),)),
         Page("", "", (Section("a", tables=(Table("", (HOSTILE,), ((HOSTILE,),), (HOSTILE,)),)),)),
     ],
 )

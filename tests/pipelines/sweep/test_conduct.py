@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytest
 
+from hybridid.quantities import percent
 from hybridid.residuals.choice import NEAR
 from hybridid_cli.sweep_results import failed, summary
 from pipelines.shared.errors import ConfigError
@@ -50,7 +51,7 @@ def test_a_sweep_ends_in_a_table_a_map_and_a_choice(points, done, fits_schema):
     assert output["chosen"]["tree"] == kept["tree"]
 
     page = (folder / "index.md").read_text()
-    assert f"within {NEAR - 1:.0%} of the lowest" in page
+    assert f"within {percent(NEAR - 1)} of the lowest" in page
     assert "heat_map_position.svg" in page
     said = summary(swept, groups)
     assert "chosen for position" in said

@@ -36,8 +36,39 @@ def test_before_and_after_stand_side_by_side_with_the_change(section):
     (table,) = section("Before and after").tables
     assert column(table, "RMSE") == ["2 mm", "diverges", "1 mm", "500 µm", "1.2 mm", "600 µm"]
     assert column(table, "change") == ["", "", "", "−50.0 %", "", "−50.0 %"]
-    assert set(column(table, "data")) == {"simulated"}
+    assert table.caption == "Error of position before and after (simulated)"
+    assert "data" not in table.header
     assert "Effects declared: cart.viscous; added: cart.coulomb." in table.notes[0]
+
+
+def test_where_records_differ_each_row_says_what_its_data_are(section, stored):
+    found = stored().found
+    before, after = (
+        tuple(replace(row, provenance="measured") if row.role == "held out" else row for row in rows)
+        for rows in (found.before, found.after)
+    )
+    (table,) = section("Before and after", before=before, after=after).tables
+    assert column(table, "data") == ["simulated"] * 4 + ["measured"] * 2
+
+
+def test_of_many_records_the_means_come_first_and_each_is_folded_away(section, stored):
+    found = stored().found
+    before, after = (
+        tuple(
+            replace(row, record=f"{row.role} {k}", rmse=row.rmse * (1 + k * worse))
+            for k in range(3)
+            for row in rows
+        )
+        for rows, worse in ((found.before, 0), (found.after, 1))
+    )
+    means, each = section("Before and after", before=before, after=after).tables
+    assert not means.folded
+    assert column(means, "records") == ["3 fitted", "", "3 fitted", "", "3 held out", ""]
+    assert column(means, "mean RMSE") == ["2 mm", "diverges", "1 mm", "1 mm", "1.2 mm", "1.2 mm"]
+    assert column(means, "lower in") == ["", "0 of 3", "", "1 of 3", "", "1 of 3"]
+    assert each.folded
+    assert len(each.rows) == 18
+    assert "Effects declared" in each.notes[0]
 
 
 def test_nothing_accepted_shows_each_score_once(section):
