@@ -13,7 +13,8 @@ from hybridid.records.mapping import RecordMap, SignalMap, TimeMap
 from hybridid.settings import REQUIRED, Declared, declared
 from hybridid.settings.bounds import kind
 from hybridid.settings.declare import hints_of
-from hybridid_cli.keys import default_of, meaning_of, typed
+from hybridid.signals.steps import STEPS
+from hybridid_cli.keys import default_of, groups, meaning_of, typed
 from pipelines.shared.sections.known import SECTIONS
 from pipelines.shared.sections.residual import KINDS
 from pipelines.shared.sections.stages import LoneKeys, ReproduceKeys, UiKeys
@@ -45,6 +46,18 @@ These keys hold names that the case chooses.
   first table below.
 - `signals`: the same keys, for all records.
 """
+GROUPS = """\
+## Groups
+A group is a key that takes a whole file of `conf`: `estimator=multiple_shooting` sets what
+`conf/estimator/multiple_shooting.yaml` holds. `--config-dir DIR` adds files of your own, such as
+`DIR/case/mine.yaml`.
+"""
+STEPS_HEAD = """\
+### A step (`preprocess.steps`, and `steps` of a record)
+`step` names it; the other keys are its own. A signal that a step makes of a `signal` is added in `role` if
+its `name` is new; with the old name it takes the old one's place. With `demote`, the old one becomes
+auxiliary.
+"""
 TABLES = {
     "A record": RecordMap,
     "A signal (`inputs.NAME`, `outputs.NAME`, `auxiliary.NAME`)": SignalMap,
@@ -56,11 +69,14 @@ def text() -> str:
     """The whole page."""
     parts = [HEAD, "## Keys that stand in no section\n", *_table(declared(LoneKeys))]
     parts += ["Of `hybridid ui`:\n", *_table(declared(UiKeys))]
-    parts += ["Of `hybridid reproduce`:\n", *_table(declared(ReproduceKeys)), FREE]
+    parts += ["Of `hybridid reproduce`:\n", *_table(declared(ReproduceKeys))]
+    parts += [GROUPS, *_table(groups()), FREE]
     for title, cls in TABLES.items():
         parts += [f"### {title}\n", *_fields(cls)]
     for name, cls in SECTIONS.items():
         parts += [f"## {name}\n{_first_line(cls)}\n", *_table(declared(cls, f"{name}."))]
+        if name == "preprocess":
+            parts += [STEPS_HEAD, *(line for step, kind in STEPS.items() for line in _step(step, kind))]
     for name, cls in KINDS.items():
         parts += [f"## residual ({name})\n{_first_line(cls)}\n", *_table(declared(cls, "residual."))]
     return "\n".join(parts).rstrip() + "\n"
@@ -98,6 +114,11 @@ def _fields(cls: type) -> Iterator[str]:
         default = "must be given" if missing else _code(typed(field.default))
         yield f"| `{field.name}` | {default} | {_cell(kind(hint))} |"
     yield ""
+
+
+def _step(name: str, cls: type) -> Iterator[str]:
+    yield f"#### {name}\n"
+    yield from _fields(cls)
 
 
 def _paragraph(cls: type) -> str:

@@ -27,15 +27,24 @@ Keys that every stage knows (hybridid {name} --cfg job prints them all)
   parameters.NAME.KEY=X    guess, lower, upper or fixed of one parameter, as in parameters.M.lower=30
   data=measured|simulated  insist on measured records, or on the case's virtual rig; default: auto
   paths.data=DIR           where measured records lie; default: $HYBRIDID_DATA, else data/raw
-  out=DIR                  put the whole run tree there; default: outputs/<case>/<hash of the config>
+  out=DIR                  {out}
   mlflow.enabled=false     do not log the run; mlflow.tracking_uri=http://HOST:PORT logs it to a server
 
 Flags
-  -m                       sweep: estimator.horizon=250,1000 runs both; launcher=joblib side by side
+  -m                       sweep: estimator.horizon=250,1000 runs both; launcher=joblib side by side,
+                           launcher=slurm on a cluster
   --cfg job                print the config that would be used, and stop
   --config-dir DIR         cases, plants and effects of your own: DIR/case/mine.yaml and Python files in DIR
   --debug                  show where in the code an error arose
 """
+
+_OUT = {
+    "sweep": """\
+the report and every point's run tree; default: outputs/sweeps/<name>-<digest>,
+                           and each point where hybridid run would put it""",
+    "tune": "all that the search writes; default: outputs/<case>/tune-<digest>",
+}
+_TREE = "put the whole run tree there; default: outputs/<case>/<hash of the config>"
 
 RUN = """\
 Reads and checks the records, estimates the parameters, scores the model in free run and over horizons, and
@@ -204,5 +213,5 @@ def of_command(name: str, summary: str, details: str, stages: bool) -> str:
 
         parts.append(keys.of_command(name))
     if stages and name not in ("ui", "fetch", "log"):
-        parts.append(_SHARED.format(name=name))
+        parts.append(_SHARED.format(name=name, out=_OUT.get(name, _TREE)))
     return "\n".join(part for part in parts if part)

@@ -7,8 +7,9 @@ import typing
 from collections.abc import Iterator
 from typing import Any, Literal
 
-from hybridid.settings import REQUIRED, Declared, declared
+from hybridid.settings import REQUIRED, Declared, Setting, declared
 from hybridid.settings.bounds import options, words_of
+from hybridid_cli.config_files import options as options_of
 from pipelines.shared.sections.known import LONE, SECTIONS
 from pipelines.shared.sections.stages import ReproduceKeys, UiKeys
 
@@ -27,20 +28,48 @@ _OWN: dict[str, tuple[str, ...]] = {
     "ui": ("mlflow.tracking_uri",),
 }
 """By command: sections, or single keys of some."""
+_LONE = {"ui": UiKeys, "reproduce": ReproduceKeys}
+_OWN_GROUPS = {"fit": "estimator", "residual": "residual", "sweep": "launcher"}
+_GROUPS: dict[str, tuple[Any, Setting]] = {
+    "case": ("emps", Setting("the machine and its records")),
+    "experiment": (None, Setting("changes to a case, as the thesis' experiments need them", null="none")),
+    "estimator": ("gauss_newton", Setting("how to fit; sets the keys of estimator")),
+    "residual": (None, Setting("the network; sets the keys of residual", null="none")),
+    "friction": ("linear", Setting("of case=esea: the friction that is declared")),
+    "launcher": (
+        "local",
+        Setting(
+            "what does the jobs of sweep and of -m; local: this process, for sweep one process a core; "
+            "joblib: processes of this machine; slurm: a cluster"
+        ),
+    ),
+}
+"""Default and meaning of a config group: a key whose values are files of ``conf``."""
 _HIDDEN = ("sweep.job", "residual.kind")
 
 
 def of_command(command: str) -> str:
     """The keys of a command with their values, meaning and default; empty if it has none of its own."""
+    own = [group(_OWN_GROUPS[command])] if command in _OWN_GROUPS else []
+    own += declared(_LONE[command]) if command in _LONE else ()
+    own += [one for key in _OWN.get(command, ()) for one in _chosen(key)]
+    parts = [("Its own keys", own)]
     if command == "residual":
         from pipelines.shared.sections.residual import KINDS  # many keys, and no other help has them
 
-        parts = [(f"Keys of residual={kind}", list(_below("residual", cls))) for kind, cls in KINDS.items()]
-    else:
-        lone = {"ui": UiKeys, "reproduce": ReproduceKeys}.get(command)
-        own = [one for key in _OWN.get(command, ()) for one in _chosen(key)]
-        parts = [("Its own keys", [*(declared(lone) if lone else ()), *own])]
+        parts += [(f"Keys of residual={kind}", list(_below("residual", cls))) for kind, cls in KINDS.items()]
     return "\n".join(f"{title}\n{_table(found)}" for title, found in parts if found)
+
+
+def group(name: str) -> Declared:
+    """A config group as a key, with the files of ``conf`` as its values."""
+    default, known = _GROUPS[name]
+    return Declared(name, Literal[tuple(options_of(name))], default, known)
+
+
+def groups() -> list[Declared]:
+    """Every config group that a command line may choose from."""
+    return [group(name) for name in _GROUPS]
 
 
 def choices() -> dict[str, tuple[str, ...]]:

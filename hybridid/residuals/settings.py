@@ -86,7 +86,7 @@ class Training:
     blocks: int = setting(10, "contiguous blocks of each record", least=2)
     guard: float = setting(
         10.0,
-        "a network whose |error| exceeds the largest that trained it so many times has diverge",
+        "a network whose |error| exceeds the largest that trained it so many times has diverged",
         above=1,
     )
     precision: Literal["single", "double"] = setting("single", "precision of the arithmetic")

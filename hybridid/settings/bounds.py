@@ -56,7 +56,8 @@ def kind(hint: Any) -> str:
     if origin is Literal:
         return ", ".join(map(str, arguments))
     if origin in (Union, types.UnionType):
-        return " or ".join(map(kind, arguments))
+        lists = any(typing.get_origin(argument) is tuple for argument in arguments)
+        return (", or " if lists else " or ").join(map(kind, arguments))
     if origin is tuple and arguments[-1] is Ellipsis:
         return f"a list, each {kind(arguments[0])}"
     if origin is tuple:

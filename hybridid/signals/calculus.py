@@ -23,7 +23,7 @@ class Integrate(Step):
     ``highpass`` frequencies below ``cutoff`` [Hz] from y, by a zero-phase Butterworth of ``order``
     (an offset that varies slowly).
 
-    The result is the signal ``name`` in ``unit``; for ``role`` and ``demote`` see ``Target``.
+    The result is the signal ``name`` in ``unit``, placed by ``role`` and ``demote``.
     """
 
     signal: str

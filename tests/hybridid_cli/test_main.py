@@ -9,6 +9,7 @@ import time
 import pytest
 
 from hybridid import __version__
+from hybridid.signals.steps import STEPS
 from hybridid_cli.commands import BY_NAME
 
 HEAVY = {"hydra", "omegaconf", "casadi", "mlflow", "scipy", "numpy", "rich", "torch", "matplotlib", "yaml"}
@@ -95,6 +96,13 @@ def test_reader_that_leaves_early_is_no_error(environment):
         ("residual", "residual.bounds.centre_room=X", "default: 0.5"),
         ("ui", "port=N", "default: 5000"),
         ("reproduce", "processes=N", "default: null, one a core"),
+        ("sweep", "launcher=joblib|local|slurm", "default: local"),
+        ("sweep", "out=DIR", "default: outputs/sweeps/<name>-<digest>"),
+        ("tune", "out=DIR", "default: outputs/<case>/tune-<digest>"),
+        ("trace", "out=DIR", "default: outputs/<case>/<hash of the config>"),
+        ("fit", "estimator=gauss_newton|multiple_shooting", "default: gauss_newton"),
+        ("residual", "residual=narx|", "sets the keys of residual"),
+        ("preprocess", "preprocess.steps=[...]", ", ".join(STEPS)),
     ],
 )
 def test_help_tells_each_key_its_values_and_its_default(say, command, key, said):

@@ -25,7 +25,11 @@ class LoneKeys:
         shown="FILE",
     )
     out: str | None = setting(
-        None, "folder for the whole run tree", null="<paths.outputs>/<case>/<hash of the config>", shown="DIR"
+        None,
+        "folder for the whole run tree, or for all that sweep or tune writes",
+        null="<paths.outputs>/<case>/<hash of the config>, of sweep <paths.outputs>/sweeps/<name>-<digest>, "
+        "of tune <paths.outputs>/<case>/tune-<digest>",
+        shown="DIR",
     )
     data: Literal["auto", "measured", "simulated"] = setting(
         "auto", "auto: measured records where they are found, else the case's virtual rig"
@@ -91,7 +95,10 @@ class PreprocessSection:
     """What is done to every record after it is read."""
 
     steps: Any = setting(
-        (), "what is done to each record, in order, as in [{step: decimate, factor: 10}]", shown="[...]"
+        (),
+        "what is done to each record, in order, as in [{step: decimate, factor: 10}]; steps: butterworth, "
+        "crop, decimate, differentiate, integrate, offset, remove_mean, savitzky_golay, scale",
+        shown="[...]",
     )
 
 
