@@ -43,7 +43,7 @@ def confusion(found: Sequence[Round], player: str) -> Plot:
         for j, column in enumerate(columns):
             right = column == (row if row in inside else NOTHING)
             if table[i, j]:
-                colour = INK if right else VERMILION
+                colour = "white" if share[i, j] > 0.5 else INK if right else VERMILION
                 axes.text(j, i, f"{table[i, j]:.0f}", ha="center", va="center", fontsize=5.5, color=colour)
             if right:
                 axes.add_patch(_frame(i, j))

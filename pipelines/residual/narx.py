@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from hybridid.estimators.estimate import Progress
 from hybridid.hybrid import FittedHybrid, GrayBox, errors_of, gray_runs
 from hybridid.hybrid.gray_box import Errors
 from hybridid.hybrid.narx_grid import narx_hybrid, networks_to_train, train_networks
 from hybridid.model import Model
-from hybridid.plain import build
 from hybridid.residuals.orders import Orders, orders_of
 from hybridid.residuals.settings import Architecture
 from pipelines.residual.request import Request
@@ -27,10 +26,6 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class NARXRequest(NARXSection, Request):
     """Networks of every depth, width and seed."""
-
-    @classmethod
-    def of(cls, section: Mapping[str, Any]) -> NARXRequest:
-        return build(cls, section, "residual", ConfigError)
 
     def check(self, model: Model) -> None:
         outputs = [signal.name for signal in model.outputs]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from itertools import starmap
@@ -12,7 +11,6 @@ from typing import Any
 from hybridid.hybrid import FittedHybrid, GrayBox
 from hybridid.hybrid.rbf_grid import rbf_hybrid
 from hybridid.model import Model
-from hybridid.plain import build
 from hybridid.residuals.held_out import Candidate, Mapper
 from hybridid.residuals.rbf_fit import RBFPlan, port_of
 from hybridid.settings.fit import FitSettings
@@ -26,10 +24,6 @@ from pipelines.shared.watch import Watcher
 @dataclass(frozen=True)
 class RBFRequest(RBFSection, Request):
     """Networks of ``nodes`` numbers of nodes, fitted over ``horizons``."""
-
-    @classmethod
-    def of(cls, section: Mapping[str, Any]) -> RBFRequest:
-        return build(cls, section, "residual", ConfigError)
 
     def check(self, model: Model) -> None:
         try:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Self
 
 from hybridid.estimators.estimate import Progress
 from hybridid.hybrid import FittedHybrid, GrayBox
 from hybridid.model import Model
+from hybridid.plain import build
+from pipelines.shared.errors import ConfigError
 from pipelines.shared.watch import Watcher
 
 
@@ -16,13 +18,13 @@ class Request(abc.ABC):
     """One kind of residual network, as configured."""
 
     @classmethod
-    @abc.abstractmethod
-    def of(cls, section: Mapping[str, Any]) -> Request:
+    def of(cls, section: Mapping[str, Any]) -> Self:
         """The request that the section makes.
 
         Raises:
             ConfigError: if a key or a value is not allowed.
         """
+        return build(cls, section, "residual", ConfigError)
 
     @abc.abstractmethod
     def check(self, model: Model) -> None:
