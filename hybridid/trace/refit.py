@@ -52,9 +52,12 @@ class Refit:
     """A model fitted on the split's fitted horizons, and its score on the held-out ones.
 
     ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out; ``numerics`` say how its
-    equations were solved, in ``substeps`` a sample. They are ``too_stiff`` if a start was left out or
-    diverged, or the end would need more than ``STIFF`` steps: then the integrator may have decided, not the
-    records. ``std`` and ``correlation`` are those of the noise alone, empty where they were not asked for.
+    equations were solved, in ``substeps`` a sample. ``std`` and ``correlation`` are those of the noise alone,
+    empty where they were not asked for.
+
+    It is ``too_stiff`` if a start was left out, if the end would need more than ``STIFF`` steps, or if a
+    start diverged with a new inner state, whose stiffness no path of the poorer model shows. Then the
+    integrator may have decided, not the records.
     """
 
     model: Model
@@ -111,6 +114,7 @@ def refit(
             return None
         return Start(numerics.problem(model, split, needed), p, found.x0)
 
+    remembers = before is not None and len(model.states) > len(before.model.states)
     begun = _starts(model, split, starts, before, numerics)
     found = descend(begun, plan, split.fitted)
     found = refine(found, plan, finer, split.fitted)
@@ -136,7 +140,7 @@ def refit(
         seconds=time.perf_counter() - began,
         substeps=problem.windows.substeps,
         numerics=numerics,
-        too_stiff=len(begun) < len(starts) or found.diverged > 0 or steps_at(found) > STIFF,
+        too_stiff=len(begun) < len(starts) or steps_at(found) > STIFF or (remembers and found.diverged > 0),
     )
 
 
