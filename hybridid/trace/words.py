@@ -19,25 +19,30 @@ VERDICTS = {
 
 
 def sentence(found: Trace) -> str:
-    """The verdict in one sentence: what the model lacked and how far the error falls, or what is left."""
+    """The verdict in words: what could not be fitted, if anything; then what the model lacked and how far the
+    error falls, or what is left."""
+    return _untried(found) + _concluded(found)
+
+
+def _concluded(found: Trace) -> str:
     where = f"on held-out horizons of {found.horizon:g} s ({found.provenance})"
     if found.verdict == "nothing_missing":
-        return f"Nothing that can be found is missing: {_none_passes(found, where)} {_open(found)}"
+        return f"Nothing that can be found is missing: {_none_passes(found, where)} {error_left(found)}"
     if found.verdict == "undecided":
         return (
             f"These records do not decide whether something is missing: {where} the RMSE would fall by "
-            f"{found.refused}. {_open(found)}"
+            f"{found.refused}. {error_left(found)}"
         )
     if found.verdict == "unexplained":
         place = f"structure remains {listed(found.remains)}, {where}. " if found.remains else ""
         return (
             f"Something is missing that none of the {len(found.rejected)} effects tried explains: "
-            f"{place}{_open(found)}"
+            f"{place}{error_left(found)}"
         )
     them = "them" if len(found.accepted) > 1 else "it"
     lacked = listed([_named(entry) for entry in found.accepted])
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
-    return f"The model lacked {lacked}: {fall}.{_rest(found)}{_untried(found)}"
+    return f"The model lacked {lacked}: {fall}.{_rest(found)}"
 
 
 def structure_in_words(found: Trace) -> str:
@@ -95,10 +100,6 @@ def _none_passes(found: Trace, where: str) -> str:
     )
 
 
-def _open(found: Trace) -> str:
-    return error_left(found) + _untried(found)
-
-
 def error_left(found: Trace) -> str:
     """How far the error that is left is from what noise and simulation alone leave."""
     each = []
@@ -110,10 +111,11 @@ def error_left(found: Trace) -> str:
 
 
 def _untried(found: Trace) -> str:
-    """Which effects and learned efforts could not be tried; a verdict does not speak of these."""
+    """Which effects and learned efforts could not be fitted: the verdict does not speak of these."""
     names = [entry.name for entry in found.rejected if entry.status == UNTRIED]
     names += [f"a learned effort at {c.port} over {c.over}" for c in found.ceilings.after if c.failure]
-    return f" Not tried, for they could not be fitted: {listed(names)}." if names else ""
+    them = "them" if len(names) > 1 else "it"
+    return f"The verdict leaves out {listed(names)}: no fit could solve {them}. " if names else ""
 
 
 def _named(entry: AcceptedEffect) -> str:

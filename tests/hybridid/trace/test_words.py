@@ -82,13 +82,13 @@ def test_nothing_was_tried_because_nothing_is_left(nothing):
 
 def test_effects_that_could_not_be_tried_are_named(nothing):
     said = sentence(nothing(DRAG, replace(SPRING, status="untried")))
-    assert said.endswith("Not tried, for they could not be fitted: carriage.cubic_stiffness.")
+    assert said.startswith("The verdict leaves out carriage.cubic_stiffness: no fit could solve it. Nothing")
 
 
 def test_a_learned_effort_that_could_not_be_solved_is_named(nothing):
     stiff = LearnedGain("carriage", "position", 0.0, 1.0, "N", "m", failure="too stiff")
     said = sentence(replace(nothing(DRAG), ceilings=LearnedGains((), (stiff,))))
-    assert "could not be fitted: a learned effort at carriage over position." in said
+    assert said.startswith("The verdict leaves out a learned effort at carriage over position: no fit")
 
 
 def test_an_error_far_above_the_noise_is_unexplained_also_where_no_place_is_known(nothing):
