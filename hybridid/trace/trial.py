@@ -15,7 +15,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
-from hybridid.trace.refit import CONTINUATION, Refit, refit
+from hybridid.trace.refit import CONTINUATION, LEAST_DECREASE, Refit, refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
@@ -67,20 +67,25 @@ class Trial:
 def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons.
 
-    What is too stiff for the integrator of ``base`` is tried again with the implicit one.
+    What is too stiff for the integrator of ``base`` is tried again with the implicit one. That trial counts
+    if it explains more: else everything that follows would be solved the slow way for nothing.
     """
     trial = _attempt(candidate, base, split, base.numerics)
     solved = trial.refit is not None and not trial.refit.too_stiff
     if solved or base.numerics.integrator == OTHERWISE:
         return trial
     again = _attempt(candidate, base, split, replace(base.numerics, integrator=OTHERWISE))
-    if not again.failure:
-        return again
-    return (
-        replace(again, failure=f"{trial.failure}; with {OTHERWISE}: {again.failure}")
-        if trial.failure
-        else trial
-    )
+    if trial.refit is None and again.refit is None:
+        return replace(again, failure=f"{trial.failure}; with {OTHERWISE}: {again.failure}")
+    return again if _explains_more(again, trial) else trial
+
+
+def _explains_more(one: Trial, other: Trial) -> bool:
+    """Whether ``one`` could be fitted and the other could not, or its error is lower, fitted or held out."""
+    if one.refit is None or other.refit is None:
+        return one.refit is not None
+    lower = one.refit.cost < (1 - LEAST_DECREASE) * other.refit.cost
+    return lower or one.refit.score.loss < (1 - LEAST_DECREASE) * other.refit.score.loss
 
 
 def _attempt(candidate: Candidate, base: Refit, split: Split, numerics: Numerics) -> Trial:

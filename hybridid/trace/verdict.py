@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
@@ -20,12 +21,14 @@ from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.noise import noise_level
 from hybridid.trace.numerics import Numerics
+from hybridid.trace.refit import Refit
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, recheck, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import unless_minor, unless_outdone, without_mixed_classes, without_stand_ins
 
+Array = NDArray[np.float64]
 MOST_TOLD = 3
 """Places where structure remains, the strongest, that are looked at and named."""
 Ceilings = tuple[Ceiling, ...]
@@ -87,13 +90,11 @@ def conclude(
     found = search(model, context, starts, floor, Numerics(integrator=integrator))
     found = without_mixed_classes(recheck(found, split, rules))
     found, left, before = _trusted(found, context)
-    simulation = simulation_error(found.final, context)
-    times = times_the_limit(found.final.score.rmse, noise, simulation)
+    simulation, times = _error_left(found.final, noise, context)
     kept = unless_minor(found, times, rules)
     if kept is not found:
-        found, left = kept, before or ceilings(kept.final, context)
-        simulation = simulation_error(found.final, context)
-        times = times_the_limit(found.final.score.rmse, noise, simulation)
+        found, left = kept, _beside_last(kept, before, context)
+        simulation, times = _error_left(found.final, noise, context)
     told = _telling(left, rules)[:MOST_TOLD]
     remains = tuple(f"at {told[k].place}" for k in surviving([c.refit for c in told], found.final, context))
     refused = _refused(found, left, times, rules)
@@ -130,10 +131,21 @@ def _trusted(found: Search, context: Context) -> tuple[Search, Ceilings, Ceiling
     before = ceilings(found.first, context) if len(found.accepted) > 1 else ()
     kept = unless_outdone(found, before, context.rules)
     if kept is not found:
-        return kept, before, before
+        return kept, _beside_last(kept, before, context), before
     after = ceilings(found.final, context)
     kept = without_stand_ins(found, after, context)
     return kept, (after if kept is found else ceilings(kept.final, context)), before
+
+
+def _beside_last(found: Search, before: Ceilings, context: Context) -> Ceilings:
+    """The ceilings of the last model; ``before`` are those of the declared one, if they are known."""
+    return before if before and found.final is found.first else ceilings(found.final, context)
+
+
+def _error_left(final: Refit, noise: Array, context: Context) -> tuple[Array, float]:
+    """The error (n_y,) of the simulation of ``final``; the error left over what it and ``noise`` leave."""
+    simulation = simulation_error(final, context)
+    return simulation, times_the_limit(final.score.rmse, noise, simulation)
 
 
 def _telling(found: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:

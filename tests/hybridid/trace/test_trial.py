@@ -183,6 +183,7 @@ def test_candidates_begin_where_the_poorer_model_ended(make_model):
         ("solved", "solved", "rk4"),
         ("too stiff", "solved", "rodas3"),
         ("failed", "solved", "rodas3"),
+        ("too stiff", "no better", "rk4"),
         ("too stiff", "failed", "rk4"),
         ("failed", "failed", None),
     ],
@@ -194,7 +195,11 @@ def test_what_is_too_stiff_is_tried_with_the_implicit_integrator(monkeypatch, ex
         outcome = {"rk4": explicit, "rodas3": implicit}[numerics.integrator]
         if outcome == "failed":
             return Trial(candidate, None, None, failure=f"not by {numerics.integrator}")
-        return Trial(candidate, SimpleNamespace(numerics=numerics, too_stiff=outcome == "too stiff"), None)
+        loss = 1.0 if outcome == "no better" else 0.5 if numerics.integrator == "rodas3" else 1.0
+        solved = SimpleNamespace(
+            numerics=numerics, too_stiff=outcome == "too stiff", cost=loss, score=SimpleNamespace(loss=loss)
+        )
+        return Trial(candidate, solved, None)
 
     monkeypatch.setattr(trials, "_attempt", tried)
     candidate = next(admissible(compose(EMPS()), [effect_named("dahl")]))
