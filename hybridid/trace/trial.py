@@ -206,18 +206,28 @@ def _collinear(trial: Trial, rules: Rules) -> str:
 
 
 def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
-    """The passed trials that held-out horizons cannot tell from ``best``, itself first.
+    """The trials that held-out horizons cannot tell from ``best``, itself first.
+
+    Beside those that passed, these are the determined ones whose gain alone is not significant, if they take
+    at least half of what ``best`` takes: not to be shown better than nothing is not to be shown worse than
+    ``best``. (Hansen, Lunde, Nason (2011), The model confidence set, Econometrica 79(2), 453-497.)
 
     Two effects are one class if the advantage of the better one is not significant, or less than
     ``rules.tie`` of the error. Declared look-alikes are one class also if it is less than ``rules.tie`` of
     what the better one takes from the squared error. (Bouc-Wen hysteresis contains Dahl's friction and has
     one shape parameter more, which always mends a little.)
     """
-    others = [t for t in trials if t.status == PASSED and t is not best]
+    others = [t for t in trials if t is not best and (t.status == PASSED or _insignificant(t, best, rules))]
     return [
         best,
         *(t for t in others if indistinguishable(best, t, rules) or _nearly_alike(best, t, rules)),
     ]
+
+
+def _insignificant(trial: Trial, best: Trial, rules: Rules) -> bool:
+    """Whether only significance refused the trial, which takes at least half of what ``best`` takes."""
+    only = trial.status == REJECTED and trial.gain >= rules.worth and trial.p_adjusted > rules.alpha
+    return only and 2 * trial.taken >= best.taken and not (trial.not_shown or _undetermined(trial, rules))
 
 
 def _nearly_alike(best: Trial, other: Trial, rules: Rules) -> bool:

@@ -145,6 +145,24 @@ def test_a_class_holds_what_held_out_horizons_cannot_tell_apart(trial):
     assert names == ["asymmetric_viscous", "asymmetric_coulomb"]
 
 
+def test_a_class_holds_what_is_not_significant_alone_but_not_shown_worse(trial):
+    """Its likelihood scatters too much to be shown better than nothing, and so to be shown worse."""
+    best = trial("asymmetric_viscous", rmse=0.5, likelihood=10.0, lone=True)
+    spread = np.where(np.arange(HORIZONS)[:, None] % 2, 40.0, -38.0)
+
+    def doubtful(effect, rmse, **given):
+        made = trial(effect, rmse=rmse, lone=True, **given)
+        scored = replace(made.refit, score=replace(made.refit.score, likelihood=spread))
+        return replace(made, refit=scored, comparison=compare(BASE, scored.score))
+
+    near, small = doubtful("asymmetric_coulomb", 0.52), doubtful("quadratic_drag", 0.9)
+    vague = doubtful("linear_stiffness", 0.52, std=0.8)
+    judged = judge([best, near, small, vague], RULES)
+    assert [t.status for t in judged] == [PASSED, REJECTED, REJECTED, REJECTED]
+    names = [t.candidate.effect.id for t in equivalents(judged[0], judged, RULES)]
+    assert names == ["asymmetric_viscous", "asymmetric_coulomb"]
+
+
 def test_a_look_alike_with_a_parameter_more_is_of_the_class(trial):
     """It leaves half the error, and yet both take nearly all: the simpler is named with it."""
     best = trial("bouc_wen", rmse=0.03, likelihood=20.0)
