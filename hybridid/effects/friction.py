@@ -78,8 +78,11 @@ STRIBECK = Effect(
         ),
     ),
     source="thesis Eq. 5-6 with the decaying sign of the exponent (printed growing); " + _ARMSTRONG,
-    pattern="friction falls with speed just after break-away, then levels",
-    look_alikes=("coulomb", "dahl", "lugre", "input_delay", "input_lag", "load_stribeck"),
+    pattern=(
+        "friction falls with speed just after break-away, then levels; with a v_s near the largest speed it "
+        "bends as a drag does"
+    ),
+    look_alikes=("coulomb", "dahl", "lugre", "input_delay", "input_lag", "load_stribeck", "quadratic_drag"),
     separating_experiment=(
         "constant-velocity runs in both directions at ten speeds, logarithmically spaced from far below "
         "to far above v_s: the falling branch shows without acceleration, delay or pre-sliding"
@@ -138,7 +141,7 @@ QUADRATIC_DRAG = Effect(
     ),
     source="Batchelor (1967), An Introduction to Fluid Dynamics, sec. 5.11",
     pattern="odd in velocity and growing with its square",
-    look_alikes=("viscous", "coulomb", "eddy_brake", "back_emf_limit"),
+    look_alikes=("viscous", "coulomb", "stribeck", "eddy_brake", "back_emf_limit"),
     separating_experiment=(
         "constant-velocity runs up to the highest speed allowed: effort over speed squared is a straight "
         "line there, where viscous friction is left behind"
