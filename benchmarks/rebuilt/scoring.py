@@ -38,6 +38,7 @@ TRUTHS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "hysteresis": (("oscillator",), ("hardening_hysteresis",)),
     "friction_behind_gap": (("damper",), ("friction_behind_play",)),
     "scaled_friction": (("damper",), ("input_scaled_friction",)),
+    # the one exception: the same physics, but the library has the inertia to second order in position only
     "varying_inertia": (("carriage",), ("varying_inertia",)),
     "backlash": (("carriage",), ("backlash",)),
     # a knee at zero speed is no knee: there an asymmetric damper is asymmetric viscous friction
@@ -50,7 +51,7 @@ TRUTHS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "saturation@esea": (("torque",), ("input_saturation",)),
 }
 """Places and ids of the truths of a row. An id that the library has not yet counts as soon as it has it; one
-is entered only where its equation is that very law, whatever a trace answered."""
+is entered only where its equation is that very law, whatever a trace answered (with one exception, above)."""
 
 
 def truths_of(row: str, amounts: Mapping[str, float]) -> frozenset[str]:
