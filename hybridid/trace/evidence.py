@@ -30,9 +30,9 @@ from hybridid.trace.score import Score
 
 Array = NDArray[np.float64]
 MOST_GROUPS = 48
-"""Of differences whose signs are changed; so many reach any significance that is asked for."""
+"""Of differences whose signs are changed: all alike, they reach a p-value of 2^-48."""
 CELLS = 1 << 14
-"""Of the grid of sums in which the changes of sign are counted."""
+"""Steps between no sum and the largest, in which the changes of sign are counted."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def by_signs(differences: Array) -> float:
 
 
 def _by_t(differences: Array) -> float:
-    """p-value of "the mean is not positive": Student's t over horizons (n,), as many as ``_independent``."""
+    """p-value of "the mean is not positive": Student's t, (n,) horizons that count as ``_independent``."""
     if not np.isfinite(differences).all() or len(differences) < 2:
         return 1.0
     rest = differences - differences.mean()

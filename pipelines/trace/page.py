@@ -185,6 +185,8 @@ def _rules(traced: TraceFile) -> Table:
                          f"most {rules.collinear:g}"),
         ("form trusted", "a learned effort added to the effect contributes at most "
                          f"{percent(rules.stands_in)} of the reduction of the squared error by both"),
+        ("named", f"above {rules.far:g} times the error of noise and simulation alone: only effects that "
+                  f"together take {percent(rules.majority)} of the squared error"),
         ("nothing missing", f"said only up to {rules.far:g} times the error of noise and simulation alone"),
         ("search ended", found.stopped),
         ("took", f"{found.seconds:.0f} s on {traced.processes} processes"),
