@@ -7,6 +7,8 @@ next.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
@@ -16,6 +18,8 @@ from hybridid.records.record import Record
 Array = NDArray[np.float64]
 SINC_HALF_WIDTH = 32
 """Samples on each side that band-limited interpolation uses."""
+NEIGHBOURS = SINC_HALF_WIDTH + 1
+"""Samples on each side of a part of a record that the course of its inputs depends on."""
 KAISER_BETA = 8.0
 """About 80 dB of stop-band attenuation."""
 
@@ -25,17 +29,19 @@ def all_held(record: Record) -> bool:
     return all(c.hold == "zoh" for c in record.input_channels)
 
 
-def stage_inputs(record: Record, substeps: int) -> Array:
+def stage_inputs(record: Record, substeps: int, start: int = 0, stop: int | None = None) -> Array:
     """Inputs at the integrator's stages, shape (n, n_u) if all held, else (n, n_u (2 s + 1)).
 
     Row k belongs to the step from sample k to k + 1; in a row, the stage is the slower index. The last
-    sample has no successor: its row repeats it.
+    sample of the record has no successor: its row repeats it. ``start`` and ``stop`` choose samples.
     """
+    stop = record.n if stop is None else stop
     if all_held(record):
-        return np.array(record.inputs)
-    stages = 2 * substeps
-    columns = [_fine(record.inputs[:, j], c.hold, stages) for j, c in enumerate(record.input_channels)]
-    return np.stack(columns, axis=-1).reshape(record.n, -1)
+        return np.array(record.inputs[start:stop])
+    stages, first = 2 * substeps, max(0, start - NEIGHBOURS)
+    near = record.inputs[first : stop + NEIGHBOURS]
+    columns = [_fine(near[:, j], c.hold, stages) for j, c in enumerate(record.input_channels)]
+    return np.stack(columns, axis=-1).reshape(len(near), -1)[start - first : stop - first]
 
 
 def _fine(samples: Array, hold: str, stages: int) -> Array:
@@ -60,6 +66,12 @@ def _bandlimited(samples: Array, factor: int) -> Array:
     """
     width = SINC_HALF_WIDTH
     padded = np.pad(samples, width, mode="reflect", reflect_type="odd")
-    taps = signal.firwin(2 * SINC_HALF_WIDTH * factor + 1, 1.0 / factor, window=("kaiser", KAISER_BETA))
-    fine = signal.resample_poly(padded, factor, 1, window=taps)
+    fine = signal.resample_poly(padded, factor, 1, window=_taps(factor))
     return fine[width * factor : width * factor + (len(samples) - 1) * factor + 1]
+
+
+@lru_cache(maxsize=16)
+def _taps(factor: int) -> Array:
+    return np.asarray(
+        signal.firwin(2 * SINC_HALF_WIDTH * factor + 1, 1.0 / factor, window=("kaiser", KAISER_BETA))
+    )

@@ -177,8 +177,7 @@ def _modes(model: Model, p: Array, record: Record, path: Array) -> tuple[Modes, 
 
 def _outputs(model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array], steps: int) -> Array:
     """Outputs over the horizons that are compared, each from its sample's state, (w, H, n_y)."""
-    windows = cut(records, HORIZON, steps)
-    windows = windows.select(np.unique(np.linspace(0, windows.count - 1, HORIZONS).astype(int)).tolist())
+    windows = cut(records, HORIZON, steps, HORIZONS)
     x0 = np.stack([paths[index][start] for index, start, _ in windows.origin])
     return Shooter(model, windows, integrator=IMPLICIT)(x0, p).outputs
 

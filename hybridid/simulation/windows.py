@@ -86,8 +86,10 @@ class Windows:
         return int(self.used.sum())
 
 
-def cut(records: Sequence[Record], horizon: int | None, substeps: int) -> Windows:
+def cut(records: Sequence[Record], horizon: int | None, substeps: int, most: int | None = None) -> Windows:
     """Cut ``records`` into horizons of ``horizon`` samples (None: each record whole).
+
+    ``most`` of them are kept, evenly chosen (None: all).
 
     Raises:
         ValueError: if the records differ in sampling time or a horizon is shorter than 2.
@@ -103,32 +105,37 @@ def cut(records: Sequence[Record], horizon: int | None, substeps: int) -> Window
     if length < 2:
         raise ValueError(f"horizon of {length} samples: at least 2 are needed")
     held = all(all_held(record) for record in records)
-    count = sum(-(-record.n // length) for record in records)
-    chunk = min(length, max(100, CALL // count))
+    origin = _origins(records, length)
+    if most is not None:
+        origin = [origin[k] for k in np.unique(np.linspace(0, len(origin) - 1, most).astype(int))]
+    chunk = min(length, max(100, CALL // len(origin)))
     padded = -(-length // chunk) * chunk
-    pieces: list[tuple[Array, ...]] = []
-    origin: list[tuple[int, int, int]] = []
-    for index, record in enumerate(records):
-        stages = stage_inputs(record, substeps) if held else _unheld(record, substeps)
-        for start in range(0, record.n, length):
-            stop = min(start + length, record.n)
-            if start and stop - start < SHORTEST * length:
-                break
-            pieces.append(_piece(record, stages, start, stop, padded))
-            origin.append((index, start, stop))
+    pieces = [_piece(records[index], held, substeps, start, stop, padded) for index, start, stop in origin]
     time, staged, inputs, outputs = (np.stack([piece[k] for piece in pieces]) for k in range(4))
     ends = np.array([stop - start for _, start, stop in origin])
     used = np.arange(padded) < ends[:, None]
     return Windows(dt, held, substeps, chunk, time, staged, inputs, outputs, used, tuple(origin))
 
 
-def _piece(record: Record, stages: Array, start: int, stop: int, length: int) -> tuple[Array, ...]:
-    """One horizon's time, stages, inputs and outputs, its last sample repeated to ``length``."""
+def _origins(records: Sequence[Record], length: int) -> list[tuple[int, int, int]]:
+    """(record index, first sample, end sample) of each horizon of ``length`` samples."""
+    return [
+        (index, start, min(start + length, record.n))
+        for index, record in enumerate(records)
+        for start in range(0, record.n, length)
+        if start == 0 or record.n - start >= SHORTEST * length
+    ]
+
+
+def _piece(
+    record: Record, held: bool, substeps: int, start: int, stop: int, length: int
+) -> tuple[Array, ...]:
+    """One horizon's time, stages, inputs and outputs, its last sample repeated to ``length``.
+
+    A held record has the stages of one that is not, unless all are ``held``.
+    """
+    stages = stage_inputs(record, substeps, start, stop)
+    if all_held(record) and not held:
+        stages = np.tile(stages, (1, 2 * substeps + 1))
     index = np.minimum(np.arange(start, start + length), stop - 1)
-    return record.time[index], stages[index], record.inputs[index], record.outputs[index]
-
-
-def _unheld(record: Record, substeps: int) -> Array:
-    """Stage inputs of a held record in the layout of a record that is not held."""
-    stages = stage_inputs(record, substeps)
-    return np.tile(stages, (1, 2 * substeps + 1)) if all_held(record) else stages
+    return record.time[index], stages[index - start], record.inputs[index], record.outputs[index]

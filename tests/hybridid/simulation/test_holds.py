@@ -75,3 +75,9 @@ def test_each_input_keeps_its_own_hold():
         "alone", made.time, made.inputs[:, 2:], made.outputs, made.input_channels[2:], made.output_channels
     )
     np.testing.assert_allclose(stages[:, :, 2], stage_inputs(alone, 1), atol=1e-14)
+
+
+@pytest.mark.parametrize(("start", "stop"), [(0, 5), (3, 90), (60, 61), (150, 200), (0, 200)])
+def test_a_part_of_a_record_has_the_inputs_of_the_whole(start, stop):
+    one = record("bandlimited", "foh", "zoh")
+    np.testing.assert_array_equal(stage_inputs(one, 3, start, stop), stage_inputs(one, 3)[start:stop])

@@ -89,3 +89,17 @@ def test_horizons_can_be_chosen_and_shortened():
     assert windows.origin == ((0, 50, 75), (0, 0, 25))
     assert windows.samples == 40
     np.testing.assert_array_equal(windows.inputs[0, :25, 0], np.arange(50, 75))
+
+
+@pytest.mark.parametrize("hold", ["zoh", "foh", "bandlimited"])
+def test_of_many_horizons_some_are_kept_evenly_chosen(hold):
+    records = [record(1050, hold=hold), record(20, hold="foh")]
+    every, some = cut(records, 50, 3), cut(records, 50, 3, 4)
+    chosen = [0, 7, 14, 21]
+    assert some.origin == tuple(every.origin[k] for k in chosen)
+    for name in ("time", "stages", "inputs", "outputs"):
+        np.testing.assert_array_equal(getattr(some, name)[:, :50], getattr(every, name)[chosen, :50])
+
+
+def test_no_more_horizons_are_kept_than_there_are():
+    assert cut([record(100)], 50, 1, 50).count == 2
