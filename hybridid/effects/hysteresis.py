@@ -17,14 +17,11 @@ TINY = 1e-12
 """Keeps the derivative of ``|z|^n`` finite at z = 0 for every n."""
 
 
-def _power(x: ca.SX, exponent: ca.SX) -> ca.SX:
-    """``|x|^n``, differentiable in n at x = 0 too."""
-    return (x**2 + TINY) ** (exponent / 2)
-
-
 def _bouc_wen_rate(at: Local) -> ca.SX:
     v, z, n, sigma = at.velocity, at.z.z, at.p.n, at.p.sigma
-    slip = sigma * ca.fabs(v) * _power(z, n - 1) * z - (sigma - 1) * v * _power(z, n)
+    size = ca.sqrt(z**2 + TINY)
+    sharp = size ** (n - 1)
+    slip = sigma * ca.fabs(v) * sharp * z - (sigma - 1) * v * sharp * size
     return (v - slip) / at.p.s
 
 

@@ -22,10 +22,14 @@ from hybridid.estimators.carried import carries_nothing, carry, run_on
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.method import GAUSS_NEWTON, STOP, Method
 from hybridid.estimators.problem import Problem
+from hybridid.estimators.reduced import promise
 from hybridid.estimators.start import best_initial_states
 from hybridid.estimators.stop import Stop, Watch
 
 Array = NDArray[np.float64]
+BLURRED = 1.5**2
+"""Ratio of the costs at the widest and the narrowest smoothing above which the records refute the wide one: a
+descent there would fit the error of the smoothing."""
 SETTLED = 1e-3
 """Relative change of the cost below which handing inner states on changes nothing more."""
 OTHERS = Stop(30, 1e-5)
@@ -56,8 +60,9 @@ class Descent:
 
     ``continuation`` multiplies the smoothing widths, one after the other; ``stop`` ends each. ``screening``
     ends the short descent from each start, at the widest and the narrowest smoothing alone. The start with
-    the lowest cost then descends to convergence. None: every start does, and the lowest cost is kept.
-    Above ``cost_limit`` inner states are not handed on.
+    the lowest cost then descends to convergence, by every smoothing unless the records refute the widest. It
+    does not if its cost is above ``hopeful`` and a Gauss-Newton step promises none below. None: every start
+    does, and the lowest cost is kept. Above ``cost_limit`` inner states are not handed on.
     """
 
     handover: Handover
@@ -67,6 +72,7 @@ class Descent:
     stop: Stop = STOP
     screening: Stop | None = None
     cost_limit: float = np.inf
+    hopeful: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -86,14 +92,15 @@ class Start:
 @dataclass(frozen=True)
 class Result:
     """Where a descent ended: the ``solution`` on the fitted horizons, initial states ``x0`` (w, n_x) of all
-    horizons, and the cost at which each of the ``starts`` ended that were carried to the end. ``diverged`` is
-    how many of the others could not be simulated."""
+    horizons, and the cost at which each of the ``starts`` ended that were carried to the end. ``diverged``
+    are the numbers of those whose short descent could not be simulated. ``ended_early``: none was hopeful."""
 
     problem: Problem
     solution: Solution
     x0: Array
     starts: tuple[float, ...] = ()
-    diverged: int = 0
+    diverged: tuple[int, ...] = ()
+    ended_early: bool = False
 
 
 Finer = Callable[[Result], Start | None]
@@ -106,22 +113,17 @@ def descend(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None
     ``fitted`` are the numbers of the horizons that count (None: all). Of the others the initial states are
     estimated at the parameters found.
     """
-    results: list[Result] = []
-    promising, diverged = _promising(starts, plan, fitted)
-    for start in promising:
-        results.append(_settled(start, plan, plan.continuation, plan.handover, fitted))
-        if plan.screening and np.isfinite(results[-1].solution.cost):
-            break
+    if plan.screening is not None:
+        return _from_the_best(starts, plan, plan.screening, fitted)
+    results = [_settled(start, plan, plan.continuation, plan.handover, fitted) for start in starts]
     costs = tuple(one.solution.cost for one in results)
-    # where each start diverges, the last one is refined: as long as this stands, traces keep their numbers
-    best = len(results) - 1 if plan.screening and not np.isfinite(min(costs)) else int(np.argmin(costs))
-    return replace(results[best], starts=costs, diverged=diverged)
+    return replace(results[int(np.argmin(costs))], starts=costs)
 
 
 def refine(found: Result, plan: Descent, finer: Finer, fitted: Sequence[int] | None = None) -> Result:
     """``found``, or where the descent ends that goes on from it with as many steps a sample as ``finer`` asks
-    for; ``fitted`` as for ``descend``."""
-    for _ in range(plan.refinement.times):
+    for; ``fitted`` as for ``descend``. What ended early stays."""
+    for _ in range(0 if found.ended_early else plan.refinement.times):
         start = finer(found)
         if start is None:
             break
@@ -133,20 +135,67 @@ def refine(found: Result, plan: Descent, finer: Finer, fitted: Sequence[int] | N
     return found
 
 
-def _promising(
-    starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None
-) -> tuple[Iterable[Start], int]:
-    """The starts, in the order of how far a short descent gets from each, and how many diverge."""
-    if plan.screening is None:
-        return starts, 0
-    ends = sorted({plan.continuation[0], plan.continuation[-1]}, reverse=True)
-    found: list[tuple[float, Start]] = []
-    for start in starts:
-        task = _Task.of(start, plan.method, fitted)
-        seen = task.solve(start.p, start.x0, ends, plan.screening)
-        found.append((seen.cost, replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0))))
-    diverged = sum(not np.isfinite(cost) for cost, _ in found)
-    return [start for _, start in sorted(found, key=lambda one: one[0])], diverged
+@dataclass(frozen=True)
+class _Look:
+    """Where a short descent from a start ended: it goes on from there, by the smoothings ``factors``."""
+
+    start: Start
+    seen: Solution
+    factors: tuple[float, ...]
+
+    def goes_on(self, plan: Descent) -> Descent:
+        """``plan`` with the iterations of the smoothings that are left out."""
+        times = len(plan.continuation) // len(self.factors)
+        return replace(plan, stop=replace(plan.stop, iterations=times * plan.stop.iterations))
+
+
+def _from_the_best(
+    starts: Iterable[Start], plan: Descent, stop: Stop, fitted: Sequence[int] | None
+) -> Result:
+    """Of ``starts`` the one from which a short descent, until ``stop``, gets farthest, carried to the end if
+    it is hopeful; if it diverges, the next one."""
+    looks = [_look(start, plan, stop, fitted) for start in starts]
+    diverged = tuple(k for k, one in enumerate(looks) if not np.isfinite(one.seen.cost))
+    looks.sort(key=lambda one: one.seen.cost)
+    if np.isfinite(looks[0].seen.cost) and not _hopeful(looks[0], plan, fitted):
+        return replace(_ended_early(looks[0], plan, stop, fitted), diverged=diverged)
+    costs: list[float] = []
+    for look in looks:
+        found = _settled(look.start, look.goes_on(plan), look.factors, plan.handover, fitted)
+        costs.append(found.solution.cost)
+        if np.isfinite(costs[-1]):
+            break
+    return replace(found, starts=tuple(costs), diverged=diverged)
+
+
+def _look(start: Start, plan: Descent, stop: Stop, fitted: Sequence[int] | None) -> _Look:
+    """A short descent at the widest smoothing, then one at the narrowest, if anything is smoothed."""
+    task = _Task.of(start, plan.method, fitted)
+    widest, narrowest = plan.continuation[:1], plan.continuation[-1:]
+    wide = task.solve(start.p, start.x0, widest, stop)
+    seen, factors = wide, plan.continuation
+    if widest != narrowest and start.problem.widths:
+        seen = task.solve(wide.p, task.with_ours(start.x0, wide.x0), narrowest, stop)
+        factors = narrowest if wide.cost > BLURRED * seen.cost else factors
+    return _Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, factors)
+
+
+def _hopeful(look: _Look, plan: Descent, fitted: Sequence[int] | None) -> bool:
+    """Whether the cost is low enough where the short descent ended, or is promised to be."""
+    if look.seen.cost <= plan.hopeful:
+        return True
+    counting = _Task.of(look.start, plan.method, fitted).counting
+    return look.seen.cost - promise(counting, look.seen.p, look.seen.x0) <= plan.hopeful
+
+
+def _ended_early(look: _Look, plan: Descent, stop: Stop, fitted: Sequence[int] | None) -> Result:
+    """The short descent as a result; the other horizons' initial states are estimated until ``stop``."""
+    task, seen, x0 = _Task.of(look.start, plan.method, fitted), look.seen, look.start.x0
+    if task.theirs:
+        handed = task.handed_on(seen.p, x0, plan.continuation[-1:], stop)
+        x0 = run_on(look.start.problem, seen.p, handed)
+    solution = replace(seen, status="ended early: it promises little")
+    return Result(look.start.problem, solution, x0, (seen.cost,), ended_early=True)
 
 
 def _settled(
@@ -230,12 +279,12 @@ class _Task:
         alone = self.method.solver.hands_on and self.counting.windows.complete
         return not (carries_nothing(self.counting) or alone)
 
-    def handed_on(self, p: Array, x0: Array, factors: Sequence[float]) -> Array:
+    def handed_on(self, p: Array, x0: Array, factors: Sequence[float], stop: Stop = OTHERS) -> Array:
         """``x0`` (w, n_x) with inner states as the horizons before have left them, then the initial states of
         those that do not count estimated at ``p`` (n_p,)."""
         x0 = np.array(carry(self.start.problem, p, x0))
         if self.theirs:
-            x0[self.theirs] = self.method.solve(self.others, p, x0[self.theirs], factors, OTHERS).x0
+            x0[self.theirs] = self.method.solve(self.others, p, x0[self.theirs], factors, stop).x0
         return x0
 
 

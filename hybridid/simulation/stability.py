@@ -139,6 +139,8 @@ def by_halving(
     over up to ``HORIZONS`` short horizons, each from a state of ``paths``.
     """
     steps = by_kinks(model, p, records, paths)
+    if steps > MOST:
+        return steps
     before = _outputs(model, p, records, paths, steps)
     while steps <= MOST:
         after = _outputs(model, p, records, paths, 2 * steps)

@@ -36,7 +36,8 @@ CONTINUATION = (10.0, 3.0, 1.0)
 """Smoothings of sign(v), one after the other. With a sharp sign(v) the cost has many local minima."""
 HANDOVERS, HANDOVER_ITERATIONS = 3, 12
 LEAST_DECREASE = 0.02
-"""Share by which an effect must lower the fitted cost before inner states are handed on."""
+"""Share by which an effect must lower the fitted cost before inner states are handed on, and before its refit
+goes on after the short descents."""
 WITHOUT_STD = -np.inf
 """``std_up_to`` of a refit whose standard errors nothing reads."""
 STIFF = 8
@@ -55,9 +56,10 @@ class Refit:
     equations were solved, in ``substeps`` a sample. ``std`` and ``correlation`` are those of the noise alone,
     empty where they were not asked for.
 
-    It is ``too_stiff`` if a start was left out, if the end would need more than ``STIFF`` steps, or if a
-    start diverged with a new inner state, whose stiffness no path of the poorer model shows. Then the
-    integrator may have decided, not the records.
+    ``unsolved`` are the numbers of the starts that were left out as too stiff, or that diverged with a new
+    inner state, whose stiffness no path of the poorer model shows. It is ``too_stiff`` if the end would need
+    more than ``STIFF`` steps. In either case the integrator may have decided, not the records. It
+    ``ended_early`` if no start was hopeful.
     """
 
     model: Model
@@ -73,7 +75,9 @@ class Refit:
     seconds: float
     substeps: int
     numerics: Numerics = DECLARED
+    unsolved: tuple[int, ...] = ()
     too_stiff: bool = False
+    ended_early: bool = False
 
     def problem(self, split: Split) -> Problem:
         """Every horizon of ``split`` as the problem that was solved."""
@@ -90,18 +94,21 @@ def refit(
     factors: Sequence[float] = (1.0,),
     tolerance: float = TOLERANCE,
     std_up_to: float = np.inf,
+    hopeful: float = np.inf,
 ) -> Refit:
     """Fit ``model`` from the best of ``starts`` (values by name over guesses) and score it.
 
     ``before`` lends its initial states. ``factors`` is the continuation in epsilon; ``tolerance``
-    as ``Stop`` has it. Standard errors are computed if the held-out loss is at most ``std_up_to``.
+    as ``Stop`` has it. Standard errors are computed if the held-out loss is at most ``std_up_to``. It
+    ends early, without standard errors, if even the best start promises no fitted cost below ``hopeful``.
 
     Raises:
         TooStiff: if the model is, at every start.
     """
     began = time.perf_counter()
     cost_limit = np.inf if before is None else (1 - LEAST_DECREASE) * before.cost
-    plan = _descent(numerics, factors, tolerance, len(starts) > 1, cost_limit)
+    screened = len(starts) > 1 or hopeful < np.inf
+    plan = replace(_descent(numerics, factors, tolerance, screened, cost_limit), hopeful=hopeful)
 
     def steps_at(found: Result) -> int:
         p = found.solution.p
@@ -116,7 +123,8 @@ def refit(
 
     remembers = before is not None and len(model.states) > len(before.model.states)
     begun = _starts(model, split, starts, before, numerics)
-    found = descend(begun, plan, split.fitted)
+    found = descend(list(begun.values()), plan, split.fitted)
+    solved = [k for n, k in enumerate(begun) if not (remembers and n in found.diverged)]
     found = refine(found, plan, finer, split.fitted)
     problem, solution, x0 = found.problem, found.solution, found.x0
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
@@ -124,7 +132,9 @@ def refit(
     theirs = _errors(judged, solution.p, x0[list(split.held_out)])
     score = score_of(ours, theirs, problem.scale)
     std, correlation = (
-        _standard_errors(fitted, solution) if score.loss <= std_up_to else ({}, np.empty((0, 0)))
+        _standard_errors(fitted, solution)
+        if score.loss <= std_up_to and not found.ended_early
+        else ({}, np.empty((0, 0)))
     )
     return Refit(
         model=model,
@@ -140,7 +150,9 @@ def refit(
         seconds=time.perf_counter() - began,
         substeps=problem.windows.substeps,
         numerics=numerics,
-        too_stiff=len(begun) < len(starts) or steps_at(found) > STIFF or (remembers and found.diverged > 0),
+        unsolved=tuple(k for k in range(len(starts)) if k not in solved),
+        too_stiff=steps_at(found) > STIFF,
+        ended_early=found.ended_early,
     )
 
 
@@ -169,9 +181,9 @@ def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, f
 
 
 def _descent(
-    numerics: Numerics, factors: Sequence[float], tolerance: float, several: bool, cost_limit: float
+    numerics: Numerics, factors: Sequence[float], tolerance: float, screened: bool, cost_limit: float
 ) -> Descent:
-    """The descent of a refit: of ``several`` starts one is carried on, and steps are refined once."""
+    """The descent of a refit: of starts that are ``screened`` one is carried on; steps are refined once."""
     handover = Handover(HANDOVERS, Stop(HANDOVER_ITERATIONS, tolerance))
     return Descent(
         handover=handover,
@@ -179,7 +191,7 @@ def _descent(
         method=numerics.method,
         continuation=tuple(factor * numerics.smoothing for factor in factors),
         stop=Stop(MOST_ITERATIONS, tolerance),
-        screening=SCREENING if several else None,
+        screening=SCREENING if screened else None,
         cost_limit=cost_limit,
     )
 
@@ -201,8 +213,8 @@ def _starts(
     starts: Sequence[Mapping[str, float]],
     before: Refit | None,
     numerics: Numerics,
-) -> list[Start]:
-    """The starts that are not too stiff, each in steps of its own.
+) -> dict[int, Start]:
+    """The starts that are not too stiff by their numbers, each in steps of its own.
 
     The implicit integrator is stable in any number of steps. Where ``MOST`` do not resolve a start, it begins
     with ``STIFF``, which is what the end gets at most.
@@ -218,11 +230,11 @@ def _starts(
         raise TooStiff(f"needs more than {MOST} steps a sample at every start")
     limit = max(STIFF, min(wanted))
     problems = {n: numerics.problem(model, split, n) for n in sorted(set(wanted)) if n <= limit}
-    return [
-        begin(problems[steps], model.values(start), before, numerics)
-        for start, steps in zip(starts, wanted, strict=True)
+    return {
+        k: begin(problems[steps], model.values(start), before, numerics)
+        for k, (start, steps) in enumerate(zip(starts, wanted, strict=True))
         if steps <= limit
-    ]
+    }
 
 
 def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> Start:

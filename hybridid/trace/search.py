@@ -102,7 +102,7 @@ def _step(base: Refit, context: Context, number: int) -> Step:
     """Try every candidate beside ``base`` and accept the best that passes and survives other numerics."""
     rules = context.rules
     candidates = list(admissible(base.model, context.effects, context.ports))
-    places = [(candidate, base, context.split) for candidate in candidates]
+    places = [(candidate, base, context.split, rules.worth) for candidate in candidates]
     trials = context.each(f"step {number}", attempt, places, lambda trial: trial.candidate.name)
     judged = judge(trials, rules)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -64,17 +65,25 @@ class Trial:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start may diverge
-def attempt(candidate: Candidate, base: Refit, split: Split) -> Trial:
+def attempt(candidate: Candidate, base: Refit, split: Split, worth: float = Rules.worth) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons.
 
-    What is too stiff for the integrator of ``base`` is tried again with the implicit one. That trial counts
-    if it explains more: else everything that follows would be solved the slow way for nothing.
+    A refit that promises little ends early: less than ``LEAST_DECREASE``, and than half of ``worth``, of the
+    fitted cost and of the held-out RMSE.
+
+    What is too stiff for the integrator of ``base`` is tried again with the implicit one: the starts that it
+    could not solve, or all if the end is too stiff. That trial counts if it explains more: else everything
+    that follows would be solved the slow way for nothing.
     """
-    trial = _attempt(candidate, base, split, base.numerics)
-    solved = trial.refit is not None and not trial.refit.too_stiff
-    if solved or base.numerics.integrator == OTHERWISE:
+    least = min(LEAST_DECREASE, worth / 2)
+    trial = _attempt(candidate, base, split, base.numerics, base, least)
+    end_solved = trial.refit is not None and not trial.refit.too_stiff
+    unsolved = trial.refit.unsolved if trial.refit and end_solved else None
+    if base.numerics.integrator == OTHERWISE or unsolved == ():
         return trial
-    again = _attempt(candidate, base, split, replace(base.numerics, integrator=OTHERWISE))
+    to_beat = trial.refit if trial.refit and trial.refit.cost < base.cost else base
+    other = replace(base.numerics, integrator=OTHERWISE)
+    again = _attempt(candidate, base, split, other, to_beat, least, unsolved)
     if trial.refit is None and again.refit is None:
         return replace(again, failure=f"{trial.failure}; with {OTHERWISE}: {again.failure}")
     return again if _explains_more(again, trial) else trial
@@ -88,13 +97,26 @@ def _explains_more(one: Trial, other: Trial) -> bool:
     return lower or one.refit.score.loss < (1 - LEAST_DECREASE) * other.refit.score.loss
 
 
-def _attempt(candidate: Candidate, base: Refit, split: Split, numerics: Numerics) -> Trial:
+def _attempt(
+    candidate: Candidate,
+    base: Refit,
+    split: Split,
+    numerics: Numerics,
+    to_beat: Refit,
+    least: float,
+    chosen: Sequence[int] | None = None,
+) -> Trial:
+    """The trial from all starts, or from the ``chosen`` ones by number. It ends early if it neither takes the
+    share ``least`` from the error of ``to_beat``, fitted or held out, nor promises to."""
     model: Model = candidate.added_to(base.model)
     try:
         known = known_means(candidate, model, split)
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
-        starts = [{**start, **known} for start in starts]
-        found = refit(model, split, starts, base, numerics, CONTINUATION, std_up_to=base.score.loss)
+        starts = [{**starts[k], **known} for k in (range(len(starts)) if chosen is None else chosen)]
+        fitted = partial(refit, model, split, starts, base, numerics, CONTINUATION, std_up_to=base.score.loss)
+        found = fitted(hopeful=(1 - least) * to_beat.cost)
+        if found.ended_early and found.score.loss < (1 - least) * to_beat.score.loss:
+            found = fitted()
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hybridid.estimators import descent
 from hybridid.estimators.descent import Descent, Handover, Refinement, Start, descend, refine
 from hybridid.estimators.problem import build_problem
 from hybridid.estimators.stop import Stop
@@ -41,6 +42,39 @@ def test_after_a_screening_only_the_most_promising_is(starts):
     found = descend(starts, replace(PLAN, screening=Stop(3, 1e-3)))
     assert len(found.starts) == 1
     assert found.solution.cost == pytest.approx(min(descend(starts, PLAN).starts), rel=1e-6)
+
+
+def test_a_screened_start_that_promises_little_goes_no_further(starts):
+    plan = replace(PLAN, screening=Stop(3, 1e-3))
+    lowest = descend(starts, plan).solution.cost
+    hopeless = descend(starts, replace(plan, hopeful=0.1 * lowest))
+    assert hopeless.ended_early
+    assert hopeless.diverged == (0,)
+    assert hopeless.solution.cost > lowest
+    promised = descend(starts, replace(plan, hopeful=1.1 * lowest))
+    assert not promised.ended_early
+    assert promised.solution.cost == lowest
+
+
+@pytest.mark.parametrize(
+    ("refuted_from", "goes_on"),
+    [(1.0, (2 * PLAN.stop.iterations, (1.0,))), (np.inf, (PLAN.stop.iterations, (1000.0, 1.0)))],
+)
+def test_a_wide_smoothing_that_the_records_refute_is_left_out(starts, monkeypatch, refuted_from, goes_on):
+    monkeypatch.setattr(descent, "BLURRED", refuted_from)
+    used = []
+
+    class Told:
+        def __init__(self, method):
+            self.solver, self.method = method.solver, method
+
+        def solve(self, problem, p, x0, factors, stop, watch=None):
+            used.append((stop.iterations, tuple(factors)))
+            return self.method.solve(problem, p, x0, factors, stop, watch)
+
+    plan = replace(PLAN, continuation=(1000.0, 1.0), screening=Stop(4, 1e-3), method=Told(PLAN.method))
+    descend(starts[2:], plan)
+    assert used == [(4, (1000.0,)), (4, (1.0,)), goes_on]
 
 
 def test_horizons_that_do_not_count_get_initial_states_but_no_say(problem, starts):

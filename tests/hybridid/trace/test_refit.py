@@ -27,5 +27,16 @@ def test_a_start_that_is_left_out_as_too_stiff_is_told(make_model, split_of):
     mild = {"carriage.dahl.f_c": 1.0, "carriage.dahl.s": 1e-2}
     short = {"carriage.dahl.f_c": 20.0, "carriage.dahl.s": 1e-6}
     assert Numerics().steps(model, model.values(short), split) > STIFF
-    assert not refit(model, split, [mild]).too_stiff
-    assert refit(model, split, [mild, short]).too_stiff
+    assert refit(model, split, [mild]).unsolved == ()
+    assert refit(model, split, [mild, short]).unsolved == (1,)
+
+
+def test_a_refit_that_promises_little_ends_early_without_standard_errors(make_model, split_of):
+    model, split = make_model(), split_of()
+    starts = [{}, {"M": 70.0}]
+    whole = refit(model, split, starts)
+    early = refit(model, split, starts, hopeful=0.5 * whole.cost)
+    assert early.ended_early
+    assert not early.std
+    assert early.score.loss == pytest.approx(whole.score.loss, rel=0.01)
+    assert not refit(model, split, starts, hopeful=1.01 * whole.cost).ended_early

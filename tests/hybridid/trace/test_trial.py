@@ -196,32 +196,43 @@ def test_candidates_begin_where_the_poorer_model_ended(make_model):
 
 
 @pytest.mark.parametrize(
-    ("explicit", "implicit", "kept"),
+    ("explicit", "implicit", "kept", "from_starts"),
     [
-        ("solved", "solved", "rk4"),
-        ("too stiff", "solved", "rodas3"),
-        ("failed", "solved", "rodas3"),
-        ("too stiff", "no better", "rk4"),
-        ("too stiff", "failed", "rk4"),
-        ("failed", "failed", None),
+        ("solved", "solved", "rk4", "none"),
+        ("too stiff", "solved", "rodas3", None),
+        ("unsolved starts", "solved", "rodas3", (1, 3)),
+        ("failed", "solved", "rodas3", None),
+        ("too stiff", "no better", "rk4", None),
+        ("too stiff", "failed", "rk4", None),
+        ("failed", "failed", None, None),
     ],
 )
-def test_what_is_too_stiff_is_tried_with_the_implicit_integrator(monkeypatch, explicit, implicit, kept):
+def test_what_is_too_stiff_is_tried_with_the_implicit_integrator(
+    monkeypatch, explicit, implicit, kept, from_starts
+):
     """A trial must not be refused for the integrator's sake."""
+    again = ["none"]
 
-    def tried(candidate, base, split, numerics):
+    def tried(candidate, base, split, numerics, to_beat, least, chosen=None):
+        if numerics.integrator == "rodas3":
+            again[:] = [chosen]
         outcome = {"rk4": explicit, "rodas3": implicit}[numerics.integrator]
         if outcome == "failed":
             return Trial(candidate, None, None, failure=f"not by {numerics.integrator}")
         loss = 1.0 if outcome == "no better" else 0.5 if numerics.integrator == "rodas3" else 1.0
         solved = SimpleNamespace(
-            numerics=numerics, too_stiff=outcome == "too stiff", cost=loss, score=SimpleNamespace(loss=loss)
+            numerics=numerics,
+            too_stiff=outcome == "too stiff",
+            unsolved=(1, 3) if outcome == "unsolved starts" else (),
+            cost=loss,
+            score=SimpleNamespace(loss=loss),
         )
         return Trial(candidate, solved, None)
 
     monkeypatch.setattr(trials, "_attempt", tried)
     candidate = next(admissible(compose(EMPS()), [effect_named("dahl")]))
-    found = trials.attempt(candidate, SimpleNamespace(numerics=DECLARED), None)
+    found = trials.attempt(candidate, SimpleNamespace(numerics=DECLARED, cost=2.0), None)
+    assert again == [from_starts]
     assert (found.refit.numerics.integrator if found.refit else None) == kept
     if kept is None:
         assert found.failure == "not by rk4; with rodas3: not by rodas3"
