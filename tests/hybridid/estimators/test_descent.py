@@ -58,7 +58,7 @@ def test_a_screened_start_that_promises_little_goes_no_further(starts):
 
 @pytest.mark.parametrize(
     ("refuted_from", "goes_on"),
-    [(1.0, (2 * PLAN.stop.iterations, (1.0,))), (np.inf, (PLAN.stop.iterations, (1000.0, 1.0)))],
+    [(0.0, (2 * PLAN.stop.iterations, (1.0,))), (np.inf, (PLAN.stop.iterations, (1000.0, 1.0)))],
 )
 def test_a_wide_smoothing_that_the_records_refute_is_left_out(starts, monkeypatch, refuted_from, goes_on):
     monkeypatch.setattr(descent, "BLURRED", refuted_from)
