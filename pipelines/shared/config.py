@@ -14,7 +14,7 @@ from hybridid.plain.section import check_keys
 from hybridid.settings import keys
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.sections.known import KEYS, SECTIONS
-from pipelines.shared.sections.stages import CaseSection, LoneKeys, MLflowSection
+from pipelines.shared.sections.stages import CaseSection, LoneKeys, MLflowSection, PathsSection
 
 T = TypeVar("T")
 
@@ -47,7 +47,7 @@ class Settings:
                 raise ConfigError(unknown("config key", key, KEYS))
             if key in SECTIONS and value is not None:
                 check_keys(SECTIONS[key], value, key, ConfigError)
-        _ = self.lone, self.mlflow
+        _ = self.lone, self.mlflow, self.paths
 
     @property
     def lone(self) -> LoneKeys:
@@ -59,6 +59,16 @@ class Settings:
     def mlflow(self) -> MLflowSection:
         """Whether and where runs are logged."""
         return self.section("mlflow", MLflowSection)
+
+    @property
+    def paths(self) -> PathsSection:
+        """Where files lie."""
+        return self.section("paths", PathsSection)
+
+    @property
+    def outputs(self) -> Path:
+        """The folder of all run trees."""
+        return Path(self.paths.outputs)
 
     def section(self, name: str, cls: type[T]) -> T:
         """The section ``name`` as ``cls``, which declares its keys.

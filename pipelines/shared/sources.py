@@ -16,7 +16,7 @@ from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import code_digests
 from pipelines.shared.rigs import rig_of
-from pipelines.shared.sections.stages import ArchiveSection, FitSection, PathsSection, RigSection
+from pipelines.shared.sections.stages import ArchiveSection, FitSection, RigSection
 
 KEYS = ("data", "records", "signals", "rig", "paths.data")
 ROLES = ("identification", "validation")
@@ -138,7 +138,7 @@ def roots_of(settings: Settings) -> tuple[DataRoot, ...]:
 
 
 def _data_folder(settings: Settings) -> str | None:
-    return settings.section("paths", PathsSection).data
+    return settings.paths.data
 
 
 def digests(settings: Settings) -> dict[str, str]:

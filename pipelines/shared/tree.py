@@ -26,7 +26,7 @@ def tree_of(settings: Settings, simulated: bool) -> Path:
     out = settings.get("out")
     if out is not None:
         return Path(str(out)) / name if settings.in_sweep else Path(str(out))
-    return Path(str(settings["paths.outputs"])) / settings.case / name
+    return settings.outputs / settings.case / name
 
 
 @contextmanager

@@ -66,7 +66,7 @@ def folder_of(name: str, points: Sequence[Point]) -> Path:
     if settings.get("out") is not None:
         return Path(str(settings["out"]))
     mark = "-simulated" if any(point.simulated for point in points) else ""
-    return Path(str(settings["paths.outputs"])) / "sweeps" / f"{name}-{digest_of(points)}{mark}"
+    return settings.outputs / "sweeps" / f"{name}-{digest_of(points)}{mark}"
 
 
 def digest_of(points: Sequence[Point]) -> str:

@@ -188,7 +188,7 @@ def _warn_once(settings: Settings, watcher: Watcher, trouble: str) -> None:
 
 
 def _later(settings: Settings) -> str:
-    outputs = str(settings["paths.outputs"])
+    outputs = str(settings.outputs)
     where = "" if outputs == "outputs" else f" paths.outputs={outputs}"
     return f"hybridid log{where} sends what waits in {outputs}/mlflow-waiting"
 

@@ -32,7 +32,7 @@ def tracking_uri(settings: Settings) -> str:
 
 def store_folder(settings: Settings) -> Path:
     """``paths.outputs``."""
-    return Path(str(settings["paths.outputs"])).resolve()
+    return settings.outputs.resolve()
 
 
 def client(settings: Settings, uri: str | None = None) -> MlflowClient:

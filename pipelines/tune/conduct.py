@@ -96,7 +96,7 @@ def _folder(settings: Settings, digest: str, provenance: str) -> Path:
     if settings.get("out") is not None:
         return Path(str(settings["out"]))
     name = f"{_NAME}-{digest}" + ("" if provenance == "measured" else "-simulated")
-    return Path(str(settings["paths.outputs"])) / settings.case / name
+    return settings.outputs / settings.case / name
 
 
 def _claim(folder: Path, digest: str) -> None:

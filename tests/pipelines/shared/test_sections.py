@@ -102,6 +102,7 @@ def test_words_to_choose_from_are_those_that_there_are():
         ({"mlflow": {"enabled": "maybe"}}, "mlflow.enabled is 'maybe': expected true or false"),
         ({"mlflow": {"enabled": 1}}, "mlflow.enabled is 1: expected true or false"),
         ({"mlflow": {"enabled": None}}, "mlflow.enabled is null: expected true or false"),
+        ({"paths": {"outputs": None}}, "paths.outputs is null: expected text"),
         ({"force": "no"}, "force is 'no': expected true or false"),
         ({"mlflow": {"patience": -1}}, "mlflow.patience is -1.0: at least 0 s"),
         ({"mlflow": {"patience": True}}, "mlflow.patience is True: expected a number"),
