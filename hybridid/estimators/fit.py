@@ -9,12 +9,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators.descent import Descent, Handover, Refinement, Result, Start, descend, refine
+from hybridid.estimators.descent import descend, refine
 from hybridid.estimators.estimate import Estimate, Progress, Solution
 from hybridid.estimators.findings import estimate_of
 from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import GAUSS_NEWTON, Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
+from hybridid.estimators.plan import Descent, Handover, Refinement, Result, Start
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.short_horizons import short_horizon_problem, short_horizon_start
 from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates

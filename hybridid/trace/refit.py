@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators.carried import carry
-from hybridid.estimators.descent import Descent, Handover, Refinement, Result, Start, descend, refine
+from hybridid.estimators.descent import descend, refine
 from hybridid.estimators.estimate import Solution
+from hybridid.estimators.plan import Descent, Handover, Refinement, Result, Start
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.estimators.stop import Stop

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybridid.estimators import descent
-from hybridid.estimators.descent import Descent, Handover, Refinement, Start, descend, refine
+from hybridid.estimators import screening
+from hybridid.estimators.descent import descend, refine
+from hybridid.estimators.plan import Descent, Handover, Refinement, Start
 from hybridid.estimators.problem import build_problem
 from hybridid.estimators.stop import Stop
 
@@ -61,7 +62,7 @@ def test_a_screened_start_that_promises_little_goes_no_further(starts):
     [(0.0, (2 * PLAN.stop.iterations, (1.0,))), (np.inf, (PLAN.stop.iterations, (1000.0, 1.0)))],
 )
 def test_a_wide_smoothing_that_the_records_refute_is_left_out(starts, monkeypatch, refuted_from, goes_on):
-    monkeypatch.setattr(descent, "BLURRED", refuted_from)
+    monkeypatch.setattr(screening, "BLURRED", refuted_from)
     used = []
 
     class Told:

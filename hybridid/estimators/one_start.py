@@ -1,0 +1,119 @@
+"""One start of a descent carried to the end: second look, handover, and horizons that do not count."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators.carried import carries_nothing, carry, run_on
+from hybridid.estimators.estimate import Solution
+from hybridid.estimators.method import Method
+from hybridid.estimators.plan import Descent, Handover, Result, Start
+from hybridid.estimators.problem import Problem
+from hybridid.estimators.start import best_initial_states
+from hybridid.estimators.stop import Stop
+
+Array = NDArray[np.float64]
+SETTLED = 1e-3
+"""Relative change of the cost below which handing inner states on changes nothing more."""
+OTHERS = Stop(30, 1e-5)
+"""For the initial states of horizons that are not fitted, at given parameters."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A start, the method, and which horizons count, by number: ``ours`` do, ``theirs`` do not."""
+
+    start: Start
+    method: Method
+    ours: list[int]
+    theirs: list[int]
+
+    @classmethod
+    def of(cls, start: Start, method: Method, fitted: Sequence[int] | None) -> Task:
+        every = range(start.problem.windows.count)
+        ours = every if fitted is None else fitted
+        return cls(start, method, list(ours), [k for k in every if k not in ours])
+
+    @cached_property
+    def counting(self) -> Problem:
+        """The problem on the horizons that count."""
+        return self.start.problem.on(self.ours) if self.theirs else self.start.problem
+
+    @cached_property
+    def others(self) -> Problem:
+        """The problem on the horizons that do not, with every parameter known."""
+        return self.start.problem.on(self.theirs).estimating(())
+
+    def solve(self, p: Array, x0: Array, factors: Sequence[float], stop: Stop) -> Solution:
+        """A descent on the horizons that count, from the initial states ``x0`` (w, n_x) of all."""
+        return self.method.solve(self.counting, p, x0[self.ours], factors, stop, self.start.watch)
+
+    def with_ours(self, x0: Array, values: Array) -> Array:
+        """``x0`` (w, n_x) with ``values`` for the horizons that count."""
+        changed = np.array(x0)
+        changed[self.ours] = values
+        return changed
+
+    @property
+    def needs_handover(self) -> bool:
+        """Whether inner states come from horizons that do not count, or the solver does not hand them on."""
+        alone = self.method.solver.hands_on and self.counting.windows.complete
+        return not (carries_nothing(self.counting) or alone)
+
+    def handed_on(self, p: Array, x0: Array, factors: Sequence[float], stop: Stop = OTHERS) -> Array:
+        """``x0`` (w, n_x) with inner states as the horizons before have left them, then the initial states of
+        those that do not count estimated at ``p`` (n_p,)."""
+        x0 = np.array(carry(self.start.problem, p, x0))
+        if self.theirs:
+            x0[self.theirs] = self.method.solve(self.others, p, x0[self.theirs], factors, stop).x0
+        return x0
+
+
+def carried_to_the_end(
+    start: Start, plan: Descent, factors: Sequence[float], handover: Handover, fitted: Sequence[int] | None
+) -> Result:
+    """One start carried to the end."""
+    task, final = Task.of(start, plan.method, fitted), factors[-1:]
+    solution = task.solve(start.p, start.x0, factors, plan.stop)
+    if start.candidates and np.isfinite(solution.cost):
+        solution = _second_look(task, solution, final, plan.stop)
+    x0 = task.with_ours(start.x0, solution.x0)
+    if task.needs_handover and solution.cost <= plan.cost_limit:
+        solution, x0 = _handed_over(task, solution, x0, final, handover)
+    if task.theirs:
+        x0 = run_on(start.problem, solution.p, task.handed_on(solution.p, x0, final))
+    return Result(start.problem, solution, x0)
+
+
+def _second_look(task: Task, solution: Solution, factors: Sequence[float], stop: Stop) -> Solution:
+    """The lower of ``solution`` and of a descent from the best initial states at hand: where a horizon first
+    began, it may have been trapped."""
+    x0 = task.with_ours(task.start.x0, solution.x0)
+    freed = best_initial_states(task.start.problem, solution.p, [x0, *task.start.candidates])
+    if np.array_equal(freed, x0):
+        return solution
+    again = task.solve(solution.p, freed, factors, stop)
+    return added(solution, again if again.cost < solution.cost else solution, again)
+
+
+def _handed_over(
+    task: Task, solution: Solution, x0: Array, factors: Sequence[float], handover: Handover
+) -> tuple[Solution, Array]:
+    """The solution, and ``x0`` (w, n_x), with inner states handed on until the cost stays."""
+    for _ in range(handover.times):
+        x0 = task.handed_on(solution.p, x0, factors)
+        before, again = solution, task.solve(solution.p, x0, factors, handover.stop)
+        solution, x0 = added(before, again, again), task.with_ours(x0, again.x0)
+        if abs(before.cost - solution.cost) <= SETTLED * solution.cost:
+            break
+    return solution, x0
+
+
+def added(first: Solution, kept: Solution, second: Solution) -> Solution:
+    """``kept``, with the iterations of two descents."""
+    return replace(kept, iterations=first.iterations + second.iterations)
