@@ -35,6 +35,7 @@ class Task:
 
     @classmethod
     def of(cls, start: Start, method: Method, fitted: Sequence[int] | None) -> Task:
+        """``fitted`` are the numbers of the horizons that count (None: all)."""
         every = range(start.problem.windows.count)
         ours = every if fitted is None else fitted
         return cls(start, method, list(ours), [k for k in every if k not in ours])
