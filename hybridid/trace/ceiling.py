@@ -21,7 +21,14 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.learned_effort import learned_effort
 from hybridid.trace.over import Over, overs_for
 from hybridid.trace.path import Path
-from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, refit
+from hybridid.trace.refit import (
+    FAILURES,
+    LEAST_DECREASE,
+    WITHOUT_STD,
+    Refit,
+    least_of,
+    refit_if_hopeful,
+)
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 
@@ -66,7 +73,7 @@ def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Cei
     """The ceiling of every variable at every effort port where the path of ``base`` shows it."""
     path = Path.of(base, context.split, context.split.fitted)
     places = [
-        (base, context.split, port.name, over)
+        (base, context.split, port.name, over, least_of(context.rules.worth))
         for port in context.effort_ports(base.model)
         for over in overs_for(base.model.inputs)
         if path.shows(port.name, over)
@@ -74,8 +81,11 @@ def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Cei
     return tuple(context.each(stage, ceiling, places, lambda found: found.place))
 
 
-def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
-    """Fit a learned effort at ``port`` together with every parameter and score it held out."""
+def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEAST_DECREASE) -> Ceiling:
+    """Fit a learned effort at ``port`` together with every parameter and score it held out.
+
+    The fit ends early where it takes less than ``least``, as in ``refit_if_hopeful``.
+    """
     where = base.model.plant.port(port)
     path = Path.of(base, split, (*split.fitted, *split.held_out))
     fitted = Path.of(base, split, split.fitted)
@@ -85,7 +95,9 @@ def ceiling(base: Refit, split: Split, port: str, over: Over) -> Ceiling:
     starts = _starts(model, effect, port, base)
     over_unit = over.dimension.unit(where)
     try:
-        found = refit(model, split, starts, base, base.numerics, tolerance=TOLERANCE, std_up_to=WITHOUT_STD)
+        found = refit_if_hopeful(
+            model, split, starts, base, base.numerics, base, least, tolerance=TOLERANCE, std_up_to=WITHOUT_STD
+        )
     except (TooStiff, *FAILURES) as error:
         return Ceiling(port, over, 0.0, 1.0, (), where.effort_unit, over_unit, base, failure=str(error))
     evidence = compare(base.score, found.score)

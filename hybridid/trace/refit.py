@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,6 +156,31 @@ def refit(
         too_stiff=steps_at(found) > STIFF,
         ended_early=found.ended_early,
     )
+
+
+def refit_if_hopeful(
+    model: Model,
+    split: Split,
+    starts: Sequence[Mapping[str, float]],
+    before: Refit,
+    numerics: Numerics,
+    to_beat: Refit,
+    least: float = LEAST_DECREASE,
+    factors: Sequence[float] = (1.0,),
+    tolerance: float = TOLERANCE,
+    std_up_to: float = np.inf,
+) -> Refit:
+    """``refit`` that ends early if it neither takes the share ``least`` from the error of ``to_beat``, fitted
+    or held out, nor promises to."""
+    fitted = partial(refit, model, split, starts, before, numerics, factors, tolerance, std_up_to)
+    found = fitted(hopeful=(1 - least) * to_beat.cost)
+    surprising = found.ended_early and found.score.loss < (1 - least) * to_beat.score.loss
+    return fitted() if surprising else found
+
+
+def least_of(worth: float) -> float:
+    """The share of the error below which a refit ends early, where a gain of ``worth`` is asked for."""
+    return min(LEAST_DECREASE, worth / 2)
 
 
 def refit_if_possible(

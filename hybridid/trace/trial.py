@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
-from hybridid.trace.refit import CONTINUATION, LEAST_DECREASE, Refit, refit
+from hybridid.trace.refit import CONTINUATION, LEAST_DECREASE, Refit, least_of, refit_if_hopeful
 from hybridid.trace.rules import Rules
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
@@ -75,7 +74,7 @@ def attempt(candidate: Candidate, base: Refit, split: Split, worth: float = Rule
     could not solve, or all if the end is too stiff. That trial counts if it explains more: else everything
     that follows would be solved the slow way for nothing.
     """
-    least = min(LEAST_DECREASE, worth / 2)
+    least = least_of(worth)
     trial = _attempt(candidate, base, split, base.numerics, base, least)
     end_solved = trial.refit is not None and not trial.refit.too_stiff
     unsolved = trial.refit.unsolved if trial.refit and end_solved else None
@@ -106,17 +105,16 @@ def _attempt(
     least: float,
     chosen: Sequence[int] | None = None,
 ) -> Trial:
-    """The trial from all starts, or from the ``chosen`` ones by number. It ends early if it neither takes the
-    share ``least`` from the error of ``to_beat``, fitted or held out, nor promises to."""
+    """The trial from all starts, or from the ``chosen`` ones by number; ``to_beat`` and ``least`` as in
+    ``refit_if_hopeful``."""
     model: Model = candidate.added_to(base.model)
     try:
         known = known_means(candidate, model, split)
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
         starts = [{**starts[k], **known} for k in (range(len(starts)) if chosen is None else chosen)]
-        fitted = partial(refit, model, split, starts, base, numerics, CONTINUATION, std_up_to=base.score.loss)
-        found = fitted(hopeful=(1 - least) * to_beat.cost)
-        if found.ended_early and found.score.loss < (1 - least) * to_beat.score.loss:
-            found = fitted()
+        found = refit_if_hopeful(
+            model, split, starts, base, numerics, to_beat, least, CONTINUATION, std_up_to=base.score.loss
+        )
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):

@@ -92,7 +92,7 @@ def test_a_learned_effort_that_cannot_be_solved_claims_nothing(worn, split_of, m
     def refuse(*arguments, **options):
         raise TooStiff("needs more than 50 steps a sample")
 
-    monkeypatch.setattr(ceiling_module, "refit", refuse)
+    monkeypatch.setattr(ceiling_module, "refit_if_hopeful", refuse)
     base = worn.search.steps[0].base
     found = ceiling(base, split_of(df_v=DF_V), "carriage", Over("velocity"))
     assert found.failure == "needs more than 50 steps a sample"
