@@ -40,7 +40,9 @@ def descend(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None
 def refine(found: Result, plan: Descent, finer: Finer, fitted: Sequence[int] | None = None) -> Result:
     """``found``, or where the descent ends that goes on from it with as many steps a sample as ``finer`` asks
     for; ``fitted`` as for ``descend``. What ended early stays."""
-    for _ in range(0 if found.ended_early else plan.refinement.times):
+    if found.ended_early:
+        return found
+    for _ in range(plan.refinement.times):
         start = finer(found)
         if start is None:
             break

@@ -27,7 +27,7 @@ class _Look:
     seen: Solution
     factors: tuple[float, ...]
 
-    def goes_on(self, plan: Descent) -> Descent:
+    def rest_of(self, plan: Descent) -> Descent:
         """``plan`` with the iterations of the smoothings that are left out."""
         times = len(plan.continuation) // len(self.factors)
         return replace(plan, stop=replace(plan.stop, iterations=times * plan.stop.iterations))
@@ -43,7 +43,7 @@ def from_the_best(starts: Iterable[Start], plan: Descent, stop: Stop, fitted: Se
         return replace(_ended_early(looks[0], plan, stop, fitted), diverged=diverged)
     costs: list[float] = []
     for look in looks:
-        found = carried_to_the_end(look.start, look.goes_on(plan), look.factors, plan.handover, fitted)
+        found = carried_to_the_end(look.start, look.rest_of(plan), look.factors, plan.handover, fitted)
         costs.append(found.solution.cost)
         if np.isfinite(costs[-1]):
             break
@@ -76,5 +76,5 @@ def _ended_early(look: _Look, plan: Descent, stop: Stop, fitted: Sequence[int] |
     if task.theirs:
         handed = task.handed_on(seen.p, x0, plan.continuation[-1:], stop)
         x0 = run_on(look.start.problem, seen.p, handed)
-    solution = replace(seen, status="ended early: it promises little")
+    solution = replace(seen, status="ended early: it promises little", converged=False)
     return Result(look.start.problem, solution, x0, (seen.cost,), ended_early=True)

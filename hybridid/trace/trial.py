@@ -139,11 +139,12 @@ def _decided(trial: Trial, rules: Rules) -> Trial:
     if trial.comparison is None:
         return replace(trial, status=UNTRIED, reason=f"could not be fitted: {trial.failure}")
     gain, p = trial.comparison.gain, trial.p_adjusted
+    ended = "; its refit promised little and ended early" if trial.refit and trial.refit.ended_early else ""
     if gain < rules.worth:
         return replace(
             trial,
             status=REJECTED,
-            reason=f"held-out RMSE changes by {-gain:+.1%}; {rules.worth:.0%} less is asked",
+            reason=f"held-out RMSE changes by {-gain:+.1%}; {rules.worth:.0%} less is asked" + ended,
         )
     if p > rules.alpha:
         return replace(

@@ -50,6 +50,7 @@ def test_a_screened_start_that_promises_little_goes_no_further(starts):
     lowest = descend(starts, plan).solution.cost
     hopeless = descend(starts, replace(plan, hopeful=0.1 * lowest))
     assert hopeless.ended_early
+    assert not hopeless.solution.converged
     assert hopeless.diverged == (0,)
     assert hopeless.solution.cost > lowest
     promised = descend(starts, replace(plan, hopeful=1.1 * lowest))

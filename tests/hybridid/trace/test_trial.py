@@ -76,6 +76,13 @@ def only(trial):
     return judged
 
 
+def test_a_refit_that_ended_early_says_so(trial):
+    small = trial("asymmetric_viscous", rmse=0.99)
+    early = replace(small, refit=replace(small.refit, ended_early=True))
+    assert "ended early" in only(early).reason
+    assert "ended early" not in only(small).reason
+
+
 def test_a_large_certain_gain_passes(trial):
     judged = only(trial("asymmetric_viscous"))
     assert judged.status == PASSED
