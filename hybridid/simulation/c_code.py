@@ -157,6 +157,7 @@ def c_of(function: ca.Function, arguments: tuple[str, ...]) -> str:
     kept = [f"c[{place}] = {one};" for one, place in writer.known.items()]
     return "\n".join(
         (
+            f"enum {{ {name}_constants = {len(kept)} }};",
             f"static void {name}_prepare(double h, const double *p, double *c) {{",
             *writer.prepare,
             *kept,
@@ -165,7 +166,7 @@ def c_of(function: ca.Function, arguments: tuple[str, ...]) -> str:
             "const Lanes *u, const double *p, const double *c, Lanes *value, Lanes *slope) {",
             *writer.run,
             "}",
-            f"static const Part {name} = {{{len(kept)}, {name}_prepare, {name}_run}};\n",
+            f"static const Part {name} = {{{name}_constants, {name}_prepare, {name}_run}};\n",
         )
     )
 

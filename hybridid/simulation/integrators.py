@@ -17,20 +17,29 @@ from hybridid.simulation.rosenbrock import Inputs, Rodas3
 Seconds: TypeAlias = float | ca.SX
 StepBuilder = Callable[[Model, Seconds, bool], ca.Function]
 """``(model, h, held) -> step``; a symbolic h becomes a further input of the step."""
+Rate = Callable[[int, ca.SX], ca.SX]
+"""``(i, x) -> dx/dt`` at stage i of a method."""
+RK4_TIMES = (0.0, 0.5, 0.5, 1.0)
+"""When the stages of ``rk4`` are, over the step."""
 
 
-def rk4_step(model: Model, h: Seconds, held: bool) -> ca.Function:
-    """The classical fourth-order Runge-Kutta method.
+def rk4(rate: Rate, x: ca.SX, h: Seconds) -> ca.SX:
+    """The state after a step of the classical fourth-order Runge-Kutta method.
 
     Stable while |eigenvalue| times step stays below 2.78. Source: thesis sec. 3.1.
     """
+    k1 = rate(0, x)
+    k2 = rate(1, x + h / 2 * k1)
+    k3 = rate(2, x + h / 2 * k2)
+    k4 = rate(3, x + h * k3)
+    return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def rk4_step(model: Model, h: Seconds, held: bool) -> ca.Function:
+    """One step of ``rk4``."""
 
     def step(t: ca.SX, x: ca.SX, u: Inputs, p: ca.SX) -> ca.SX:
-        k1 = model.f(t, x, u.first, p)
-        k2 = model.f(t + h / 2, x + h / 2 * k1, u.middle, p)
-        k3 = model.f(t + h / 2, x + h / 2 * k2, u.middle, p)
-        k4 = model.f(t + h, x + h * k3, u.last, p)
-        return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        return rk4(lambda i, y: model.f(t + RK4_TIMES[i] * h, y, u.at(RK4_TIMES[i]), p), x, h)
 
     return _function(model, h, held, step)
 
@@ -65,11 +74,9 @@ def _function(
     model: Model, h: Seconds, held: bool, step: Callable[[ca.SX, ca.SX, Inputs, ca.SX], ca.SX]
 ) -> ca.Function:
     """A one-step method as a function of the step's inputs."""
-    n_u = len(model.inputs)
     t, x, p = _symbols(model)
-    u = ca.SX.sym("U", n_u if held else 3 * n_u)
-    first, middle, last = (u, u, u) if held else (u[:n_u], u[n_u : 2 * n_u], u[2 * n_u :])
-    x_next = step(t, x, Inputs(first, middle, last), p)
+    u = ca.SX.sym("U", len(model.inputs) * (1 if held else 3))
+    x_next = step(t, x, Inputs.of(u, held), p)
     given, names = [t, x, u, p], ["t", "x", "U", "p"]
     if isinstance(h, ca.SX):
         given, names = [*given, h], [*names, "h"]

@@ -19,14 +19,14 @@ from functools import cached_property
 from importlib import resources
 from typing import Any, TypeVar, cast
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.model import Model
-from hybridid.simulation.c_code import Unwritten, c_of
+from hybridid.simulation.c_code import Unwritten
+from hybridid.simulation.c_parts import c_of_parts
 from hybridid.simulation.compiler import c_compiler, compiled
-from hybridid.simulation.integrators import INTEGRATORS
+from hybridid.simulation.sensitivities import Part, output_part, step_part
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
@@ -38,9 +38,6 @@ LANES = 4
 """Horizons side by side, where there are as many."""
 ONLY = "_only"
 """Behind the names of the functions without sensitivities."""
-ARGUMENTS = ("x", "s", "t", "h", "u", "p")
-PARTS = "\nconst Part *parts[] = {%s};\n"
-"""The functions that are called, where ``ctypes`` finds them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +56,7 @@ class Code:
     @cached_property
     def worth_it(self) -> bool:
         """Whether to simulate by machine code."""
-        if c_compiler() is None or self.steps * self._functions[0].n_instructions() < WORTH:
+        if c_compiler() is None or self.steps * self._parts[0].operations < WORTH:
             return False
         return self._library is not None and _driver(self.lanes) is not None
 
@@ -97,13 +94,18 @@ class Code:
         return states, outputs, final, slopes, ends[:, 1:]
 
     @property
-    def _functions(self) -> tuple[ca.Function, ...]:
+    def _parts(self) -> tuple[Part, ...]:
         """Step and outputs, with sensitivities and without."""
-        return self._derived(("functions", self.free, self.integrator, self.held), self._differentiated)
+        return self._derived(("parts", self.free, self.integrator, self.held), self._differentiated)
 
-    def _differentiated(self) -> tuple[ca.Function, ...]:
-        step = INTEGRATORS[self.integrator](self.model, ca.SX.sym("h"), self.held)
-        return (*_pair(self.model, step, self.free, ""), *_pair(self.model, step, None, ONLY))
+    def _differentiated(self) -> tuple[Part, ...]:
+        step, outputs = "model_advance", "model_observe"
+        return (
+            step_part(step, self.model, self.integrator, self.held, self.free),
+            output_part(outputs, self.model, self.free),
+            step_part(step + ONLY, self.model, self.integrator, self.held, None),
+            output_part(outputs + ONLY, self.model, None),
+        )
 
     @property
     def _library(self) -> ctypes.CDLL | None:
@@ -114,17 +116,17 @@ class Code:
     def _make_library(self) -> ctypes.CDLL | None:
         """The library, or None if the compiler fails or an operation has no C. It is known by what CasADi
         tells of the functions: that costs a sixth of writing their C."""
-        said = "".join(function.serialize() for function in self._functions)
+        said = "".join(function.serialize() for part in self._parts for function in part.functions)
         try:
-            return compiled(_text("c_code.py") + _side_by_side(self.lanes) + said, self._written)
+            return compiled(
+                _text("c_code.py") + _text("c_parts.py") + _side_by_side(self.lanes) + said, self._written
+            )
         except Unwritten as why:
             warnings.warn(f"{why}: the model is interpreted, which is slower", stacklevel=2)
             return None
 
     def _written(self) -> str:
-        parts = [c_of(function, ARGUMENTS) for function in self._functions]
-        names = ", ".join(f"&{function.name()}" for function in self._functions)
-        return _side_by_side(self.lanes) + "".join(parts) + PARTS % names
+        return _side_by_side(self.lanes) + c_of_parts(self._parts)
 
     def _derived(self, key: tuple[object, ...], make: Callable[[], T]) -> T:
         """What ``make`` makes, kept with the model: many problems of a fit share it."""
@@ -132,37 +134,6 @@ class Code:
         if key not in kept:
             kept[key] = make()
         return cast(T, kept[key])
-
-
-def _pair(
-    model: Model, step: ca.Function, free: Sequence[str] | None, suffix: str
-) -> tuple[ca.Function, ca.Function]:
-    """``model_advance`` and ``model_observe`` of (x, S, t, h, u, p); without S where ``free`` is None."""
-    t, x, p = ca.SX.sym("t"), ca.SX.sym("x", len(model.states)), ca.SX.sym("p", len(model.parameters))
-    h = ca.SX.sym("h")
-    stages, u = ca.SX.sym("U", step.size1_in("U")), ca.SX.sym("u", len(model.inputs))
-    n_s = 0 if free is None else len(model.states) + len(free)
-    s = ca.SX.sym("S", len(model.states), n_s)
-    made = []
-    for name, inputs, value in (
-        ("model_advance", stages, step(t, x, stages, p, h)),
-        ("model_observe", u, model.h(t, x, u, p)),
-    ):
-        out = [value] if free is None else [value, total_derivative(model, value, x, p, s, free)]
-        made.append(
-            ca.Function(name + suffix, [x, s, t, h, inputs, p], [ca.densify(v) for v in out], {"cse": True})
-        )
-    return made[0], made[1]
-
-
-def total_derivative(model: Model, value: ca.SX, x: ca.SX, p: ca.SX, s: ca.SX, free: Sequence[str]) -> ca.SX:
-    """``d value / d(x0, p) = value_x S + [0, value_p]`` with ``S = dx / d(x0, p)``, of the ``free`` p."""
-    n_x, order = x.shape[0], [parameter.name for parameter in model.parameters]
-    through = ca.jacobian(value, x) @ s
-    if free:
-        direct = ca.jacobian(value, p)[:, [order.index(name) for name in free]]
-        through = ca.horzcat(through[:, :n_x], through[:, n_x:] + direct)
-    return through
 
 
 def _typed(kind: type, *names: str) -> tuple[tuple[str, type], ...]:

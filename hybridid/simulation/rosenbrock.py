@@ -45,6 +45,15 @@ class Inputs:
     middle: ca.SX
     last: ca.SX
 
+    @classmethod
+    def of(cls, u: ca.SX, held: bool) -> Inputs:
+        """From ``U`` of a step: (n_u,) if held, else (3 n_u,)."""
+        return cls(u, u, u) if held else cls(*ca.vertsplit(u, u.shape[0] // 3))
+
+    def at(self, share: float) -> ca.SX:
+        """The inputs at 0, 0.5 or 1 of the step."""
+        return {0.0: self.first, 0.5: self.middle, 1.0: self.last}[share]
+
     def slope(self, h: float | ca.SX) -> ca.SX:
         """du/dt at the start of the step, exact for a parabola."""
         return (-3 * self.first + 4 * self.middle - self.last) / h

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from hybridid.model import Model
 from hybridid.simulation.integrators import sample_step
-from hybridid.simulation.machine_code import LANES, Code, total_derivative
+from hybridid.simulation.machine_code import LANES, Code
+from hybridid.simulation.sensitivities import total_derivative
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]

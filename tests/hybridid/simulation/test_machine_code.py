@@ -117,8 +117,8 @@ def test_problems_of_one_model_share_their_functions(carriage, make_model):
     first = shooter_of(carriage, make_model)
     other = replace(first, windows=cut([carriage.record(150)], 60, 4))
     assert first.code is not other.code
-    assert first.code._functions is other.code._functions
-    assert replace(first, free=("M",)).code._functions is not first.code._functions
+    assert first.code._parts is other.code._parts
+    assert replace(first, free=("M",)).code._parts is not first.code._parts
 
 
 @compiled
@@ -126,7 +126,7 @@ def test_c_is_written_only_of_what_is_not_yet_compiled(carriage, make_model, mon
     shooter = shooter_of(carriage, make_model)
     assert shooter.code.worth_it
     monkeypatch.setattr(compiler, "_LIBRARIES", {})
-    monkeypatch.setattr(machine_code, "c_of", None)
+    monkeypatch.setattr(machine_code, "c_of_parts", None)
     again = replace(shooter, model=replace(shooter.model))
     x0, p = np.zeros((again.windows.count, len(again.model.states))), again.model.values()
     np.testing.assert_array_equal(again(x0, p).outputs, shooter(x0, p).outputs)
@@ -137,7 +137,7 @@ def test_an_operation_without_c_is_interpreted(carriage, make_model, monkeypatch
     def refuse(*given):
         raise Unwritten("no C")
 
-    monkeypatch.setattr(machine_code, "c_of", refuse)
+    monkeypatch.setattr(machine_code, "c_of_parts", refuse)
     monkeypatch.setattr(compiler, "_LIBRARIES", {})
     monkeypatch.setattr(compiler, "library", lambda key, build: build(None))
     with pytest.warns(UserWarning, match="no C: the model is interpreted"):
