@@ -1,7 +1,7 @@
 """A model's step as machine code, where the machine has a C compiler.
 
 CasADi interprets a model seven to forty times slower than compiled code simulates it. So what will cost
-more to interpret than to compile is compiled: ``c_code`` writes C of one step, of the outputs and of
+more to interpret than to compile is compiled: ``c_parts`` writes C of one step, of the outputs and of
 their sensitivities, for four horizons side by side (``lanes.h``). ``shoot.c``, compiled once for all
 models, drives it over all horizons. The interpreter gives the same numbers to rounding.
 

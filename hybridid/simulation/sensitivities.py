@@ -8,8 +8,8 @@ An explicit Runge-Kutta method, differentiated, is the same method on s, with th
 
     K_i = f_x(x_i) s_i + f_p(x_i)                            for the stages k_i = f(x_i)
 
-So one function, ``forward``, computes the value with the derivatives, and another, ``column``, applies them to
-one column. A model has as many columns as states and free parameters. The code of both is two to five times
+So one function, ``forward``, computes the value with the derivatives. Another, ``column``, applies them to
+one column. There are as many columns as states and free parameters. The code of both is two to five times
 shorter than that of a whole step's derivative with all columns, for as many operations.
 """
 
