@@ -41,6 +41,11 @@ OF_LANES: Mapping[int, str] = {
     ca.OP_FMAX: "LARGER({0}, {1})",
     ca.OP_EXP: "EXPONENTIAL({0})",
     ca.OP_TANH: "HYPERBOLIC_TANGENT({0})",
+    ca.OP_LOG: "LOGARITHM({0})",
+    ca.OP_SIN: "SINE({0})",
+    ca.OP_COS: "COSINE({0})",
+    ca.OP_POW: "POWER({0}, {1})",
+    ca.OP_CONSTPOW: "POWER({0}, {1})",
 }
 """The macros of lanes.h."""
 OF_ONE: Mapping[int, str] = {
@@ -59,17 +64,20 @@ OF_ONE: Mapping[int, str] = {
     ca.OP_FMAX: "fmax({0}, {1})",
     ca.OP_EXP: "exp({0})",
     ca.OP_TANH: "tanh({0})",
+    ca.OP_LOG: "log({0})",
+    ca.OP_SIN: "sin({0})",
+    ca.OP_COS: "cos({0})",
+    ca.OP_POW: "pow({0}, {1})",
+    ca.OP_CONSTPOW: "pow({0}, {1})",
 }
 LIBRARY: Mapping[int, str] = {
     getattr(ca, f"OP_{name.upper()}"): name
     for name in (
-        "sqrt", "log", "log1p", "expm1", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "asinh",
+        "sqrt", "log1p", "expm1", "tan", "asin", "acos", "atan", "sinh", "cosh", "asinh",
         "acosh", "atanh", "floor", "ceil", "erf",
     )
 }  # fmt: skip
 LIBRARY_OF_TWO: Mapping[int, str] = {
-    ca.OP_POW: "pow",
-    ca.OP_CONSTPOW: "pow",
     ca.OP_ATAN2: "atan2",
     ca.OP_FMOD: "fmod",
     ca.OP_HYPOT: "hypot",

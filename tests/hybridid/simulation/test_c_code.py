@@ -96,6 +96,36 @@ def test_exponentials_to_the_last_two_bits(law, exact):
     np.testing.assert_array_equal(np.signbit(found), np.signbit(expected))
 
 
+def test_powers_and_logarithms_over_the_whole_range():
+    """To the last bits of the logarithm; a power to these times the size of its logarithm."""
+    ours = written(of(lambda x, p: ca.vertcat(ca.log(x[0]), x[0] ** x[1])), 4)
+    generator = np.random.default_rng(6)
+    base = np.exp(generator.uniform(-1, 1, size=4000) * np.repeat([1e-6, 0.3, 3.0, 300.0], 1000))
+    power = generator.normal(size=4000)
+    edges = [0.0, -2.0, 1.0, 5e-324, 1e-310, 1e301, np.inf, np.nan, -0.0, 0.5, 2.0**0.5, 2.0**-0.5]
+    x = np.array([[*base, *edges], [*power, 1.5, 3.0, 7.0, 1.0, 2.0, 1.5, 2.0, 0.0, 2.0, 0.0, 2.0, 2.0]])
+    with np.errstate(all="ignore"):
+        logarithm, raised = np.log(x[0]), np.power(x[0], x[1])
+    found = np.hstack([ours(x[:, k : k + 4], [0.0, 0.0]) for k in range(0, x.shape[1], 4)])
+    np.testing.assert_allclose(found[0], logarithm, rtol=2.0**-51, atol=0)
+    with np.errstate(all="ignore"):
+        room = 2.0**-51 * (1 + np.nan_to_num(np.abs(x[1] * logarithm), posinf=0.0))
+        assert np.all(np.abs(found[1] / raised - 1)[:4000] < room[:4000])
+    np.testing.assert_allclose(found[1, 4000:], raised[4000:], rtol=1e-15)
+
+
+def test_sines_to_the_last_bits_of_one():
+    ours = written(of(lambda x, p: ca.vertcat(ca.sin(x[0]), ca.cos(x[0])), n=1), 4)
+    draw = np.random.default_rng(7).normal
+    seen = np.concatenate([draw(scale=scale, size=4000) for scale in (1e-9, 1.0, 100.0, 2e5, 1e9)])
+    edges = [0.0, -0.0, np.pi, np.pi / 2, 3 * np.pi / 4, -np.pi / 4, np.inf, np.nan]
+    x = np.array([[*seen, *edges]])
+    found = np.hstack([ours(x[:, k : k + 4], [0.0, 0.0]) for k in range(0, x.shape[1], 4)])
+    with np.errstate(invalid="ignore"):
+        np.testing.assert_allclose(found, np.vstack([np.sin(x), np.cos(x)]), rtol=0, atol=2.0**-52)
+    np.testing.assert_allclose(found[0, :4000], np.sin(x[0, :4000]), rtol=2.0**-52)
+
+
 def test_no_number_in_one_lane_leaves_the_others_alone():
     ours = written(of(lambda x, p: ca.vertcat(ca.tanh(x[0]), ca.exp(x[0]), ca.fmin(x[0], 1.0)), n=1), 4)
     found = ours(np.array([[np.nan, 0.5, -0.5, 2.0]]), [0.0, 0.0])
