@@ -5,4 +5,8 @@ Imports run one way: declarations <- plants, effects <- model <- simulation,
 estimators, validation.
 """
 
+from hybridid.private import keep_numba_private
+
 __version__ = "0.1.0"
+
+keep_numba_private()  # before anything imports numba

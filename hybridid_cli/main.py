@@ -5,7 +5,10 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+import warnings
 from collections.abc import Sequence
+from pathlib import Path
+from typing import TextIO
 
 from hybridid_cli import helptexts, interrupt
 from hybridid_cli.commands import BY_NAME, COMMANDS
@@ -18,6 +21,7 @@ INTERRUPTED = 130
 def main() -> None:
     """Run the command on ``sys.argv`` and exit with its code."""
     interrupt.install()
+    warnings.showwarning = _show_warning
     try:
         code = dispatch(sys.argv[1:])
         sys.stdout.flush()
@@ -68,6 +72,20 @@ def complain(message: str, code: int = WRONG_REQUEST) -> int:
 def wants_traceback() -> bool:
     """Whether the user asked to see where in the code an error arose."""
     return os.environ.get("HYDRA_FULL_ERROR") == "1"
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Our own warnings in one line, without a place in the code; a library's as Python writes it."""
+    own = Path(filename).is_relative_to(Path(__file__).parents[1] / "hybridid")
+    text = f"hybridid: warning: {message}\n"
+    (file or sys.stderr).write(text if own else warnings.formatwarning(message, category, filename, lineno))
 
 
 def _not_a_command(word: str) -> str:

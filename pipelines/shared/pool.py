@@ -27,6 +27,7 @@ from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar
 
+from hybridid.private import cache_folder
 from hybridid.trace.mapper import Mapper, serial
 from pipelines.shared.pool_worker import ENDED, PATIENCE, Lost, serve
 from pipelines.shared.watch import Watcher
@@ -203,6 +204,7 @@ class Pool:
 
 
 def _started() -> _Worker:
+    cache_folder()  # if it cannot be used, the user is warned here, and not by every worker
     context: Any = multiprocessing.get_context(METHOD)
     ours, theirs = context.Pipe()
     with _one_thread():

@@ -1,13 +1,17 @@
-"""Compiled libraries outlive the process that made them."""
+"""Compiled libraries outlive the process that made them, and no other user's is ever loaded."""
 
 from __future__ import annotations
 
 import os
 import shutil
 import subprocess
+import timeit
+import warnings
+from multiprocessing import get_context
 
 import pytest
 
+from hybridid import private
 from hybridid.simulation import libraries
 
 COMPILER = shutil.which("cc")
@@ -17,9 +21,12 @@ pytestmark = pytest.mark.skipif(COMPILER is None, reason="no C compiler on this 
 @pytest.fixture(autouse=True)
 def cache(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    libraries._folder.cache_clear()
+    monkeypatch.delenv(private._WARNED, raising=False)
+    for once in (private.cache_folder, private._of_this_process):
+        once.cache_clear()
     yield tmp_path / "hybridid" / "models"
-    libraries._folder.cache_clear()
+    for once in (private.cache_folder, private._of_this_process):
+        once.cache_clear()
 
 
 def builder(made_of: list[str]):
@@ -42,7 +49,7 @@ def test_made_once_and_then_found(cache):
 
 def test_what_cannot_be_loaded_is_made_anew(cache):
     made = []
-    libraries._folder()
+    private.cache_folder()
     (cache / "torn.so").write_bytes(b"half a library")
     assert libraries.library("torn", builder(made)).seven() == 7
     assert len(made) == 1
@@ -55,7 +62,7 @@ def test_a_build_that_fails_leaves_nothing(cache):
 
 def test_the_longest_unused_go_first(cache, monkeypatch):
     monkeypatch.setattr(libraries, "MOST", 10)
-    libraries._folder()
+    private.cache_folder()
     for k in range(10):
         (cache / f"old{k}.so").write_bytes(b"")
         os.utime(cache / f"old{k}.so", (k, k))
@@ -67,5 +74,139 @@ def test_a_folder_of_the_process_where_the_cache_cannot_be_written(monkeypatch, 
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(blocked))
-    libraries._folder.cache_clear()
+    private.cache_folder.cache_clear()
+    with pytest.warns(UserWarning, match="not kept: .*file.* cannot be used"):
+        assert libraries.library("key", builder([])).seven() == 7
+
+
+def left_by_an_earlier_process(cache, key="key"):
+    """A library of this name and the right seal, in a file that this process has not loaded."""
+    private.cache_folder.cache_clear()
+    libraries.library(key, builder([]))
+    kept = cache / f"{key}.so"
+    content = kept.read_bytes()
+    kept.unlink()
+    kept.write_bytes(content)
+    kept.chmod(0o600)
+    assert libraries._is_sound(kept)
+    return kept
+
+
+def foreign(file, mark):
+    """A library that writes ``mark`` as soon as it is loaded."""
+    text = file.with_suffix(".c")
+    text.write_text(
+        f"""#include <stdio.h>
+        __attribute__((constructor)) static void ran(void) {{ fclose(fopen("{mark}", "w")); }}
+        int seven(void) {{ return 8; }}"""
+    )
+    file.unlink(missing_ok=True)
+    subprocess.run([COMPILER, "-shared", "-fPIC", str(text), "-o", str(file)], check=True)
+    text.unlink()
+    return file
+
+
+@pytest.mark.parametrize("length", [0, 10, 8000, -1])
+def test_a_library_that_was_cut_off_is_made_anew(cache, length):
+    """Loaded, it would end the process: Bus error."""
+    kept = left_by_an_earlier_process(cache)
+    whole = kept.read_bytes()
+    assert len(whole) > 8000
+    kept.write_bytes(whole[:length])
+    made = []
+    assert libraries.library("key", builder(made)).seven() == 7
+    assert made == ["key.so"]
+    assert libraries._is_sound(kept)
+
+
+def test_a_library_under_another_name_is_not_loaded(cache):
+    kept = left_by_an_earlier_process(cache, "one")
+    kept.rename(cache / "other.so")
+    made = []
+    libraries.library("other", builder(made))
+    assert made == ["other.so"]
+
+
+def test_a_library_without_a_seal_is_not_loaded(cache, tmp_path):
+    private.cache_folder()
+    foreign(cache / "key.so", tmp_path / "ran")
     assert libraries.library("key", builder([])).seven() == 7
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("who", ["file", "folder", "above", "link"])
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder to another user")
+def test_nothing_of_another_user_is_loaded(cache, tmp_path, who):
+    """Not even with the right seal."""
+    kept = left_by_an_earlier_process(cache)
+    foreign(kept, tmp_path / "ran")
+    with kept.open("ab") as stream:
+        stream.write(libraries._seal(kept.name, kept.read_bytes()))
+    kept.chmod(0o600)
+    assert libraries._is_sound(kept)
+    if who == "link":
+        cache.rename(tmp_path / "theirs")
+        os.chown(tmp_path / "theirs", 65534, 65534)
+        cache.symlink_to(tmp_path / "theirs")
+    else:
+        os.chown({"file": kept, "folder": cache, "above": cache.parent}[who], 65534, 65534)
+    private.cache_folder.cache_clear()
+    if who == "file":
+        assert libraries.library("key", builder([])).seven() == 7
+    else:
+        with pytest.warns(UserWarning, match="compiled models are not kept: .* belongs to "):
+            assert libraries.library("key", builder([])).seven() == 7
+        private.cache_folder.cache_clear()
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # one warning is enough, for the processes that it starts too
+            libraries.library("key", builder([]))
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("mode", [0o777, 0o770, 0o1777])
+def test_a_folder_that_others_may_write_to_is_not_used(cache, mode):
+    kept = left_by_an_earlier_process(cache)
+    cache.chmod(mode)
+    private.cache_folder.cache_clear()
+    made = []
+    with pytest.warns(UserWarning, match="others may write to .*; chmod go-w closes it"):
+        libraries.library("key", builder(made))
+    assert made == ["key.so"]
+    assert kept.exists()
+    assert private.cache_folder() != cache
+    assert private.cache_folder().stat().st_mode & 0o777 == 0o700
+
+
+def test_what_it_makes_is_private(cache):
+    libraries.library("key", builder([]))
+    assert (cache / "key.so").stat().st_mode & 0o777 == 0o600
+    assert cache.stat().st_mode & 0o777 == 0o700
+
+
+def test_a_check_takes_well_below_a_millisecond(cache, tmp_path):
+    private.cache_folder()
+    content = os.urandom(50_000)
+    kept = cache / "key.so"
+    kept.write_bytes(content + libraries._seal(kept.name, content))
+    kept.chmod(0o600)
+    fastest = min(timeit.repeat(lambda: libraries._is_sound(kept), number=1, repeat=50))
+    assert libraries._is_sound(kept)
+    assert fastest < 0.5e-3
+
+
+def three_libraries():
+    for k in range(3):
+        assert libraries.library(f"key{k}", builder([])).seven() == 7
+
+
+def test_many_processes_at_once_get_sound_libraries(cache):
+    """Some find it, some make it, some replace what another made."""
+    processes = [get_context("fork").Process(target=three_libraries) for _ in range(6)]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join(60)
+    assert [process.exitcode for process in processes] == [0] * 6
+    kept = list(cache.iterdir())
+    assert sorted(file.name for file in kept) == ["key0.so", "key1.so", "key2.so"]
+    assert all(map(libraries._is_sound, kept))
