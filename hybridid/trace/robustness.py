@@ -59,6 +59,12 @@ def variations(records: Sequence[Record], declared: Numerics = DECLARED) -> tupl
     )
 
 
+def refitted_under(base: Refit, varied: Sequence[Numerics], context: Context) -> list[Refit | None]:
+    """``base`` refitted under each variation; None where it cannot be simulated so."""
+    given = [(base.model, context.split, [base.values], base, numerics) for numerics in varied]
+    return list(context.mapper(refit_if_possible, given))
+
+
 def survival(
     base: Refit,
     augmented: Refit,
@@ -66,9 +72,9 @@ def survival(
     split: Split,
     numerics: Numerics,
     rules: Rules,
-    poorer: Refit | None = None,
+    poorer: Refit | None,
 ) -> Survival:
-    """Refit both models under ``numerics`` and compare them again; ``poorer`` is the base so refitted.
+    """Refit ``augmented`` under ``numerics`` and compare again with ``poorer``, the base so refitted.
 
     The effect must still take ``rules.kept`` of what it took from the squared error as declared. It need not
     be significant a second time: that depends on the number of horizons, not on the numerics. A variation
@@ -82,7 +88,6 @@ def survival(
     A variation that needs too many steps a sample does not count. An effect does not survive if the model
     diverges with it.
     """
-    poorer = poorer or refit_if_possible(base.model, split, [base.values], base, numerics)
     if poorer is None:
         return _not_simulated(numerics, survives=True)
     try:
@@ -124,18 +129,15 @@ def surviving(learned: Sequence[Refit], final: Refit, context: Context) -> list[
 
     Each is the model of ``final`` with a learned effort beside it; the test is the one an effect must pass.
     """
-    split, rules = context.split, context.rules
-    left = list(range(len(learned)))
-    for numerics in variations(split.records, final.numerics):
-        if not left:
-            break
-        poorer = refit_if_possible(final.model, split, [final.values], final, numerics)
-        if poorer is None:
-            continue
-        arguments = ((final, learned[k], "", split, numerics, rules, poorer) for k in left)
-        varied = context.mapper(survival, arguments)
-        left = [k for k, one in zip(left, varied, strict=True) if one.survives]
-    return left
+    if not learned:
+        return []
+    varied = variations(context.split.records, final.numerics)
+    poorer = refitted_under(final, varied, context)
+    places = [(k, *under) for k in range(len(learned)) for under in zip(varied, poorer, strict=True)]
+    given = ((final, learned[k], "", context.split, how, context.rules, base) for k, how, base in places)
+    again = zip(places, context.mapper(survival, given), strict=True)
+    lost = {k for (k, *_), one in again if not one.survives}
+    return [k for k in range(len(learned)) if k not in lost]
 
 
 def _lost(survival: Survival) -> str:

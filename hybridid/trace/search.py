@@ -12,7 +12,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
-from hybridid.trace.robustness import Survival, objection, survival, variations
+from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.trial import (
@@ -25,6 +25,9 @@ from hybridid.trace.trial import (
     judge,
     look_alikes,
 )
+
+Otherwise = dict[Numerics, Refit | None]
+"""A model's refits under other numerics."""
 
 
 @dataclass(frozen=True)
@@ -105,13 +108,13 @@ def _step(base: Refit, context: Context, number: int) -> Step:
     places = [(candidate, base, context.split, rules.worth) for candidate in candidates]
     trials = context.each(f"step {number}", attempt, places, lambda trial: trial.candidate.name)
     judged = judge(trials, rules)
-
+    otherwise: Otherwise = {}
     while True:
         passed = [t for t in judged if t.status == PASSED]
         if not passed:
             return Step(base, tuple(judged), None)
         best = _preferred(passed, rules)
-        survivals = _survivals(base, best, context)
+        survivals = _survivals(base, best, context, otherwise)
         why = objection(survivals)
         if not why:
             alike = tuple(equivalents(best, judged, rules))
@@ -131,13 +134,18 @@ def _free_parameters(trial: Trial) -> int:
     return sum(not p.fixed for p in trial.candidate.effect.parameters)
 
 
-def _survivals(base: Refit, best: Trial, context: Context) -> tuple[Survival, ...]:
-    """What becomes of the gain of ``best`` under every variation of the numerics it was solved with."""
+def _survivals(base: Refit, best: Trial, context: Context, otherwise: Otherwise) -> tuple[Survival, ...]:
+    """What becomes of the gain of ``best`` under every variation of the numerics it was solved with.
+
+    ``otherwise`` holds the base under the variations of earlier calls, and takes those of this one.
+    """
     assert best.refit is not None
     split, name = context.split, best.candidate.name
     varied = variations(split.records, best.refit.numerics)
-    arguments = ((base, best.refit, name, split, numerics, context.rules) for numerics in varied)
-    return tuple(context.mapper(survival, arguments))
+    new = [numerics for numerics in varied if numerics not in otherwise]
+    otherwise.update(zip(new, refitted_under(base, new, context), strict=True))
+    given = ((base, best.refit, name, split, how, context.rules, otherwise[how]) for how in varied)
+    return tuple(context.mapper(survival, given))
 
 
 def _backward(
@@ -159,17 +167,20 @@ def _backward(
     return refitted, [one for one in accepted if one.name not in dropped], tuple(dropped)
 
 
-def recheck(found: Search, split: Split, rules: Rules) -> Search:
+def recheck(found: Search, context: Context) -> Search:
     """Look again, in the last model, at each class of effects that were alike when accepted.
 
     What came later may tell them apart: every rival takes the accepted effect's place and
     everything is refitted. A rival that then explains less leaves the class.
     """
-    final = found.final
-    kept = []
-    for one in found.accepted:
-        rivals = [t for t in one.alike if t is not one.trial and _still_alike(final, one, t, split, rules)]
-        kept.append(replace(one, alike=(one.trial, *rivals)))
+    rivals = [(one, rival) for one in found.accepted for rival in one.alike if rival is not one.trial]
+    given = [(found.final, one, rival, context.split, context.rules) for one, rival in rivals]
+    verdicts = zip(rivals, context.mapper(_still_alike, given), strict=True)
+    left = [rival for (_, rival), alike in verdicts if alike]
+    kept = (
+        replace(one, alike=(one.trial, *(t for t in one.alike if any(t is rival for rival in left))))
+        for one in found.accepted
+    )
     return replace(found, accepted=tuple(kept))
 
 

@@ -88,7 +88,7 @@ def conclude(
     floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
     found = search(model, context, starts, floor, Numerics(integrator=integrator))
-    found = without_mixed_classes(recheck(found, split, rules))
+    found = without_mixed_classes(recheck(found, context))
     found, left, before = _trusted(found, context)
     simulation, times = _error_left(found.final, noise, context)
     kept = unless_minor(found, times, rules)

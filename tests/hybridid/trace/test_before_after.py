@@ -73,7 +73,7 @@ def test_a_rival_that_explains_less_in_the_last_model_leaves_the_class(found, co
     (one,) = found.accepted
     drag = next(t for t in found.search.steps[0].trials if t.candidate.effect.id == "quadratic_drag")
     doubtful = replace(found.search, accepted=(replace(one, alike=(one.trial, drag)),))
-    (kept,) = recheck(doubtful, context.split, context.rules).accepted
+    (kept,) = recheck(doubtful, context).accepted
     assert kept.alike == (one.trial,)
 
 

@@ -18,7 +18,7 @@ from hybridid.trace.learned_effort import learned_effort
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.over import OVERS, Over
 from hybridid.trace.refit import refit
-from hybridid.trace.robustness import objection, survival, variations
+from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
 from hybridid.trace.verdict import conclude
@@ -132,7 +132,9 @@ def test_an_effect_that_the_numerics_made_does_not_survive(make_model, two_recor
     assert "does not survive" in trial.reason
     base = step.base
     assert trial.refit is not None
-    again = survival(base, trial.refit, trial.candidate.name, split, Numerics("held", hold="zoh"), Rules())
+    held = Numerics("held", hold="zoh")
+    (poorer,) = refitted_under(base, [held], Context(split))
+    again = survival(base, trial.refit, trial.candidate.name, split, held, Rules(), poorer)
     assert not again.survives
 
 
@@ -141,8 +143,10 @@ def test_what_is_too_stiff_to_be_tried_says_nothing_and_ends_no_trace(worn, spli
     stiff = {name: 1e8 if name.endswith(".f_v") else value for name, value in found.values.items()}
     split, finer = split_of(df_v=DF_V), Numerics("half the step", finer=2)
     given = (worn.accepted[0].name, split, finer, Rules())
-    with_it = survival(base, replace(found, values=stiff), *given)
-    without = survival(replace(base, values={n: stiff[n] for n in base.values}), found, *given)
+    too_stiff = replace(base, values={n: stiff[n] for n in base.values})
+    (poorer, none) = (refitted_under(one, [finer], Context(split))[0] for one in (base, too_stiff))
+    with_it = survival(base, replace(found, values=stiff), *given, poorer)
+    without = survival(too_stiff, found, *given, none)
     for one in (with_it, without):
         assert (one.simulated, one.survives) == (False, True)
 
