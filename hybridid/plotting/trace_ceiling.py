@@ -25,7 +25,8 @@ LARGEST = 40.0  # area in pt² of the dot at the point with the most samples
 @dataclass(frozen=True)
 class LearnedCurve:
     """Effort (m,) in ``unit`` learned over ``over`` (velocity, position, load; ``at`` (m,) in ``over_unit``)
-    beside ``model``, the ``samples`` (m,) that saw it, and the share of held-out RMSE that it takes away."""
+    beside ``model``, the ``samples`` (m,) that saw it, and the share of held-out RMSE that it takes away.
+    ``ended_early``: the fit promised little and was not carried to its end."""
 
     model: str
     over: str
@@ -35,6 +36,13 @@ class LearnedCurve:
     unit: str
     over_unit: str
     gain: float
+    ended_early: bool = False
+
+    @property
+    def taken(self) -> str:
+        """The error that it takes away, in words."""
+        less = f"{percent(max(self.gain, 0), 0)} less error"
+        return f"{less} (ended early)" if self.ended_early else less
 
 
 @styled
@@ -63,9 +71,7 @@ def ceiling_plot(
     for axes, over in zip(panels, variables, strict=True):
         shown = [curve for curve in curves if curve.over == over]
         lines |= _panel(axes, shown, models, effort.factor)
-        axes.set_title(
-            "\n".join(f"{curve.model}: {percent(max(curve.gain, 0), 0)} less error" for curve in shown)
-        )
+        axes.set_title("\n".join(f"{curve.model}: {curve.taken}" for curve in shown))
     for first in grid[:, 0]:
         name_y(first, effort)
     panels[0].set_ylim(frame([curve.effort * effort.factor for curve in curves]))

@@ -123,7 +123,8 @@ class StepTaken:
 class LearnedGain:
     """The held-out gain of a learned effort in ``unit`` at ``port``, over a variable in ``over_unit``.
 
-    ``failure`` says why it could not be solved; its gain is then no evidence.
+    ``failure`` says why it could not be solved; its gain is then no evidence. ``ended_early``: its fit
+    promised little and ended early, so that the gain is a little less than it could be.
     """
 
     port: str
@@ -133,6 +134,7 @@ class LearnedGain:
     unit: str
     over_unit: str
     failure: str = ""
+    ended_early: bool = False
 
 
 @dataclass(frozen=True)

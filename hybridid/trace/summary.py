@@ -145,7 +145,10 @@ def estimated_values(estimate: Estimate) -> dict[str, EstimatedValue]:
 def learned_gains(found: Sequence[Ceiling]) -> tuple[LearnedGain, ...]:
     """The ceilings without their curves and refits."""
     return tuple(
-        LearnedGain(c.port, str(c.over), c.gain, c.p_value, c.unit, c.over_unit, c.failure) for c in found
+        LearnedGain(
+            c.port, str(c.over), c.gain, c.p_value, c.unit, c.over_unit, c.failure, c.refit.ended_early
+        )
+        for c in found
     )
 
 
@@ -233,5 +236,5 @@ def _tried(trial: Trial, number: int) -> TriedEffect:
         gain=trial.gain if comparison else -1.0,
         p_value=trial.p_adjusted if comparison else 1.0,
         parameters=own,
-        seconds=found.seconds if found and comparison else math.nan,
+        seconds=trial.seconds,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -30,7 +31,8 @@ class Trial:
     """A candidate's refit, its evidence over the model without it, and what was decided.
 
     ``fitted_gain`` is the share that it takes from the squared error of the fitted horizons. ``failure`` says
-    why it could not be fitted, ``not_shown`` why the records cannot show its form.
+    why it could not be fitted, ``not_shown`` why the records cannot show its form. ``seconds`` are those of
+    all its refits, with both integrators.
     """
 
     candidate: Candidate
@@ -42,6 +44,7 @@ class Trial:
     reason: str = ""
     failure: str = ""
     not_shown: str = ""
+    seconds: float = 0.0
 
     @property
     def gain(self) -> float:
@@ -74,7 +77,13 @@ def attempt(candidate: Candidate, base: Refit, split: Split, worth: float = Rule
     could not solve, or all if the end is too stiff. That trial counts if it explains more: else everything
     that follows would be solved the slow way for nothing.
     """
-    least = least_of(worth)
+    began = time.perf_counter()
+    trial = _solved(candidate, base, split, least_of(worth))
+    return replace(trial, seconds=time.perf_counter() - began)
+
+
+def _solved(candidate: Candidate, base: Refit, split: Split, least: float) -> Trial:
+    """The trial by the integrator of ``base``, or by the implicit one where that is needed and better."""
     trial = _attempt(candidate, base, split, base.numerics, base, least)
     end_solved = trial.refit is not None and not trial.refit.too_stiff
     unsolved = trial.refit.unsolved if trial.refit and end_solved else None

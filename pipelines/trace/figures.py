@@ -84,4 +84,6 @@ def _ceilings(found: Trace) -> Named:
 
 def _curve(model: str, one: Ceiling) -> LearnedCurve:
     at, effort, samples = np.array(one.curve, dtype=float).T
-    return LearnedCurve(model, str(one.over), at, effort, samples, one.unit, one.over_unit, one.gain)
+    return LearnedCurve(
+        model, str(one.over), at, effort, samples, one.unit, one.over_unit, one.gain, one.refit.ended_early
+    )

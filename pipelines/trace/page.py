@@ -169,7 +169,9 @@ def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:
 
 def _taken(learned: LearnedGain) -> str:
     """The reduction of the error by a learned effort; zero for one that learned only noise."""
-    return f"not solved: {learned.failure}" if learned.failure else share(max(learned.gain, 0.0))
+    if learned.failure:
+        return f"not solved: {learned.failure}"
+    return share(max(learned.gain, 0.0)) + (" (ended early)" if learned.ended_early else "")
 
 
 def _rules(traced: TraceFile) -> Table:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -81,6 +82,20 @@ def test_a_refit_that_ended_early_says_so(trial):
     early = replace(small, refit=replace(small.refit, ended_early=True))
     assert "ended early" in only(early).reason
     assert "ended early" not in only(small).reason
+
+
+def test_the_seconds_of_a_trial_are_those_of_all_its_refits(trial, monkeypatch):
+    """With both integrators, also where the trial of the first is replaced."""
+    first = trial("lugre")
+    stiff = replace(first, refit=replace(first.refit, too_stiff=True))
+    made = iter((stiff, first))
+
+    def solve(*given):
+        time.sleep(0.02)
+        return next(made)
+
+    monkeypatch.setattr(trials, "_attempt", solve)
+    assert trials.attempt(first.candidate, first.refit, SimpleNamespace()).seconds > 0.04
 
 
 def test_a_large_certain_gain_passes(trial):

@@ -123,6 +123,13 @@ def test_a_learned_effort_that_only_learned_noise_takes_nothing(section):
     assert column(table, "gray box + effects") == ["0.0 %"]
 
 
+def test_a_learned_effort_that_ended_early_says_so(stored, section):
+    found = stored().found
+    after = tuple(replace(one, gain=0.01, ended_early=True) for one in found.ceilings.after)
+    (table,) = section("What is left", ceilings=replace(found.ceilings, after=after)).tables
+    assert column(table, "gray box + effects") == ["1.0 % (ended early)"]
+
+
 def test_without_effort_ports_there_is_no_network(stored):
     text = trace_page(stored(completeness=None), ()).markdown(Path())
     assert "Completeness check" not in text
