@@ -1,38 +1,68 @@
-"""Ctrl-C: remembered when it comes, for libraries may swallow the exception or disguise it.
+"""Ctrl-C and requests to end (SIGTERM, SIGHUP): each raises ``Interrupted``.
 
-CasADi, struck while it converts arguments, reports a wrong type instead.
+It is remembered, for libraries may swallow the exception or disguise it: CasADi, struck while it converts
+arguments, reports a wrong type instead.
 """
 
 from __future__ import annotations
 
 import signal
+import time
 from types import FrameType
-from typing import NoReturn
 
-_seen = False
+SAID = {
+    signal.SIGINT: "interrupted",
+    signal.SIGTERM: "told to end (SIGTERM)",
+    signal.SIGHUP: "the terminal is closed (SIGHUP)",
+}
+"""The signals that ask a command to end, and what it then says."""
+ONE_PRESS = 1.0
+"""Seconds within which a second signal is the first again: from the terminal, and passed on by a wrapper."""
+
+_seen: signal.Signals | None = None
+_when = 0.0
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C. A subclass, for Python dies of a plain one that struck in an extension module."""
+    """A signal asks to end. A subclass, for Python dies of a plain one that struck in an extension module."""
+
+    def __init__(self, number: int = signal.SIGINT) -> None:
+        self.signal = signal.Signals(number)
+        super().__init__(SAID[self.signal])
+
+    @property
+    def code(self) -> int:
+        """The exit code, as a shell gives it to a command that a signal ended: 130, 143 or 129."""
+        return 128 + self.signal
 
 
 def install() -> None:
-    """Make Ctrl-C raise ``Interrupted`` and be remembered."""
-    signal.signal(signal.SIGINT, _interrupt)
+    """Make the signals raise ``Interrupted`` and be remembered; ``nohup`` keeps its word."""
+    for number in SAID:
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _interrupt)
 
 
 def check() -> None:
-    """Raise ``Interrupted`` if Ctrl-C came before, whatever became of it."""
-    if _seen:
-        raise Interrupted
+    """Raise ``Interrupted`` if a signal came before, whatever became of it."""
+    if _seen is not None:
+        raise Interrupted(_seen)
+
+
+def last() -> Interrupted:
+    """The signal that came, by whatever exception it is known: CasADi raises one of its own."""
+    return Interrupted(_seen or signal.SIGINT)
 
 
 def ignore_from_now() -> None:
     """An impatient second Ctrl-C must not spoil the tidying."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in SAID:
+        signal.signal(number, signal.SIG_IGN)
 
 
-def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
-    global _seen
-    _seen = True
-    raise Interrupted
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    global _seen, _when
+    again = _seen is not None and time.monotonic() - _when < ONE_PRESS
+    if not again:
+        _seen, _when = signal.Signals(number), time.monotonic()
+        raise Interrupted(number)

@@ -6,7 +6,8 @@ import importlib
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
@@ -15,7 +16,6 @@ from hybridid_cli.commands import BY_NAME, COMMANDS
 from pipelines.shared.errors import ConfigError, unknown
 
 WRONG_REQUEST = 2
-INTERRUPTED = 130
 
 
 def main() -> None:
@@ -27,13 +27,30 @@ def main() -> None:
         sys.stdout.flush()
     except KeyboardInterrupt:
         interrupt.ignore_from_now()
-        code = complain(
-            "interrupted; what was unfinished is discarded, what was finished is kept", INTERRUPTED
-        )
+        asked = interrupt.last()
+        code = asked.code
+        with _terminal_may_be_gone():
+            complain(f"{asked}; what was unfinished is discarded, what was finished is kept")
     except BrokenPipeError:  # `hybridid effects | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _silence(sys.stdout)
         code = 0
     sys.exit(code)
+
+
+@contextmanager
+def _terminal_may_be_gone() -> Iterator[None]:
+    """After SIGHUP there may be nobody to write to, which must not change the exit code."""
+    try:
+        yield
+        sys.stdout.flush()
+    except OSError:
+        _silence(sys.stdout)
+        _silence(sys.stderr)
+
+
+def _silence(stream: TextIO) -> None:
+    """Let what Python still writes there at its end go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def dispatch(words: Sequence[str]) -> int:

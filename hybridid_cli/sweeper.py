@@ -28,7 +28,7 @@ from pipelines.sweep.conduct import Sweep, conduct, folder_of
 from pipelines.sweep.log import common, in_one_experiment
 from pipelines.sweep.point import Point, expanded
 from pipelines.sweep.report import write_report
-from pipelines.tracking.runs import close_parent
+from pipelines.tracking.parent import parent_run
 
 _NOT_A_MODEL = ("launcher", "sweep", "hydra", "mlflow", "force", "out")
 """Config keys and groups that say how, not what."""
@@ -56,13 +56,13 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         plain = [word for o in overrides if not o.is_sweep_override() for word in _words(o)]
         launcher = _launcher(asked.folder, context, task, config)
         runner = runner_of(launcher, plain, asked.folder, request.processes)
-        with locked(asked.folder, terminal.say):
-            swept = conduct(asked, runner, request, terminal)
+        logged = parent_run(common(points), name, asked.key, terminal)
+        with locked(asked.folder, terminal.say), logged as parent:
+            swept = conduct(asked, runner, request, parent, terminal)
             groups = write_report(swept)
-        numbers = {"points": len(points), "points.failed": len(swept.failures), "seconds": swept.seconds}
-        files = [asked.folder / file for file in ("index.html", "networks.csv", "sweep.json")]
-        logged = common(points)
-        close_parent(logged, name, asked.key, terminal, bool(swept.failures), numbers, files)
+            numbers = {"points": len(points), "points.failed": len(swept.failures), "seconds": swept.seconds}
+            files = [asked.folder / file for file in ("index.html", "networks.csv", "sweep.json")]
+            parent.close(bool(swept.failures), numbers, files)
         terminal.show(summary(swept, groups))
     if swept.failures:
         raise Incomplete(failed(swept))

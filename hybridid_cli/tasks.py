@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -157,6 +158,7 @@ def tune(cfg: DictConfig) -> None:
 @_raises_past_hydra
 def log(cfg: DictConfig) -> None:
     """Send the runs that wait to MLflow."""
+    from pipelines.tracking.abandoned import end_abandoned
     from pipelines.tracking.waiting import folder, send_waiting
 
     settings = settings_of(cfg)
@@ -171,6 +173,8 @@ def log(cfg: DictConfig) -> None:
         if left:
             raise Incomplete(f"{len(left)} runs still wait in {folder(settings)}; the first is {left[0]}")
         terminal.show(f"no run waits in {folder(settings)}")
+        if trouble := end_abandoned(settings):
+            raise Incomplete(f"runs of killed commands are still RUNNING in MLflow: {trouble}")
 
 
 @_raises_past_hydra
@@ -180,4 +184,8 @@ def ui(cfg: DictConfig) -> None:
 
     settings = settings_of(cfg)
     with Terminal() as terminal:
-        serve(settings, terminal)
+        try:
+            serve(settings, terminal)
+        except KeyboardInterrupt:
+            if (asked := interrupt.last()).signal != signal.SIGINT:  # Ctrl-C is the way to end it
+                raise asked from None

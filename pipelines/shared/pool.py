@@ -23,12 +23,12 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar
 
 from hybridid.private import cache_folder
 from hybridid.trace.mapper import Mapper, serial
+from pipelines.shared.pool_server import METHOD, ensure_server, one_thread
 from pipelines.shared.pool_worker import ENDED, PATIENCE, Lost, serve
 from pipelines.shared.watch import Watcher
 
@@ -38,9 +38,6 @@ Given = TypeVar("Given")
 Result = TypeVar("Result")
 Key = TypeVar("Key")
 Work = Callable[[Any, Watcher], Any]
-LIBRARIES = ("OMP", "MKL", "OPENBLAS", "BLIS", "NUMBA", "NUMEXPR")
-THREADS = (*(f"{name}_NUM_THREADS" for name in LIBRARIES), "VECLIB_MAXIMUM_THREADS")
-METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 
 
 def core_count() -> int:
@@ -108,10 +105,7 @@ def _called(call: tuple[Callable[..., Any], tuple[Any, ...]], watcher: Watcher) 
 def load_early(*modules: str) -> None:
     """Begin to import ``modules`` in the process that workers are forked from, while this one goes on: torch
     and scipy take seconds. Does nothing where processes cannot be forked."""
-    if METHOD == "forkserver":
-        multiprocessing.get_context(METHOD).set_forkserver_preload(list(modules))
-        with _one_thread():
-            forkserver.ensure_running()
+    ensure_server(*modules)
 
 
 @dataclass(eq=False)
@@ -207,7 +201,8 @@ def _started() -> _Worker:
     cache_folder()  # if it cannot be used, the user is warned here, and not by every worker
     context: Any = multiprocessing.get_context(METHOD)
     ours, theirs = context.Pipe()
-    with _one_thread():
+    ensure_server()
+    with one_thread():
         process = context.Process(target=serve, args=(theirs, dict(os.environ)))
         process.start()
     theirs.close()
@@ -218,18 +213,3 @@ def _how(exitcode: int | None) -> str:
     if exitcode is not None and exitcode < 0:
         return f"its process was killed by {signal.Signals(-exitcode).name}"
     return f"its process ended with code {exitcode}"
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """One thread for each numerical library: the processes already use every core."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value

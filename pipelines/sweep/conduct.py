@@ -17,12 +17,12 @@ from pipelines.shared.sources import sources_of
 from pipelines.shared.storage import write_json
 from pipelines.shared.watch import Watcher
 from pipelines.sweep.job_runner import JobRunner, OnJobEnd, log_job
-from pipelines.sweep.log import common, log_failures, log_points
+from pipelines.sweep.log import log_failures, log_points
 from pipelines.sweep.plan import Plan, planned
 from pipelines.sweep.point import Point
 from pipelines.sweep.work import Failures, SweepJob
+from pipelines.tracking.parent import ParentRun
 from pipelines.tracking.patience import in_background
-from pipelines.tracking.runs import open_parent
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +75,10 @@ def digest_of(points: Sequence[Point]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
-def conduct(sweep: Sweep, runner: JobRunner, request: SweepSection, watcher: Watcher) -> SweepOutcome:
-    """Compute the missing results of the sweep.
+def conduct(
+    sweep: Sweep, runner: JobRunner, request: SweepSection, parent: ParentRun, watcher: Watcher
+) -> SweepOutcome:
+    """Compute the missing results of the sweep, and log its points below ``parent``, which is opened.
 
     Raises:
         ConfigError: if the config of every point is wrong.
@@ -90,7 +92,7 @@ def conduct(sweep: Sweep, runner: JobRunner, request: SweepSection, watcher: Wat
     write_json(sweep.folder / "plan.json", plan.described)
     before = {point: _made(point) for job in plan.jobs for point in job.points}
     with in_background() as log:
-        log(open_parent, common(sweep.points), sweep.name, sweep.key, about(sweep), watcher)
+        log(parent.open, about(sweep))
         log(log_points, plan.fresh, sweep.key, watcher)
         reasons = _carried_out(
             plan, runner, watcher, lambda job, failures: log(log_job, job, failures, watcher)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import json
+import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
 from hybridid.plain import plain
 
-Status = Literal["RUNNING", "FINISHED", "FAILED"]
+Status = Literal["RUNNING", "FINISHED", "FAILED", "KILLED"]
 KEY = "hybridid.key"
 """The tag by which a run is found again: two notes of one key fill one run."""
 COMMIT, CHANGED = "mlflow.source.git.commit", "git.changed"
@@ -56,6 +57,11 @@ class Note:
     params: Mapping[str, str] = field(default_factory=dict)
     metrics: tuple[Metric, ...] = ()
     artifacts: tuple[Artifact, ...] = ()
+
+    def closed(self, status: Status, error: str) -> Note:
+        """The note that ends this run now, and says why."""
+        about = {"tags": {"error": error}, "params": {}, "metrics": (), "artifacts": ()}
+        return replace(self, ended=round(time.time() * 1000), status=status, **about)  # type: ignore[arg-type]
 
     @property
     def digest(self) -> str:

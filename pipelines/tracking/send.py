@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
 from pipelines.shared.config import Settings
-from pipelines.tracking.note import KEY, Artifact, Note
+from pipelines.tracking.begun import marked
+from pipelines.tracking.note import KEY, Artifact, Note, Status
 from pipelines.tracking.patience import clock
 from pipelines.tracking.store import alone, client, experiment_id, tracking_uri
 
@@ -40,10 +41,40 @@ def send(note: Note, settings: Settings, patience: float | None = None) -> None:
     experiment = experiment_id(store, settings, note.experiment, remote)
     in_time()
     # the sqlite file takes one writer at a time; a server minds its own
-    with nullcontext() if remote else alone(settings):
+    with marked(note.key, note.experiment, settings, uri), nullcontext() if remote else alone(settings):
         run = _run_of(store, settings, experiment, note.key, note.name, note.began)
         if run.data.tags.get(LOGGED) != note.digest:
-            _fill(store, settings, experiment, run, note, in_time)
+            with _killed_if_interrupted(store, run.info.run_id):
+                _fill(store, settings, experiment, run, note, in_time)
+
+
+@contextmanager
+def _killed_if_interrupted(store: MlflowClient, identity: str) -> Iterator[None]:
+    """End a run that is not filled because the command was told to end: nobody comes back to it."""
+    try:
+        yield
+    except Exception:
+        raise  # it is kept, and filled later
+    except BaseException as error:
+        store.set_tag(identity, "error", f"interrupted: {type(error).__name__}")
+        store.set_terminated(identity, "KILLED")
+        raise
+
+
+def end(key: str, experiment: str, settings: Settings, status: Status, reason: str) -> None:
+    """End the run of ``key`` in the store of ``settings``, if it is there and goes on.
+
+    Raises:
+        Exception: whatever MLflow says is wrong.
+    """
+    store = client(settings)
+    found = store.get_experiment_by_name(experiment)
+    if found is None:
+        return
+    which = f"tags.`{KEY}` = '{key}' and attributes.status = 'RUNNING'"
+    for run in store.search_runs([found.experiment_id], which):
+        store.set_tag(run.info.run_id, "error", reason)
+        store.set_terminated(run.info.run_id, status)
 
 
 def _run_of(store: MlflowClient, settings: Settings, experiment: str, key: str, name: str, began: int) -> Run:

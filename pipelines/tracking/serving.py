@@ -9,14 +9,14 @@ import subprocess
 import sys
 import tempfile
 import time
-from types import FrameType
-from typing import NoReturn
 
 from hybridid.plain import build
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.sections.stages import UiKeys
 from pipelines.shared.watch import Watcher
+from pipelines.tracking import guardian
+from pipelines.tracking.abandoned import end_abandoned
 from pipelines.tracking.patience import END
 from pipelines.tracking.runs import client, tracking_uri
 
@@ -27,28 +27,29 @@ def serve(settings: Settings, watcher: Watcher) -> None:
     """Serve the page until interrupted; no process of it outlives this one.
 
     Raises:
+        KeyboardInterrupt: when it is.
         ConfigError: if the port is taken or none, or the server ends by itself.
     """
     port = build(UiKeys, {"port": settings.get("port", 5000)}, "", ConfigError).port
     _check_free(port)
     client(settings)  # the page must not race a first run to make the store
     uri = tracking_uri(settings)
+    if trouble := end_abandoned(settings):
+        watcher.warn(f"runs of killed commands are still RUNNING: {trouble}")
     watcher.say(f"starting MLflow's page for {uri}")
     # no job runner: it serves MLflow's language-model tools, with a dozen processes
     environment = {**os.environ, "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
     words = ["server", "--backend-store-uri", uri, "--host", HOST, "--port", str(port), "--workers", "1"]
     with tempfile.TemporaryFile("w+") as said:
-        command = [sys.executable, "-m", "mlflow", *words]
-        server = subprocess.Popen(command, env=environment, process_group=0, stdout=said, stderr=said)
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, _leave)
+        command = [sys.executable, "-m", guardian.__name__, sys.executable, "-m", "mlflow", *words]
+        server = subprocess.Popen(
+            command, env=environment, process_group=0, stdin=subprocess.PIPE, stdout=said, stderr=said
+        )
         try:
             while server.poll() is None and not _answers(port):
                 time.sleep(0.2)
             watcher.say(f"http://{HOST}:{port} is open on this machine; Ctrl-C ends it")
             code = server.wait()
-        except KeyboardInterrupt:
-            return
         finally:
             _end(server)
         said.seek(0)
@@ -82,7 +83,3 @@ def _end(server: subprocess.Popen[bytes]) -> None:
             return
         except subprocess.TimeoutExpired:
             continue
-
-
-def _leave(number: int, frame: FrameType | None) -> NoReturn:
-    raise SystemExit(128 + number)

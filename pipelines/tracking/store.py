@@ -18,6 +18,7 @@ from pipelines.tracking import patience
 if TYPE_CHECKING:
     from mlflow.tracking import MlflowClient
 
+STORE = "mlflow.db"
 _SILENT = {
     "MLFLOW_DISABLE_TELEMETRY": "true",
     "DO_NOT_TRACK": "true",
@@ -27,7 +28,11 @@ _SILENT = {
 
 def tracking_uri(settings: Settings) -> str:
     """``mlflow.tracking_uri``, else the sqlite file beside the run trees."""
-    return str(settings.get("mlflow.tracking_uri") or f"sqlite:///{store_folder(settings) / 'mlflow.db'}")
+    return str(settings.get("mlflow.tracking_uri") or _address(store_folder(settings) / STORE))
+
+
+def _address(store: Path) -> str:
+    return f"sqlite:///{store}"
 
 
 def store_folder(settings: Settings) -> Path:
@@ -40,7 +45,20 @@ def client(settings: Settings, uri: str | None = None) -> MlflowClient:
     for name, value in (_SILENT | patience.REQUESTS).items():
         os.environ.setdefault(name, value)
     with alone(settings):
-        return _client(uri or tracking_uri(settings), os.getpid())
+        own = store_folder(settings) / STORE
+        at = uri or tracking_uri(settings)
+        if at == _address(own) and not own.exists():
+            _make(own)
+        return _client(at, os.getpid())
+
+
+def _make(store: Path) -> None:
+    """Make the sqlite file whole or not at all: MLflow refuses one whose making was cut off, for ever."""
+    new = store.with_name(f".{store.name}-new")
+    for left in store.parent.glob(f"{new.name}*"):
+        left.unlink()
+    _client(_address(new), os.getpid())
+    new.replace(store)
 
 
 @functools.lru_cache

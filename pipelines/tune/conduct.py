@@ -16,7 +16,7 @@ from pipelines.shared.prepared import prepared_records, provenance_of
 from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
 from pipelines.shared.watch import Watcher
-from pipelines.tracking.runs import close_parent, open_parent
+from pipelines.tracking.parent import parent_run
 from pipelines.tune.findings import Findings, findings_of
 from pipelines.tune.log import log_trial
 from pipelines.tune.report import written
@@ -59,18 +59,17 @@ def tune(settings: Settings, watcher: Watcher) -> TuneOutcome:
     there = sum(counts(trial) for trial in study.trials)
     if there:
         watcher.say(f"goes on: {there} of {request.trials} trials are done in {folder}")
-    open_parent(settings, _NAME, key, {"tree": str(folder)}, watcher)
     until = None if request.seconds is None else began + request.seconds
     given = WorkerTask(settings, outcome.tree, folder, key, until)
-    lost = _searched(given, min(_processes(request), request.trials - there), watcher)
-    findings = findings_of(opened(folder, request))
-    tuned = TuneOutcome(findings, request, folder, provenance_of(outcome.tree), time.time() - began, lost)
-    for row in findings.rows:
-        log_trial(settings, row, key, watcher)
-    files = written(findings, settings, folder, tuned.provenance)
-    close_parent(
-        settings, _NAME, key, watcher, bool(findings.of("failed") or lost), _metrics(findings), files
-    )
+    with parent_run(settings, _NAME, key, watcher) as parent:
+        parent.open({"tree": str(folder)})
+        lost = _searched(given, min(_processes(request), request.trials - there), watcher)
+        findings = findings_of(opened(folder, request))
+        tuned = TuneOutcome(findings, request, folder, provenance_of(outcome.tree), time.time() - began, lost)
+        for row in findings.rows:
+            log_trial(settings, row, key, watcher)
+        files = written(findings, settings, folder, tuned.provenance)
+        parent.close(bool(findings.of("failed") or lost), _metrics(findings), files)
     return tuned
 
 

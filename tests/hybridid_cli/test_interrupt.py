@@ -1,4 +1,4 @@
-"""Ctrl-C: one line, exit code 130, nothing half-written, and the next command goes on from there."""
+"""Ctrl-C and requests to end: one line, exit code, nothing half-written, and the next command goes on."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ from pathlib import Path
 
 import pytest
 
+from hybridid_cli import interrupt
+
 # the virtual rig's records are made in one go; the fit is long enough to be struck in its midst
 LONG = ("case=emps", "data=simulated", "rig.duration=6", "mlflow.enabled=false", "out=tree")
 
 
 def interrupted(
-    environment: dict[str, str], words: tuple[str, ...], line: str, wait: float
+    environment: dict[str, str], words: tuple[str, ...], line: str, wait: float, by: int = signal.SIGINT
 ) -> tuple[int, str, str]:
-    """Start ``hybridid``, wait for ``line`` on stderr and a little longer, then press Ctrl-C."""
+    """Start ``hybridid``, wait for ``line`` on stderr and a little longer, then send ``by``."""
     process = subprocess.Popen(
         [sys.executable, "-m", "hybridid_cli", *words],
         env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -30,7 +32,7 @@ def interrupted(
         if line in text:
             break
     time.sleep(wait)
-    os.killpg(process.pid, signal.SIGINT)
+    os.killpg(process.pid, by)
     out, rest = process.communicate(timeout=60)
     return process.returncode, out, seen + rest
 
@@ -52,6 +54,44 @@ def test_ctrl_c_in_the_midst_of_a_fit(environment, process, method, wait):
     if method == "gauss_newton" and not wait:
         again = process("fit", *LONG, "estimator.starts=1")
         assert again.code == 0, again.err
+
+
+@pytest.mark.parametrize(
+    ("by", "says"),
+    [(signal.SIGTERM, "told to end (SIGTERM)"), (signal.SIGHUP, "the terminal is closed (SIGHUP)")],
+)
+def test_a_request_to_end_in_the_midst_of_a_fit(environment, by, says):
+    code, out, err = interrupted(
+        environment, ("fit", *LONG, "estimator.starts=20"), "fit: not made yet", 0.0, by
+    )
+    assert code == 128 + by, err
+    assert out == ""
+    assert err.strip().splitlines()[-1].startswith(f"hybridid: {says}; what was unfinished is discarded")
+    assert sorted(p.name for p in Path("tree").iterdir() if p.name != ".lock") == [
+        "config.yaml",
+        "preprocess",
+    ]
+
+
+def test_nohup_keeps_its_word(monkeypatch):
+    for seen in (signal.SIG_IGN, signal.SIG_DFL):
+        monkeypatch.setattr(signal, "getsignal", lambda number, seen=seen: seen)
+        set_now = {}
+        monkeypatch.setattr(signal, "signal", set_now.__setitem__)
+        interrupt.install()
+        assert (signal.SIGHUP in set_now) is (seen is signal.SIG_DFL)
+        assert {signal.SIGINT, signal.SIGTERM} <= set(set_now)
+
+
+def test_a_signal_that_comes_twice_at_once_is_one(monkeypatch):
+    monkeypatch.setattr(interrupt, "_seen", None)
+    with pytest.raises(interrupt.Interrupted):
+        interrupt._interrupt(signal.SIGINT, None)
+    interrupt._interrupt(signal.SIGINT, None)
+    monkeypatch.setattr(interrupt, "_when", interrupt._when - 2 * interrupt.ONE_PRESS)
+    with pytest.raises(interrupt.Interrupted):
+        interrupt._interrupt(signal.SIGTERM, None)
+    assert interrupt.last().code == 143
 
 
 def test_ctrl_c_while_python_still_imports(environment):

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -58,6 +59,27 @@ def test_a_killed_job_is_named_and_the_same_command_completes_the_sweep(environm
     assert "2 of 2 points have results, 1 of them from before" in again.out
     assert list(Path("outputs/sweeps").iterdir()) == [folder]
     assert folder.name.endswith("-simulated")
+
+
+@pytest.mark.parametrize("wait", [0.0, 1.0])
+def test_ctrl_c_while_the_workers_libraries_are_imported_is_one_line(environment, quick, wait):
+    """Ctrl-C reaches all processes of a command, also the one that imports torch for the workers."""
+    words = [sys.executable, "-m", "hybridid_cli", "sweep", *quick, *NETWORKS]
+    with subprocess.Popen(
+        words, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as running:
+        assert running.stderr is not None
+        while not any(
+            b"forkserver" in Path(f"/proc/{p}/cmdline").read_bytes() for p in _children(running.pid)
+        ):
+            time.sleep(0.05)
+        time.sleep(wait)
+        os.killpg(running.pid, signal.SIGINT)
+        said = running.stderr.read()
+        assert running.wait() == 130
+    assert said.splitlines()[-1].startswith("hybridid: interrupted")
+    assert "Traceback" not in said
+    assert "KeyboardInterrupt" not in said
 
 
 def test_one_word_for_each_mistake(say, quick):

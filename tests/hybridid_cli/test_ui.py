@@ -20,7 +20,8 @@ def free_port() -> int:
 
 
 @pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="needs /proc to see who listens where")
-def test_page_opens_on_this_machine_alone_and_ends_with_ctrl_c(environment):
+@pytest.mark.parametrize(("by", "code"), [(signal.SIGINT, 0), (signal.SIGKILL, -9)])
+def test_page_opens_on_this_machine_alone_and_ends_with_the_command(environment, by, code):
     port = free_port()
     process = subprocess.Popen(
         [sys.executable, "-m", "hybridid_cli", "ui", f"port={port}"],
@@ -34,8 +35,8 @@ def test_page_opens_on_this_machine_alone_and_ends_with_ctrl_c(environment):
             assert page.status == 200
             assert b"MLflow" in page.read()
         assert listening(port) == {"0100007F"}, "127.0.0.1, as the kernel writes it"
-        process.send_signal(signal.SIGINT)
-        assert process.wait(30) == 0
+        process.send_signal(by)
+        assert process.wait(30) == code
     finally:
         process.kill()
     end = time.monotonic() + 10

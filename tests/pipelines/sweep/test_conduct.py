@@ -14,7 +14,9 @@ from hybridid_cli.sweep_results import failed, summary
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.sections.searches import SweepSection
 from pipelines.sweep.conduct import conduct
+from pipelines.sweep.log import common
 from pipelines.sweep.report import write_report
+from pipelines.tracking.parent import parent_run
 
 REQUEST = SweepSection()
 
@@ -23,9 +25,11 @@ REQUEST = SweepSection()
 def done(sweep, runner, heard):
     """``done(points)``: what became of them."""
 
-    def run(points, **more):
-        own = runner(**more)
-        return conduct(sweep(points), own, REQUEST, heard), own
+    def run(points, own=None, request=REQUEST):
+        own = own or runner()
+        asked = sweep(points)
+        with parent_run(common(points), asked.name, asked.key, heard) as parent:
+            return conduct(asked, own, request, parent, heard), own
 
     return run
 
@@ -73,11 +77,10 @@ def test_validation_records_take_no_part_in_the_choice(points, done):
 
 
 class TestFailures:
-    def test_a_killed_job_is_named_and_the_same_again_does_it_alone(self, points, done, sweep, runner, heard):
+    def test_a_killed_job_is_named_and_the_same_again_does_it_alone(self, points, done, runner):
         found = points({"residual.seeds": 0})
         lost = found[1].name
-        own = runner(kills=(lost,))
-        swept = conduct(sweep(found), own, SweepSection(stack=1), heard)
+        swept, _ = done(found, runner(kills=(lost,)), SweepSection(stack=1))
         assert [p.name for p in swept.failures] == [lost]
         write_report(swept)
         assert lost in (swept.sweep.folder / "index.md").read_text().partition("Failed")[2]

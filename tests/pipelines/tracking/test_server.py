@@ -15,10 +15,11 @@ import pytest
 import requests
 
 from hybridid_cli.main import dispatch
+from pipelines.tracking import log as tracking
 from pipelines.tracking import patience
-from pipelines.tracking import runs as tracking
 from pipelines.tracking.note import KEY
-from pipelines.tracking.runs import Point, client, close_parent, log_point, open_parent
+from pipelines.tracking.parent import parent_run
+from pipelines.tracking.runs import Point, client, log_point
 from pipelines.tracking.waiting import waiting
 
 
@@ -71,8 +72,9 @@ def test_what_a_server_that_is_down_did_not_take_is_sent_when_it_is_up(
     )  # fmt: skip
     began = time.monotonic()
     log_point(there, point, "all", heard)
-    open_parent(there, "sweep", "all", {}, heard)
-    close_parent(there, "sweep", "all", heard)
+    with parent_run(there, "sweep", "all", heard) as parent:
+        parent.open({})
+        parent.close()
     assert time.monotonic() - began < 30
     assert uri in heard.warned[0]
     assert "does not answer" in heard.warned[0]

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from pipelines.tracking import log as tracking
 from pipelines.tracking import patience
-from pipelines.tracking import runs as tracking
 from pipelines.tracking import send as tracking_send
 from pipelines.tracking.note import COMMIT, KEY
-from pipelines.tracking.runs import Point, client, close_parent, log_point, open_parent
+from pipelines.tracking.parent import parent_run
+from pipelines.tracking.runs import Point, client, log_point
 from pipelines.tracking.waiting import send_waiting, waiting
 
 
@@ -43,10 +44,11 @@ def runs_by_key(settings):
 
 
 def sweep(settings, heard, points, failed=False):
-    open_parent(settings, "sweep", "all", {"grid": "width"}, heard)
-    for one in points:
-        log_point(settings, one, "all", heard)
-    close_parent(settings, "sweep", "all", heard, failed=failed, metrics={"best": 0.1})
+    with parent_run(settings, "sweep", "all", heard) as parent:
+        parent.open({"grid": "width"})
+        for one in points:
+            log_point(settings, one, "all", heard)
+        parent.close(failed=failed, metrics={"best": 0.1})
 
 
 def test_points_are_nested_below_their_sweep(settings, heard):
