@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +21,6 @@ from hybridid.simulation.shooter import Shooter, Shot
 from hybridid.simulation.windows import Windows, cut
 
 Array = NDArray[np.float64]
-_KEPT: WeakKeyDictionary[Record, dict[tuple[tuple[str | None, int], ...], Array]] = WeakKeyDictionary()
 """States as a record shows them, by the outputs that show them and their derivatives."""
 
 
@@ -69,7 +67,7 @@ class Problem:
     @cached_property
     def _measured(self) -> list[Array]:
         """States of each record's samples as it shows them, (n, n_x)."""
-        return [_as_recorded(self.model, record) for record in self.records]
+        return [measured_states(self.model, record) for record in self.records]
 
     def residuals(self, shot: Shot) -> Array:
         """``(y - y_hat) / s``, zero where a horizon is padded; shape (w, H, n_y)."""
@@ -133,15 +131,6 @@ def build_problem(
     scale[scale == 0] = 1.0
     shooter = Shooter(model, windows, names, integrator, _inner(model))
     return Problem(model, tuple(records), windows, shooter, scale, estimate_x0)
-
-
-def _as_recorded(model: Model, record: Record) -> Array:
-    """``measured_states``, found once a record: a trace asks for them with every model that it tries."""
-    kept = _KEPT.setdefault(record, {})
-    shown = tuple((state.observed_by, state.derivative) for state in model.states)
-    if shown not in kept:
-        kept[shown] = measured_states(model, record)
-    return kept[shown]
 
 
 def _inner(model: Model) -> tuple[int, ...]:

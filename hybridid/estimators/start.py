@@ -20,11 +20,12 @@ from hybridid.declarations import Parameter
 from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.simulation.buffers import call
 from hybridid.simulation.initial import (
     ORDER,
     measured_states,
     observed,
-    smoothed_derivative,
+    output_derivative,
     widest_half_width,
 )
 from hybridid.simulation.unobserved import free_run_states
@@ -83,7 +84,12 @@ def _equation_error(model: Model, records: Sequence[Record]) -> Array:
         return q
 
     def residual(z: Array) -> Array:
-        return np.append(error(t, x.T, u.T, rate.T, full(z)).full().ravel(), PRIOR * (z - guess))
+        (found,) = call(error, (t, x, u, rate, full(z)), [(rate.size,)])
+        return np.append(found, PRIOR * (z - guess))
+
+    def jacobian(z: Array) -> Array:
+        (found,) = call(slope, (t, x, u, rate, full(z)), [(rate.size, len(p))])
+        return np.vstack([found[:, free] * size, prior])
 
     guess, prior = p[free] / size, PRIOR * np.eye(len(free))
     if not np.isfinite(residual(guess)).all():
@@ -91,7 +97,7 @@ def _equation_error(model: Model, records: Sequence[Record]) -> Array:
     fit = least_squares(
         residual,
         guess,
-        jac=lambda z: np.vstack([slope(t, x.T, u.T, rate.T, full(z)).full()[:, free] * size, prior]),
+        jac=jacobian,
         bounds=([q.lower / q.scale for q in chosen], [q.upper / q.scale for q in chosen]),
         loss="soft_l1",
         f_scale=0.1,
@@ -110,7 +116,7 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
     states = measured_states(model, record, width)
     rates = np.stack(
         [
-            smoothed_derivative(record.output(s.observed_by), record.dt, s.derivative + 1, width)
+            output_derivative(record, s.observed_by, s.derivative + 1, width)
             for s in model.states
             if s.observed_by is not None
         ],
@@ -123,11 +129,11 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
 
 
 def _functions(model: Model, n: int, scale: Array) -> tuple[ca.Function, ca.Function]:
-    """Equation error over n samples as a column, and its Jacobian by p."""
+    """Equation error over n samples, (n_x n,), and its Jacobian by p, (n_p, n_x n)."""
     n_x = len(model.states)
     t, x, u = ca.SX.sym("t"), ca.SX.sym("x", n_x), ca.SX.sym("u", len(model.inputs))
     rate, p = ca.SX.sym("r", n_x), ca.SX.sym("p", len(model.parameters))
-    error = (rate - model.f(t, x, u, p)) / ca.DM(scale)
+    error = ca.densify((rate - model.f(t, x, u, p)) / ca.DM(scale))
     one = ca.Function("error", [t, x, u, rate, p], [error])
     slope = ca.Function("slope", [t, x, u, rate, p], [ca.densify(ca.jacobian(error, p)).T])
     many = one.map(n)
@@ -142,7 +148,7 @@ def _functions(model: Model, n: int, scale: Array) -> tuple[ca.Function, ca.Func
     spread = ca.repmat(q, 1, n)
     return (
         ca.Function("errors", [*symbols, q], [ca.vec(many(*symbols, spread))]),
-        ca.Function("slopes", [*symbols, q], [slopes(*symbols, spread).T]),
+        ca.Function("slopes", [*symbols, q], [slopes(*symbols, spread)]),
     )
 
 

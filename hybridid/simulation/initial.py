@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
@@ -18,6 +20,7 @@ SHARE = 0.99
 """Share of an output's power that counts as signal; the rest counts as noise."""
 MARGIN = 2.0
 """The polynomial passes frequencies up to this multiple of the signal's highest frequency."""
+_KEPT: WeakKeyDictionary[Record, dict[tuple[str, int, int], Array]] = WeakKeyDictionary()
 
 
 def smoothed_derivative(samples: Array, dt: float, derivative: int, half_width: int = HALF_WIDTH) -> Array:
@@ -58,6 +61,14 @@ def measured_states(model: Model, record: Record, half_width: int = HALF_WIDTH) 
     states = np.zeros((record.n, len(model.states)))
     for j, state in enumerate(model.states):
         if state.observed_by is not None:
-            samples = record.output(state.observed_by)
-            states[:, j] = smoothed_derivative(samples, record.dt, state.derivative, half_width)
+            states[:, j] = output_derivative(record, state.observed_by, state.derivative, half_width)
     return states
+
+
+def output_derivative(record: Record, output: str, derivative: int, half_width: int = HALF_WIDTH) -> Array:
+    """``smoothed_derivative`` of an output, (n,), found once a record: each model tried asks for it."""
+    kept, key = _KEPT.setdefault(record, {}), (output, derivative, half_width)
+    if key not in kept:
+        kept[key] = smoothed_derivative(record.output(output), record.dt, derivative, half_width)
+        kept[key].flags.writeable = False
+    return kept[key]

@@ -8,7 +8,6 @@ Parameteridentifizierung, "internal numerical differentiation".
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.model import Model
+from hybridid.simulation.buffers import call
 from hybridid.simulation.integrators import sample_step
 from hybridid.simulation.machine_code import LANES, Code
 from hybridid.simulation.sensitivities import total_derivative
@@ -156,7 +156,7 @@ class Shooter:
         for begin in range(0, length, count):
             part = slice(begin, begin + count)
             given = [*start, *(a[:, part] for a in self._data), held_p]
-            values = _call(compiled, given, shapes)
+            values = call(compiled, given, shapes)
             start = tuple(value[:, -1] for value in values[: len(start)])
             if begin <= last < begin + count:
                 ends = tuple(value[:1, last - begin] for value in values[: len(start)])
@@ -206,16 +206,3 @@ def _shot(states: Array, outputs: Array, final: Array, *slopes: Array) -> Shot:
         return Shot(outputs, states, final)
     by, n_x = slopes[0].swapaxes(2, 3), states.shape[2]
     return Shot(outputs, states, final, by[..., :n_x], by[..., n_x:], *slopes[1:])
-
-
-def _call(function: ca.Function, given: Sequence[Array], shapes: Sequence[tuple[int, ...]]) -> list[Array]:
-    """Call ``function`` on numpy memory, without conversions."""
-    buffer, run = function.buffer()
-    arrays = [np.ascontiguousarray(a, dtype=float) for a in given]
-    results = [np.empty(shape) for shape in shapes]
-    for k, array in enumerate(arrays):
-        buffer.set_arg(k, array.data)
-    for k, result in enumerate(results):
-        buffer.set_res(k, result.data)
-    run()
-    return results

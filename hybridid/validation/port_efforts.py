@@ -19,7 +19,7 @@ from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.initial import measured_states, smoothed_derivative
+from hybridid.simulation.initial import measured_states, output_derivative
 from hybridid.validation.predict import Prediction
 
 Array = NDArray[np.float64]
@@ -77,10 +77,7 @@ def resisting_effort(
     width = min(HALF_WIDTH, (record.n - 1) // 4)
     inner = slice(width, record.n - width)
     x = measured_states(model, record, width)[inner]
-    measured = [
-        smoothed_derivative(record.output(str(s.observed_by)), record.dt, s.derivative + 1, width)
-        for s in model.states
-    ]
+    measured = [output_derivative(record, str(s.observed_by), s.derivative + 1, width) for s in model.states]
     rates = np.stack(measured, axis=1)[inner]
     elsewhere = tuple(t for t in model.terms if port.name not in t.ports)
     bare = replace(model, terms=elsewhere, adjustments={}).plus(PROBE, port.name)
