@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis study-coverage study-evidence study-recovery study-rebuilt study-servo study-sweep study-slurm league league-drawn clean distclean FORCE
+.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-rebuilt study-servo study-sweep study-slurm league league-drawn clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -61,6 +61,9 @@ study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters ag
 
 study-rebuilt: $(READY) ## is trace right or honest where it was wrong on records by others? (simulated, hours; goes on)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.rebuilt $(ARGS)
+
+benchmark: $(READY) ## how fast are fits, simulations, commands and traces, beside other ways to the same? (half an hour)
+	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.speed $(ARGS)
 
 study-servo: $(READY) ## how well does the servo's model predict a trajectory of another kind? (measured, minutes)
 	$(BIN)/python benchmarks/servo.py

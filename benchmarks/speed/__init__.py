@@ -1,0 +1,1 @@
+"""How fast fits, simulations, traces and commands are, beside other ways to the same result."""

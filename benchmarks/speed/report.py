@@ -1,0 +1,115 @@
+"""The page of the benchmark: a table for each part, a plot of the fits, the machine and the versions."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+
+from benchmarks.speed.fits import BESIDE, GROWING
+from benchmarks.speed.row import OURS, Row
+from hybridid.plotting.looks import BLUE, VERMILION
+from hybridid.plotting.style import DOUBLE_COLUMN, Plot, context, new_figure, save
+from hybridid.quantities import NONE, number
+from pipelines.shared.page import Page, Picture, Section, Table
+
+PACKAGES = ("hybridid", "casadi", "numpy", "scipy", "numba", "torch")
+RULES = (
+    "Wall seconds, medians over the repeats. Ways to one result take turns, each in a process of its own, "
+    "after one call that is not timed; what would take minutes is timed once, without such a call.",
+    "Every row says what it reached: ways that stop early, or elsewhere, are not faster.",
+)
+
+
+def write_report(rows: Sequence[Row], folder: Path) -> str:
+    """Write ``index.html``, ``index.md``, ``speed.svg`` and ``speed.json``; returns what to print."""
+    folder.mkdir(parents=True, exist_ok=True)
+    where = {**machine(), "load": os.getloadavg()[0]}
+    data = {"machine": where, "rows": [{**asdict(row), "median": row.median} for row in rows]}
+    (folder / "speed.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    parts = list(dict.fromkeys(row.part for row in rows))
+    sections = [Section(part, (), (_table(part, rows),), _pictures(part, rows, folder)) for part in parts]
+    told = ", ".join(f"{key} {value}" for key, value in where.items())
+    lead = f"How fast, beside other ways to the same result. {told}."
+    marks = tuple(sorted({word for row in rows for word in row.provenance.split(" and ") if word != "none"}))
+    page = Page("Speed", lead, (Section("How it was timed", RULES), *sections), marks)
+    return "\n".join([*(_line(row, rows) for row in rows), str(page.write(folder))])
+
+
+def machine() -> dict[str, str | int]:
+    """The processor, the cores that this process may use, Python and the packages that decide."""
+    return {
+        "processor": _processor(),
+        "cores": len(os.sched_getaffinity(0)),
+        "python": platform.python_version(),
+        **{name: version(name) for name in PACKAGES},
+    }
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def _table(part: str, rows: Sequence[Row]) -> Table:
+    header = ("what", "way", "seconds", "times ours", "peak MB", "arithmetic needs", "reached", "data")
+    own = [row for row in rows if row.part == part]
+    cells = tuple(
+        (
+            row.what,
+            row.way,
+            number(row.median, 3),
+            number(_ratio(row, own), 3, NONE) if row.way != OURS else "",
+            number(row.memory, 3, NONE),
+            number(row.least, 3, NONE),
+            row.reached,
+            row.provenance,
+        )
+        for row in own
+    )
+    notes = tuple(
+        f"{row.what}: " + ", ".join(f"{name} {number(value, 3)}" for name, value in row.details.items())
+        for row in own
+        if row.details
+    )
+    return Table(part, header, cells, notes, words=(0, 1, 6, 7))
+
+
+def _ratio(row: Row, rows: Sequence[Row]) -> float:
+    """How many times our seconds a way takes; nan without ours."""
+    ours = [one.median for one in rows if (one.what, one.way) == (row.what, OURS)]
+    return row.median / ours[0] if ours else float("nan")
+
+
+def _line(row: Row, rows: Sequence[Row]) -> str:
+    beside = "" if row.way == OURS else f", {number(_ratio(row, rows), 3, NONE)} times ours"
+    return f"{row.what}, {row.way}: {number(row.median, 3)} s{beside} ({row.reached}; {row.provenance})"
+
+
+def _pictures(part: str, rows: Sequence[Row], folder: Path) -> tuple[Picture, ...]:
+    own = [row for row in rows if row.part == part]
+    if part not in (BESIDE, GROWING):
+        return ()
+    name = part.replace(" ", "_").replace("-", "_")
+    provenance = "measured" if {row.provenance for row in own} == {"measured"} else "simulated"
+    with context():
+        figure = new_figure(DOUBLE_COLUMN, 18 + 6 * len(own), part, provenance)
+        axes = figure.subplots()
+        for k, row in enumerate(own):
+            axes.barh(k, row.median, color=BLUE if row.way == OURS else VERMILION, height=0.6)
+            axes.plot(row.seconds, [k] * len(row.seconds), "|", color="black")
+        axes.set_yticks(range(len(own)), [f"{row.what}: {row.way}" for row in own])
+        axes.invert_yaxis()
+        axes.set_xscale("log")
+        axes.set_xlabel("wall time [s]")
+        caption = f"Wall seconds of each way ({provenance}); a bar is the median, a mark one repeat."
+        save(Plot(figure, name, caption, provenance), folder, kinds=("svg",))
+    return (Picture(folder / f"{name}.svg", caption),)

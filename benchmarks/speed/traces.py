@@ -1,0 +1,85 @@
+"""Whole traces over the whole library: what they say, how long they take, and where the time goes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+from benchmarks.speed.emps import case
+from benchmarks.speed.row import OURS, Row
+from hybridid.records.record import Record
+from hybridid.signals.steps import apply_steps
+from hybridid.trace.result import Trace
+from hybridid.trace.run import trace
+from pipelines.shared.modelling import fit_settings, model_of
+from pipelines.shared.pool import core_count, mapper_of
+from pipelines.shared.sources import sources_of
+from pipelines.trace.request import division, request_of
+
+TRACES = "traces over the whole library"
+CASES = {
+    "EMPS": ("emps", ()),
+    "Silverbox": ("silverbox", ()),
+    "servo, 12 recordings": ("servo", ()),
+    "flexible link": ("flexible_link", ()),
+}
+QUICK = {"EMPS, 8 s": ("emps", ("data=simulated", "rig.duration=8.0", "trace.effects=[asymmetric_viscous]"))}
+
+
+@dataclass
+class _Clock:
+    """Where the time goes: the seconds until each report, by its stage."""
+
+    last: float = field(default_factory=time.perf_counter)
+    seconds: dict[str, float] = field(default_factory=dict)
+    refits: int = 0
+
+    def __call__(self, stage: str, done: int, of: int, what: str) -> None:
+        """A trace's report."""
+        now = time.perf_counter()
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self.last
+        self.last = now
+        self.refits += 1
+
+
+def traces(repeats: int, say: Callable[[str], None], quick: bool) -> Iterator[Row]:
+    """Each once, on all cores; figures and files are not made."""
+    for what, (name, words) in (QUICK if quick else CASES).items():
+        say(what)
+        found, clock, records = _traced(name, *words)
+        names = ", ".join(one.name for one in found.accepted) or "nothing"
+        say(f"  {found.seconds:.0f} s: {found.verdict}, {names}")
+        yield Row(
+            TRACES,
+            what,
+            OURS,
+            (found.seconds,),
+            f"{found.verdict}: {names}; {found.times:.1f} times the noise left",
+            " and ".join(sorted({r.provenance for r in records})),
+            details={**clock.seconds, "refits a minute": 60 * clock.refits / found.seconds},
+        )
+
+
+def _traced(name: str, *words: str) -> tuple[Trace, _Clock, list[Record]]:
+    settings = case(name, *words, command="trace")
+    steps = settings["preprocess.steps"]
+    fitted, held_out = (
+        [apply_steps(source.record(), steps) for source in part]
+        for part in division(sources_of(settings).found, settings)
+    )
+    request, clock = request_of(settings), _Clock()
+    with mapper_of(core_count()) as mapper:
+        found = trace(
+            model_of(settings),
+            fitted,
+            held_out,
+            horizon=request.horizon,
+            effects=request.effects,
+            ports=request.ports,
+            rules=request.rules,
+            settings=fit_settings(settings),
+            mapper=mapper,
+            report=clock,
+        )
+    return found, clock, fitted + held_out
