@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import functools
 import os
-import pwd
 import stat
-import tempfile
-import warnings
 from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # some of this takes as long to import as hybridid's --help takes in all
+    import tempfile
 
 _WARNED = "HYBRIDID_CACHE_WARNED"
 """Set in the environment once the user has been warned: the processes that this one starts need not warn."""
@@ -19,6 +20,9 @@ _WARNED = "HYBRIDID_CACHE_WARNED"
 def cache_folder() -> Path:
     """``$XDG_CACHE_HOME/hybridid/models`` (by default in ``~/.cache``), if nobody else can change what lies
     there; else, with a warning, a folder of this process alone."""
+    import tempfile
+    import warnings
+
     home = _caches() / "hybridid" / "models"
     try:
         home.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -87,10 +91,14 @@ def _caches() -> Path:
 @functools.cache
 def _of_this_process() -> tempfile.TemporaryDirectory[str]:
     """A temporary folder that is removed when the process ends."""
+    import tempfile
+
     return tempfile.TemporaryDirectory(prefix="hybridid-")
 
 
 def _name(user: int) -> str:
+    import pwd
+
     try:
         return pwd.getpwuid(user).pw_name
     except KeyError:

@@ -174,6 +174,16 @@ or killed goes on where it was. Writes index.html, tune.json and the chosen conf
   hybridid run --config-dir FOLDER experiment=tuned             take up what was chosen
 """
 
+TRUST = """\
+A model.json from somebody else may name code of theirs, as a plant or an effect. It runs only if you trust
+the folder where it lies. This trusts all code in a folder until a file of it changes. Read the code first:
+when it runs, it can do whatever you can do. On a terminal, a command that needs such code asks. A folder that
+you name by --config-dir needs no trust. SECURITY.md says more.
+
+  hybridid trust ../their-models
+  hybridid trust                          list what is trusted
+"""
+
 LOG = """\
 A run whose tracking server is down, slow or dies is complete, and kept in outputs/mlflow-waiting. This sends
 every run that waits there to where it was to go, and says what it sent; whatever cuts it off, nothing is lost

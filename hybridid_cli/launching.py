@@ -11,10 +11,12 @@ from typing import Any
 from hydra._internal.core_plugins.basic_launcher import BasicLauncher
 from hydra.core.utils import JobReturn, JobStatus
 
+from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.pool import core_count
 from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
+from pipelines.shared.trust import admit, paths_in
 from pipelines.shared.watch import Watcher
 from pipelines.sweep.job_runner import JobRunner, LocalProcesses, OnJobEnd, log_job, lost_reason
 from pipelines.sweep.point import spelt
@@ -118,11 +120,16 @@ def _outcome(sweep_job: SweepJob, path: Path, trouble: str) -> Failures:
     return {point.key: lost_reason(sweep_job, reason) for point in sweep_job.points}
 
 
-def job(path: Path, watcher: Watcher) -> None:
-    """Run one job in the process that a launcher started; a child does the work, so a crash is noticed."""
+def job(path: Path, settings: Settings, watcher: Watcher) -> None:
+    """Run one job in the process that a launcher started; a child does the work, so a crash is noticed.
+
+    Code that the job's file names runs only if it is that of the command's own ``settings``, or trusted.
+    """
+    sweep_job = SweepJob.of(read_json(path))
+    for point in sweep_job.points:
+        admit(f"sweep.job is {path}: it", paths_in(point.settings.config), (), paths_in(settings.config))
     # joblib's workers use a start method that is not available in their children
     multiprocessing.set_start_method("spawn", force=True)
-    sweep_job = SweepJob.of(read_json(path))
     write_text(path.with_suffix(BEGUN), "")
     failures = LocalProcesses(1).carry_out(
         [sweep_job], watcher, lambda done, lost: log_job(done, lost, watcher)

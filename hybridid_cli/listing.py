@@ -17,7 +17,8 @@ from hybridid_cli.config_files import conf_folder, options, user_folders
 from hybridid_cli.tables import rendered
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
-from pipelines.shared.imports import make_importable
+from pipelines.shared.imports import named
+from pipelines.shared.own_code import make_importable
 
 
 def cases(name: str, words: Sequence[str]) -> int:
@@ -43,6 +44,8 @@ def effects(name: str, words: Sequence[str]) -> int:
         print("hybridid effects NAME also says what tells an effect from its look-alikes")
         return 0
     for word in asked:
+        if ":" in word:
+            named(word, "effect")
         try:
             effect = effect_named(word, [_CHANNEL])
             print(f"{_described(effect)}{_paragraph('tells', effect.pattern)}\n")

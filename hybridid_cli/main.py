@@ -21,6 +21,8 @@ WRONG_REQUEST = 2
 def main() -> None:
     """Run the command on ``sys.argv`` and exit with its code."""
     interrupt.install()
+    # no process of ours finds modules in the folder that the user stands in: it may be a received one
+    os.environ["PYTHONSAFEPATH"] = "1"
     warnings.showwarning = _show_warning
     try:
         code = dispatch(sys.argv[1:])

@@ -15,9 +15,11 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 
 from hybridid_cli import interrupt
 from hybridid_cli.terminal import Terminal
+from hybridid_cli.trusting import trusted_when_asked
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
-from pipelines.shared.imports import make_importable
+from pipelines.shared.own_code import make_importable
+from pipelines.shared.trust import Untrusted
 
 
 def settings_of(cfg: DictConfig) -> Settings:
@@ -38,10 +40,20 @@ def settings_from(cfg: DictConfig, hydra: Any, in_sweep: bool) -> Settings:
     assert isinstance(config, dict)
     plain = {str(k): v for k, v in config.items()}
     if plain.get("model") is not None:
-        from pipelines.shared.augmented import taken_up
-
-        plain = taken_up(plain)
+        plain = _taken_up(plain)
     return Settings(case, plain, folders, in_sweep)
+
+
+def _taken_up(config: dict[str, Any]) -> dict[str, Any]:
+    """``config`` with the model of its ``model.json``; on a terminal the user may trust the code it names."""
+    from pipelines.shared.augmented import taken_up
+
+    try:
+        return taken_up(config)
+    except Untrusted as asking:
+        if not trusted_when_asked(asking):
+            raise
+    return taken_up(config)
 
 
 class Unfinished(BaseException):
@@ -103,7 +115,7 @@ def sweep_job(cfg: DictConfig) -> None:
 
     settings = settings_of(cfg)
     with Terminal(f"#{HydraConfig.get().job.num} ", bar=False) as terminal:
-        job(Path(str(settings["sweep.job"])), terminal)
+        job(Path(str(settings["sweep.job"])), settings, terminal)
 
 
 @_raises_past_hydra

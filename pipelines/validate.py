@@ -14,7 +14,7 @@ from hybridid.simulation.simulate import Diverged
 from hybridid.validation import Metrics, Prediction, diverged, free_run, horizon_run, metrics, residual_tests
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.fitted import fit_of, load
+from pipelines.shared.fitted import fit_of, fitted_model
 from pipelines.shared.hybrids import hybrid_of
 from pipelines.shared.modelling import named_code
 from pipelines.shared.predictions import HYBRID, RESIDUALS, Tested, write_prediction
@@ -39,7 +39,7 @@ def run(job: Job) -> None:
     """Predict every chosen record in every view with the gray box and with the hybrid, if there is one;
     write predictions, ``metrics.json``, ``residuals.json``."""
     settings = job.settings
-    model, estimate = load(job.tree)
+    model, estimate = fitted_model(settings, job.tree)
     candidates = _candidates(job, model, estimate)
     rows: list[Metrics] = []
     tests: list[Tested] = []

@@ -21,7 +21,7 @@ from hybridid.plotting.style import Plot
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from pipelines.plot.laws import Law, friction_plots, laws_of
-from pipelines.shared.fitted import Fit, fit_of, load
+from pipelines.shared.fitted import Fit, fit_of, fitted_model
 from pipelines.shared.predictions import Stored, Tested, predictions_in, residual_tests_in
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.stage import Job
@@ -31,8 +31,8 @@ Named = Iterator[tuple[str, Plot]]
 
 def figures(job: Job) -> Named:
     """All figures of a run tree, each with its file's name ``<record>.<output or port>.<figure>``."""
-    model, _ = load(job.tree)
-    laws = laws_of(job.tree)
+    model, _ = fitted_model(job.settings, job.tree)
+    laws = laws_of(job.settings, job.tree)
     stored = predictions_in(job.tree)
     tests = residual_tests_in(job.tree)
     for prepared in prepared_records(job.tree):

@@ -15,7 +15,8 @@ from hybridid.plotting.friction import FrictionCurve, FrictionData, friction_plo
 from hybridid.plotting.style import Plot
 from hybridid.records.record import Record
 from hybridid.validation.port_efforts import port_efforts, resisting_effort
-from pipelines.shared.fitted import fit_of, load
+from pipelines.shared.config import Settings
+from pipelines.shared.fitted import fit_of, fitted_model
 from pipelines.shared.hybrids import hybrid_of
 from pipelines.shared.predictions import Stored
 
@@ -29,9 +30,9 @@ class Law:
     values: Mapping[str, float]
 
 
-def laws_of(tree: Path) -> list[Law]:
+def laws_of(settings: Settings, tree: Path) -> list[Law]:
     """The gray box, and the hybrid if its network is inside the equations."""
-    model, estimate = load(tree)
+    model, estimate = fitted_model(settings, tree)
     laws = [Law(fit_of(tree).model, model, estimate.values)]
     hybrid = hybrid_of(tree, model)
     if isinstance(hybrid, PortHybrid):

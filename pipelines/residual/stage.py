@@ -17,7 +17,7 @@ from pipelines.residual.rbf import RBFRequest
 from pipelines.residual.request import Request
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
-from pipelines.shared.fitted import load
+from pipelines.shared.fitted import fitted_model
 from pipelines.shared.hybrids import Residual
 from pipelines.shared.modelling import model_of, named_code
 from pipelines.shared.prepared import prepared_records
@@ -37,7 +37,7 @@ def run(job: Job) -> None:
 
 def gray_box(settings: Settings, tree: Path) -> GrayBox:
     """The fitted model of a tree, and which of its records it was fitted to."""
-    model, estimate = load(tree)
+    model, estimate = fitted_model(settings, tree)
     prepared = prepared_records(tree)
     fitted = chosen(prepared, fitted_records(settings), "fit.records")
     records, unseen = (

@@ -13,15 +13,16 @@ from hybridid.model import Term
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import MAKES_A_MODEL, DescribedModel
-from pipelines.shared.imports import make_importable
 from pipelines.shared.modelling import effect_entries
 from pipelines.shared.storage import read_as
+from pipelines.shared.trust import admit, paths_in
 
 
 def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
     """``config`` with its model (``MAKES_A_MODEL``) from the file that its key ``model`` names, if any.
 
     Raises:
+        Untrusted: if the file names code of a folder that the user neither names nor trusts.
         ConfigError: if there is no such file, or it holds no model.
     """
     if config.get("model") is None:
@@ -37,7 +38,7 @@ def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
         raise ConfigError(f"model is {path}: no such file; fit and trace write one, model.json") from error
     except (OSError, ValueError, KeyError) as error:
         raise ConfigError(f"model is {path}: no model.json as fit and trace write it") from error
-    make_importable(described.python_folders)
+    admit(f"model is {path}: it", paths_in(given), described.python_folders, paths_in(config))
     return {**config, **given}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,10 +10,11 @@ from typing import Any
 from hybridid.estimators.estimate import Estimate
 from hybridid.model import Model
 from pipelines.shared.config import Settings
-from pipelines.shared.imports import make_importable
 from pipelines.shared.modelling import model_of
+from pipelines.shared.own_code import importable, make_importable
 from pipelines.shared.prepared import NamedUnit
 from pipelines.shared.storage import read_as
+from pipelines.shared.trust import admit, paths_in
 
 ESTIMATE = "fit/estimate.json"
 MODEL = "fit/model.json"
@@ -72,7 +73,7 @@ def describe_model(settings: Settings, model: Model, provenance: str) -> Describ
     return DescribedModel(
         case=settings.case,
         config={key: settings.get(key) for key in MAKES_A_MODEL},
-        python_folders=tuple(folder.resolve() for folder in settings.folders),
+        python_folders=tuple(dict.fromkeys(f.resolve() for f in (*settings.folders, *importable()))),
         states=NamedUnit.each(model.states),
         inputs=NamedUnit.each(model.inputs),
         outputs=NamedUnit.each(model.outputs),
@@ -81,13 +82,22 @@ def describe_model(settings: Settings, model: Model, provenance: str) -> Describ
     )
 
 
-def load(tree: Path) -> tuple[Model, Estimate]:
+def load(tree: Path, folders: Sequence[Path] = ()) -> tuple[Model, Estimate]:
     """The fitted model of a run tree and its estimate; ``estimate.values`` are its parameters.
+
+    ``folders`` are those of your own code, as ``--config-dir`` names them.
 
     Raises:
         FileNotFoundError: if the tree holds no fit.
+        Untrusted: if its model needs code of a folder that you neither name nor trust.
         ConfigError: if the plant or an effect can no longer be imported.
     """
+    make_importable(folders)
     described = read_as(DescribedModel, tree / MODEL)
-    make_importable(described.python_folders)
+    admit(f"{tree / MODEL}: it", paths_in(described.config), described.python_folders)
     return model_of(Settings(described.case, described.config)), fit_of(tree).estimate
+
+
+def fitted_model(settings: Settings, tree: Path) -> tuple[Model, Estimate]:
+    """The same for a stage: the model as ``settings`` configure it, whatever code the tree's files name."""
+    return model_of(settings), fit_of(tree).estimate

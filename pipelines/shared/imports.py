@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import importlib
 import inspect
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.own_code import check_not_taken
 from pipelines.shared.source_code import PACKAGES, PROJECT, digest, files_of, with_imports
 
 
@@ -18,11 +18,13 @@ def named(path: object, what: str) -> Any:
     """The object at ``module:NAME``.
 
     Raises:
-        ConfigError: if the path is malformed, the module cannot be imported or lacks the name.
+        ConfigError: if the path is malformed, the module cannot be imported or lacks the name, or a library
+            has the name of the user's module.
     """
     module_name, _, attribute = str(path).partition(":")
     if not module_name or not attribute:
         raise ConfigError(f"{what} is {path!r}: give an import path, module:NAME")
+    check_not_taken(module_name, f"{what} {path}")
     try:
         module = importlib.import_module(module_name)
     except ImportError as error:
@@ -32,18 +34,6 @@ def named(path: object, what: str) -> Any:
     if not hasattr(module, attribute):
         raise ConfigError(f"{what} {path}: {unknown(f'name in {module_name}', attribute, _public(module))}")
     return getattr(module, attribute)
-
-
-def make_importable(folders: Iterable[Path]) -> None:
-    """Let Python files in a user's folder, and beside its case files, be imported by name.
-
-    The folders come first in the path, as a script's own folder does: the user's ``pendulum.py`` takes
-    precedence over a package of that name.
-    """
-    for folder in folders:
-        for place in (folder / "case", folder):
-            if place.is_dir() and str(place) not in sys.path:
-                sys.path.insert(0, str(place))
 
 
 def code_digests(paths: Iterable[str]) -> dict[str, str]:

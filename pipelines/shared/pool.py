@@ -28,6 +28,7 @@ from typing import Any, TypeVar
 
 from hybridid.private import cache_folder
 from hybridid.trace.mapper import Mapper, serial
+from pipelines.shared.own_code import importable
 from pipelines.shared.pool_server import METHOD, ensure_server, one_thread
 from pipelines.shared.pool_worker import ENDED, PATIENCE, Lost, serve
 from pipelines.shared.watch import Watcher
@@ -203,7 +204,7 @@ def _started() -> _Worker:
     ours, theirs = context.Pipe()
     ensure_server()
     with one_thread():
-        process = context.Process(target=serve, args=(theirs, dict(os.environ)))
+        process = context.Process(target=serve, args=(theirs, dict(os.environ), importable()))
         process.start()
     theirs.close()
     return _Worker(process, ours)

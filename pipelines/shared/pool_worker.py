@@ -8,12 +8,14 @@ import signal
 import threading
 import time
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
 
+from pipelines.shared.own_code import make_importable
 from pipelines.shared.watch import Watcher
 
 PATIENCE = 10.0
@@ -85,9 +87,13 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
-def serve(pipe: Connection, environment: Mapping[str, str]) -> None:
-    """Do the tasks that come through ``pipe``, and send back their results, until it closes."""
+def serve(pipe: Connection, environment: Mapping[str, str], folders: Sequence[Path]) -> None:
+    """Do the tasks that come through ``pipe``, and send back their results, until it closes.
+
+    The user's own code lies in ``folders``.
+    """
     os.environ.update(environment)  # what it was forked from may be older than a setting
+    make_importable(folders)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which says what to do
     signal.signal(signal.SIGTERM, _stop)
     threading.Thread(target=_end_with_parent, daemon=True).start()

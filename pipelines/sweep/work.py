@@ -17,7 +17,6 @@ from pipelines.residual.narx import NARXRequest, report_to
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.freshness import RECEIPT
-from pipelines.shared.imports import make_importable
 from pipelines.shared.stage import Job
 from pipelines.shared.tree import replacing
 from pipelines.shared.watch import Watcher
@@ -56,7 +55,6 @@ class SweepJob:
 
 def carry_out(job: SweepJob, watcher: Watcher) -> Failures:
     """Compute all points of ``job``; returns why points failed. A failed point does not stop the others."""
-    make_importable(job.points[0].settings.folders)
     quiet = _ProgressOnly(watcher)
     if job.gray:
         return _attempted(job.points, lambda point: run_stages(point.gray, "fit", quiet))

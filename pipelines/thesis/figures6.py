@@ -58,7 +58,7 @@ def _over_time(runs: Runs) -> Plot:
     """Viscous and Coulomb friction of the hybrid's physics, and the network's, over time."""
     run = _run(runs)
     record = run.record(ROLE)
-    law = laws_of(run.tree)[-1]
+    law = laws_of(run.settings, run.tree)[-1]
     prediction = next(
         s.prediction for s in run.stored
         if (s.model, s.prediction.record, s.horizon) == (law.name, record.name, None)
@@ -81,7 +81,7 @@ def _over_velocity(runs: Runs) -> Plot:
     run = _run(runs)
     record = run.record(ROLE)
     own = [s for s in run.stored if s.prediction.record == record.name and s.horizon is None]
-    for port, plot in friction_plots(laws_of(run.tree), record, own):
+    for port, plot in friction_plots(laws_of(run.settings, run.tree), record, own):
         if port.name == PORT:
             return replace(plot, name="friction")
     raise Missing("no friction at the carriage")

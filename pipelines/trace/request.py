@@ -13,6 +13,7 @@ from hybridid.trace.split import automatic_horizon
 from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.imports import named
 from pipelines.shared.modelling import plant_of
 from pipelines.shared.pool import core_count
 from pipelines.shared.prepared import Prepared
@@ -114,6 +115,8 @@ def _own(section: TraceSection) -> list[Effect]:
 
 
 def _named(name: str, key: str, seen: Sequence[Signal] = ()) -> Effect:
+    if ":" in name:
+        named(name, key)
     try:
         return effect_named(name, seen)
     except ValueError as error:

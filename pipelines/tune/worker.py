@@ -13,7 +13,6 @@ from hybridid.hybrid import gray_runs
 from hybridid.plain import plain
 from pipelines.residual.stage import gray_box
 from pipelines.shared.config import Settings
-from pipelines.shared.imports import make_importable
 from pipelines.shared.watch import Watcher
 from pipelines.tune.findings import row_of, said
 from pipelines.tune.log import log_trial
@@ -40,7 +39,6 @@ class WorkerTask:
 
 def work(given: WorkerTask, watcher: Watcher) -> int:
     """Do trials; returns how many."""
-    make_importable(given.settings.folders)
     request = TuneRequest.of(given.settings)
     gray = gray_box(given.settings, given.gray_tree)
     network = narx_of(given.settings, next(request.corners()))

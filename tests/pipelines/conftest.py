@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +15,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from hybridid.rigs.emps import EMPSRig
+from pipelines.shared import own_code, trust
 from pipelines.shared.config import Settings
 
 CONFIG: dict[str, Any] = {
@@ -118,6 +120,27 @@ def fits_schema() -> Callable[[Path], None]:
         Draft202012Validator(schema).validate(json.loads(path.read_text()))
 
     return check
+
+
+@pytest.fixture
+def nothing_imported(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """No folder of own code yet; afterwards the modules from there are forgotten again."""
+    monkeypatch.setattr(own_code, "_folders", [])
+    monkeypatch.setattr(trust, "_admitted", set())
+    for name in ("path", "path_hooks"):
+        monkeypatch.setattr(sys, name, list(getattr(sys, name)))
+    before = set(sys.modules)
+    yield
+    for name in set(sys.modules) - before:
+        own = any(Path(place).is_relative_to(f) for place in _files(name) for f in own_code.importable())
+        if own:
+            del sys.modules[name]
+    sys.path_importer_cache.clear()
+
+
+def _files(name: str) -> list[str]:
+    module = sys.modules[name]
+    return [*filter(None, [getattr(module, "__file__", None)]), *getattr(module, "__path__", [])]
 
 
 @pytest.fixture
