@@ -5,7 +5,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
@@ -16,10 +15,9 @@ from types import FrameType
 from typing import Any, NoReturn
 
 from pipelines.shared.own_code import make_importable
+from pipelines.shared.parent import end_with
 from pipelines.shared.watch import Watcher
 
-PATIENCE = 10.0
-"""Seconds that a worker has to clean up after it is told to stop."""
 BETWEEN = 0.2
 """Seconds between two reports of progress."""
 ENDED = "ended"
@@ -77,16 +75,6 @@ def _stop(number: int, frame: FrameType | None) -> NoReturn:
     raise Stopped
 
 
-def _end_with_parent() -> None:
-    """End this process when its parent ends, also where the parent was killed."""
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-    parent.join()
-    os.kill(os.getpid(), signal.SIGTERM)
-    time.sleep(PATIENCE)
-    os._exit(1)
-
-
 def serve(pipe: Connection, environment: Mapping[str, str], folders: Sequence[Path]) -> None:
     """Do the tasks that come through ``pipe``, and send back their results, until it closes.
 
@@ -96,7 +84,9 @@ def serve(pipe: Connection, environment: Mapping[str, str], folders: Sequence[Pa
     make_importable(folders)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which says what to do
     signal.signal(signal.SIGTERM, _stop)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    end_with(parent.join)
     try:
         while True:
             work, given = pipe.recv()

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from pipelines.shared.parent import PATIENCE
 from pipelines.shared.pool import Lost, mapper_of, side_by_side
-from pipelines.shared.pool_worker import PATIENCE
 
 
 def work(given, watcher):
