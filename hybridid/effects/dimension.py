@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from hybridid.declarations import Port
@@ -9,6 +10,8 @@ from hybridid.quantities import superscript
 
 _NAMED = {"N·s²/m": "kg", "N·m·s²/rad": "kg·m²", "Nm·s²/rad": "kg·m²"}
 """Units that have a name of their own (rad counts as 1)."""
+_FACTOR = re.compile(r"(?P<base>[^\d\s·/()*^⁰¹²³⁴-⁹]+|1)(?P<power>[¹²³⁴-⁹]?)")
+_DIGITS = str.maketrans("¹²³⁴⁵⁶⁷⁸⁹", "123456789")
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ class Dimension:
     def unit(self, port: Port) -> str:
         """The unit's name at ``port``, such as ``N·s/m``; ``"1"`` if dimensionless.
 
-        Where effort and position have one unit (an electronic oscillator: volts), it cancels.
+        What effort and position have in common cancels: m³/s over m is m²/s.
         """
         powers: dict[str, int] = {}
         for name, power in (
@@ -43,7 +46,8 @@ class Dimension:
             ("s", self.time),
             (self.channel_unit, 0 if self.channel_unit == "1" else self.channel),
         ):
-            powers[name] = powers.get(name, 0) + power
+            for base, exponent in _factors(name):
+                powers[base] = powers.get(base, 0) + power * exponent
         above = [_power(name, n) for name, n in powers.items() if n > 0]
         below = [_power(name, -n) for name, n in powers.items() if n < 0]
         text = "·".join(above) or "1"
@@ -51,6 +55,23 @@ class Dimension:
             simple = len(below) == 1 and not set(below[0]) & set("/·")
             text += f"/{below[0]}" if simple else f"/({'·'.join(below)})"
         return _NAMED.get(text, text)
+
+
+def _factors(unit: str) -> list[tuple[str, int]]:
+    """The factors of a unit with their powers: ``m³/s`` is m to 3 and s to -1.
+
+    A unit that is written in another way is one factor.
+    """
+    above, slash, below = unit.partition("/")
+    sides = [(above, 1)] + ([(below.removeprefix("(").removesuffix(")"), -1)] if slash else [])
+    found = [(_FACTOR.fullmatch(word), sign) for side, sign in sides for word in side.split("·")]
+    if not all(match for match, _ in found):
+        return [(unit, 1)]
+    return [
+        (match["base"], sign * int((match["power"] or "1").translate(_DIGITS)))
+        for match, sign in found
+        if match and match["base"] != "1"
+    ]
 
 
 def _power(name: str, exponent: int) -> str:
