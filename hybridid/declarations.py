@@ -3,6 +3,8 @@
 A *port* is a place where physics can act or be missing. At an effort port an
 effect resists the motion: the plant's equation of motion reads
 ``M a = driving effort - sum of the efforts of the effects at that port``.
+At a flow port an effect lowers a level q: the plant's balance reads
+``S q' = inflows - outflows - sum of the flows of the effects at that port``.
 At an input or output port an effect changes the signal that passes through.
 """
 
@@ -12,7 +14,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
-PortKind = Literal["effort", "input", "output"]
+PortKind = Literal["effort", "flow", "input", "output"]
+IN_EQUATIONS: tuple[PortKind, ...] = ("effort", "flow")
+"""Kinds of port that stand in the plant's equations; a signal passes through the others."""
 Need = Literal["load", "drive", "both_sides", "level"]
 """What an effect may need to see beside the motion of its port: see ``Port.knows``."""
 
@@ -103,9 +107,17 @@ class Port:
     the slowest sliding that matters. Signal ports ("input", "output") use only
     ``effort_unit`` and ``effort_scale``, for the signal itself.
 
+    A flow port belongs to a balance of first order, such as that of a tank. Its position is the level q. What
+    the effects there have in place of an effort is a flow that lowers it, in ``effort_unit`` (m³/s). Its
+    velocity is the net flow of the declared model, as the rate of the level (m/s), before the effects. There
+    is no acceleration, no ``epsilon`` and no load.
+
     ``drive`` and ``load`` say in words which effort drives the contact, and which the load exerts on it;
     ``level`` says what sets the level of its friction (a field, a pressure). ``Plant.loads`` gives their
     numbers. ``no_load`` says why a port has neither.
+
+    Raises:
+        ValueError: if a flow port declares a drive, a load or a level of friction.
     """
 
     name: str
@@ -121,6 +133,23 @@ class Port:
     load: str = ""
     level: str = ""
     no_load: str = ""
+
+    def __post_init__(self) -> None:
+        if self.kind == "flow" and self.knows:
+            raise ValueError(
+                f"port {self.name}: a flow port carries no load; leave out its drive, load and level"
+            )
+
+    @property
+    def in_equations(self) -> bool:
+        """Whether effects there stand in the plant's equations, as an effort or a flow."""
+        return self.kind in IN_EQUATIONS
+
+    @property
+    def moved(self) -> Literal[0, 1]:
+        """The column of ``Model.motions`` whose rate the effects there change: 1, the velocity of an effort
+        port; 0, the level of a flow port."""
+        return 0 if self.kind == "flow" else 1
 
     @property
     def knows(self) -> frozenset[Need]:

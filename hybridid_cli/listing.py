@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.console import RenderableType
 from rich.text import Text
 
-from hybridid.declarations import Port, Signal
+from hybridid.declarations import Port, PortKind, Signal
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
@@ -65,7 +65,11 @@ _CHANNEL = Signal("CHANNEL", "its unit")
 # What a port may measure in, for units that depend on it.
 _LINEAR = Port("linear", "effort", effort_unit="N", effort_scale=1.0, position_unit="m")
 _ROTARY = Port("rotary", "effort", effort_unit="Nm", effort_scale=1.0, position_unit="rad")
+_LEVEL = Port("level", "flow", effort_unit="m³/s", effort_scale=1.0, position_unit="m")
 _SIGNAL = Port("signal", "input", effort_unit="signal", effort_scale=1.0)
+_PORTS: Mapping[PortKind, Sequence[Port]] = {
+    "effort": (_LINEAR, _ROTARY), "flow": (_LEVEL,), "input": (_SIGNAL,), "output": (_SIGNAL,)
+}  # fmt: skip
 
 
 def _arguments(words: Sequence[str]) -> tuple[list[Path], list[str]]:
@@ -104,7 +108,8 @@ def _case(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> list[
     }
     lines.append(Text(f"  plant    {model.plant.name}: {model.plant.meaning}"))
     lines += [Text(f"  {key:<8} {value}") for key, value in signals.items()]
-    lines += [Text(f"  load     {port.name}: {_load(port)}") for port in model.effort_ports]
+    moving = [port for port in model.equation_ports if port.kind == "effort"]
+    lines += [Text(f"  load     {port.name}: {_load(port)}") for port in moving]
     return [*lines, *_records(settings), Text("")]
 
 
@@ -178,8 +183,8 @@ def _paragraph(label: str, text: str) -> str:
 
 
 def _unit(effect: Effect, dimension: Dimension) -> str:
-    """The unit at a linear and at a rotary port, or in that of the signal."""
-    ports = (_LINEAR, _ROTARY) if effect.kind == "effort" else (_SIGNAL,)
+    """The unit at a linear and at a rotary port, at a level, or in that of the signal."""
+    ports = _PORTS[effect.kind]
     suited = [
         port for port in ports if not effect.position_units or port.position_unit in effect.position_units
     ]

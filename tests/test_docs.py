@@ -61,13 +61,14 @@ def laboratory(tmp_path_factory):
     """The folder that the page builds, file by file, beside a simulated recording."""
     root = tmp_path_factory.mktemp("docs")
     files = re.findall(r"^`(mylab/\S+)`\n\n```\w+\n(.*?)```", OWN.read_text(), flags=re.DOTALL | re.MULTILINE)
-    assert {name for name, _ in files} == {
-        "mylab/pendulum.py", "mylab/case/pendulum.yaml", "mylab/grease.py"
+    assert {name.removeprefix("mylab/") for name, _ in files} == {
+        "pendulum.py", "case/pendulum.yaml", "grease.py", "tank.py", "case/tank.yaml"
     }  # fmt: skip
     for name, text in files:
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(text)
     write_swing(root / "mylab" / "swing.csv")
+    write_filling(root / "mylab" / "filling.csv")
     return root
 
 
@@ -91,15 +92,39 @@ def write_swing(path: Path) -> None:
     np.savetxt(path, columns, delimiter=",", header="t_ms,current,angle_deg", comments="", fmt="%.9g")
 
 
+EDGE, WEIR = 0.45, 0.03  # of an overflow that the page's tank does not have; m, m^1.5/s
+
+
+def write_filling(path: Path) -> None:
+    """A held swinging inflow to a tank of the page's guesses, which overflows; in L/s and cm."""
+    time = np.arange(400.0)
+    inflow = 4e-4 * (1 + np.sin(2 * np.pi * time / 120))
+
+    def rate(_, h, u):
+        return [(u - 5e-4 * np.sqrt(h[0]) - WEIR * max(h[0] - EDGE, 0) ** 1.5) / 0.02]
+
+    h, level = np.array([0.3]), np.empty(400)
+    for k in range(400):
+        level[k] = h[0]
+        h = solve_ivp(rate, (0, 1.0), h, args=(inflow[k],), method="LSODA", rtol=1e-9, atol=1e-11).y[:, -1]
+    level += np.random.default_rng(0).normal(0, 3e-4, 400)
+    columns = np.column_stack([time, 1e3 * inflow, 100 * level])
+    np.savetxt(path, columns, delimiter=",", header="t,pump,level", comments="", fmt="%.9g")
+
+
 def run(words: list[str], folder: Path) -> str:
+    done = attempt(words, folder)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def attempt(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
     environment = {k: v for k, v in os.environ.items() if k != "HYBRIDID_DATA"}
     environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(folder / "mylab")])
     words = [sys.executable, *words]
-    done = subprocess.run(
+    return subprocess.run(
         words, cwd=folder, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL
     )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 def test_own_folder_is_fitted_by_the_command_of_the_page(laboratory):
@@ -164,6 +189,37 @@ values = model.values({"pivot.cold_grease.f": 0.2, "pivot.cold_grease.T_0": 30.0
 print(float(model.efforts(0, [0.5, 1.0], [0.3, 15.0], values)))
 """
     assert float(run(["-c", seen], laboratory)) == pytest.approx(0.2 * np.exp(-0.5))
+
+
+def test_the_tank_of_the_page_takes_flows_only(laboratory):
+    words = ["-m", "hybridid_cli", "cases", "tank", "--config-dir", "mylab"]
+    said = run([*words, "effects=[overflow]"], laboratory)
+    assert "effects  overflow@tank" in said
+    assert "ports    tank (flow), inflow (input), level (output)" in said
+    assert "load" not in said
+    done = attempt([*words, "effects=[viscous@tank]"], laboratory)
+    assert done.returncode == 2
+    assert done.stderr == "hybridid: effect viscous acts at effort ports; tank is of kind flow\n"
+
+
+def test_an_overflow_of_the_page_s_tank_is_fitted(laboratory):
+    code = """
+from hybridid.estimators import FitSettings, fit
+from hybridid.model import compose
+from hybridid.records.mapping import SignalMap, TimeMap, build_record
+from tank import Tank
+
+inputs = [SignalMap("inflow", "m³/s", "pump", scale=1e-3, hold="zoh")]
+outputs = [SignalMap("level", "m", "level", scale=0.01)]
+record = build_record("filling", ["mylab/filling.csv"], TimeMap(column="t", unit="s"), inputs, outputs)
+model = compose(Tank(), ["overflow"], {"tank.overflow.h": {"fixed": 1.0}})
+found = fit(model, [record], FitSettings(substeps=4), start_values={"tank.overflow.limit": 0.4})
+print(*(found.values[name] for name in ("c", "tank.overflow.k", "tank.overflow.limit")))
+"""
+    outlet, weir, edge = map(float, run(["-c", code], laboratory).split())
+    assert outlet == pytest.approx(5e-4, rel=0.01)
+    assert weir == pytest.approx(WEIR, rel=0.05)
+    assert edge == pytest.approx(EDGE, abs=2e-3)
 
 
 def test_notebook_example_finds_the_same(laboratory):

@@ -35,7 +35,7 @@ END_STOP = Effect(
         "Shaw, Holmes (1983), A periodically forced piecewise linear oscillator, J. Sound Vib. 90(1), 129-155"
     ),
     pattern="nothing up to one position, then a stiff spring; the same at every speed",
-    look_alikes=("cubic_stiffness", "linear_stiffness", "input_saturation", "overflow"),
+    look_alikes=("cubic_stiffness", "linear_stiffness", "input_saturation"),
     separating_experiment=(
         "approach the suspected end slowly with a growing command: the motion stops, the effort rises"
     ),

@@ -7,7 +7,12 @@ import math
 import casadi as ca
 
 from hybridid.effects.dimension import EFFORT, FREQUENCY, POSITION
-from hybridid.effects.effect import Effect, EffectParameter
+from hybridid.effects.effect import Effect, EffectParameter, Local
+
+AMPLITUDES = (
+    EffectParameter("A_s", EFFORT, "amplitude of the sine", guess=0.02, nests=True),
+    EffectParameter("A_c", EFFORT, "amplitude of the cosine", guess=0.02, nests=True),
+)
 
 COGGING = Effect(
     id="cogging",
@@ -19,8 +24,7 @@ COGGING = Effect(
         + at.p.A_c * ca.cos(2 * math.pi * at.position / at.p.pitch)
     ),
     parameters=(
-        EffectParameter("A_s", EFFORT, "amplitude of the sine", guess=0.02, nests=True),
-        EffectParameter("A_c", EFFORT, "amplitude of the cosine", guess=0.02, nests=True),
+        *AMPLITUDES,
         EffectParameter(
             "pitch",
             POSITION,
@@ -55,18 +59,23 @@ COGGING = Effect(
     ),
 )
 
+OVER_TIME = "F = A_s sin(2π frequency t) + A_c cos(2π frequency t)"
+
+
+def sine_over_time(at: Local) -> ca.SX:
+    """The law of ``OVER_TIME``."""
+    angle = 2 * math.pi * at.p.frequency * at.time
+    return at.p.A_s * ca.sin(angle) + at.p.A_c * ca.cos(angle)
+
+
 PERIODIC_DISTURBANCE = Effect(
     id="periodic_disturbance",
     kind="effort",
     title="periodic disturbance",
-    equation="F = A_s sin(2π frequency t) + A_c cos(2π frequency t)",
-    law=lambda at: (
-        at.p.A_s * ca.sin(2 * math.pi * at.p.frequency * at.time)
-        + at.p.A_c * ca.cos(2 * math.pi * at.p.frequency * at.time)
-    ),
+    equation=OVER_TIME,
+    law=sine_over_time,
     parameters=(
-        EffectParameter("A_s", EFFORT, "amplitude of the sine", guess=0.02, nests=True),
-        EffectParameter("A_c", EFFORT, "amplitude of the cosine", guess=0.02, nests=True),
+        *AMPLITUDES,
         EffectParameter(
             "frequency",
             FREQUENCY,

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import casadi as ca
 
-from hybridid.declarations import Need, Parameter, Port, PortKind, State
+from hybridid.declarations import IN_EQUATIONS, Need, Parameter, Port, PortKind, State
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.pickling import reduced
 from hybridid.effects.smooth import magnitude
@@ -121,8 +121,9 @@ class EffectState:
 class Local:
     """The quantities at a port that an effect may use, as CasADi scalars.
 
-    ``position``, ``velocity``, ``acceleration`` of an effort port, or ``signal`` of an
-    input or output port; ``p`` its parameters and ``z`` its states by name; ``time`` in s.
+    ``position``, ``velocity``, ``acceleration`` of an effort port; ``position`` (the level) and ``velocity``
+    (the net flow of the declared model, as the rate of the level) of a flow port; or ``signal`` of an input
+    or output port; ``p`` its parameters and ``z`` its states by name; ``time`` in s.
     ``channels`` holds the inputs of the model and its auxiliary channels by name, as they were recorded: an
     effect that uses some names them in ``Effect.channels``.
 
@@ -183,17 +184,17 @@ Law = Callable[[Local], ca.SX]
 class Effect:
     """One phenomenon as an increment at a port.
 
-    At an effort port, ``law`` gives the effort F that resists the motion. At an input or
-    output port, it gives the term that is added to the signal. With every ``nests`` parameter at
-    zero, the law is zero: the model without the effect is a special case of the model with it.
+    At an effort port, ``law`` gives the effort F that resists the motion, at a flow port the flow F that
+    lowers the level. At an input or output port, it gives the term that is added to the signal. With every
+    ``nests`` parameter at zero, the law is zero: the model without the effect is a special case of the model
+    with it.
     ``dynamics`` gives the time derivative of each state, by name.
 
     ``look_alikes`` are ids of effects that a record may not distinguish from this one. ``pattern``
     says how they differ, ``separating_experiment`` which recording would tell them apart.
 
-    ``position_units``, ``effort_units`` and ``ports`` (patterns of units, as ``*/s`` for a flow, and of port
-    names) say where the effect makes physical sense; empty means anywhere. A search respects them. A user may
-    name any port of the same kind.
+    ``position_units`` and ``ports`` (patterns of units and of port names) say where the effect makes physical
+    sense; empty means anywhere. A search respects them. A user may name any port of the same kind.
     ``needs`` is what the law uses beside the motion; a port must have it (``Port.knows``). ``channels`` names
     the inputs or auxiliary channels that the law sees; the model must have them.
 
@@ -217,7 +218,6 @@ class Effect:
     look_alikes: tuple[str, ...] = ()
     separating_experiment: str = ""
     position_units: tuple[str, ...] = ()
-    effort_units: tuple[str, ...] = ()
     ports: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
     channels: tuple[str, ...] = ()
@@ -232,12 +232,16 @@ class Effect:
             if names.count(name) > 1:
                 raise ValueError(f"effect {self.id}: two of its parameters and states are called {name}")
 
+    @property
+    def in_equations(self) -> bool:
+        """Whether the effect stands in the plant's equations, as an effort or a flow."""
+        return self.kind in IN_EQUATIONS
+
     def admissible_at(self, port: Port) -> bool:
         """Whether the effect makes sense at ``port``: its kind, units and name, and what it knows."""
         return (
             self.possible_at(port)
             and _fits(port.position_unit, self.position_units)
-            and _fits(port.effort_unit, self.effort_units)
             and _fits(port.name.lower(), self.ports)
         )
 

@@ -29,7 +29,6 @@ LINEAR_STIFFNESS = Effect(
         "position_friction",
         "gravity",
         "free_play",
-        "orifice_leak",
         "detent",
     ),
     separating_experiment=(
@@ -64,7 +63,6 @@ CUBIC_STIFFNESS = Effect(
         "bouc_wen",
         "hardening_hysteresis",
         "gravity",
-        "overflow",
         "detent",
         "sensor_nonlinearity",
     ),

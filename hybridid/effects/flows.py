@@ -1,20 +1,61 @@
-"""Flows that leave a tank. At its port the position is the level, and an effort is a flow that lowers it.
-
-A leak whose flow is proportional to the level is ``linear_stiffness``: F = k q.
-"""
+"""Flows that leave a tank, or a volume of any kind: q is its level, F lowers it."""
 
 from __future__ import annotations
 
 import casadi as ca
 
-from hybridid.effects.dimension import EFFORT, POSITION, STIFFNESS
+from hybridid.effects.dimension import EFFORT, FREQUENCY, POSITION, STIFFNESS
+from hybridid.effects.disturbance import AMPLITUDES, OVER_TIME, sine_over_time
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.smooth import ramp
 
-FLOW_UNITS = ("*/s", "*/min", "*/h")
-"""Units of an effort that is a flow: V/s, m/s, m³/s, L/min."""
 HEIGHT = EffectParameter(
     "h", POSITION, "reference height, fixed: it only sets what the coefficient means", guess=1.0, fixed=True
+)
+
+STEADY_LEAK = Effect(
+    id="steady_leak",
+    kind="flow",
+    title="steady leak",
+    equation="F = flow",
+    law=lambda at: at.p.flow,
+    parameters=(EffectParameter("flow", EFFORT, "flow that leaves; negative: that enters", nests=True),),
+    source=(
+        "a tank emptied by a pump of constant speed: Seborg, Edgar, Mellichamp (2004), Process Dynamics and "
+        "Control, 2nd ed., ch. 2 (liquid storage systems)"
+    ),
+    pattern=(
+        "the same loss at every level, with the inflow closed too; a dead zone of the pump takes it only "
+        "while the pump runs"
+    ),
+    look_alikes=("linear_leak", "orifice_leak", "periodic_flow", "input_dead_zone"),
+    separating_experiment=(
+        "close all inflows at a high and at a low level: a steady leak lowers both by as much in the same "
+        "time"
+    ),
+)
+
+LINEAR_LEAK = Effect(
+    id="linear_leak",
+    kind="flow",
+    title="leak in proportion to the level",
+    equation="F = k q",
+    law=lambda at: at.p.k * at.position,
+    parameters=(EffectParameter("k", STIFFNESS, "flow over level: the conductance", lower=0.0, nests=True),),
+    source=(
+        "laminar flow through a long thin tube (Hagen-Poiseuille): White (2011), Fluid Mechanics, 7th ed., "
+        "sec. 6.4; seepage through a porous wall (Darcy): Bear (1972), Dynamics of Fluids in Porous Media, "
+        "ch. 5"
+    ),
+    pattern=(
+        "a loss that doubles with the level, where that through an orifice grows by 1.4; the level that is "
+        "left alone decays exponentially"
+    ),
+    look_alikes=("steady_leak", "orifice_leak", "overflow"),
+    separating_experiment=(
+        "let the tank run empty from its highest level, with the inflow closed: the logarithm of the level "
+        "falls on a straight line over time"
+    ),
 )
 
 
@@ -25,7 +66,7 @@ def _over_the_edge(at: Local) -> ca.SX:
 
 OVERFLOW = Effect(
     id="overflow",
-    kind="effort",
+    kind="flow",
     title="overflow over an edge",
     equation="F = k r √(r/h),  r = ramp(q - limit),  ramp(x) = 0 for x < 0, x for x > 0",
     law=_over_the_edge,
@@ -48,12 +89,11 @@ OVERFLOW = Effect(
         "nothing up to one level, then a flow that rises faster than the level; the level stays near the edge"
         " whatever more flows in"
     ),
-    look_alikes=("end_stop", "orifice_leak", "cubic_stiffness", "input_saturation"),
+    look_alikes=("linear_leak", "orifice_leak", "input_saturation"),
     separating_experiment=(
         "fill slowly past the suspected edge with several inflows: the level stands above the edge by the "
-        "inflow to the power 2/3, above an elastic stop in proportion to it"
+        "inflow to the power 2/3, and below it nothing is lost"
     ),
-    effort_units=FLOW_UNITS,
 )  # fmt: skip
 
 
@@ -64,12 +104,12 @@ def _through_the_hole(at: Local) -> ca.SX:
 
 ORIFICE_LEAK = Effect(
     id="orifice_leak",
-    kind="effort",
+    kind="flow",
     title="leak through an orifice",
     equation="F = c sign(q) √(|q|/h),  sign(q) √|q| ≈ q/(q² + w²)^(1/4)",
     law=_through_the_hole,
     parameters=(
-        EffectParameter("c", EFFORT, "flow where the level is h", guess=0.1, nests=True),
+        EffectParameter("c", EFFORT, "flow where the level is h", guess=0.1, lower=0.0, nests=True),
         HEIGHT,
         EffectParameter("width", POSITION, "rounding w at level zero", guess=1e-3, lower=0.0, fixed=True),
     ),
@@ -81,10 +121,43 @@ ORIFICE_LEAK = Effect(
         "a loss that grows with the square root of the level; where the plant's own outlet at that level is "
         "free and nothing else receives its water, they are one"
     ),
-    look_alikes=("linear_stiffness", "offset", "overflow"),
+    look_alikes=("linear_leak", "steady_leak", "overflow"),
     separating_experiment=(
         "let the tank run empty from its highest level, with the inflow closed: the root of the level falls "
         "on a straight line over time, where a linear leak has an exponential"
     ),
-    effort_units=FLOW_UNITS,
+)
+
+PERIODIC_FLOW = Effect(
+    id="periodic_flow",
+    kind="flow",
+    title="periodic flow",
+    equation=OVER_TIME,
+    law=sine_over_time,
+    parameters=(
+        *AMPLITUDES,
+        EffectParameter(
+            "frequency",
+            FREQUENCY,
+            "frequency of the flow",
+            guess=1.0,
+            lower=1e-3,
+            upper=1000.0,
+            starts=(0.1, 10.0),
+            sought="frequency",
+        ),
+    ),
+    source=(
+        "the pulsating flow of a positive-displacement pump: White (2011), Fluid Mechanics, 7th ed., "
+        "sec. 11.1; a draw that follows the time of day"
+    ),
+    pattern=(
+        "one line in the spectrum of the level that is there with the inflow closed too, and does not care "
+        "how high the level is"
+    ),
+    look_alikes=("steady_leak", "sensor_periodic_error"),
+    separating_experiment=(
+        "record a high and a low level with the inflow held, over ten periods each: the line keeps its "
+        "frequency, its phase and its size"
+    ),
 )

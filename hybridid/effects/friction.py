@@ -22,7 +22,7 @@ OFFSET = Effect(
     ),
     source="thesis Eq. 6-1; Janot, Gautier, Brunot (2019), Eq. (1)",
     pattern="the same in both directions of motion and at rest; asymmetric Coulomb friction vanishes at rest",
-    look_alikes=("asymmetric_coulomb", "gravity", "linear_stiffness", "maxwell", "orifice_leak"),
+    look_alikes=("asymmetric_coulomb", "gravity", "linear_stiffness", "maxwell"),
     separating_experiment=(
         "hold still under slowly rising command from both sides until break-away, at several positions: "
         "an offset shifts both break-away efforts alike and everywhere, also at rest"

@@ -133,7 +133,7 @@ INPUT_DEAD_ZONE = Effect(
         "a loss that follows the sign of the input; Coulomb friction follows the sign of the velocity, "
         "and brakes where a dead zone does not"
     ),
-    look_alikes=("coulomb", "stribeck", "input_gain", "input_saturation"),
+    look_alikes=("coulomb", "stribeck", "input_gain", "input_saturation", "steady_leak"),
     separating_experiment=(
         "coast down with the input at zero, and brake: friction still acts, a dead zone does not"
     ),

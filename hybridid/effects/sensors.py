@@ -78,7 +78,7 @@ SENSOR_PERIODIC_ERROR = Effect(
         "an error of the output that repeats over the output, whatever the speed and at rest; cogging moves "
         "the machine, so that it fades as the machine gets faster"
     ),
-    look_alikes=("cogging", "sensor_nonlinearity", "periodic_disturbance"),
+    look_alikes=("cogging", "sensor_nonlinearity", "periodic_disturbance", "periodic_flow"),
     separating_experiment=(
         "constant-velocity runs at two speeds over many periods: the ripple of the output keeps its size in "
         "position, where that of cogging falls with the square of the speed"

@@ -46,7 +46,7 @@ def assemble(
     x_dot = ca.vertcat(*[rates[s.name] if s.name in rates else term_rates[s.name] for s in states])
     y = ca.vertcat(*[getattr(measured, s.name) for s in plant.outputs])
     moved = ca.vertcat(
-        *[ca.horzcat(motion[q.name].position, motion[q.name].velocity) for q in plant.effort_ports]
+        *[ca.horzcat(motion[q.name].position, motion[q.name].velocity) for q in plant.equation_ports]
     )
     args, names = [t, x, u, p], ["t", "x", "u", "p"]
     return (
@@ -74,7 +74,7 @@ def _loads(plant: Plant, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamesp
         ValueError: if the declarations of the ports and the plant's ``loads`` disagree.
     """
     given = plant.loads(x, u, p)
-    declared = [port.name for port in plant.effort_ports if port.knows]
+    declared = [port.name for port in plant.equation_ports if port.knows]
     if set(given) != set(declared):
         raise ValueError(
             f"plant {plant.name}: loads() gives {', '.join(given) or 'none'}, but the ports that declare a "
@@ -96,7 +96,7 @@ def _carried(port: Port, loads: Mapping[str, Load]) -> dict[str, ca.SX]:
 
 @dataclass(frozen=True)
 class _Locals:
-    """Gives each term the quantities at its port, and sums the efforts of the terms at a port."""
+    """Gives each term the quantities at its port."""
 
     terms: Sequence[Term]
     t: ca.SX
@@ -108,6 +108,30 @@ class _Locals:
         p = SimpleNamespace(**{q.name: self.p[f"{term.name}.{q.name}"] for q in term.effect.parameters})
         z = SimpleNamespace(**{s.name: self.x[f"{term.name}.{s.name}"] for s in term.effect.states})
         return Local(p=p, z=z, time=self.t, channels=SimpleNamespace(**self.u), **seen)
+
+    def at_effort_port(
+        self, term: Term, port: Port, motion: Motion, acceleration: ca.SX, loads: Mapping[str, Load]
+    ) -> Local:
+        return self.see(
+            term,
+            epsilon=self.p[f"{port.name}.epsilon"],
+            position=motion.position,
+            velocity=motion.velocity,
+            acceleration=acceleration,
+            **_carried(port, loads),
+        )
+
+    def at_flow_port(self, term: Term, port: str, motion: Motion) -> Local:
+        """The level and the net flow; an effect that asks for more is refused."""
+        absent = {"acceleration": ca.SX.sym("a"), "epsilon": ca.SX.sym("epsilon")}
+        seen = self.see(term, position=motion.position, velocity=motion.velocity, **absent)
+        used = ca.vertcat(term.effect.law(seen), *self.rates(term, seen).values())
+        if ca.depends_on(used, ca.vertcat(*absent.values())):
+            raise ValueError(
+                f"effect {term.effect.id}: flow port {port} has a level and a net flow, but no acceleration "
+                "and no smoothed sign of a velocity"
+            )
+        return seen
 
     def rates(self, term: Term, local: Local) -> dict[str, ca.SX]:
         if term.effect.dynamics is None:
@@ -139,36 +163,30 @@ def _resolve_acceleration(
     affine in the efforts and therefore in a: one Newton step solves ``a = g(a)`` exactly.
 
     Raises:
-        ValueError: if an effect is not linear in the acceleration.
+        ValueError: if an effect is not linear in the acceleration, or uses one at a flow port.
     """
-    ports = plant.effort_ports
-    a = ca.vertcat(*[ca.SX.sym(f"a_{port.name}") for port in ports])
+    moving = [port.name for port in plant.equation_ports if port.kind == "effort"]
+    a = ca.vertcat(*[ca.SX.sym(f"a_{name}") for name in moving])
     loads = _loads(plant, x, u, p)
     efforts: dict[tuple[str, str], ca.SX] = {}
     term_rates: dict[str, ca.SX] = {}
-    total = {port.name: ca.SX(0) for port in ports}
-    acting = [(term, name) for term in local.terms if term.effect.kind == "effort" for name in term.ports]
+    total = {port.name: ca.SX(0) for port in plant.equation_ports}
+    acting = [(term, name) for term in local.terms if term.effect.in_equations for name in term.ports]
     for term, name in acting:
-        at, index = motion[name], [port.name for port in ports].index(name)
-        epsilon = local.p[f"{name}.epsilon"]
-        seen = local.see(
-            term,
-            epsilon=epsilon,
-            position=at.position,
-            velocity=at.velocity,
-            acceleration=a[index],
-            **_carried(ports[index], loads),
-        )
+        if name in moving:
+            seen = local.at_effort_port(term, plant.port(name), motion[name], a[moving.index(name)], loads)
+        else:
+            seen = local.at_flow_port(term, name, motion[name])
         efforts[term.name, name] = term.effect.law(seen)
         term_rates.update(local.rates(term, seen))
         total[name] += efforts[term.name, name]
     rates = plant.derivative(x, u, p, total)
     used = ca.vertcat(*efforts.values(), *term_rates.values())
-    if not ports or not ca.depends_on(used, a):
+    if not moving or not ca.depends_on(used, a):
         return efforts, term_rates, rates
     names = [s.name for s in plant.states]
     state = ca.vertcat(*[getattr(x, name) for name in names])
-    velocity = ca.vertcat(*[motion[port.name].velocity for port in ports])
+    velocity = ca.vertcat(*[motion[name].velocity for name in moving])
     gap = a - ca.jtimes(velocity, state, ca.vertcat(*[rates[name] for name in names]))
     if not ca.is_linear(gap, a):
         bent = [name for (name, _), value in efforts.items() if not ca.is_linear(ca.SX(value), a)]

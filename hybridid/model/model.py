@@ -50,11 +50,10 @@ class Model:
             if names.count(name) > 1:
                 raise ValueError(f"effect {name} stands twice in the model")
         for term in self.terms:
-            port = self.plant.port(term.port)
-            kind = port.kind
+            kind = self.plant.port(term.port).kind
             if kind != term.effect.kind:
                 raise ValueError(
-                    f"effect {term.effect.id} acts at {term.effect.kind} ports; {term.port} is {kind}"
+                    f"effect {term.effect.id} acts at {term.effect.kind} ports; {term.port} is of kind {kind}"
                 )
             for one in map(self.plant.port, term.ports):
                 if not term.effect.possible_at(one):
@@ -104,7 +103,9 @@ class Model:
             port = self.plant.port(term.port)
             own += [p.at(port).renamed(f"{term.name}.{p.name}") for p in term.effect.parameters]
         smooth = [
-            _epsilon(port) for port in self.effort_ports if any(port.name in t.ports for t in self.terms)
+            _epsilon(port)
+            for port in self.plant.ports
+            if port.kind == "effort" and any(port.name in t.ports for t in self.terms)
         ]
         adjusted = tuple(_adjusted(p, self.adjustments.get(p.name, {})) for p in (*own, *smooth))
         for p in adjusted[len(own) :]:
@@ -132,14 +133,19 @@ class Model:
         return self.plant.outputs
 
     @property
-    def effort_ports(self) -> tuple[Port, ...]:
-        """The plant's ports where a force or torque acts, in the order of ``motions``."""
-        return self.plant.effort_ports
+    def equation_ports(self) -> tuple[Port, ...]:
+        """The plant's ports where an effort or a flow acts, in the order of ``motions``."""
+        return self.plant.equation_ports
 
     @property
     def free(self) -> tuple[Parameter, ...]:
         """The parameters that a fit estimates."""
         return tuple(p for p in self.parameters if not p.fixed)
+
+    @property
+    def smooths(self) -> bool:
+        """Whether a sign(v) is smoothed over some epsilon: whether an effect stands at an effort port."""
+        return any(self.plant.port(term.port).kind == "effort" for term in self.terms)
 
     def values(self, known: Mapping[str, float] | None = None) -> np.ndarray:
         """Parameter vector (n_p,): guesses, overwritten by ``known``.
@@ -176,19 +182,17 @@ class Model:
 
     @property
     def effort_places(self) -> tuple[tuple[Term, str], ...]:
-        """Each term that is an effort, with each port where it acts, in the order of ``efforts``."""
-        return tuple(
-            (term, port) for term in self.terms if term.effect.kind == "effort" for port in term.ports
-        )
+        """Each term that is an effort or a flow, with each of its ports, in the order of ``efforts``."""
+        return tuple((term, port) for term in self.terms if term.effect.in_equations for port in term.ports)
 
     @cached_property
     def efforts(self) -> ca.Function:
-        """Effort of each of ``effort_places``, ``(t, x, u, p) -> (n_places,)``, in port units."""
+        """Effort or flow of each of ``effort_places``, ``(t, x, u, p) -> (n_places,)``, in port units."""
         return self._functions[2]
 
     @cached_property
     def motions(self) -> ca.Function:
-        """Position and velocity of each effort port, ``(t, x, u, p) -> (n_ports, 2)``."""
+        """Position and velocity of each of ``equation_ports``, ``(t, x, u, p) -> (n_ports, 2)``."""
         return self._functions[3]
 
     @cached_property

@@ -33,7 +33,11 @@ class Load:
 
 @dataclass(frozen=True)
 class Motion:
-    """Position and velocity (CasADi scalars) of an effort port, in the port's units."""
+    """Position and velocity (CasADi scalars) of a port, in the port's units.
+
+    At a flow port they are the level, and the net flow of the plant as the rate of the level, before the
+    effects.
+    """
 
     position: ca.SX
     velocity: ca.SX
@@ -45,12 +49,13 @@ class Plant(abc.ABC):
     A subclass declares its parts as class attributes and writes three methods: ``motion``,
     ``derivative`` and ``output``. Their arguments ``x``, ``u`` and ``p`` hold CasADi scalars by
     name (``x.q``, ``u.force``, ``p.M``). ``effort`` maps the name of each effort port to the sum
-    of the efforts of the effects there, which *resists* the port's motion. A plant whose ports say
+    of the efforts of the effects there, which *resists* the port's motion, and the name of each flow port to
+    the sum of their flows, which *lowers* its level. A plant whose ports say
     what they carry (``Port.drive``, ``load`` or ``level``) writes ``loads`` too.
 
-    ``alike`` groups effort ports that are built alike (front and rear, left and right). What one of them
-    lacks, the others most likely lack too, so a search also tries an effect at all ports of a group, with one
-    set of parameters.
+    ``alike`` groups effort ports, or flow ports, that are built alike (front and rear, left and right). What
+    one of them lacks, the others most likely lack too, so a search also tries an effect at all ports of a
+    group, with one set of parameters.
     """
 
     name: str
@@ -65,7 +70,7 @@ class Plant(abc.ABC):
 
     @abc.abstractmethod
     def motion(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, Motion]:
-        """Position and velocity of every effort port, by its name."""
+        """Position and velocity of every effort port and flow port, by its name."""
 
     @abc.abstractmethod
     def derivative(
@@ -86,16 +91,16 @@ class Plant(abc.ABC):
         return {}
 
     @property
-    def effort_ports(self) -> tuple[Port, ...]:
-        """The ports where a force or torque acts."""
-        return tuple(port for port in self.ports if port.kind == "effort")
+    def equation_ports(self) -> tuple[Port, ...]:
+        """The ports in the plant's equations, where an effort or a flow acts."""
+        return tuple(port for port in self.ports if port.in_equations)
 
     def port(self, name: str) -> Port:
         """The port called ``name``; of several, as ``front+rear``, the first under the name of all.
 
         Raises:
             ValueError: if the plant has no such port (the message gives the nearest name), or several are not
-                effort ports of one unit.
+                effort ports, or flow ports, of one unit.
         """
         by_name = {port.name: port for port in self.ports}
         for one in name.split(TOGETHER):
@@ -103,6 +108,8 @@ class Plant(abc.ABC):
                 raise ValueError(unknown(f"port of {self.name}", one, by_name))
         ports = [by_name[one] for one in name.split(TOGETHER)]
         kinds = {(port.kind, port.effort_unit, port.position_unit) for port in ports}
-        if len(ports) > 1 and (len(kinds) > 1 or ports[0].kind != "effort"):
-            raise ValueError(f"ports {name}: one effect acts at several effort ports of one unit only")
+        if len(ports) > 1 and (len(kinds) > 1 or not ports[0].in_equations):
+            raise ValueError(
+                f"ports {name}: one effect acts at several effort or flow ports of one unit only"
+            )
         return replace(ports[0], name=name)

@@ -1,4 +1,4 @@
-"""Figure: the effort that resists a port's motion, over its velocity, total and by effect."""
+"""Figure: the effort that resists at a port over its velocity, or the flow that leaves over its level."""
 
 from __future__ import annotations
 
@@ -27,35 +27,52 @@ DOTS = 6000  # of the data's cloud; more points make it opaque
 
 @dataclass(frozen=True)
 class FrictionCurve:
-    """Efforts of one model's effects at a port, by name, each (n,) over ``velocity`` (n,).
+    """Efforts of one model's effects at a port, by name, each (n,) ``over`` its velocity or level (n,).
 
     A sorted velocity gives curves. The velocity of a trajectory gives the hysteresis loops of effects with
     memory.
     """
 
     model: str
-    velocity: Array
+    over: Array
     efforts: Mapping[str, Array]
 
     def __post_init__(self) -> None:
         for name, effort in self.efforts.items():
-            if np.shape(effort) != np.shape(self.velocity):
+            if np.shape(effort) != np.shape(self.over):
                 raise PlotError(
                     f"friction of {self.model}: effect {name} has {np.size(effort)} efforts for "
-                    f"{len(self.velocity)} velocities; they must be as many"
+                    f"{len(self.over)} velocities; they must be as many"
                 )
 
     @property
     def total(self) -> Array:
         """Sum of the efforts, (n,)."""
-        return np.sum([np.zeros(len(self.velocity)), *self.efforts.values()], axis=0)
+        return np.sum([np.zeros(len(self.over)), *self.efforts.values()], axis=0)
+
+
+@dataclass(frozen=True)
+class _Words:
+    title: str
+    over: str
+    unit: str
+    effort: str
+    caption: str
+
+
+def _words(port: Port) -> _Words:
+    unit = port.position_unit
+    if port.kind == "flow":
+        return _Words("flows", "level", unit, "flow that leaves", "Flow that leaves {} over its level")
+    resists = "Effort that resists the motion of {} over its velocity"
+    return _Words("friction", "velocity", f"{unit}/s", "resisting effort", resists)
 
 
 @dataclass(frozen=True)
 class FrictionData:
-    """The resisting effort found from a record, e.g. ``force - M a``, both (n,)."""
+    """The effort found from a record, e.g. ``force - M a``, over the velocity or level, both (n,)."""
 
-    velocity: Array
+    over: Array
     effort: Array
 
 
@@ -70,6 +87,8 @@ def friction_plot(
 ) -> Plot:
     """Every model's total effort over velocity with the data; and the effort by effect, one panel a model.
 
+    At a flow port, flows over the level.
+
     ``record`` and ``provenance`` are those of the fitted record and of the data.
 
     Raises:
@@ -77,22 +96,22 @@ def friction_plot(
     """
     if not curves:
         raise PlotError(f"friction at {port.name}: no model's curve to plot; give at least one")
-    wide = is_wide(width)
+    words, wide = _words(port), is_wide(width)
     height = 20 + (36 * max(2, len(curves)) if wide else 52 + 38 * len(curves))
-    figure = new_figure(width, height, f"{record} · friction at {port.name}", provenance)
+    figure = new_figure(width, height, f"{record} · {words.title} at {port.name}", provenance)
     overview, details = _layout(figure, len(curves), wide)
-    velocity = scale_for(f"velocity of {port.name}", f"{port.position_unit}/s", *(c.velocity for c in curves))
-    effort = scale_for("resisting effort", port.effort_unit, *(c.total for c in curves))
+    over = scale_for(f"{words.over} of {port.name}", words.unit, *(c.over for c in curves))
+    effort = scale_for(words.effort, port.effort_unit, *(c.total for c in curves))
     looks = _effect_looks(curves)
     totals: list[Any] = []
     effects: dict[str, Artist] = {}
     seen = [c.total for c in curves]
     if data is not None:
-        dots, spread = _cloud(overview, data, velocity, effort, provenance)
+        dots, spread = _cloud(overview, data, over, effort, provenance)
         totals.append(dots)
         seen.append(spread)
     for index, curve in enumerate(curves):
-        total = (curve.velocity * velocity.factor, curve.total * effort.factor)
+        total = (curve.over * over.factor, curve.total * effort.factor)
         totals.append(draw(overview, *total, look(index), f"{curve.model}, total"))
         draw(details[index], *total, replace(look(index), width=1.5), curve.model)
         for name, values in curve.efforts.items():
@@ -104,10 +123,10 @@ def friction_plot(
     overview.set_ylim(frame([v * effort.factor for v in seen]))
     for axes in (overview, *details):
         _cross(axes)
-        axes.set_xlim(frame([c.velocity * velocity.factor for c in curves], 0.02))
+        axes.set_xlim(frame([c.over * over.factor for c in curves], 0.02))
         name_y(axes, effort)
     for axes in (overview, details[-1]):
-        axes.set_xlabel(velocity.label)
+        axes.set_xlabel(over.label)
     legend_on_top(figure, [*totals, *effects.values()])
     return Plot(figure, f"friction_{port.name}", _caption(port, curves, record, provenance, data), provenance)
 
@@ -134,29 +153,29 @@ def _cross(axes: Axes) -> None:
 
 
 def _cloud(
-    axes: Axes, data: FrictionData, velocity: Scale, effort: Scale, provenance: str
+    axes: Axes, data: FrictionData, over: Scale, effort: Scale, provenance: str
 ) -> tuple[Artist | ErrorbarContainer, Array]:
-    """Draw a thinned cloud and, in bins of velocity, the median with the middle 80 % of the efforts.
+    """Draw a thinned cloud and, in bins of velocity or level, the median with the middle 80 % of the efforts.
 
     Returns the legend's handle and the efforts that the axes must include.
     """
-    step = max(1, len(data.velocity) // DOTS)
+    step = max(1, len(data.over) // DOTS)
     axes.plot(
-        data.velocity[::step] * velocity.factor, data.effort[::step] * effort.factor, ".",
+        data.over[::step] * over.factor, data.effort[::step] * effort.factor, ".",
         color=DATA_GREY, markersize=2.2, markeredgewidth=0, alpha=0.5, rasterized=True, zorder=1,
     )  # fmt: skip
-    first, last = np.quantile(data.velocity, (0.005, 0.995))
+    first, last = np.quantile(data.over, (0.005, 0.995))
     edges = np.linspace(float(first), float(last), BINS + 1)
-    members = [(data.velocity >= a) & (data.velocity < b) for a, b in pairwise(edges)]
+    members = [(data.over >= a) & (data.over < b) for a, b in pairwise(edges)]
     full = [m for m in members if m.sum() >= LEAST_IN_BIN]
     if not full:
         return axes.plot([], [], ".", color=DATA_GREY, label=provenance)[0], data.effort
-    centre = np.array([np.median(data.velocity[m]) for m in full])
+    centre = np.array([np.median(data.over[m]) for m in full])
     low, middle, high = np.array([np.quantile(data.effort[m], (0.1, 0.5, 0.9)) for m in full]).T
     bars = np.array([middle - low, high - middle]) * effort.factor
     label = f"{provenance}, median and 10–90 %"
     handle = axes.errorbar(
-        centre * velocity.factor, middle * effort.factor, bars,
+        centre * over.factor, middle * effort.factor, bars,
         fmt="o", markersize=2.0, color=INK, elinewidth=0.5, zorder=2, label=label,
     )  # fmt: skip
     return handle, np.concatenate([low, high])
@@ -167,6 +186,6 @@ def _caption(
 ) -> str:
     found = "" if data is None else ", on the efforts found from the record (dots: medians, bars: 10–90 %)"
     return (
-        f"Effort that resists the motion of {port.name} over its velocity, total and by effect, for "
+        f"{_words(port).caption.format(port.name)}, total and by effect, for "
         f"{', '.join(c.model for c in curves)} on {record} ({provenance}){found}."
     )

@@ -1,14 +1,14 @@
-"""Figure: learned efforts at a port, an upper bound on what an effect of one variable can explain."""
+"""Figure: learned efforts or flows at a port, a bound on what an effect of one variable can explain."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from hybridid.declarations import PortKind
 from hybridid.plotting.axes import Array, frame, name_y, scale_for
 from hybridid.plotting.legends import legend_on_top
 from hybridid.plotting.looks import SOFT_INK, look
@@ -24,9 +24,10 @@ LARGEST = 40.0  # area in pt² of the dot at the point with the most samples
 
 @dataclass(frozen=True)
 class LearnedCurve:
-    """Effort (m,) in ``unit`` learned over ``over`` (velocity, position, load; ``at`` (m,) in ``over_unit``)
-    beside ``model``, the ``samples`` (m,) that saw it, and the share of held-out RMSE that it takes away.
-    ``ended_early``: the fit promised little and was not carried to its end."""
+    """Effort (m,) in ``unit`` learned over ``over`` (velocity, position, load; ``at`` (m,) in ``over_unit``),
+    or flow by the ``kind`` of the port, beside ``model``, the ``samples`` (m,) that saw it, and the share of
+    held-out RMSE that it takes away. ``ended_early``: the fit promised little and was not carried to its
+    end."""
 
     model: str
     over: str
@@ -37,6 +38,7 @@ class LearnedCurve:
     over_unit: str
     gain: float
     ended_early: bool = False
+    kind: PortKind = "effort"
 
     @property
     def taken(self) -> str:
@@ -49,24 +51,24 @@ class LearnedCurve:
 def ceiling_plot(
     port: str, curves: Sequence[LearnedCurve], judged: str, provenance: str, width: float = DOUBLE_COLUMN
 ) -> Plot:
-    """One panel for each variable: the effort that a free curve of that variable adds to each model.
+    """One panel for each variable: the effort or flow that a free curve of that variable adds to each model.
 
     Raises:
         PlotError: if there is no curve.
     """
     if not curves:
         raise PlotError(f"ceiling at {port}: no curve to draw; give at least one")
-    variables = list(dict.fromkeys(curve.over for curve in curves))
+    kind, variables = curves[0].kind, list(dict.fromkeys(curve.over for curve in curves))
     models = list(dict.fromkeys(curve.model for curve in curves))
     columns = min(COLUMNS, len(variables))
     rows = -(-len(variables) // columns)
     height = 22 + rows * (TITLE * len(models) + PANEL)
-    figure = new_figure(width, height, f"learned effort at {port}, {judged}", provenance)
+    figure = new_figure(width, height, f"learned {kind} at {port}, {judged}", provenance)
     grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
     panels = grid.ravel()[: len(variables)]
     for unused in grid.ravel()[len(variables) :]:
         unused.remove()
-    effort = scale_for("learned effort", curves[0].unit, *(curve.effort for curve in curves))
+    effort = scale_for(f"learned {kind}", curves[0].unit, *(curve.effort for curve in curves))
     lines: dict[str, Line2D] = {}
     for axes, over in zip(panels, variables, strict=True):
         shown = [curve for curve in curves if curve.over == over]
@@ -78,10 +80,10 @@ def ceiling_plot(
     legend_on_top(figure, [lines[model] for model in models])
     found = "; ".join(f"over {c.over} beside the {c.model} {percent(c.gain, 1)}" for c in curves)
     caption = (
-        f"Effort at {port} ({provenance}) learned as a free curve of one variable, fitted in simulation "
-        f"beside everything else, and how much of the error it takes away, {judged}: {found}. No effect "
-        "of that variable alone can do more, up to the curve's resolution. Dots are as large as the "
-        "record dwells there long: between them little holds the curve."
+        f"{kind.capitalize()} at {port} ({provenance}) learned as a free curve of one variable, fitted in "
+        f"simulation beside everything else, and how much of the error it takes away, {judged}: {found}. "
+        "No effect of that variable alone can do more, up to the curve's resolution. Dots are as large as "
+        "the record dwells there long: between them little holds the curve."
     )
     return Plot(figure, f"ceiling_{port}", caption, provenance)
 
@@ -103,6 +105,6 @@ def _panel(
             curve.at * scale.factor, curve.effort * factor, LARGEST * curve.samples / curve.samples.max(),
             color=style.colour, linewidths=0, zorder=style.above + 1,
         )  # fmt: skip
-    axes.set_xlim(*(np.array([curves[0].at.min(), curves[0].at.max()]) * scale.factor))
+    axes.set_xlim(frame([curve.at * scale.factor for curve in curves], 0.02))
     axes.set_xlabel(scale.label)
     return lines

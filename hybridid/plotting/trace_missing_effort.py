@@ -1,4 +1,4 @@
-"""Figure: the missing effort at a port, over time and over the variables on which it could depend."""
+"""Figure: the missing effort or flow at a port, over time and over what it could depend on."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ def missing_effort_plot(
     inputs: Mapping[str, tuple[Array, str]],
     width: float = DOUBLE_COLUMN,
 ) -> Plot:
-    """The effort over time with its band, and over velocity, position, acceleration, inputs and travel.
+    """The effort over time with its band, and over the port's motion and the inputs.
 
     ``efforts`` holds one entry for each model, all of one port and record; ``inputs`` holds values (n,) and
-    unit by name. The travel is that since the last reversal.
+    unit by name.
 
     Raises:
         PlotError: if there is no effort, or they are of different ports or records.
@@ -47,12 +47,13 @@ def missing_effort_plot(
     one = shown[0]
     if any((e.port, e.record) != (one.port, one.record) for e in shown):
         raise PlotError("missing effort: give efforts of one port on one record")
-    count = 4 + len(inputs)
+    variables = _variables(efforts, inputs)
+    count = len(variables)
     rows = -(-count // COLUMNS)
-    title = f"{one.record} · missing effort at {one.port}"
+    title = f"{one.record} · missing {one.kind} at {one.port}"
     figure = new_figure(width, 24 + OVERVIEW * len(shown) + PANEL * rows, title, one.provenance)
     overviews, panels = _layout(figure, len(shown), count, rows)
-    scale = scale_for("missing effort", one.unit, *(e.effort for e in shown))
+    scale = scale_for(f"missing {one.kind}", one.unit, *(e.effort for e in shown))
     limits = _limits(shown, scale.factor)
     handles = [
         _over_time(axes, k, name, efforts[name], scale)
@@ -60,14 +61,15 @@ def missing_effort_plot(
     ]
     for axes in overviews:
         axes.set_ylim(limits)
-    for axes, (name, unit, values) in zip(panels, _variables(efforts, inputs), strict=True):
+    for axes, (name, unit, values) in zip(panels, variables, strict=True):
         _over(axes, efforts, values, scale_for(name, unit, *values), scale)
     for axes in (*overviews, *panels[::COLUMNS]):
         name_y(axes, scale)
     panels[0].set_ylim(limits)
     legend_on_top(figure, handles)
+    acts = "Flow that leaves" if one.kind == "flow" else "Effort that resists"
     caption = (
-        f"Effort that resists at {one.port} on {one.record} ({one.provenance}) beyond the model, estimated "
+        f"{acts} at {one.port} on {one.record} ({one.provenance}) beyond the model, estimated "
         f"by a smoother, for {', '.join(efforts)}: over time (thin: samples; bold: their means over "
         f"{1e3 * _block(one):.0f} ms; band: 95 % of a sample), and over what it could depend on (dots: "
         "samples; circles: medians in bins, bars: the middle 80 %)."
@@ -126,13 +128,10 @@ def _variables(
 ) -> list[tuple[str, str, list[Array]]]:
     """Name, unit and values by model of each variable over which the effort is drawn."""
     shown = list(efforts.values())
-    unit = shown[0].position_unit
+    motion = shown[0].motion
     return [
-        ("velocity", f"{unit}/s", [e.velocity for e in shown]),
-        ("position", unit, [e.position for e in shown]),
-        ("acceleration", f"{unit}/s²", [e.acceleration for e in shown]),
-        *((name, u, [values[: len(e.time)] for e in shown]) for name, (values, u) in inputs.items()),
-        ("travel since the last reversal", unit, [e.since_reversal for e in shown]),
+        *((name, unit, [e.motion[name][0] for e in shown]) for name, (_, unit) in motion.items()),
+        *((name, unit, [values[: len(e.time)] for e in shown]) for name, (values, unit) in inputs.items()),
     ]
 
 

@@ -171,11 +171,12 @@ def _explained(found: tuple[float, Array, Array], names: Sequence[str], record: 
 def _port_acceleration(model: Model, term: str, names: Sequence[str]) -> tuple[ca.Function, ca.Function]:
     """``(t, x, u, p) -> `` what ``term`` adds to its port's acceleration, and d(acceleration)/dp (k,)."""
     where = next(t for t in model.terms if t.name == term)
-    port = [q.name for q in model.effort_ports].index(where.port)
+    index = [q.name for q in model.equation_ports].index(where.port)
+    port = model.equation_ports[index]
     t, x = ca.SX.sym("t"), ca.SX.sym("x", len(model.states))
     u, p = ca.SX.sym("u", len(model.inputs)), ca.SX.sym("p", len(model.parameters))
-    velocity = model.motions(t, x, u, p)[port, 1]
-    acceleration = ca.jtimes(velocity, x, model.f(t, x, u, p))
+    moved = model.motions(t, x, u, p)[index, port.moved]
+    acceleration = ca.jtimes(moved, x, model.f(t, x, u, p))  # at a flow port the rate of the level
     order = [q.name for q in model.parameters]
     off = ca.SX(p)
     for q in where.effect.parameters:

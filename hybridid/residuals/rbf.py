@@ -1,9 +1,9 @@
-"""A radial basis function network as one more effect at an effort port (thesis Eqs. 6-4 to 6-6).
+"""A radial basis function network as one more effect at an effort or flow port (thesis Eqs. 6-4 to 6-6).
 
     F(v) = sum_i w_i exp(-(v - c_i)² / (2 s_i²))
 
-It takes the place of a physical friction law, so the same estimator fits its centres c, widths s and
-weights w in simulation. With all weights at zero, it gives zero.
+It takes the place of a physical law (of friction, of an outlet), so the same estimator fits its centres c,
+widths s and weights w in simulation. With all weights at zero, it gives zero.
 """
 
 from __future__ import annotations
@@ -66,10 +66,12 @@ class RBFNetwork:
         for k, centre in enumerate(self.centres, 1):
             parameters += self._node(k, float(centre), port)
         letter = {"velocity": "v", "position": "x"}[self.over]
+        of_a_level = {"velocity": "net flow", "position": "level"}
+        argument = of_a_level[self.over] if port.kind == "flow" else self.over
         return Effect(
             id=EFFECT,
-            kind="effort",
-            title=f"radial basis functions of the {self.over}, {self.nodes} nodes",
+            kind=port.kind,
+            title=f"radial basis functions of the {argument}, {self.nodes} nodes",
             equation=f"F = Σ w_i exp(-({letter} - c_i)²/(2 s_i²)), i = 1 … {self.nodes}",
             law=LAWS[self.over],
             parameters=tuple(parameters),

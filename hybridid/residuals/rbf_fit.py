@@ -29,8 +29,9 @@ class RBFPlan:
 
     ``physics`` "fixed" keeps the gray box' estimates, as in the thesis. "refitted" estimates the physical
     parameters and the network jointly, so that the network need not compensate for the bias of estimates
-    from an incomplete model. ``port`` None is the first effort port. ``span`` None is the range in the
-    fitted records.
+    from an incomplete model. ``port`` None is the first effort or flow port. ``over`` None is the velocity of
+    an effort port, and the position of a flow port, its level. ``span`` None is the range in the fitted
+    records.
 
     Raises:
         ValueError: if a setting has a value that is not allowed.
@@ -38,7 +39,7 @@ class RBFPlan:
 
     nodes: int = 8
     port: str | None = None
-    over: Over = "velocity"
+    over: Over | None = None
     span: tuple[float, float] | None = None
     physics: Physics = "refitted"
     bounds: RBFBounds = field(default_factory=RBFBounds)
@@ -46,7 +47,7 @@ class RBFPlan:
     def __post_init__(self) -> None:
         if self.physics not in PHYSICS:
             raise ValueError(f"residual.physics is {self.physics!r}, allowed: {', '.join(PHYSICS)}")
-        RBFNetwork(self.nodes, self.span or (-1.0, 1.0), self.over, self.bounds)
+        RBFNetwork(self.nodes, self.span or (-1.0, 1.0), self.over or "velocity", self.bounds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,14 +74,14 @@ def fit_rbf(
     The fit starts from the gray box, where every weight is zero, so its cost can only decrease.
 
     Raises:
-        ValueError: if the port is none of the plant's effort ports, or the fit cannot be done.
+        ValueError: if the port is none of the plant's effort or flow ports, or the fit cannot be done.
     """
     port = port_of(gray, plan)
-    span = plan.span or visited(gray, values, records, port, plan.over, settings)
-    network = RBFNetwork(plan.nodes, span, plan.over, plan.bounds)
-    model = (_held(gray, values) if plan.physics == "fixed" else gray).plus(
-        network.effect(gray.plant.port(port)), port
-    )
+    where = gray.plant.port(port)
+    over: Over = plan.over or ("position" if where.kind == "flow" else "velocity")
+    span = plan.span or visited(gray, values, records, port, over, settings)
+    network = RBFNetwork(plan.nodes, span, over, plan.bounds)
+    model = (_held(gray, values) if plan.physics == "fixed" else gray).plus(network.effect(where), port)
     start = {name: value for name, value in values.items() if not name.endswith(".epsilon")}
     estimate = fit(model, records, replace(settings, continuation=(1.0,)), progress, start)
     return RBFFit(model, model.terms[-1].name, network, plan, estimate)
@@ -96,7 +97,7 @@ def visited(
 ) -> tuple[float, float]:
     """The range of a port's velocity or position over the gray box' free runs of ``records``."""
     column = {"position": 0, "velocity": 1}[over]
-    row = [p.name for p in gray.effort_ports].index(port)
+    row = [p.name for p in gray.equation_ports].index(port)
     p = gray.values(values)
     lows, highs = [], []
     for record in records:
@@ -116,11 +117,11 @@ def port_of(gray: Model, plan: RBFPlan) -> str:
     """The port of ``plan`` on the plant.
 
     Raises:
-        ValueError: if it is none of the effort ports.
+        ValueError: if it is none of the effort or flow ports.
     """
-    names = [port.name for port in gray.effort_ports]
+    names = [port.name for port in gray.equation_ports]
     if not names:
-        raise ValueError(f"plant {gray.plant.name} has no effort port for a network")
+        raise ValueError(f"plant {gray.plant.name} has no effort or flow port for a network")
     if plan.port is not None and plan.port not in names:
         raise ValueError(unknown("port in residual.port:", plan.port, names))
     return plan.port or names[0]

@@ -9,7 +9,7 @@ from hybridid.residuals.orders import Orders
 from hybridid.settings import check, setting
 
 Over = Literal["velocity", "position"]
-"""What the argument of a radial basis function is."""
+"""What the argument of a radial basis function is. At a flow port the position is the level."""
 Physics = Literal["refitted", "fixed"]
 """Whether the parameters are estimated together with the network, or kept."""
 

@@ -34,13 +34,12 @@ def simulation_error(final: Refit, context: Context) -> Array:
     A finer simulation that is not possible adds nothing.
     """
     ours, split = final.numerics, context.split
-    finer = (
-        replace(ours, name="epsilon / 2", smoothing=ours.smoothing / 2),
-        replace(ours, name="half the step", finer=2 * ours.finer),
-    )
-    given = [(final.model, split, [final.values], final, numerics) for numerics in finer]
+    finer = [(OF_STEP, replace(ours, name="half the step", finer=2 * ours.finer))]
+    if final.model.smooths:
+        finer.append((OF_EPSILON, replace(ours, name="epsilon / 2", smoothing=ours.smoothing / 2)))
+    given = [(final.model, split, [final.values], final, numerics) for _, numerics in finer]
     squares = np.zeros(len(final.model.outputs))
-    for factor, again in zip((OF_EPSILON, OF_STEP), context.mapper(refit_if_possible, given), strict=True):
+    for (factor, _), again in zip(finer, context.mapper(refit_if_possible, given), strict=True):
         if again is not None:
             squares += factor * np.maximum(0.0, final.score.rmse**2 - again.score.rmse**2)
     return np.sqrt(squares)

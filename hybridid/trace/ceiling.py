@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.declarations import PortKind
 from hybridid.effects.effect import Effect
 from hybridid.model import Model
 from hybridid.simulation.stability import TooStiff
@@ -36,12 +37,12 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-4
 """Of the fits: the gain of a learned effort is needed to a few digits only."""
 BINS, LEAST_IN_BIN = 60, 20
-"""Of the curve that is shown."""
+"""Of the curve that is shown: bins at most, and samples in each."""
 
 
 @dataclass(frozen=True)
 class Ceiling:
-    """Held-out ``gain`` of a learned effort at ``port`` over ``over``, with its p-value.
+    """Held-out ``gain`` of a learned effort (or flow) at ``port`` over ``over``, with its p-value.
 
     ``curve`` (s, effort, samples) is the learned effort in ``unit`` over s in ``over_unit``, plus the change
     of the model's own terms in the refit: alone, bumps and viscous friction could trade any amount.
@@ -64,25 +65,35 @@ class Ceiling:
         """``carriage over position, times velocity``."""
         return f"{self.port} over {self.over}"
 
+    @property
+    def kind(self) -> PortKind:
+        """Of the port: whether an effort or a flow was learned."""
+        return self.refit.model.plant.port(self.port).kind
+
+    @property
+    def described(self) -> str:
+        """``a learned effort at carriage over position, times velocity``."""
+        return f"a learned {self.kind} at {self.place}"
+
     def passes(self, rules: Rules) -> bool:
         """Whether the learned effort's gain is worth having and significant."""
         return rules.passes(self.gain, self.p_value)
 
 
 def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Ceiling, ...]:
-    """The ceiling of every variable at every effort port where the path of ``base`` shows it."""
+    """The ceiling of every variable at every effort or flow port where the path of ``base`` shows it."""
     path = Path.of(base, context.split, context.split.fitted)
     places = [
         (base, context.split, port.name, over, least_of(context.rules.worth))
-        for port in context.effort_ports(base.model)
-        for over in overs_for(base.model.inputs)
+        for port in context.equation_ports(base.model)
+        for over in overs_for(port, base.model.inputs)
         if path.shows(port.name, over)
     ]
     return tuple(context.each(stage, ceiling, places, lambda found: found.place))
 
 
 def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEAST_DECREASE) -> Ceiling:
-    """Fit a learned effort at ``port`` together with every parameter and score it held out.
+    """Fit a learned effort (or flow) at ``port`` together with every parameter and score it held out.
 
     The fit ends early where it takes less than ``least``, as in ``refit_if_hopeful``.
     """
@@ -90,7 +101,7 @@ def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEA
     path = Path.of(base, split, (*split.fitted, *split.held_out))
     fitted = Path.of(base, split, split.fitted)
     seen, remembers = fitted.seen(port, over), fitted.memory(port, over.variable)
-    effect = learned_effort(over, seen, remembers=remembers)
+    effect = learned_effort(where.kind, over, seen, remembers=remembers)
     model: Model = base.model.plus(effect, port)
     starts = _starts(model, effect, port, base)
     over_unit = over.dimension.unit(where)
@@ -119,9 +130,10 @@ def _starts(model: Model, effect: Effect, port: str, base: Refit) -> list[dict[s
 
 def _binned(s: Array, effort: Array) -> tuple[tuple[float, float, int], ...]:
     """Means of ``effort`` in bins of ``s`` that hold samples enough, as (s, effort, samples)."""
-    edges = np.linspace(s.min(), s.max(), BINS + 1)
-    bins = np.clip(np.digitize(s, edges) - 1, 0, BINS - 1)
-    members = [bins == k for k in range(BINS)]
+    count = min(max(len(s) // (2 * LEAST_IN_BIN), 1), BINS)
+    edges = np.linspace(s.min(), s.max(), count + 1)
+    bins = np.clip(np.digitize(s, edges) - 1, 0, count - 1)
+    members = [bins == k for k in range(count)]
     return tuple(
         (float(s[m].mean()), float(effort[m].mean()), int(m.sum()))
         for m in members

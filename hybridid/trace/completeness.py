@@ -1,7 +1,8 @@
 """The completeness check: a network beside each model, and whether it still finds anything.
 
-The network is the learned effort that gains most on held-out horizons: radial basis functions over the
-velocity, the position or the time at a port, fitted in simulation together with all physical parameters.
+The network is the learned effort or flow that gains most on held-out horizons: radial basis functions over
+the velocity, the position, the level or the time at a port, fitted in simulation together with all physical
+parameters.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ def ceilings_of_each(found: Conclusion, context: Context) -> tuple[Ceilings, ...
 def with_networks(
     models: Sequence[FittedModel], found: Sequence[Ceilings], validation: Validation, context: Context
 ) -> list[WithNetwork]:
-    """Each of ``models`` with its strongest learned effort; empty where the plant has no effort port."""
+    """Each of ``models`` with its strongest learned effort; empty without an effort or flow port."""
     if not all(found):
         return []
     networks = [strongest(of_model) for of_model in found]

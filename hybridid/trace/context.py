@@ -32,9 +32,9 @@ class Context:
     mapper: Mapper = serial
     report: Report = silent
 
-    def effort_ports(self, model: Model) -> list[Port]:
-        """The effort ports of ``model`` where this trace tries something."""
-        return [port for port in model.effort_ports if self.ports is None or port.name in self.ports]
+    def equation_ports(self, model: Model) -> list[Port]:
+        """The effort and flow ports of ``model`` where this trace tries something."""
+        return [port for port in model.equation_ports if self.ports is None or port.name in self.ports]
 
     def each(
         self,

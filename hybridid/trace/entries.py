@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from hybridid.declarations import PortKind
 from hybridid.trace.robustness import Survival
 
 
@@ -123,6 +124,8 @@ class StepTaken:
 class LearnedGain:
     """The held-out gain of a learned effort in ``unit`` at ``port``, over a variable in ``over_unit``.
 
+    At a port of the ``kind`` flow, a flow was learned.
+
     ``failure`` says why it could not be solved; its gain is then no evidence. ``ended_early``: its fit
     promised little and ended early, so that the gain is a little less than it could be.
     """
@@ -135,6 +138,7 @@ class LearnedGain:
     over_unit: str
     failure: str = ""
     ended_early: bool = False
+    kind: PortKind = "effort"
 
 
 @dataclass(frozen=True)

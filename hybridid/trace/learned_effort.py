@@ -3,7 +3,7 @@
     F = g sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2))
 
 with s a variable of the port and g = 1; or, for a damping, a dry friction or an inertia that changes with s,
-g = v, sign(v) or the acceleration (``hybridid.trace.over``).
+g = v, sign(v) or the acceleration (``hybridid.trace.over``). At a flow port, F is a learned flow.
 
 The bumps lie on a fixed grid over the range that the fitted horizons cover. V holds the combinations of
 bumps that these horizons show (principal components): a bump where the record hardly ever is would take any
@@ -20,6 +20,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.declarations import PortKind
 from hybridid.effects.dimension import ONE, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.trace.over import BRISTLE, FACTORS, MEMORIES, Over, value_of
@@ -49,7 +50,8 @@ class Bumps:
         bumps = self._heights(((s - low) / (high - low) - 0.5) * (self.bumps - 1))
         effort = ca.dot(ca.vertcat(*bumps), self._amplitudes(at))
         factors = {
-            "": 1, "velocity": at.velocity, "sign of velocity": at.sign, "acceleration": at.acceleration
+            "": 1, "velocity": at.velocity, "sign of velocity": at.sign, "acceleration": at.acceleration,
+            "net flow": at.velocity,
         }  # fmt: skip
         return effort * factors[self.over.factor]
 
@@ -93,8 +95,10 @@ class Bumps:
         )
 
 
-def learned_effort(over: Over, seen: Array, bumps: int | None = None, remembers: float = 1.0) -> Effect:
-    """A learned effort over ``over``, on the range of the values ``seen`` (n,).
+def learned_effort(
+    kind: PortKind, over: Over, seen: Array, bumps: int | None = None, remembers: float = 1.0
+) -> Effect:
+    """A learned effort or flow, by the ``kind`` of port, over ``over``, on the range of ``seen`` (n,).
 
     ``bumps`` defaults to ``over.bumps``. ``remembers`` is the guess of a variable's memory: the time constant
     [s] of a recent speed, the length over which a bristle deflects.
@@ -105,7 +109,7 @@ def learned_effort(over: Over, seen: Array, bumps: int | None = None, remembers:
         EffectParameter(
             f"a{j}",
             FACTORS[over.factor][1],
-            f"RMS effort of combination {j}",
+            f"RMS {kind} of combination {j}",
             guess=0.0,
             nests=True,
         )
@@ -115,8 +119,8 @@ def learned_effort(over: Over, seen: Array, bumps: int | None = None, remembers:
     memory = MEMORIES.get(over.variable)
     return Effect(
         id="learned_" + str(over).replace(", ", "_").replace(" ", "_"),
-        kind="effort",
-        title=f"learned effort over {over}",
+        kind=kind,
+        title=f"learned {kind} over {over}",
         equation=FACTORS[over.factor][0] + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
         law=law,
         parameters=(*weights, *((memory.parameter(remembers),) if memory else ()), *known),

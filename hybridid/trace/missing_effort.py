@@ -1,4 +1,4 @@
-"""The effort missing at a port, over time, with an uncertainty band.
+"""The effort or flow missing at a port, over time, with an uncertainty band.
 
     x' = f(t, x, u, p) with the port's resisting effort raised by w,   w a random walk
 
@@ -16,12 +16,13 @@ and Smoothing, ch. 5 and 12; the augmented input is the "disturbance model" of M
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.declarations import Port, PortKind
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect, EffectParameter, EffectState
 from hybridid.model import Model
@@ -42,6 +43,7 @@ NEAR = 3
 """Steps of the grid that the intensity may move from one pass to the next."""
 PASSES, STILL = 5, 0.1
 """Linearisations at most, and the share of its standard deviation by which the effort may still move."""
+SINCE_REVERSAL = "travel since the last reversal"
 
 WALK = Effect(
     id="missing_effort",
@@ -61,37 +63,36 @@ WALK = Effect(
 class MissingEffort:
     """``effort`` (n,) that resists at ``port`` beyond the model, and its ``std`` (n,), in ``unit``.
 
-    ``position``, ``velocity``, ``acceleration`` (n,) are the port's smoothed motion and
-    ``since_reversal`` (n,) the travel since the velocity last changed sign.
+    ``kind`` is that of the port: at a flow port, ``effort`` is a flow that leaves. ``motion`` holds values
+    (n,) and unit, by name, of what the effort could depend on: the smoothed velocity, position, acceleration,
+    and the travel since the velocity last changed sign; at a flow port the level and the net flow.
     """
 
     record: str
     provenance: str
     port: str
+    kind: PortKind
     unit: str
-    position_unit: str
     time: Array
     effort: Array
     std: Array
-    position: Array
-    velocity: Array
-    acceleration: Array
-    since_reversal: Array
+    motion: Mapping[str, tuple[Array, str]]
     intensity: float
 
 
 def missing_effort(model: Model, values: Mapping[str, float], record: Record, port: str) -> MissingEffort:
-    """Estimate the effort that ``model`` at ``values`` lacks at an effort port.
+    """Estimate the effort that ``model`` at ``values`` lacks at an effort port, or the flow at a flow port.
 
     Raises:
-        ValueError: if the port takes no effort.
+        ValueError: if the port takes neither.
     """
     where = model.plant.port(port)
-    if where.kind != "effort":
+    if not where.in_equations:
         raise ValueError(
-            f"port {port} is {where.kind}: a missing effort can only be estimated at an effort port"
+            f"port {port} is of kind {where.kind}: a missing effort can only be estimated at an effort port, "
+            "a missing flow at a flow port"
         )
-    walking = model.plus(WALK, port)
+    walking = model.plus(replace(WALK, kind=where.kind), port)
     p = walking.values(_known(walking, {**values, f"{port}.{WALK.id}.g": 1.0}))
     about = np.zeros((record.n, len(walking.states)))
     about[:, :-1] = filled_states(model, model.values(_known(model, values)), record)
@@ -128,7 +129,7 @@ def _result(
     model: Model, record: Record, port: str, p: Array, states: Array, covariance: Array, intensity: float
 ) -> MissingEffort:
     where = model.plant.port(port)
-    index = [q.name for q in model.effort_ports].index(port)
+    index = [q.name for q in model.equation_ports].index(port)
     n = record.n
     motion = np.asarray(
         model.motions.map(n)(record.time[None, :], states.T, record.inputs.T, np.tile(p[:, None], n))
@@ -138,17 +139,27 @@ def _result(
         record=record.name,
         provenance=record.provenance,
         port=port,
+        kind=where.kind,
         unit=where.effort_unit,
-        position_unit=where.position_unit,
         time=record.time,
         effort=states[:, -1],
         std=np.sqrt(np.maximum(covariance, 0.0)),
-        position=position,
-        velocity=velocity,
-        acceleration=np.gradient(velocity, record.time),
-        since_reversal=_since_reversal(position, velocity),
+        motion=_motion(where, record.time, position, velocity),
         intensity=intensity,
     )
+
+
+def _motion(port: Port, time: Array, position: Array, velocity: Array) -> dict[str, tuple[Array, str]]:
+    """What an effort or a flow at ``port`` could depend on: values (n,) and unit, by name."""
+    unit = port.position_unit
+    if port.kind == "flow":
+        return {"level": (position, unit), "net flow": (velocity, f"{unit}/s")}
+    return {
+        "velocity": (velocity, f"{unit}/s"),
+        "position": (position, unit),
+        "acceleration": (np.gradient(velocity, time), f"{unit}/s²"),
+        SINCE_REVERSAL: (_since_reversal(position, velocity), unit),
+    }
 
 
 def _since_reversal(position: Array, velocity: Array) -> Array:
@@ -200,20 +211,21 @@ Missing = Mapping[tuple[str, str], Mapping[str, MissingEffort]]
 
 @dataclass(frozen=True)
 class Failure:
-    """Why an effort could not be estimated."""
+    """Why an effort or flow (``kind``) could not be estimated."""
 
+    kind: PortKind
     place: str
     what: str
 
     def __str__(self) -> str:
-        return f"missing effort at {self.place}: {self.what}"
+        return f"missing {self.kind} at {self.place}: {self.what}"
 
 
 def missing_efforts(
     models: Sequence[FittedModel], records: Sequence[Record], context: Context
 ) -> tuple[Missing, tuple[str, ...]]:
-    """What each of ``models`` lacks at each effort port on every record, and in words what failed."""
-    ports = [port.name for port in context.effort_ports(models[0].model)]
+    """What each of ``models`` lacks at each effort or flow port on every record, and in words what failed."""
+    ports = [port.name for port in context.equation_ports(models[0].model)]
     places = [(one, record, port) for record in records for port in ports for one in models]
     results = context.each("missing effort", _attempt, places, _place)
     found: dict[tuple[str, str], dict[str, MissingEffort]] = {}
@@ -227,7 +239,8 @@ def _attempt(one: FittedModel, record: Record, port: str) -> MissingEffort | Fai
     try:
         return missing_effort(one.model, one.estimate.values, record, port)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
-        return Failure(f"{port} on {record.name}, {one.name}", str(error))
+        kind = one.model.plant.port(port).kind
+        return Failure(kind, f"{port} on {record.name}, {one.name}", str(error))
 
 
 def _place(result: MissingEffort | Failure) -> str:

@@ -1,7 +1,8 @@
-"""``Over``: the variable that a learned effort depends on, and the factor it is multiplied by.
+"""``Over``: the variable that a learned effort or flow depends on, and the factor it is multiplied by.
 
-A variable is the port's velocity or position, the time, its load (drive minus load), an input or channel of
-the model, or a state with memory:
+At a flow port a variable is the level, the time, or an input or channel of the model; the factor is the net
+flow of the declared model (a section that changes with the level). At an effort port a variable is the
+velocity or position, the time, the load (drive minus load), an input or channel, or a state with memory:
 
     recent speed          s' = (|v| - s) / tau     a contact that warms
     bristle deflection    s' = (v - |v| s) / d     over its largest: Dahl's friction and Bouc-Wen's hysteresis
@@ -15,12 +16,14 @@ from typing import Literal
 
 import casadi as ca
 
-from hybridid.declarations import Need, Signal
+from hybridid.declarations import Need, Port, Signal
 from hybridid.effects.dimension import DAMPING, EFFORT, INERTIA, ONE, POSITION, TIME, VELOCITY, Dimension
 from hybridid.effects.effect import EffectParameter, EffectState, Local
 
-Variable = Literal["velocity", "position", "time", "load", "recent speed", "bristle deflection", "input"]
-Factor = Literal["", "velocity", "sign of velocity", "acceleration"]
+Variable = Literal[
+    "velocity", "position", "time", "load", "recent speed", "bristle deflection", "input", "level"
+]
+Factor = Literal["", "velocity", "sign of velocity", "acceleration", "net flow"]
 RECENT: Variable = "recent speed"
 BRISTLE: Variable = "bristle deflection"
 
@@ -77,12 +80,14 @@ _DIMENSIONS: Mapping[Variable, Dimension] = {
     "time": TIME,
     "load": EFFORT,
     BRISTLE: ONE,
+    "level": POSITION,
 }
 FACTORS: Mapping[Factor, tuple[str, Dimension]] = {
     "": ("", EFFORT),
     "velocity": ("v ", DAMPING),
     "sign of velocity": ("sign(v) ", EFFORT),
     "acceleration": ("a ", INERTIA),
+    "net flow": ("v ", DAMPING),
 }
 """The factor in an equation, and the dimension of what is learned."""
 OVERS = (
@@ -99,12 +104,14 @@ OVERS = (
     Over("position", "acceleration"),
     Over(BRISTLE),
 )
+OVERS_OF_A_FLOW = (Over("level"), Over("time"), Over("level", "net flow"))
 
 
-def overs_for(inputs: Sequence[Signal]) -> tuple[Over, ...]:
-    """All that a learned effort may depend on in a model of these inputs and channels."""
-    factors: tuple[Factor, ...] = ("", "sign of velocity")
-    return (*OVERS, *(Over("input", factor, signal) for signal in inputs for factor in factors))
+def overs_for(port: Port, inputs: Sequence[Signal]) -> tuple[Over, ...]:
+    """All that a learned effort or flow at ``port`` may depend on in a model of these inputs and channels."""
+    overs = OVERS_OF_A_FLOW if port.kind == "flow" else OVERS
+    factors: tuple[Factor, ...] = ("",) if port.kind == "flow" else ("", "sign of velocity")
+    return (*overs, *(Over("input", factor, signal) for signal in inputs for factor in factors))
 
 
 def value_of(over: Over, at: Local) -> ca.SX:
@@ -114,7 +121,10 @@ def value_of(over: Over, at: Local) -> ca.SX:
     variable = over.variable
     if variable in MEMORIES:
         return getattr(at.z, MEMORIES[variable].state.name)
-    seen = {"velocity": at.velocity, "position": at.position, "time": at.time, "load": at.drive - at.load}
+    seen = {
+        "velocity": at.velocity, "position": at.position, "level": at.position, "time": at.time,
+        "load": at.drive - at.load,
+    }  # fmt: skip
     return seen[variable]
 
 

@@ -75,12 +75,12 @@ class Path:
             return _deflection(self.motion(port, "position"), self.memory(port, BRISTLE))
         if variable == "load":
             return self._load(port)
-        ports = [q.name for q in self.model.effort_ports]
-        moved = self._along(self.model.motions, self.p).reshape(len(ports), -1, 2)
+        ports = [q.name for q in self.model.equation_ports]
+        moved = self._along(self.model.motions, self.p).reshape(len(ports), -1, 2)  # the level is a position
         return moved[ports.index(port), :, 1 if variable == "velocity" else 0]
 
     def place(self, port: str) -> Array:
-        """The position at an effort port, (n,), or the signal of an output port; of several, the first's."""
+        """Position or level at a port, (n,), or the signal of an output port; of several, of the first."""
         first = port.split(TOGETHER)[0]
         outputs = [signal.name for signal in self.model.outputs]
         if first in outputs:

@@ -42,17 +42,23 @@ class Survival:
     simulated: bool = True
 
 
-def variations(records: Sequence[Record], declared: Numerics = DECLARED) -> tuple[Numerics, ...]:
+def variations(
+    records: Sequence[Record], declared: Numerics = DECLARED, smooths: bool = True
+) -> tuple[Numerics, ...]:
     """Changes of smoothing, step and integrator that should not change the gain of an effect.
 
-    A hold that a record declares is a fact about the recording, and stays. One that is assumed is varied.
+    ``smooths``: the model has an epsilon to change (``Model.smooths``). A hold that a record declares is a
+    fact about the recording, and stays. One that is assumed is varied.
     """
     assumed = [c.hold for record in records for c in record.input_channels if c.assumed]
     holds = [hold for hold in HOLDS if assumed and hold != assumed[0]]
     integrator = OTHER_INTEGRATOR[declared.integrator]
-    return (
+    wider, narrower = (
         replace(declared, name="epsilon x 3", smoothing=3.0),
         replace(declared, name="epsilon / 2", smoothing=0.5),
+    )
+    return (
+        *((wider, narrower) if smooths else ()),
         replace(declared, name="half the step", finer=2),
         replace(declared, name=f"integrator {integrator}", integrator=integrator),
         *(replace(declared, name=f"inputs {hold}", hold=hold) for hold in holds),
@@ -131,7 +137,8 @@ def surviving(learned: Sequence[Refit], final: Refit, context: Context) -> list[
     """
     if not learned:
         return []
-    varied = variations(context.split.records, final.numerics)
+    smooths = any(one.model.smooths for one in learned)
+    varied = variations(context.split.records, final.numerics, smooths)
     poorer = refitted_under(final, varied, context)
     places = [(k, *under) for k in range(len(learned)) for under in zip(varied, poorer, strict=True)]
     given = ((final, learned[k], "", context.split, how, context.rules, base) for k, how, base in places)

@@ -141,7 +141,7 @@ def _survivals(base: Refit, best: Trial, context: Context, otherwise: Otherwise)
     """
     assert best.refit is not None
     split, name = context.split, best.candidate.name
-    varied = variations(split.records, best.refit.numerics)
+    varied = variations(split.records, best.refit.numerics, best.refit.model.smooths)
     new = [numerics for numerics in varied if numerics not in otherwise]
     otherwise.update(zip(new, refitted_under(base, new, context), strict=True))
     given = ((base, best.refit, name, split, how, context.rules, otherwise[how]) for how in varied)

@@ -100,7 +100,7 @@ def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tup
         share = takes / (step.accepted.trial.taken + takes)
         if share > rules.stands_in and not _needed(found, step.accepted, learned, split, rules):
             return number, (
-                f"beside it a learned effort at {learned.place} still takes {share:.0%} of what both take "
+                f"beside it {learned.described} still takes {share:.0%} of what both take "
                 "from the squared error"
             )
     return None
@@ -110,7 +110,7 @@ def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Se
     """``found`` without its effects if one curve does better than all of them: one of ``before``, learned
     efforts beside the declared model, or in any step a periodic effect of less than three periods."""
     kept = {one.name for one in found.accepted}
-    learned = [(0, c.refit, f"a learned effort at {c.place} alone") for c in before]
+    learned = [(0, c.refit, f"{c.described} alone") for c in before]
     bent = [
         (number, t.refit, f"{t.candidate.name}, which is not shown to repeat,")
         for number, step in enumerate(found.steps)

@@ -146,7 +146,15 @@ def learned_gains(found: Sequence[Ceiling]) -> tuple[LearnedGain, ...]:
     """The ceilings without their curves and refits."""
     return tuple(
         LearnedGain(
-            c.port, str(c.over), c.gain, c.p_value, c.unit, c.over_unit, c.failure, c.refit.ended_early
+            c.port,
+            str(c.over),
+            c.gain,
+            c.p_value,
+            c.unit,
+            c.over_unit,
+            c.failure,
+            c.refit.ended_early,
+            c.kind,
         )
         for c in found
     )

@@ -178,7 +178,7 @@ def _refused(found: Search, left: Sequence[Ceiling], times: float, rules: Rules)
     tried = found.steps[-1].trials if found.steps and found.steps[-1].accepted is None else ()
     gains = [
         *((t.gain, f"{t.candidate.name}, refused: {t.reason}") for t in tried),
-        *((c.gain, f"a learned effort at {c.place}, p = {c.p_value:.2g}") for c in left),
+        *((c.gain, f"{c.described}, p = {c.p_value:.2g}") for c in left),
     ]
     possible = [(gain, what) for gain, what in gains if rules.worth <= gain <= most]
     if not possible:

@@ -50,16 +50,22 @@ def structure_in_words(found: Trace) -> str:
     worth = percent(found.rules.worth)
     if found.remains:
         return (
-            f"Structure remains {listed(found.remains)}: a learned effort there still lowers the held-out "
+            f"Structure remains {listed(found.remains)}: a {learned(found)} there still lowers the held-out "
             f"error by {worth} or more, and no effect in the library does."
         )
     if any(found.rules.passes(c.gain, c.p_value) for c in found.ceilings.after):
         return (
-            f"A learned effort still lowers the held-out error by {worth} or more, but the strongest do not "
-            "keep that gain when the equations are solved another way (epsilon, step, integrator): no "
+            f"A {learned(found)} still lowers the held-out error by {worth} or more, but the strongest do "
+            "not keep that gain when the equations are solved another way (epsilon, step, integrator): no "
             "evidence that the machine lacks something."
         )
-    return f"No learned effort takes {worth} or more from the held-out error."
+    return f"No {learned(found)} takes {worth} or more from the held-out error."
+
+
+def learned(found: Trace) -> str:
+    """``learned effort``, ``learned flow`` or both, by the ports of the plant."""
+    kinds = sorted({one.kind for one in found.ceilings.after}) or ["effort"]
+    return f"learned {' or '.join(kinds)}"
 
 
 def completeness_in_words(found: Trace) -> str:
@@ -113,7 +119,7 @@ def error_left(found: Trace) -> str:
 def _untried(found: Trace) -> str:
     """Which effects and learned efforts could not be fitted: the verdict does not speak of these."""
     names = [entry.name for entry in found.rejected if entry.status == UNTRIED]
-    names += [f"a learned effort at {c.port} over {c.over}" for c in found.ceilings.after if c.failure]
+    names += [f"a learned {c.kind} at {c.port} over {c.over}" for c in found.ceilings.after if c.failure]
     them = "them" if len(names) > 1 else "it"
     return f"The verdict leaves out {listed(names)}: no fit could solve {them}. " if names else ""
 

@@ -2,7 +2,8 @@
 
 The motion of a port obeys ``a = a_0 - g F``, affine in the effort F that resists it. With the
 acceleration a from the record, and a_0, g from the model, ``F = (a_0 - a) / g``. Source: inverse
-dynamics, Janot, Gautier, Brunot (2019), Eq. (5).
+dynamics, Janot, Gautier, Brunot (2019), Eq. (5). At a flow port, a is the rate of the level and F the
+flow that leaves.
 """
 
 from __future__ import annotations
@@ -39,13 +40,13 @@ PROBE = Effect(
 
 @dataclass(frozen=True)
 class PortEfforts:
-    """Efforts of a port's terms by name, each (n,), over the port's ``velocity`` (n,).
+    """Efforts of a port's terms by name, each (n,), ``over`` (n,) the port's velocity, or level.
 
-    ``static``: they depend on that velocity only, so that the order of the samples does not matter.
+    ``static``: they depend on that alone, so that the order of the samples does not matter.
     """
 
     port: Port
-    velocity: Array
+    over: Array
     efforts: Mapping[str, Array]
     static: bool
 
@@ -59,19 +60,20 @@ def port_efforts(
     along = (prediction.time[None, :], prediction.states.T, record.inputs[:n].T, p)
     efforts, motions = (function.map(n)(*along).full() for function in (model.efforts, model.motions))
     found = []
-    for index, port in enumerate(model.effort_ports):
+    for index, port in enumerate(model.equation_ports):
         rows = [k for k, (_, where) in enumerate(model.effort_places) if where == port.name]
         if rows:
-            velocity = motions.reshape(len(model.effort_ports), n, 2)[index, :, 1]
+            over = motions.reshape(len(model.equation_ports), n, 2)[index, :, port.moved]
             by_name = {model.effort_places[k][0].name: efforts[k] for k in rows}
-            found.append(PortEfforts(port, velocity, by_name, _static(model, index, rows)))
+            found.append(PortEfforts(port, over, by_name, _static(model, index, rows)))
     return found
 
 
 def resisting_effort(
     model: Model, values: Mapping[str, float], record: Record, port: Port
 ) -> tuple[Array, Array] | None:
-    """Velocity and resisting effort (m,) at a port, from the record; None where a state is not observed."""
+    """Velocity (or level) and resisting effort (m,) at a port, from the record; None where a state is not
+    observed."""
     if any(state.observed_by is None for state in model.states):
         return None
     width = min(HALF_WIDTH, (record.n - 1) // 4)
@@ -80,10 +82,10 @@ def resisting_effort(
     measured = [output_derivative(record, str(s.observed_by), s.derivative + 1, width) for s in model.states]
     rates = np.stack(measured, axis=1)[inner]
     elsewhere = tuple(t for t in model.terms if port.name not in t.ports)
-    bare = replace(model, terms=elsewhere, adjustments={}).plus(PROBE, port.name)
+    bare = replace(model, terms=elsewhere, adjustments={}).plus(replace(PROBE, kind=port.kind), port.name)
     known = {p.name for p in bare.parameters}
     inherited = {name: value for name, value in values.items() if name in known}
-    motion = _port_motion(bare, [p.name for p in bare.effort_ports].index(port.name), len(x))
+    motion = _port_motion(bare, [p.name for p in bare.equation_ports].index(port.name), len(x))
     unit = port.effort_scale
     without, within = (
         motion(
@@ -95,33 +97,34 @@ def resisting_effort(
         )
         for name, effort in ((f"{port.name}.probe.unit", 0.0), (f"{port.name}.probe.unit", unit))
     )
-    velocity, acceleration, free = without.full()
+    over, acceleration, free = without.full()
     gain = (free - within.full()[2]) / unit
-    return velocity, (free - acceleration) / gain
+    return over, (free - acceleration) / gain
 
 
 def _port_motion(model: Model, index: int, n: int) -> ca.Function:
-    """``(t, x, u, x', p) -> (3, n)``: a port's velocity, and its acceleration from x' and from the model."""
+    """``(t, x, u, x', p) -> (3, n)``: velocity (or level) of a port, its rate from x' and from the model."""
     n_x = len(model.states)
     t, x, rate = ca.SX.sym("t"), ca.SX.sym("x", n_x), ca.SX.sym("r", n_x)
     u, p = ca.SX.sym("u", len(model.inputs)), ca.SX.sym("p", len(model.parameters))
-    velocity = model.motions(t, x, u, p)[index, 1]
-    by_record, by_model = (ca.jtimes(velocity, x, r) for r in (rate, model.f(t, x, u, p)))
-    one = ca.Function("motion", [t, x, u, rate, p], [ca.vertcat(velocity, by_record, by_model)])
+    moved = model.motions(t, x, u, p)[index, model.equation_ports[index].moved]
+    by_record, by_model = (ca.jtimes(moved, x, r) for r in (rate, model.f(t, x, u, p)))
+    one = ca.Function("motion", [t, x, u, rate, p], [ca.vertcat(moved, by_record, by_model)])
     many = one.map(n)
     symbols = [ca.MX.sym(name, v.numel(), n) for name, v in (("t", t), ("x", x), ("u", u), ("r", rate))]
     q = ca.MX.sym("p", len(model.parameters))
     return ca.Function("motions", [*symbols, q], [many(*symbols, ca.repmat(q, 1, n))])
 
 
-def _static(model: Model, port: int, rows: list[int]) -> bool:
-    """Whether the efforts depend only on states on which the port's velocity depends."""
+def _static(model: Model, index: int, rows: list[int]) -> bool:
+    """Whether the efforts depend only on states on which the port's velocity (or level) depends."""
     by_time, by_input = (_columns(model.efforts.jac_sparsity(0, k), rows) for k in (0, 2))
     if by_time or by_input:
         return False
     by_effort = _columns(model.efforts.jac_sparsity(0, 1), rows)
-    velocity_row = len(model.effort_ports) + port  # motions is (n_ports, 2), column-major
-    return by_effort <= _columns(model.motions.jac_sparsity(0, 1), [velocity_row])
+    ports = model.equation_ports
+    row = len(ports) * ports[index].moved + index  # motions is (n_ports, 2), column-major
+    return by_effort <= _columns(model.motions.jac_sparsity(0, 1), [row])
 
 
 def _columns(sparsity: ca.Sparsity, rows: list[int]) -> set[int]:

@@ -49,9 +49,9 @@ def friction_plots(
     for law in laws:
         own = [s for s in stored if s.model == law.name]
         for at in port_efforts(law.model, law.values, record, own[-1].prediction) if own else ():
-            order = np.argsort(at.velocity) if at.static else np.arange(len(at.velocity))
+            order = np.argsort(at.over) if at.static else np.arange(len(at.over))
             efforts = {name.partition(".")[2]: effort[order] for name, effort in at.efforts.items()}
-            curves.setdefault(at.port.name, []).append(FrictionCurve(law.name, at.velocity[order], efforts))
+            curves.setdefault(at.port.name, []).append(FrictionCurve(law.name, at.over[order], efforts))
             ports[at.port.name] = at.port
     for name, drawn in curves.items():
         found = resisting_effort(laws[0].model, laws[0].values, record, ports[name])

@@ -84,6 +84,7 @@ def _ceilings(found: Trace) -> Named:
 
 def _curve(model: str, one: Ceiling) -> LearnedCurve:
     at, effort, samples = np.array(one.curve, dtype=float).T
+    units = one.unit, one.over_unit
     return LearnedCurve(
-        model, str(one.over), at, effort, samples, one.unit, one.over_unit, one.gain, one.refit.ended_early
+        model, str(one.over), at, effort, samples, *units, one.gain, one.refit.ended_early, one.kind
     )

@@ -22,6 +22,7 @@ from hybridid.trace.words import (
     VERDICTS,
     completeness_in_words,
     error_left,
+    learned,
     parameters_in_words,
     structure_in_words,
 )
@@ -37,8 +38,8 @@ _TRIED = (
     "all effects tried in a step (Holm, weighted by what each takes from the fitted horizons)."
 )
 _RESIDUAL = (
-    "The missing effort is the effort at the port that the model would need in addition to agree with the "
-    "record. A smoother estimates it: differentiating the record twice would amplify its noise."
+    "The missing effort (at a level: flow) is what the model would need in addition at the port to agree "
+    "with the record. A smoother estimates it: differentiating the record would amplify its noise."
 )
 
 
@@ -160,18 +161,20 @@ def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:
         (c.port, c.over, _taken(before[c.port, c.over]), _taken(c), probability(c.p_value))
         for c in found.ceilings.after
     )
-    tables = [Table("Reduction of the error by a learned effort", header, rows, words=(0, 1))] if rows else []
+    tables = (
+        [Table(f"Reduction of the error by a {learned(found)}", header, rows, words=(0, 1))] if rows else []
+    )
     paragraphs = [f"On held-out horizons: {error_left(found)}", structure_in_words(found)]
     if found.completeness:
         paragraphs.append(f"Completeness check: {completeness_in_words(found)}.")
     return Section("What is left", tuple(paragraphs), tuple(tables), pictures)
 
 
-def _taken(learned: LearnedGain) -> str:
+def _taken(one: LearnedGain) -> str:
     """The reduction of the error by a learned effort; zero for one that learned only noise."""
-    if learned.failure:
-        return f"not solved: {learned.failure}"
-    return share(max(learned.gain, 0.0)) + (" (ended early)" if learned.ended_early else "")
+    if one.failure:
+        return f"not solved: {one.failure}"
+    return share(max(one.gain, 0.0)) + (" (ended early)" if one.ended_early else "")
 
 
 def _rules(traced: TraceFile) -> Table:
@@ -185,7 +188,7 @@ def _rules(traced: TraceFile) -> Table:
         ("alike", f"effects whose errors differ by less than {percent(rules.tie)}, or not significantly"),
         ("identifiable", f"standard errors at most {percent(rules.vague)} of the value, correlations at "
                          f"most {rules.collinear:g}"),
-        ("form trusted", "a learned effort added to the effect contributes at most "
+        ("form trusted", f"a {learned(found)} added to the effect contributes at most "
                          f"{percent(rules.stands_in)} of the reduction of the squared error by both"),
         ("named", f"above {rules.far:g} times the error of noise and simulation alone: only effects that "
                   f"together take {percent(rules.majority)} of the squared error"),

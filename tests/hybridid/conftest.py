@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
+from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.model import Model, compose
 from hybridid.plants.emps import EMPS
-from hybridid.plants.plant import Load, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 from hybridid.records.record import Channel, Record
 
 Array = NDArray[np.float64]
@@ -158,5 +159,77 @@ class PressedCarriage(EMPS):
 
 @pytest.fixture(scope="session")
 def pressed() -> Plant:
-    """A plant at whose ports every effect of the library is possible."""
+    """A plant at whose ports every effect of the library on a machine that moves is possible."""
     return PressedCarriage()
+
+
+class Tank(Plant):
+    """``A h' = inflow - F``: a tank without an outlet of its own."""
+
+    name, meaning, source = "tank", "a tank", "the tests"
+    states = (State("h", "m", scale=0.3, observed_by="level", derivative=0),)
+    inputs = (Signal("inflow", "m³/s"),)
+    outputs = (Signal("level", "m"),)
+    parameters = (Parameter("A", "m²", guess=0.02, fixed=True),)
+    ports = (
+        Port("tank", "flow", "m³/s", 1e-3, "m", 0.3, velocity_scale=0.05),
+        Port("inflow", "input", "m³/s", 1e-3),
+        Port("level", "output", "m", 0.3),
+    )
+
+    def motion(self, x, u, p):
+        return {"tank": Motion(position=x.h, velocity=u.inflow / p.A)}
+
+    def derivative(self, x, u, p, effort):
+        return {"h": (u.inflow - effort["tank"]) / p.A}
+
+    def output(self, x, u, p):
+        return {"level": x.h}
+
+
+@pytest.fixture(scope="session")
+def tank() -> Plant:
+    """A plant at whose port every flow of the library is possible."""
+    return Tank()
+
+
+@dataclass(frozen=True)
+class Leaking:
+    """``A h' = inflow - c sqrt(h) - weir max(h - edge, 0)^1.5 - steady``, A = 0.02 m², first h = 0.35 m."""
+
+    c: float = 6e-4  # m^2.5/s
+    weir: float = 0.0  # m^1.5/s
+    edge: float = 0.4  # m
+    steady: float = 0.0  # m³/s
+
+    def record(
+        self, n: int = 600, std: float = 0.0, name: str = "tank", seed: int = 0, fast: float = 1.0
+    ) -> Record:
+        """Its level over ``n`` seconds, with white noise; the inflow swings ``fast`` times in 150 s."""
+        time = np.arange(n, dtype=float)
+        inflow = 4e-4 * (1 + np.sin(2 * np.pi * fast * time / 150) * np.cos(2 * np.pi * fast * time / 1100))
+
+        def rate(_: float, x: Array, u: float) -> list[float]:
+            flows = (
+                self.c * np.sqrt(max(x[0], 0.0)) + self.weir * max(x[0] - self.edge, 0.0) ** 1.5 + self.steady
+            )
+            return [(u - flows) / 0.02]
+
+        level = np.full((n, 1), 0.35)
+        for k, u in enumerate(inflow[:-1]):
+            level[k + 1] = solve_ivp(rate, (0, 1.0), level[k], args=(u,), rtol=1e-9, atol=1e-11).y[:, -1]
+        return Record(
+            name,
+            time,
+            inflow[:, None],
+            level + std * np.random.default_rng(seed).normal(size=(n, 1)),
+            (Channel("inflow", "m³/s", "zoh"),),
+            (Channel("level", "m"),),
+            simulated=True,
+        )
+
+
+@pytest.fixture(scope="session")
+def leaking() -> type[Leaking]:
+    """Makes tanks that leak, simulated by SciPy with a sharp edge."""
+    return Leaking

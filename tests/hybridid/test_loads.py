@@ -40,9 +40,9 @@ def numbers(plant, method, *more):
 
 @pytest.mark.parametrize("plant", PLANTS)
 def test_every_effort_port_has_a_load_or_says_why_not(plant):
-    for port in plant().effort_ports:
+    for port in plant().equation_ports:
         assert bool(port.knows) != bool(port.no_load), port.name
-    assert set(numbers(plant(), "loads")) == {q.name for q in plant().effort_ports if q.knows}
+    assert set(numbers(plant(), "loads")) == {q.name for q in plant().equation_ports if q.knows}
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_every_effort_port_has_a_load_or_says_why_not(plant):
 def test_drive_and_load_are_all_that_moves_the_contact(plant, port, velocity, inertia):
     """``M a = drive + load - F``: with the signs declared."""
     machine = plant()
-    effort = {q.name: 7.0 if q.name == port else 0.0 for q in machine.effort_ports}
+    effort = {q.name: 7.0 if q.name == port else 0.0 for q in machine.equation_ports}
     at = numbers(machine, "loads")[port]
     mass = next(q.guess for q in machine.parameters if q.name == inertia)
     acceleration = numbers(machine, "derivative", effort)[velocity]

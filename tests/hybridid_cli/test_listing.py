@@ -59,3 +59,10 @@ def test_misspelt_case(say):
     said = say("cases", "emp")
     assert said.code == 2
     assert "did you mean 'emps'?" in said.complaint
+
+
+def test_effects_of_a_level_have_units_of_flows_and_levels(say):
+    said = say("effects", "overflow").out
+    assert "acts at   flow ports" in said
+    assert "parameter k [m²/s]" in said
+    assert "parameter limit [m]" in said

@@ -48,7 +48,7 @@ class NARXSection:
 
 @dataclass(frozen=True)
 class RBFSection:
-    """Radial basis functions inside the equations, at an effort port.
+    """Radial basis functions inside the equations, at an effort or flow port.
 
     Several ``nodes`` or ``horizons`` are chosen from on ``folds`` blocks of the fitted records, each held out
     in turn. ``judged``: on those blocks, though there may be nothing to choose from.
@@ -64,8 +64,10 @@ class RBFSection:
         some=True,
         null="the gray box' own",
     )
-    port: str | None = setting(None, "the effort port", null="the plant's first")
-    over: Over = setting("velocity", "what the functions depend on")
+    port: str | None = setting(None, "the effort or flow port", null="the plant's first")
+    over: Over | None = setting(
+        None, "what the functions depend on", null="the velocity; at a flow port the position, its level"
+    )
     span: tuple[float, float] | None = setting(
         None,
         "over which the nodes start evenly spread",

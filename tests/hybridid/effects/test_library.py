@@ -50,6 +50,9 @@ PROMISED = [
     "cyclic_inertia",
     "overflow",
     "orifice_leak",
+    "linear_leak",
+    "steady_leak",
+    "periodic_flow",
     "detent",
     "back_emf_limit",
     "input_gain",
@@ -65,8 +68,14 @@ PROMISED = [
 ]
 IDS = [effect.id for effect in EFFECTS]
 LEAST_LETTERS = {"title": 6, "equation": 6, "source": 15, "pattern": 40, "separating_experiment": 40}
-PORT_OF = {"effort": "carriage", "input": "force", "output": "position"}
+PORT_OF = {"effort": "carriage", "flow": "tank", "input": "force", "output": "position"}
 each_effect = pytest.mark.parametrize("effect", EFFECTS, ids=IDS)
+
+
+@pytest.fixture
+def plant(effect, pressed, tank):
+    """Where the effect is possible: on the carriage, or on the tank."""
+    return tank if effect.kind == "flow" else pressed
 
 
 def with_effect(effect, plant) -> Model:
@@ -122,21 +131,23 @@ def test_every_parameter_stands_in_the_equation(effect):
 
 
 @each_effect
-def test_zero_amplitude_removes_it_exactly(effect, pressed):
+def test_zero_amplitude_removes_it_exactly(effect, plant):
     rng = np.random.default_rng(1)
-    bare, model = Model(pressed), with_effect(effect, pressed)
+    bare, model = Model(plant), with_effect(effect, plant)
+    n, own = len(plant.states), len(plant.parameters)
     nests = [f"{model.terms[0].name}.{p.name}" for p in effect.parameters if p.nests]
     order = [p.name for p in model.parameters]
     for t, x, u, p in random_points(model, rng):
         p[[order.index(name) for name in nests]] = 0.0
-        assert np.array_equal(np.asarray(model.f(t, x, u, p))[:2], np.asarray(bare.f(t, x[:2], u, p[:1])))
-        assert np.array_equal(np.asarray(model.h(t, x, u, p)), np.asarray(bare.h(t, x[:2], u, p[:1])))
+        assert np.array_equal(np.asarray(model.f(t, x, u, p))[:n], np.asarray(bare.f(t, x[:n], u, p[:own])))
+        assert np.array_equal(np.asarray(model.h(t, x, u, p)), np.asarray(bare.h(t, x[:n], u, p[:own])))
 
 
 @each_effect
-def test_an_amplitude_changes_something(effect, pressed):
+def test_an_amplitude_changes_something(effect, plant):
     rng = np.random.default_rng(2)
-    bare, model = Model(pressed), with_effect(effect, pressed)
+    bare, model = Model(plant), with_effect(effect, plant)
+    n, own = len(plant.states), len(plant.parameters)
     order = [p.name for p in model.parameters]
     changed = 0.0
     for t, x, u, p in random_points(model, rng):
@@ -144,17 +155,17 @@ def test_an_amplitude_changes_something(effect, pressed):
             k = order.index(f"{model.terms[0].name}.{q.name}")
             p[k] = p[k] or q.scale_at(model.plant.port(model.terms[0].port))
         x = x + np.array([s.scale for s in model.states])
-        gap_f = np.asarray(model.f(t, x, u, p))[:2] - np.asarray(bare.f(t, x[:2], u, p[:1]))
-        gap_h = np.asarray(model.h(t, x, u, p)) - np.asarray(bare.h(t, x[:2], u, p[:1]))
+        gap_f = np.asarray(model.f(t, x, u, p))[:n] - np.asarray(bare.f(t, x[:n], u, p[:own]))
+        gap_h = np.asarray(model.h(t, x, u, p)) - np.asarray(bare.h(t, x[:n], u, p[:own]))
         changed = max(changed, np.abs(gap_f).max(), np.abs(gap_h).max())
     assert changed > 1e-6
 
 
 @each_effect
-def test_derivatives_are_finite_everywhere(effect, pressed):
+def test_derivatives_are_finite_everywhere(effect, plant):
     """By states, input and parameters, at rest, in motion, and with the amplitude at zero."""
     rng = np.random.default_rng(3)
-    model = with_effect(effect, pressed)
+    model = with_effect(effect, plant)
     symbols = [
         ca.SX.sym("t"),
         *(
@@ -204,7 +215,9 @@ def test_a_fit_can_leave_zero_amplitude(bench, effect):
 
 @each_effect
 def test_guesses_and_bounds_are_sensible_at_every_port(effect):
-    for port in (*EMPS().ports, Port("hinge", "effort", "N·m", 2.0, "rad", 1.0, velocity_scale=3.0)):
+    hinge = Port("hinge", "effort", "N·m", 2.0, "rad", 1.0, velocity_scale=3.0)
+    level = Port("level", "flow", "m³/s", 1e-3, "m", 0.3, velocity_scale=0.05)
+    for port in (*EMPS().ports, hinge, level):
         if port.kind != effect.kind:
             continue
         for p in effect.parameters:
@@ -232,6 +245,7 @@ def test_shape_parameters_that_many_valleys_await_have_several_starts():
         "maxwell": "tau",
         "flexible_mode": "frequency",
         "periodic_disturbance": "frequency",
+        "periodic_flow": "frequency",
         "end_stop": "d",
         "wheel_lift_off": "d",
         "asymmetric_damper": "v_k",
@@ -252,13 +266,13 @@ def test_effects_are_searched_where_they_make_sense():
     tyre = Port("front_tyre", "effort", "N", 5000.0, "m", 0.02, velocity_scale=0.5)
     strut = Port("rear_suspension", "effort", "N", 2000.0, "m", 0.05, velocity_scale=0.5)
     hinge = Port("hinge", "effort", "N·m", 1.0, "rad", 1.0, velocity_scale=1.0)
-    tank = Port("upper", "effort", "V/s", 0.1, "V", 5.0, velocity_scale=0.05)
+    tank = Port("upper", "flow", "V/s", 0.1, "V", 5.0, velocity_scale=0.05)
     ports = (carriage, force, position, tyre, strut, hinge, tank)
     sensible = {
         "gravity": (hinge,),
         "wheel_lift_off": (tyre,),
         "asymmetric_damper": (strut,),
-        "viscous": (carriage, tyre, strut, hinge, tank),
+        "viscous": (carriage, tyre, strut, hinge),
         "load_friction": (carriage,),
         "two_sided_load_friction": (),
         "input_scaled_friction": (),
@@ -266,8 +280,8 @@ def test_effects_are_searched_where_they_make_sense():
         "varying_inertia": (carriage, tyre, strut),
         "cyclic_inertia": (hinge,),
         "overflow": (tank,),
-        "orifice_leak": (tank,),
-        "detent": (carriage, tyre, strut, hinge, tank),
+        "periodic_flow": (tank,),
+        "detent": (carriage, tyre, strut, hinge),
         "back_emf_limit": (carriage,),
         "input_delay": (force,),
         "sensor_lag": (position,),

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from typing import final
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
-from hybridid.declarations import Parameter, Port, Signal, State
+from hybridid.declarations import Port
+from hybridid.effects.dimension import DAMPING, EFFORT, INERTIA
+from hybridid.effects.effect import Effect, EffectParameter
+from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
-from hybridid.plants.plant import Motion, Plant
-from hybridid.records.record import Channel, Record
-
-AREA, DT, N = 0.02, 1.0, 600  # m², s
+from hybridid.plants.emps import EMPS
+from hybridid.simulation import simulate
+from hybridid.trace.candidates import admissible
 
 
 def test_an_overflow_is_a_weirs(bench):
@@ -33,51 +34,121 @@ def test_an_orifice_is_torricellis_both_ways(bench):
         assert hole.law(position=-level) == -hole.law(position=level)
 
 
-@final
-class Tank(Plant):
-    """``A h' = inflow - F``: a tank with no outlet of its own."""
+def test_a_linear_leak_doubles_with_the_level_and_a_steady_one_does_not_care(bench):
+    linear, steady = bench("linear_leak", k=2e-3), bench("steady_leak", flow=5e-4)
+    for level in (-0.1, 0.0, 0.2, 0.7):
+        assert linear.law(position=level) == pytest.approx(2e-3 * level)
+        assert steady.law(position=level, velocity=0.3) == 5e-4
 
-    name, meaning, source = "tank", "a tank", "this test"
-    states = (State("level", "m", scale=0.3, observed_by="level", derivative=0),)
-    inputs = (Signal("inflow", "m³/s"),)
-    outputs = (Signal("level", "m"),)
-    parameters = (Parameter("A", "m²", guess=AREA, fixed=True),)
-    ports = (
-        Port("tank", "effort", "m³/s", 1e-3, "m", 0.3, velocity_scale=0.05, no_load="water"),
-        Port("inflow", "input", "m³/s", 1e-3),
-        Port("level", "output", "m", 0.3),
+
+def test_a_periodic_flow_is_the_periodic_disturbance_of_a_level(bench):
+    """One law; its frequency goes with the level's own time, where a machine's is in Hz."""
+    flow, effort = (
+        bench(name, frequency=0.02, A_s=3e-4, A_c=1e-4) for name in ("periodic_flow", "periodic_disturbance")
     )
-
-    def motion(self, x, u, p):
-        return {"tank": Motion(position=x.level, velocity=u.inflow / p.A)}
-
-    def derivative(self, x, u, p, effort):
-        return {"level": (u.inflow - effort["tank"]) / p.A}
-
-    def output(self, x, u, p):
-        return {"level": x.level}
+    for time in (0.0, 7.0, 31.0):
+        assert flow.law(time=time) == effort.law(time=time) != 0.0
+    slow, fast = (Port("tank", "flow", "m³/s", 1.0, "m", 1.0, velocity_scale=v) for v in (1e-3, 1.0))
+    frequency = effect_named("periodic_flow").parameters[-1]
+    assert frequency.at(fast).guess == pytest.approx(1000 * frequency.at(slow).guess)
 
 
-def test_a_weir_and_a_hole_are_found_again():
-    """The truth is integrated by SciPy, with a sharp edge."""
-    inflow = 4e-4 * (1 + np.sin(2 * np.pi * np.arange(N) * DT / 150))
+PLANTED = {
+    "steady_leak": {"flow": 3e-4},
+    "linear_leak": {"k": 1e-3},
+    "orifice_leak": {"c": 6e-4, "h": 1.0},
+    "overflow": {"k": 0.02, "limit": 0.4, "h": 1.0},
+    "periodic_flow": {"A_s": 1e-4, "A_c": 5e-5, "frequency": 0.02},
+}
 
-    def rate(_: float, x: np.ndarray, u: float) -> list[float]:
-        flows = 6e-4 * np.sqrt(max(x[0], 0.0)) + 0.04 * max(x[0] - 0.4, 0.0) ** 1.5
-        return [(u - flows) / AREA]
 
-    level = np.full((N, 1), 0.35)
-    for k, u in enumerate(inflow[:-1]):
-        level[k + 1] = solve_ivp(rate, (0, DT), level[k], args=(u,), rtol=1e-9, atol=1e-11).y[:, -1]
-    assert level.max() > 0.44
-    assert level.min() < 0.35
-    channels = (Channel("inflow", "m³/s", "zoh"),), (Channel("level", "m"),)
-    record = Record("weir", DT * np.arange(N), inflow[:, None], level, *channels, simulated=True)
+@pytest.mark.parametrize("name", PLANTED)
+def test_a_planted_flow_is_fitted_back(tank, leaking, name):
+    """Every flow of the library, from nothing of it; shapes start near by."""
+    truth = {f"tank.{name}.{p}": value for p, value in PLANTED[name].items()}
+    known = {full: {"fixed": value} for full, value in truth.items() if full.endswith(".h")}
+    model = compose(tank, [name], known)
+    record = leaking().record()
+    planted = simulate(model, truth, record, np.array([0.35]), substeps=4).outputs
+    record = replace(record, outputs=planted)
+    amplitudes = {f"tank.{name}.{p.name}" for p in effect_named(name).parameters if p.nests}
+    start = {full: 0.0 if full in amplitudes else 0.95 * value for full, value in truth.items()}
+    settings = FitSettings(start="guess", initial_state="measured", substeps=4)
+    found = fit(
+        model, [record], settings, start_values={**start, **{k: v["fixed"] for k, v in known.items()}}
+    )
+    for full in amplitudes:
+        assert found.values[full] == pytest.approx(truth[full], rel=0.02), full
+
+
+def test_a_weir_and_a_hole_are_found_again(tank, leaking):
+    record = leaking(weir=0.04).record()
+    assert record.outputs.max() > 0.44
+    assert record.outputs.min() < 0.35
     known = {"tank.overflow.h": {"fixed": 1.0}, "tank.orifice_leak.h": {"fixed": 1.0}}
-    model = compose(Tank(), ["overflow", "orifice_leak"], known)
+    model = compose(tank, ["overflow", "orifice_leak"], known)
     settings = FitSettings(start="guess", continuation=(1.0,), initial_state="measured", substeps=4)
     start = {"tank.overflow.k": 0.0, "tank.overflow.limit": 0.3, "tank.orifice_leak.c": 0.0}
     found = fit(model, [record], settings, start_values=start).values
     assert found["tank.overflow.k"] == pytest.approx(0.04, rel=0.02)
     assert found["tank.overflow.limit"] == pytest.approx(0.4, abs=2e-3)
     assert found["tank.orifice_leak.c"] == pytest.approx(6e-4, rel=0.01)
+
+
+def test_flows_are_tried_at_levels_only_and_nothing_else_of_the_equations_is(tank):
+    """No friction, spring or inertia at a level, no flow at a carriage."""
+    flows = {"steady_leak", "linear_leak", "orifice_leak", "overflow", "periodic_flow"}
+    level, (carriage, *_) = tank.port("tank"), EMPS().ports
+    assert {effect.id for effect in EFFECTS if effect.admissible_at(level)} == flows
+    assert not {effect.id for effect in EFFECTS if effect.admissible_at(carriage)} & flows
+    tried = {one.effect.kind for one in admissible(compose(tank), EFFECTS) if one.port == "tank"}
+    assert tried == {"flow"}
+
+
+def test_flows_look_like_flows_and_signals_only():
+    kinds = {effect.id: effect.kind for effect in EFFECTS}
+    for effect in EFFECTS:
+        if effect.in_equations:
+            others = {kinds[name] for name in effect.look_alikes}
+            assert others <= {effect.kind, "input", "output"}, effect.id
+
+
+@pytest.mark.parametrize(
+    ("wanted", "said"),
+    [
+        ("viscous", "plant tank has no effort port for effect viscous"),
+        ("viscous@tank", "effect viscous acts at effort ports; tank is of kind flow"),
+        ("end_stop@tank", "effect end_stop acts at effort ports; tank is of kind flow"),
+    ],
+)
+def test_naming_a_mechanical_effect_at_a_level_is_refused(tank, wanted, said):
+    with pytest.raises(ValueError, match=f"^{said}$"):
+        compose(tank, [wanted])
+
+
+def test_naming_a_flow_at_a_machine_is_refused():
+    with pytest.raises(ValueError, match=r"^effect overflow acts at flow ports; carriage is of kind effort$"):
+        compose(EMPS(), ["overflow@carriage"])
+
+
+def test_a_level_has_a_unit_for_every_coefficient(tank):
+    model = compose(tank, ["overflow", "linear_leak", "periodic_flow"])
+    units = {p.name: p.unit for p in model.parameters}
+    assert units["tank.overflow.k"] == units["tank.linear_leak.k"] == "m²/s"
+    assert units["tank.periodic_flow.frequency"] == "1/s"
+    assert {d.unit(tank.port("tank")) for d in (EFFORT, DAMPING, INERTIA)} == {"m³/s", "m²", "m²·s"}
+    assert not any(name.endswith(".epsilon") for name in units)
+
+
+def test_a_flow_port_has_no_acceleration_no_smoothing_and_no_load(tank):
+    def own(law):
+        parameters = (EffectParameter("c", EFFORT, "flow", nests=True),)
+        return Effect("own", "flow", "own", "F", law, "a test", "none", parameters)
+
+    for law in (lambda at: at.p.c * at.acceleration, lambda at: at.p.c * at.sign):
+        with pytest.raises(ValueError, match="effect own: flow port tank has a level and a net flow, but no"):
+            _ = compose(tank, [own(law)]).f
+    seen = compose(tank, [own(lambda at: at.p.c * at.velocity * at.position)])
+    assert float(seen.efforts(0, [0.5], [1e-3], [0.02, 2.0])) == pytest.approx(2.0 * 0.05 * 0.5)
+    with pytest.raises(ValueError, match="port tank: a flow port carries no load"):
+        Port("tank", "flow", "m³/s", 1e-3, "m", drive="a pump")

@@ -74,6 +74,9 @@ BLIND_TO_VELOCITY = (
     "added_inertia",
     "overflow",
     "orifice_leak",
+    "linear_leak",
+    "steady_leak",
+    "periodic_flow",
     "detent",
 )
 ODD_ALTOGETHER = (
@@ -109,8 +112,8 @@ def test_effects_with_memory_have_no_side(bench, name):
         assert back == pytest.approx(-rates, rel=1e-9)
 
 
-def test_every_effort_effect_has_a_symmetry_test():
-    efforts = {effect.id for effect in EFFECTS if effect.kind == "effort"}
+def test_every_effort_and_flow_has_a_symmetry_test():
+    efforts = {effect.id for effect in EFFECTS if effect.in_equations}
     assert efforts == {
         *ODD_IN_VELOCITY,
         *EVEN_IN_VELOCITY,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hybridid.declarations import Port
 from hybridid.plotting.friction import FrictionCurve, friction_plot
 from hybridid.plotting.series import PlotError
 
@@ -15,7 +16,7 @@ def plot_of(port, curves, data=None):
 
 def test_the_total_is_the_sum_of_the_effects(port, curves):
     overview, first, second = plot_of(port, curves).figure.axes
-    velocity = curves[1].velocity
+    velocity = curves[1].over
     total = 200 * velocity + 20 * np.tanh(velocity / 1e-3) - 3 - 35 * np.abs(velocity)
     assert overview.get_lines()[1].get_ydata() == pytest.approx(total)
     assert second.get_lines()[0].get_ydata() == pytest.approx(total)
@@ -56,14 +57,14 @@ def test_wild_samples_do_not_set_the_limits(port, curves, friction_data):
     effort = friction_data.effort.copy()
     effort[::500] = 1e4
     low, high = (
-        plot_of(port, curves, type(friction_data)(friction_data.velocity, effort)).figure.axes[0].get_ylim()
+        plot_of(port, curves, type(friction_data)(friction_data.over, effort)).figure.axes[0].get_ylim()
     )
     assert low > -100
     assert high < 100
 
 
 def test_too_few_data_for_bins_are_still_drawn(port, curves, friction_data):
-    few = type(friction_data)(friction_data.velocity[:30], friction_data.effort[:30])
+    few = type(friction_data)(friction_data.over[:30], friction_data.effort[:30])
     overview = plot_of(port, curves, few).figure.axes[0]
     assert len(overview.get_lines()[0].get_xdata()) == 30
 
@@ -73,3 +74,17 @@ def test_bad_input_is_said(port):
         plot_of(port, [])
     with pytest.raises(PlotError, match="effect viscous has 2 efforts for 3 velocities"):
         FrictionCurve("m", np.arange(3.0), {"viscous": np.zeros(2)})
+
+
+def test_at_a_level_flows_are_drawn_over_the_level():
+    tank = Port("upper", "flow", "m³/s", 1e-3, "m", 0.3, velocity_scale=0.05)
+    level = np.linspace(0.1, 0.6, 50)
+    plot = friction_plot(
+        tank, [FrictionCurve("m", level, {"linear_leak": 1e-3 * level})], "filling", "measured"
+    )
+    overview = plot.figure.axes[0]
+    assert overview.get_xlabel() == "level of upper [mm]"
+    assert overview.get_ylabel().startswith("flow that leaves [")
+    assert plot.caption.startswith(
+        "Flow that leaves upper over its level, total and by effect, for m on filling"
+    )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hybridid.estimators.problem import build_problem
+from hybridid.model import compose
 from hybridid.residuals.explained import effort_explained, explained_share, output_explained
 from hybridid.residuals.rbf import RBFNetwork
 from hybridid.residuals.settings import RBFBounds
@@ -109,3 +110,15 @@ class TestEffort:
         found = self.share(make_model, carriage, [5.0], names=("M",), **{"carriage.rbf.s_1": 3.0})
         assert set(found.alone) == {"M"}
         assert found.share < 0.2
+
+    def test_a_network_at_a_level_that_is_a_linear_leak(self, tank, leaking):
+        """By the rate of the level: a level has no acceleration."""
+        gray = compose(tank, ["linear_leak"])
+        network = RBFNetwork(1, (0.0, 2.0), "position", RBFBounds(width=(0.1, 3.0)))
+        model = gray.plus(network.effect(tank.port("tank")), "tank")
+        values = {"tank.linear_leak.k": 1e-3, "tank.rbf.c_1": 2.0, "tank.rbf.s_1": 1.2, "tank.rbf.w_1": 2e-4}
+        record = leaking().record(200)
+        prediction = free_run(model, values, record, "measured")
+        found = effort_explained(model, "tank.rbf", ["tank.linear_leak.k"], values, record, prediction)
+        assert found.share > 0.9
+        assert found.changes["tank.linear_leak.k"] > 0

@@ -10,6 +10,7 @@ import pytest
 
 from hybridid.declarations import Port
 from hybridid.estimators import FitSettings
+from hybridid.model import compose
 from hybridid.residuals.rbf import RBFNetwork
 from hybridid.residuals.rbf_fit import RBFPlan, fit_rbf, visited
 from hybridid.residuals.settings import RBFBounds
@@ -71,6 +72,17 @@ class TestEffect:
         assert at(0.0, 0.1) == at(0.0, -0.3) == pytest.approx(5.0 - 2.0 * np.exp(-2.0))
         assert model.parameters[-2].unit == "N"
         assert next(q.unit for q in model.parameters if q.name == "carriage.rbf.c_1") == "m"
+
+    def test_at_a_level_it_is_a_flow_over_the_level(self, tank, leaking):
+        record = leaking(c=0.0, steady=2e-4).record(60)
+        settings = FitSettings(start="guess", max_iterations=5)
+        found = fit_rbf(compose(tank), {}, [record], RBFPlan(2), settings)
+        assert found.model.terms[-1].effect.title == "radial basis functions of the level, 2 nodes"
+        assert (found.network.over, found.model.terms[-1].effect.kind) == ("position", "flow")
+        low, high = found.network.span
+        assert low < record.outputs.min() < record.outputs.max() < high
+        flow = float(found.model.efforts(0, [0.35], [0.0], found.model.values(found.estimate.values)))
+        assert flow == pytest.approx(2e-4, rel=0.1)
 
     def test_without_weights_it_is_not_there(self, gray, carriage):
         model = gray.plus(RBFNetwork(5, (-0.2, 0.2)).effect(PORT), "carriage")

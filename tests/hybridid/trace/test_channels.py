@@ -78,7 +78,7 @@ def test_a_learned_effort_over_the_channel_finds_it_where_no_effect_names_it(mod
 def test_without_a_channel_there_is_nothing_new(make_model, model):
     bare = make_model()
     assert library_for(bare.channels) == EFFECTS
-    assert overs_for(()) == OVERS
+    assert overs_for(EMPS().port("carriage"), ()) == OVERS
     tried = {c.name for c in admissible(bare, EFFECTS)}
     assert {c.name for c in admissible(bare, [*EFFECTS, friction_over(TEMPERATURE), COLD_STICTION])} == tried
     more = {c.name for c in admissible(model, [*library_for(model.channels), COLD_STICTION])} - tried
@@ -93,7 +93,7 @@ def test_a_channel_that_no_effect_sees_changes_no_number(make_model, model):
 
 
 def test_an_input_is_a_place_of_a_learned_effort_unless_it_stands_still_or_is_the_load(model, split):
-    overs = overs_for(model.inputs)[len(OVERS) :]
+    overs = overs_for(model.plant.port("carriage"), model.inputs)[len(OVERS) :]
     assert [str(over) for over in overs] == [
         "force", "force, times sign of velocity", "temperature", "temperature, times sign of velocity"
     ]  # fmt: skip
@@ -110,7 +110,7 @@ def test_an_input_is_a_place_of_a_learned_effort_unless_it_stands_still_or_is_th
     [
         (EMPS(), "carriage", "force", True),
         (ESEA(), "motor", ESEA.inputs[0].name, False),
-        (Servo(), Servo().effort_ports[0].name, "goal", False),
+        (Servo(), Servo().equation_ports[0].name, "goal", False),
         (Duffing(), "oscillator", Duffing.inputs[0].name, False),
     ],
     ids=lambda given: getattr(given, "name", str(given)),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from hybridid.trace.missing_effort import missing_effort
+from hybridid.trace.missing_effort import SINCE_REVERSAL, missing_effort
 
 N, NOISE = 800, 2e-6
 
@@ -48,16 +48,21 @@ def test_its_band_holds_it(found):
 
 def test_it_says_whose_it_is(found):
     assert (found.port, found.unit, found.provenance) == ("carriage", "N", "simulated")
-    assert len(found.time) == len(found.effort) == len(found.since_reversal) == N
+    assert found.kind == "effort"
+    assert {name: unit for name, (_, unit) in found.motion.items()} == {
+        "velocity": "m/s", "position": "m", "acceleration": "m/s²", SINCE_REVERSAL: "m"
+    }  # fmt: skip
+    assert {len(found.time), len(found.effort), *(len(seen) for seen, _ in found.motion.values())} == {N}
 
 
 def test_travel_since_the_last_reversal(found):
-    turned = np.flatnonzero(np.diff(np.sign(found.velocity)) != 0) + 1
+    velocity, since_reversal = (found.motion[name][0] for name in ("velocity", SINCE_REVERSAL))
+    turned = np.flatnonzero(np.diff(np.sign(velocity)) != 0) + 1
     assert len(turned) > 3
-    assert found.since_reversal[turned] == pytest.approx(0.0, abs=1e-12)
-    assert (found.since_reversal >= 0).all()
+    assert since_reversal[turned] == pytest.approx(0.0, abs=1e-12)
+    assert (since_reversal >= 0).all()
     span = slice(turned[1], turned[2])
-    assert (np.diff(found.since_reversal[span]) >= -1e-9).all()
+    assert (np.diff(since_reversal[span]) >= -1e-9).all()
 
 
 def test_nothing_is_missing_where_nothing_is(carriage, make_model, noise):
@@ -68,6 +73,6 @@ def test_nothing_is_missing_where_nothing_is(carriage, make_model, noise):
     assert np.sqrt(np.mean(found.effort[20:-20] ** 2)) < 0.3
 
 
-def test_only_effort_ports_lack_effort(carriage, make_model):
-    with pytest.raises(ValueError, match="port force is input"):
+def test_a_signal_lacks_no_effort(carriage, make_model):
+    with pytest.raises(ValueError, match="port force is of kind input"):
         missing_effort(make_model(), carriage.truth, carriage.record(200), "force")

@@ -16,7 +16,7 @@ from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.learned_effort import learned_effort
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.over import OVERS, Over
+from hybridid.trace.over import OVERS, OVERS_OF_A_FLOW, Over
 from hybridid.trace.refit import refit
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
@@ -273,9 +273,11 @@ def scaled(score, factor):
     return replace(score, squares=score.squares * factor)
 
 
-@pytest.mark.parametrize("over", OVERS, ids=str)
-def test_a_learned_effort_can_be_sent_to_another_process(over):
-    effect = learned_effort(over, np.linspace(-1.0, 1.0, 50))
+@pytest.mark.parametrize(
+    ("kind", "over"), [*(("effort", over) for over in OVERS), *(("flow", over) for over in OVERS_OF_A_FLOW)]
+)
+def test_a_learned_effort_can_be_sent_to_another_process(kind, over):
+    effect = learned_effort(kind, over, np.linspace(-1.0, 1.0, 50))
     assert pickle.loads(pickle.dumps(effect)) == effect
 
 

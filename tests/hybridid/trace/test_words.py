@@ -8,7 +8,7 @@ import pytest
 from hybridid.trace.entries import AcceptedEffect, Floor, LearnedGain, Level, TriedEffect
 from hybridid.trace.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
-from hybridid.trace.words import _members, sentence
+from hybridid.trace.words import _members, sentence, structure_in_words
 
 
 def tried(effect: str, gain: float, reason: str) -> TriedEffect:
@@ -115,3 +115,16 @@ def test_a_class_names_each_port_where_these_differ():
     )  # fmt: skip
     assert _members(entry) == "{input_saturation at force, load_friction at carriage}"
     assert _members(replace(entry, class_members=(one,))) == "{input_saturation, load_friction} at force"
+
+
+def test_what_is_learned_at_a_level_is_a_flow(nothing):
+    level = LearnedGain("upper", "level", 0.2, 1e-6, "V/s", "V", kind="flow")
+    velocity = LearnedGain("valve", "velocity", 0.0, 1.0, "N", "m/s")
+    flows, both = (LearnedGains((), after) for after in ((level,), (level, velocity)))
+    said = structure_in_words(replace(nothing(DRAG), ceilings=flows, remains=("at upper over level",)))
+    assert said.startswith("Structure remains at upper over level: a learned flow there still lowers")
+    said = structure_in_words(replace(nothing(DRAG), ceilings=both))
+    assert said.startswith("A learned effort or flow still lowers the held-out error by 5 % or more")
+    stiff = replace(level, failure="too stiff")
+    said = sentence(replace(nothing(DRAG), ceilings=LearnedGains((), (stiff,))))
+    assert said.startswith("The verdict leaves out a learned flow at upper over level: no fit")

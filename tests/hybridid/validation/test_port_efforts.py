@@ -60,8 +60,8 @@ def test_model_gives_its_efforts_by_effect(record):
     (at,) = port_efforts(model, TRUTH, record, prediction)
     assert at.port.name == "carriage"
     assert at.static
-    np.testing.assert_allclose(at.velocity, prediction.states[:, 1])
-    np.testing.assert_allclose(at.efforts["carriage.viscous"], 200.0 * at.velocity)
+    np.testing.assert_allclose(at.over, prediction.states[:, 1])
+    np.testing.assert_allclose(at.efforts["carriage.viscous"], 200.0 * at.over)
     np.testing.assert_allclose(at.efforts["carriage.offset"], -3.0)
     total = sum(at.efforts.values())
     velocity, effort = resisting_effort(model, TRUTH, record, at.port)
@@ -82,3 +82,23 @@ def test_effort_of_position_is_no_curve_over_velocity(record):
 def test_state_that_nothing_observes_gives_no_effort(record):
     model = compose(EMPS(), ["dahl"])
     assert resisting_effort(model, {"M": 90.0}, record, model.plant.port("carriage")) is None
+
+
+def test_at_a_level_the_record_gives_the_flow_that_leaves(tank, leaking):
+    """Over the level, from a model that knows nothing of the outlet."""
+    record = leaking(c=6e-4).record()
+    level, flow = resisting_effort(compose(tank), {}, record, tank.port("tank"))
+    np.testing.assert_allclose(level, record.outputs[25:-25, 0], atol=5e-3)
+    assert np.ptp(level) > 0.3
+    np.testing.assert_allclose(flow, 6e-4 * np.sqrt(level), rtol=0.05)
+
+
+def test_at_a_level_the_model_gives_its_flows_over_the_level(tank, leaking):
+    record = leaking().record(200)
+    model = compose(tank, ["orifice_leak", "linear_leak"])
+    values = {"tank.orifice_leak.c": 3e-4, "tank.linear_leak.k": 2e-4}
+    prediction = free_run(model, values, record)
+    (at,) = port_efforts(model, values, record, prediction)
+    assert at.static
+    np.testing.assert_allclose(at.over, prediction.states[:, 0])
+    np.testing.assert_allclose(at.efforts["tank.linear_leak"], 2e-4 * at.over)
