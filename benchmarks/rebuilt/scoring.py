@@ -32,8 +32,7 @@ MOST_ALIKE, MOST_OVER = 3, 3.0
 LEAST_GOOD, MOST_SPEAK, LEAST_RIGHT = 57 / 60, 2 / 60, 0.9
 AXLES = ("front_suspension", "rear_suspension", "front_suspension+rear_suspension")
 TRUTHS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    # an end stop above is a level that is limited: nothing up to one level, then a flow in proportion
-    "overflow": (("upper",), ("overflow", "end_stop")),
+    "overflow": (("upper",), ("overflow",)),
     # the library's bouc_wen excludes gamma + delta < 0
     "hysteresis": (("oscillator",), ("hardening_hysteresis",)),
     "friction_behind_gap": (("damper",), ("friction_behind_play",)),

@@ -32,28 +32,24 @@ WEIR = 2.0
 """Of the overflow [V/s over V^1.5]: some tenths of a volt over the edge carry all that the pump gives."""
 LOWEST = 1e-6
 """Level [V] below which an outlet gives no more: keeps the slope of the root finite."""
-NO_LOAD = "a level of water: nothing slides"
 
 
 def _tank(name: str, meaning: str) -> Port:
     return Port(
         name,
-        "effort",
+        "flow",
         effort_unit="V/s",
         effort_scale=0.1,
         position_unit="V",
         position_scale=5.0,
         velocity_scale=0.05,
-        epsilon=1e-3,
         meaning=meaning,
-        no_load=NO_LOAD,
     )
 
 
 @final
 class Tanks(Plant):
-    """Two equal tanks; what the upper loses through its outlet the lower gains. An effort at a tank is a flow
-    that lowers its level; its position is the level."""
+    """Two equal tanks; what the upper loses through its outlet the lower gains."""
 
     name = "tanks"
     meaning = "two tanks, one above the other, fed by a pump"
