@@ -14,7 +14,8 @@ def response(bench, omega: np.ndarray, **p: float) -> np.ndarray:
     slopes = bench.slopes(z=[0.0] * n, p=p)
     signal, states = 5, slice(bench.n_seen, bench.n_seen + n)
     c, d, a, b = slopes[0, states], slopes[0, signal], slopes[1:, states], slopes[1:, signal]
-    return np.array([1 + d + c @ np.linalg.solve(1j * w * np.eye(n) - a, b) for w in omega])
+    forced = np.linalg.solve(1j * omega[:, None, None] * np.eye(n) - a, b[:, None])
+    return 1 + d + forced[..., 0] @ c
 
 
 @pytest.mark.parametrize(("upto", "error"), [(1.0, 1e-4), (3.0, 7e-3), (5.0, 9e-2)])
