@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import odeint
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
@@ -86,7 +86,7 @@ def write_swing(path: Path) -> None:
     x, angle = np.array([0.3, 0.0]), np.empty(SAMPLES)
     for k in range(SAMPLES):
         angle[k] = x[0]
-        x = solve_ivp(motion, (0, DT), x, args=(torque[k],), method="LSODA", rtol=1e-9, atol=1e-11).y[:, -1]
+        x = odeint(motion, x, (0, DT), (torque[k],), tfirst=True, rtol=1e-9, atol=1e-11)[-1]
     angle += generator.normal(0, 1e-3, SAMPLES)
     columns = np.column_stack([1e3 * time, torque / 0.05, -np.rad2deg(angle)])
     np.savetxt(path, columns, delimiter=",", header="t_ms,current,angle_deg", comments="", fmt="%.9g")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -9,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
+from scipy.integrate import odeint
 from scipy.signal import lfilter
 
 from hybridid.declarations import Parameter, Port, Signal, State
@@ -91,14 +92,13 @@ def _states(carriage: Carriage, n: int, dt: float) -> Array:
 
     def rate(_: float, x: Array, u: float, f_c: float) -> list[float]:
         resist = (carriage.f_v + carriage.damping_slope * x[0]) * x[1] - 0.5 * carriage.df_v * abs(x[1])
-        resist += f_c * np.tanh(x[1] / carriage.epsilon) + carriage.offset
-        resist += carriage.ripple * np.sin(2 * np.pi * x[0] / carriage.pitch)
+        resist += f_c * math.tanh(x[1] / carriage.epsilon) + carriage.offset
+        resist += carriage.ripple * math.sin(2 * math.pi * x[0] / carriage.pitch)
         return [x[1], (u - resist) / carriage.M]
 
     for k in range(n - 1):
         held = (force[k], carriage.f_c + carriage.warming * (temperature[k] - 25))
-        solved = solve_ivp(rate, (0, dt), states[k], "LSODA", args=held, rtol=1e-10, atol=1e-13)
-        states[k + 1] = solved.y[:, -1]
+        states[k + 1] = odeint(rate, states[k], (0, dt), held, tfirst=True, rtol=1e-10, atol=1e-13)[-1]
     states.flags.writeable = False
     return states
 

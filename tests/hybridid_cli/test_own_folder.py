@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import odeint
 
 PLANT = '''
 """A pendulum on a motor shaft."""
@@ -69,7 +69,7 @@ def write_record(path: Path) -> None:
     for n in range(SAMPLES):
         angle[n] = x[0]
         rate = lambda _, x, u=torque[n]: [x[1], (u - G * np.sin(x[0]) - f_v * x[1] - k * x[0]) / J]  # noqa: E731
-        x = solve_ivp(rate, (0, DT), x, rtol=1e-8, atol=1e-10).y[:, -1]
+        x = odeint(rate, x, (0, DT), tfirst=True, rtol=1e-8, atol=1e-10)[-1]
     angle = np.rad2deg(angle + generator.normal(0, 2e-4, SAMPLES))
     columns = np.column_stack([DT * np.arange(SAMPLES), torque, angle])
     np.savetxt(path, columns, delimiter=",", header="t,torque,degrees", comments="", fmt="%.9g")

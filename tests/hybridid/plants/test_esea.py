@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import odeint
 from scipy.signal import chirp
 
 from hybridid.estimators import FitSettings, fit
@@ -87,8 +87,8 @@ def recorded(friction: Friction, duration: float = 4.0) -> Record:
         return [(held - twist - effort) / J, twist / I, x[0], x[1], bristle]
 
     for k in range(len(time) - 1):
-        end = solve_ivp(rate, (0, DT), states[k], "LSODA", [DT], args=(torque[k],), rtol=1e-8, atol=1e-10)
-        states[k + 1] = end.y[:, -1]
+        held = (torque[k],)
+        states[k + 1] = odeint(rate, states[k], (0, DT), held, tfirst=True, rtol=1e-8, atol=1e-10)[-1]
     velocity = states[:, 1] + NOISE * np.random.default_rng(0).normal(size=len(time))
     inputs, outputs = (Channel("torque", "N·m", "zoh"),), (Channel("link_velocity", "rad/s"),)
     return Record("swept sine", time, torque[:, None], velocity[:, None], inputs, outputs, simulated=True)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.integrate import solve_ivp
+from scipy.integrate import odeint
 
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
@@ -159,8 +159,8 @@ def drive(numbers: dict[str, float], noise: float) -> Record:
         axle_f, axle_r = (n.k_t * (u_f - z_f) - front) / n.m_f, (n.k_t * (u_r - z_r) - rear) / n.m_r
         return [dz_c, dth, dz_f, dz_r, heave, pitch, axle_f, axle_r]
 
-    run = solve_ivp(rate, (0, time[-1]), np.zeros(8), "DOP853", time, rtol=1e-9, atol=1e-11, max_step=0.01)
-    outputs = run.y[4:6].T + noise * np.random.default_rng(0).normal(size=(len(time), 2))
+    states = odeint(rate, np.zeros(8), time, tfirst=True, rtol=1e-9, atol=1e-11, hmax=0.01)
+    outputs = states[:, 4:6] + noise * np.random.default_rng(0).normal(size=(len(time), 2))
     return Record("bump", time, road, outputs, ROAD, OUTPUTS, simulated=True)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 
 import numpy as np
@@ -46,6 +47,7 @@ NAMES = ("M", "carriage.viscous.f_v", "carriage.coulomb.f_c", "carriage.offset.o
 UNITS = ("kg", "N·s/m", "N", "N")
 
 
+@functools.cache
 def make_record(simulated: bool = False, n: int = N) -> Record:
     """A carriage that goes to and fro, with a sensor's noise and one spike in the force."""
     rng = np.random.default_rng(1)
@@ -83,13 +85,14 @@ def make_prediction(record: Record, view: str = "free_run", size: float = 2e-3) 
     )  # fmt: skip
 
 
-def make_responses(record: Record) -> list[Response]:
+@functools.cache
+def make_responses(record: Record) -> tuple[Response, ...]:
     """Two models in two views."""
     sizes = {"symmetric friction": 2e-3, "asymmetric viscous": 4e-4}
     views = ("free_run", "horizon")
-    return [
+    return tuple(
         Response.of(m, make_prediction(record, view, size)) for view in views for m, size in sizes.items()
-    ]
+    )
 
 
 def make_curves() -> list[FrictionCurve]:
@@ -192,14 +195,20 @@ def record() -> Record:
 
 
 @pytest.fixture(scope="session")
-def responses(record: Record) -> list[Response]:
+def responses(record: Record) -> tuple[Response, ...]:
     return make_responses(record)
 
 
 @pytest.fixture(scope="session")
-def make() -> Callable[..., Plot]:
-    """``make("error", simulated=True, width=88)``."""
+def draw() -> Callable[..., Plot]:
+    """``draw("error", simulated=True, width=88)``: a new figure."""
     return make_plot
+
+
+@pytest.fixture(scope="session")
+def make(draw: Callable[..., Plot]) -> Callable[..., Plot]:
+    """``make("error", simulated=True, width=88)``: drawn once, for tests that do not change it."""
+    return functools.cache(draw)
 
 
 @pytest.fixture(params=FIGURES)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import matplotlib
 import pytest
@@ -73,12 +77,35 @@ def test_the_caption_is_one_sentence(make, figure_name):
     assert len(caption) < 420
 
 
-def test_three_small_files_come_out(make, figure_name, tmp_path):
-    plot = make(figure_name, simulated=True)
-    paths = save(plot, tmp_path)
-    assert [path.name for path in paths] == [f"{plot.name}.{kind}" for kind in ("svg", "pdf", "png")]
-    assert sorted(tmp_path.iterdir()) == sorted(paths)
-    svg, pdf, png = (path.read_bytes() for path in paths)
+@dataclass(frozen=True)
+class Written:
+    """A figure's name, its files, and matplotlib's settings before it was drawn and after it was saved."""
+
+    name: str
+    files: list[Path]
+    before: dict[str, Any]
+    after: dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def written(draw, tmp_path_factory):
+    """``written(name)``: drawn and saved once."""
+
+    @functools.cache
+    def write(name: str) -> Written:
+        before = dict(matplotlib.rcParams)
+        plot = draw(name, simulated=True)
+        files = save(plot, tmp_path_factory.mktemp(name))
+        return Written(plot.name, files, before, dict(matplotlib.rcParams))
+
+    return write
+
+
+def test_three_small_files_come_out(written, figure_name):
+    made = written(figure_name)
+    assert [path.name for path in made.files] == [f"{made.name}.{kind}" for kind in ("svg", "pdf", "png")]
+    assert sorted(made.files[0].parent.iterdir()) == sorted(made.files)
+    svg, pdf, png = (path.read_bytes() for path in made.files)
     assert len(svg) < SVG_LIMIT
     assert b"simulated" in svg
     assert b"/Subtype /Type3" not in pdf  # fonts are embedded as TrueType
@@ -86,10 +113,9 @@ def test_three_small_files_come_out(make, figure_name, tmp_path):
     assert png.startswith(b"\x89PNG")
 
 
-def test_matplotlib_stays_as_it_was(make, figure_name, tmp_path):
-    before = dict(matplotlib.rcParams)
-    save(make(figure_name), tmp_path)
-    assert dict(matplotlib.rcParams) == before
+def test_matplotlib_stays_as_it_was(written, figure_name):
+    made = written(figure_name)
+    assert made.after == made.before
 
 
 def test_pyplot_is_never_loaded(tmp_path):

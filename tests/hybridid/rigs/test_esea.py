@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import odeint
 
 from hybridid.rigs.esea import (
     AS_DECLARED_COULOMB_STRIBECK,
@@ -127,7 +127,7 @@ def scipy_truth(torque, rates, states, seconds):
 
     y, out = np.zeros(4 + states), [0.0]
     for u in torque[: round(seconds / DT)]:
-        y = solve_ivp(slope, (0, DT), y, method="LSODA", args=(u,), rtol=1e-10, atol=1e-13).y[:, -1]
+        y = odeint(slope, y, (0, DT), (u,), tfirst=True, rtol=1e-10, atol=1e-13)[-1]
         out.append(y[3])
     return np.array(out)
 

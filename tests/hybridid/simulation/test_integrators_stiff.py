@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import odeint
 from scipy.signal import chirp
 
 from hybridid.model import compose
@@ -64,12 +64,12 @@ def run(friction: Bristles, duration: float = 1.5) -> Record:
         twist = SPRING * (delta - theta)
         return [(np.interp(t, time, torque) - twist - effort) / ROTOR, twist / INERTIA, motor, link, bristle]
 
-    solved = solve_ivp(rate, (0, time[-1]), np.zeros(5), "LSODA", time, rtol=1e-9, atol=1e-11, max_step=DT)
+    states = odeint(rate, np.zeros(5), time, tfirst=True, rtol=1e-9, atol=1e-11, hmax=DT)
     return Record(
         "eSEA",
         time,
         torque[:, None],
-        solved.y[1][:, None],
+        states[:, 1:2],
         (Channel("torque", "N·m", "foh"),),
         (Channel("link_velocity", "rad/s"),),
         simulated=True,
