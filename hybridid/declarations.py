@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
+
+from hybridid.naming import unknown
 
 PortKind = Literal["effort", "flow", "input", "output"]
 IN_EQUATIONS: tuple[PortKind, ...] = ("effort", "flow")
@@ -37,6 +39,9 @@ class State:
     ``scale`` is a typical magnitude; the optimiser works with ``x / scale``.
     ``observed_by`` names an output: the state is its ``derivative``-th time derivative.
     A fit takes the state's initial value from that output. Without it, the initial value is zero.
+
+    Raises:
+        ValueError: if the scale is not positive and finite, the bounds are crossed, or derivative is below 0.
     """
 
     name: str
@@ -47,6 +52,15 @@ class State:
     observed_by: str | None = None
     derivative: int = 0
     meaning: str = ""
+
+    def __post_init__(self) -> None:
+        _check_positive(f"state {self.name}", scale=self.scale)
+        if not self.lower <= self.upper:
+            raise ValueError(
+                f"state {self.name}: bounds [{self.lower:g}, {self.upper:g}] {self.unit} are crossed"
+            )
+        if self.derivative < 0:
+            raise ValueError(f"state {self.name}: derivative is {self.derivative}, must be 0 or more")
 
     def renamed(self, name: str) -> State:
         """The same state under another name."""
@@ -117,7 +131,8 @@ class Port:
     numbers. ``no_load`` says why a port has neither.
 
     Raises:
-        ValueError: if a flow port declares a drive, a load or a level of friction.
+        ValueError: if the kind is none of these, a scale or epsilon is not positive and finite, or a flow
+            port declares a drive, a load or a level of friction.
     """
 
     name: str
@@ -135,10 +150,13 @@ class Port:
     no_load: str = ""
 
     def __post_init__(self) -> None:
+        where, kinds = f"port {self.name}", get_args(PortKind)
+        if self.kind not in kinds:
+            raise ValueError(f"{where}: {unknown('kind', self.kind, kinds)}")
+        scales = {"position_scale": self.position_scale, "velocity_scale": self.velocity_scale}
+        _check_positive(where, effort_scale=self.effort_scale, epsilon=self.epsilon, **scales)
         if self.kind == "flow" and self.knows:
-            raise ValueError(
-                f"port {self.name}: a flow port carries no load; leave out its drive, load and level"
-            )
+            raise ValueError(f"{where}: a flow port carries no load; leave out its drive, load and level")
 
     @property
     def in_equations(self) -> bool:
@@ -166,3 +184,9 @@ class Port:
     def time_scale(self) -> float:
         """Seconds to cross the position scale at the velocity scale."""
         return self.position_scale / self.velocity_scale
+
+
+def _check_positive(where: str, **numbers: float) -> None:
+    for name, value in numbers.items():
+        if not 0 < value < math.inf:
+            raise ValueError(f"{where}: {name} is {value:g}, must be positive and finite")

@@ -5,6 +5,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 
+MOST_LISTED = 400
+"""Characters of names that a message lists; of more it lists the first ones and how many there are."""
+
 
 def listed(names: Sequence[str]) -> str:
     """``a, b and c``; ``nothing`` where there is none."""
@@ -20,7 +23,15 @@ def unknown(what: str, name: object, known: Iterable[str], allowed: Iterable[str
     """
     names = list(known)
     printed = names if allowed is None else list(allowed)
-    return f"unknown {what} {str(name)!r}: {nearest(name, names)}allowed: {', '.join(printed) or 'none'}"
+    return f"unknown {what} {shortened(str(name), 80)!r}: {nearest(name, names)}allowed: {_few(printed)}"
+
+
+def _few(names: Sequence[str]) -> str:
+    """All of a few names, or of many the first ones and how many there are."""
+    every = ", ".join(names) or "none"
+    if len(every) <= MOST_LISTED:
+        return every
+    return f"{every[:MOST_LISTED].rpartition(',')[0]}, ... ({len(names)} in all)"
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
@@ -28,3 +39,9 @@ def nearest(name: object, known: Iterable[str]) -> str:
     by_lower = {n.lower(): n for n in reversed(list(known))}
     near = difflib.get_close_matches(str(name).lower(), by_lower, n=1, cutoff=0.5)
     return f"did you mean {by_lower[near[0]]!r}? " if near else ""
+
+
+def shortened(text: str, most: int = 300) -> str:
+    """``text`` on one line, its middle left out beyond ``most`` characters."""
+    line = " ".join(text.split())
+    return line if len(line) <= most else f"{line[: most * 2 // 3]} ... {line[-most // 4 :]}"

@@ -23,18 +23,20 @@ def run(command: str, words: Sequence[str]) -> int:
         _load_early(ready)
     import hydra
 
-    from hybridid_cli.explain import explained
+    from hybridid_cli.explain import FAILED, explained
     from hybridid_cli.tasks import Unfinished, task_of
 
     application = hydra.main(config_path=str(conf_folder()), config_name=command, version_base="1.3")
     try:
         with _sys_argv([f"hybridid {command}", *ready]):
             application(task_of(command))()
-    except (Exception, Unfinished) as raised:
+    except (Exception, Unfinished, SystemExit) as raised:
         interrupt.check()
         if traceback:
             raise
         error = raised.cause if isinstance(raised, Unfinished) else raised
+        if isinstance(error, SystemExit):  # hybridid itself never ends the program from inside a command
+            return complain(f"some code ended the program before its time, with {error.code!r}", FAILED)
         message, code = explained(error, command, words)
         return complain(message, code)
     return 0

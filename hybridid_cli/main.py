@@ -11,11 +11,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
+from hybridid.naming import shortened
 from hybridid_cli import helptexts, interrupt, launched
 from hybridid_cli.commands import BY_NAME, COMMANDS
 from pipelines.shared.errors import ConfigError, unknown
 
 WRONG_REQUEST = 2
+LONGEST = 700
 
 
 def main() -> None:
@@ -81,11 +83,17 @@ def dispatch(words: Sequence[str]) -> int:
         if wants_traceback():
             raise
         return complain(str(error))
+    except Exception as error:
+        if wants_traceback() or isinstance(error, BrokenPipeError):
+            raise
+        from hybridid_cli.explain import explained  # imports Hydra, which takes a while
+
+        return complain(*explained(error, command.name, words[1:]))
 
 
 def complain(message: str, code: int = WRONG_REQUEST) -> int:
-    """Say in one line what is wrong; returns ``code``."""
-    print(f"hybridid: {message}", file=sys.stderr)
+    """Say in one line of at most ``LONGEST`` characters what is wrong; returns ``code``."""
+    print(f"hybridid: {shortened(message, LONGEST)}", file=sys.stderr)
     return code
 
 

@@ -38,12 +38,14 @@ def run(job: Job) -> None:
 
 
 def check(settings: Settings) -> None:
-    """Check the config of model, estimator and fitted records.
+    """Check the config of model, estimator and fitted records, and the code of plant and effects.
 
     Raises:
         ConfigError: if a name or a value is wrong.
+        OwnCodeError: if code of the plant or of an effect fails.
     """
-    model_of(settings), fit_settings(settings)
+    fit_settings(settings)
+    _ = model_of(settings).f  # asks plant and effects for their equations
     chosen(sources_of(settings).found, fitted_records(settings), "fit.records")
 
 

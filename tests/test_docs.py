@@ -106,7 +106,7 @@ def write_filling(path: Path) -> None:
     h, level = np.array([0.3]), np.empty(400)
     for k in range(400):
         level[k] = h[0]
-        h = solve_ivp(rate, (0, 1.0), h, args=(inflow[k],), method="LSODA", rtol=1e-9, atol=1e-11).y[:, -1]
+        h = odeint(rate, h, (0, 1.0), (inflow[k],), tfirst=True, rtol=1e-9, atol=1e-11)[-1]
     level += np.random.default_rng(0).normal(0, 3e-4, 400)
     columns = np.column_stack([time, 1e3 * inflow, 100 * level])
     np.savetxt(path, columns, delimiter=",", header="t,pump,level", comments="", fmt="%.9g")

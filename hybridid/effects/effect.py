@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from types import SimpleNamespace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import casadi as ca
 
@@ -15,6 +15,7 @@ from hybridid.declarations import IN_EQUATIONS, Need, Parameter, Port, PortKind,
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.pickling import reduced
 from hybridid.effects.smooth import magnitude
+from hybridid.naming import unknown
 
 LOAD_WIDTH = 0.01
 """Rounding of the load's modulus at zero, over the effort scale of the port."""
@@ -201,8 +202,9 @@ class Effect:
     An effect is sent to another process by its name: see ``hybridid.effects.pickling``.
 
     Raises:
-        ValueError: if states come without dynamics or dynamics without states, no parameter nests
-            the effect, or two of its parameters and states share a name.
+        ValueError: if no port is of its kind, its law is no function, states come without dynamics or
+            dynamics without states, no parameter nests the effect, or two of its parameters and states
+            share a name.
     """
 
     id: str
@@ -223,6 +225,10 @@ class Effect:
     channels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        if self.kind not in get_args(PortKind):
+            raise ValueError(f"effect {self.id}: {unknown('kind', self.kind, get_args(PortKind))}")
+        if not callable(self.law):
+            raise ValueError(f"effect {self.id}: law is {self.law!r}, expected a function")
         if bool(self.states) != (self.dynamics is not None):
             raise ValueError(f"effect {self.id}: states and dynamics go together")
         if not any(p.nests for p in self.parameters):

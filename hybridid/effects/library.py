@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterable
 
 from hybridid.declarations import Signal
@@ -28,6 +27,7 @@ from hybridid.effects import (
 from hybridid.effects.channel_friction import friction_over
 from hybridid.effects.effect import Effect
 from hybridid.naming import unknown
+from hybridid.own_code import imported
 
 EFFECTS: tuple[Effect, ...] = (
     friction.OFFSET,
@@ -109,11 +109,7 @@ def effect_named(name: str, channels: Iterable[Signal] = ()) -> Effect:
 
 
 def _imported(name: str) -> Effect:
-    module_name, _, attribute = name.partition(":")
-    try:
-        effect = getattr(importlib.import_module(module_name), attribute)
-    except (ImportError, AttributeError) as error:
-        raise ValueError(f"effect {name!r} cannot be imported: {error}") from error
+    effect = imported(name, "effect")
     if not isinstance(effect, Effect):
-        raise ValueError(f"{name!r} is a {type(effect).__name__}, not an Effect")
+        raise ValueError(f"effect {name} is a {type(effect).__name__}, not a hybridid.effects.effect.Effect")
     return effect

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import casadi as ca
 
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.effects.effect import LOAD_WIDTH, Local
+from hybridid.model.asked import (
+    Symbols,
+    check_numbers,
+    dynamics_of,
+    law_of,
+    loads_of,
+    motion_of,
+    outputs_of,
+    rates_of,
+)
 from hybridid.model.term import Term
+from hybridid.own_code import Named, blamed_on
 from hybridid.plants.plant import Load, Motion, Plant
 
 
@@ -25,62 +35,45 @@ def assemble(
 
     ``states`` (n_x) and ``parameters`` (n_p) are those of the plant and of the terms, under their
     qualified names, in the order of x and p. ``inputs`` (n_u) are those of the plant, then the channels.
+
+    Raises:
+        OwnCodeError: if code of the plant or of an effect fails, or gives something else than equations.
+        ValueError: if an effect is not linear in the acceleration.
     """
     t = ca.SX.sym("t")
     x, x_by = _symbols([s.name for s in states])
     u, u_by = _symbols([s.name for s in inputs])
     p, p_by = _symbols([q.name for q in parameters])
-    plant_p = SimpleNamespace(**{q.name: p_by[q.name] for q in plant.parameters})
-    plant_x = SimpleNamespace(**{s.name: x_by[s.name] for s in plant.states})
+    plant_p = Named("parameter", {q.name: p_by[q.name] for q in plant.parameters})
+    plant_x = Named("state", {s.name: x_by[s.name] for s in plant.states})
     local = _Locals(terms, t, x_by, u_by, p_by)
 
-    plant_u, input_rates = local.through("input", u_by)
-    motion = plant.motion(plant_x, plant_u, plant_p)
-    efforts, effort_rates, rates = _resolve_acceleration(plant, local, motion, plant_x, plant_u, plant_p)
-    plain = {
-        s.name: v for s, v in zip(plant.outputs, _outputs(plant, plant_x, plant_u, plant_p), strict=True)
-    }
-    measured, output_rates = local.through("output", plain)
+    inputs_there, input_rates = local.through("input", u_by)
+    at = (plant_x, Named("input", inputs_there), plant_p)
+    motion = motion_of(plant, at)
+    efforts, effort_rates, rates = _resolve_acceleration(plant, local, motion, at)
+    measured, output_rates = local.through("output", outputs_of(plant, at))
 
     term_rates = {**input_rates, **effort_rates, **output_rates}
     x_dot = ca.vertcat(*[rates[s.name] if s.name in rates else term_rates[s.name] for s in states])
-    y = ca.vertcat(*[getattr(measured, s.name) for s in plant.outputs])
+    y = ca.vertcat(*[measured[s.name] for s in plant.outputs])
     moved = ca.vertcat(
         *[ca.horzcat(motion[q.name].position, motion[q.name].velocity) for q in plant.equation_ports]
     )
     args, names = [t, x, u, p], ["t", "x", "u", "p"]
-    return (
-        ca.Function("f", args, [x_dot], names, ["x_dot"], {"cse": True}),
-        ca.Function("h", args, [y], names, ["y"], {"cse": True}),
-        ca.Function("efforts", args, [ca.vertcat(*efforts.values())], names, ["effort"]),
-        ca.Function("motions", args, [moved], names, ["motion"]),
-    )
+    with blamed_on(plant):  # a symbol of its own that is none of the arguments
+        f = ca.Function("f", args, [x_dot], names, ["x_dot"], {"cse": True})
+        h = ca.Function("h", args, [y], names, ["y"], {"cse": True})
+        effort = ca.Function("efforts", args, [ca.vertcat(*efforts.values())], names, ["effort"])
+        motions = ca.Function("motions", args, [moved], names, ["motion"])
+    for function in (f, h):
+        check_numbers(function, plant)
+    return f, h, effort, motions
 
 
 def _symbols(names: Sequence[str]) -> tuple[ca.SX, dict[str, ca.SX]]:
     symbols = [ca.SX.sym(name) for name in names]
     return ca.vertcat(*symbols), dict(zip(names, symbols, strict=True))
-
-
-def _outputs(plant: Plant, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> list[ca.SX]:
-    given = plant.output(x, u, p)
-    return [given[s.name] for s in plant.outputs]
-
-
-def _loads(plant: Plant, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, Load]:
-    """What every port carries that declares it.
-
-    Raises:
-        ValueError: if the declarations of the ports and the plant's ``loads`` disagree.
-    """
-    given = plant.loads(x, u, p)
-    declared = [port.name for port in plant.equation_ports if port.knows]
-    if set(given) != set(declared):
-        raise ValueError(
-            f"plant {plant.name}: loads() gives {', '.join(given) or 'none'}, but the ports that declare a "
-            f"drive, load or level are {', '.join(declared) or 'none'}"
-        )
-    return given
 
 
 def _carried(port: Port, loads: Mapping[str, Load]) -> dict[str, ca.SX]:
@@ -105,9 +98,10 @@ class _Locals:
     p: Mapping[str, ca.SX]
 
     def see(self, term: Term, **seen: ca.SX) -> Local:
-        p = SimpleNamespace(**{q.name: self.p[f"{term.name}.{q.name}"] for q in term.effect.parameters})
-        z = SimpleNamespace(**{s.name: self.x[f"{term.name}.{s.name}"] for s in term.effect.states})
-        return Local(p=p, z=z, time=self.t, channels=SimpleNamespace(**self.u), **seen)
+        p = {q.name: self.p[f"{term.name}.{q.name}"] for q in term.effect.parameters}
+        z = {s.name: self.x[f"{term.name}.{s.name}"] for s in term.effect.states}
+        own = {"p": Named("parameter", p), "z": Named("state", z), "channels": Named("channel", self.u)}
+        return Local(time=self.t, **own, **seen)
 
     def at_effort_port(
         self, term: Term, port: Port, motion: Motion, acceleration: ca.SX, loads: Mapping[str, Load]
@@ -125,7 +119,7 @@ class _Locals:
         """The level and the net flow; an effect that asks for more is refused."""
         absent = {"acceleration": ca.SX.sym("a"), "epsilon": ca.SX.sym("epsilon")}
         seen = self.see(term, position=motion.position, velocity=motion.velocity, **absent)
-        used = ca.vertcat(term.effect.law(seen), *self.rates(term, seen).values())
+        used = ca.vertcat(law_of(term.effect, seen), *self.rates(term, seen).values())
         if ca.depends_on(used, ca.vertcat(*absent.values())):
             raise ValueError(
                 f"effect {term.effect.id}: flow port {port} has a level and a net flow, but no acceleration "
@@ -134,28 +128,24 @@ class _Locals:
         return seen
 
     def rates(self, term: Term, local: Local) -> dict[str, ca.SX]:
-        if term.effect.dynamics is None:
-            return {}
-        return {f"{term.name}.{name}": rate for name, rate in term.effect.dynamics(local).items()}
+        return {f"{term.name}.{name}": rate for name, rate in dynamics_of(term.effect, local).items()}
 
-    def through(self, kind: str, signals: Mapping[str, ca.SX]) -> tuple[SimpleNamespace, dict[str, ca.SX]]:
+    def through(self, kind: str, signals: Mapping[str, ca.SX]) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         """Signals after the terms on their path, and the rates of those terms' states."""
         passed, rates = dict(signals), {}
         for term in self.terms:
             if term.effect.kind == kind:
                 local = self.see(term, signal=passed[term.port])
-                passed[term.port] = passed[term.port] + term.effect.law(local)
+                passed[term.port] = passed[term.port] + law_of(term.effect, local)
                 rates.update(self.rates(term, local))
-        return SimpleNamespace(**passed), rates
+        return passed, rates
 
 
 def _resolve_acceleration(
     plant: Plant,
     local: _Locals,
     motion: Mapping[str, Motion],
-    x: SimpleNamespace,
-    u: SimpleNamespace,
-    p: SimpleNamespace,
+    plant_at: Symbols,
 ) -> tuple[dict[tuple[str, str], ca.SX], dict[str, ca.SX], Mapping[str, ca.SX]]:
     """Efforts by term and port, term rates and plant rates, with port accelerations eliminated.
 
@@ -167,7 +157,7 @@ def _resolve_acceleration(
     """
     moving = [port.name for port in plant.equation_ports if port.kind == "effort"]
     a = ca.vertcat(*[ca.SX.sym(f"a_{name}") for name in moving])
-    loads = _loads(plant, x, u, p)
+    loads = loads_of(plant, plant_at)
     efforts: dict[tuple[str, str], ca.SX] = {}
     term_rates: dict[str, ca.SX] = {}
     total = {port.name: ca.SX(0) for port in plant.equation_ports}
@@ -177,15 +167,15 @@ def _resolve_acceleration(
             seen = local.at_effort_port(term, plant.port(name), motion[name], a[moving.index(name)], loads)
         else:
             seen = local.at_flow_port(term, name, motion[name])
-        efforts[term.name, name] = term.effect.law(seen)
+        efforts[term.name, name] = law_of(term.effect, seen)
         term_rates.update(local.rates(term, seen))
         total[name] += efforts[term.name, name]
-    rates = plant.derivative(x, u, p, total)
+    rates = rates_of(plant, plant_at, total)
     used = ca.vertcat(*efforts.values(), *term_rates.values())
     if not moving or not ca.depends_on(used, a):
         return efforts, term_rates, rates
     names = [s.name for s in plant.states]
-    state = ca.vertcat(*[getattr(x, name) for name in names])
+    state = ca.vertcat(*[getattr(plant_at[0], name) for name in names])
     velocity = ca.vertcat(*[motion[name].velocity for name in moving])
     gap = a - ca.jtimes(velocity, state, ca.vertcat(*[rates[name] for name in names]))
     if not ca.is_linear(gap, a):

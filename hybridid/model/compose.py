@@ -9,6 +9,7 @@ from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named
 from hybridid.model.model import Model
 from hybridid.naming import unknown
+from hybridid.plants.complete import check_plant
 from hybridid.plants.plant import Plant
 
 ADJUSTABLE = ("guess", "lower", "upper", "fixed")
@@ -25,9 +26,11 @@ def compose(
     ``channels`` are the auxiliary channels of the records that effects may see.
 
     Raises:
+        OwnCodeError: if the plant lacks a declaration.
         ValueError: if an effect or port is unknown, or an adjustment names no parameter
             of the model or gives something else than guess, lower, upper, fixed.
     """
+    check_plant(plant)
     model = Model(plant, adjustments=dict(adjustments or {}), channels=tuple(channels))
     for entry in effects:
         if isinstance(entry, Effect):

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import hybridid
+from hybridid.own_code import blamed_on
 from hybridid.records.record import Channel, Record
 from hybridid.rigs.laws import RigError, nearest
 from hybridid.rigs.truth import PlantedAt, revised
@@ -97,11 +98,13 @@ class Rig(abc.ABC):
 
         Raises:
             RigError: for an unknown run, a bad duration or seed, or a truth that diverges.
+            OwnCodeError: if a user's own rig fails.
         """
         time = np.arange(self._samples(run, seed, duration), dtype=np.float64) * self.sampling_time
         # each run has its own noise, independent of the order of the runs
         generator = np.random.default_rng([seed, self.runs.index(run)])
-        return self.perform(run, time, generator)
+        with blamed_on(self, passing=(RigError,)):
+            return self.perform(run, time, generator)
 
     @final
     def record(self, run: str = "identification", seed: int = 0, duration: float | None = None) -> Record:

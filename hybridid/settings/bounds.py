@@ -25,7 +25,7 @@ def check(instance: Any, where: str) -> None:
     """Whether the settings of a dataclass hold words and numbers that are allowed.
 
     Raises:
-        ValueError: if not, in one line that starts with the dotted name ``where.field``.
+        ValueError: if not, in one line that starts with the dotted name ``where.field``, or the field alone.
     """
     for field in dataclasses.fields(instance):
         found = of_field(field)
@@ -34,7 +34,7 @@ def check(instance: Any, where: str) -> None:
                 getattr(instance, field.name),
                 hints_of(instance.__class__)[field.name],
                 found,
-                f"{where}.{field.name}",
+                f"{where}.{field.name}" if where else field.name,
             )
 
 

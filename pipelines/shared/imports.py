@@ -6,10 +6,10 @@ import importlib
 import inspect
 from collections.abc import Iterable
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
-from pipelines.shared.errors import ConfigError, unknown
+from hybridid.own_code import imported
+from pipelines.shared.errors import ConfigError
 from pipelines.shared.own_code import check_not_taken
 from pipelines.shared.source_code import PACKAGES, PROJECT, digest, files_of, with_imports
 
@@ -18,22 +18,16 @@ def named(path: object, what: str) -> Any:
     """The object at ``module:NAME``.
 
     Raises:
-        ConfigError: if the path is malformed, the module cannot be imported or lacks the name, or a library
-            has the name of the user's module.
+        ConfigError: in one line, if the path is malformed, the module cannot be imported or lacks the name,
+            or a library has the name of the user's module.
     """
-    module_name, _, attribute = str(path).partition(":")
-    if not module_name or not attribute:
-        raise ConfigError(f"{what} is {path!r}: give an import path, module:NAME")
-    check_not_taken(module_name, f"{what} {path}")
+    module, _, attribute = str(path).partition(":")
+    if module and attribute:  # before it is imported, for to import a module is to run it
+        check_not_taken(module, f"{what} {path}")
     try:
-        module = importlib.import_module(module_name)
-    except ImportError as error:
-        raise ConfigError(f"{what} {path}: {error}; Python files in --config-dir are found too") from error
-    except Exception as error:  # the user's own file may raise anything: the message says where
-        raise ConfigError(f"{what} {path}: {module_name} fails when imported: {_where(error)}") from error
-    if not hasattr(module, attribute):
-        raise ConfigError(f"{what} {path}: {unknown(f'name in {module_name}', attribute, _public(module))}")
-    return getattr(module, attribute)
+        return imported(str(path), what)
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
 
 
 def code_digests(paths: Iterable[str]) -> dict[str, str]:
@@ -57,17 +51,3 @@ def code_digests(paths: Iterable[str]) -> dict[str, str]:
         found[f"code beside {file.name}"] = digest(theirs)
         found[f"hybridid's code for {file.name}"] = digest(name for name in reached if name not in theirs)
     return found
-
-
-def _public(module: ModuleType) -> list[str]:
-    return [
-        name
-        for name, value in vars(module).items()
-        if not name.startswith("_") and not inspect.ismodule(value)
-    ]
-
-
-def _where(error: Exception) -> str:
-    trace = inspect.getinnerframes(error.__traceback__) if error.__traceback__ else []
-    place = f" ({Path(trace[-1].filename).name}, line {trace[-1].lineno})" if trace else ""
-    return f"{type(error).__name__}: {error}{place}"

@@ -10,6 +10,7 @@ from hybridid.effects.effect import Effect
 from hybridid.effects.library import library_for
 from hybridid.model import Model, compose
 from hybridid.model.compose import ADJUSTABLE
+from hybridid.own_code import OwnCodeError, blamed_on
 from hybridid.plants.plant import Plant
 from hybridid.settings.fit import FitSettings
 from pipelines.shared.channels import channels_of
@@ -28,15 +29,20 @@ def plant_of(settings: Settings) -> Plant:
     """
     found = named(settings["plant"], "plant")
     if inspect.isclass(found) and issubclass(found, Plant):
-        try:
-            found = found()
-        except TypeError as error:
-            raise ConfigError(f"plant {settings['plant']}: {error}") from error
+        found = _made(found, f"plant {settings['plant']}")
     if not isinstance(found, Plant):
-        raise ConfigError(
-            f"plant {settings['plant']} is a {type(found).__name__}, not a hybridid.plants.plant.Plant"
-        )
+        kind = "class" if inspect.isclass(found) else type(found).__name__
+        raise ConfigError(f"plant {settings['plant']} is a {kind}, not a hybridid.plants.plant.Plant")
     return found
+
+
+def _made(cls: type[Plant], what: str) -> Plant:
+    """The plant that a class makes without arguments."""
+    try:
+        with blamed_on(cls):
+            return cls()
+    except OwnCodeError as error:
+        raise ConfigError(f"{what}: {error}") from error
 
 
 def model_of(settings: Settings) -> Model:

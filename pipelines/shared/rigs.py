@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Mapping
 from typing import Any
 
+from hybridid.own_code import OwnCodeError, blamed_on
 from hybridid.plain import build
 from hybridid.rigs.laws import RigError
 from hybridid.rigs.rig import Rig
@@ -26,7 +27,8 @@ def rig_of(given: Mapping[str, Any]) -> Rig:
     """
     section = build(RigSection, given, "rig", ConfigError)
     rig = named(section.path, "rig.path")
-    rig = rig() if inspect.isclass(rig) else rig
+    if inspect.isclass(rig):
+        rig = _made(rig, f"rig.path {section.path}")
     if not isinstance(rig, Rig):
         raise ConfigError(f"rig.path {section.path} is a {type(rig).__name__}, not a hybridid.rigs.rig.Rig")
     truth, planted = section.truth, section.planted
@@ -36,3 +38,11 @@ def rig_of(given: Mapping[str, Any]) -> Rig:
         return rig.with_truth(truth or {}, None if planted is None else planted_laws(planted, rig.ports))
     except RigError as error:
         raise ConfigError(str(error)) from error
+
+
+def _made(cls: type, what: str) -> object:
+    try:
+        with blamed_on(cls, passing=(RigError,)):
+            return cls()
+    except (OwnCodeError, RigError) as error:
+        raise ConfigError(f"{what}: {error}") from error

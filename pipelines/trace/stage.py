@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from hybridid.effects.library import effect_named
 from hybridid.records.store import load_record
+from hybridid.trace.candidates import admissible
 from hybridid.trace.result import Trace
 from hybridid.trace.run import trace
 from pipelines.shared import modelling
@@ -114,10 +115,11 @@ def _drawn(job: Job, found: Trace) -> list[Picture]:
 
 
 def check(settings: Settings) -> None:
-    """Check the section ``trace``.
+    """Check the section ``trace``, and the code of the user's own effects in it.
 
     Raises:
         ConfigError: if a key or value is wrong, or no effect fits a port of the plant.
+        OwnCodeError: if code of an effect to try fails.
     """
     request = request_of(settings)
     division(sources_of(settings).found, settings)
@@ -125,6 +127,9 @@ def check(settings: Settings) -> None:
     kinds = {port.kind for port in model.plant.ports}
     if not any(effect.kind in kinds for effect in request.effects):
         raise ConfigError(f"trace.effects: plant {model.plant.name} has no port where any of them acts")
+    own = [effect_named(path) for path in imported_effects(settings)]
+    for candidate in admissible(model, own, request.ports):
+        _ = candidate.added_to(model).f  # asks the effect for its equations
 
 
 def _named_code(settings: Settings) -> dict[str, str]:

@@ -217,7 +217,7 @@ class Leaking:
 
         level = np.full((n, 1), 0.35)
         for k, u in enumerate(inflow[:-1]):
-            level[k + 1] = solve_ivp(rate, (0, 1.0), level[k], args=(u,), rtol=1e-9, atol=1e-11).y[:, -1]
+            level[k + 1] = odeint(rate, level[k], (0, 1.0), (u,), tfirst=True, rtol=1e-9, atol=1e-11)[-1]
         return Record(
             name,
             time,

@@ -260,8 +260,8 @@ def test_wrong_adjustments_say_what_is_wrong_in_one_line(adjustments, words):
         (["viscous@cariage"], "did you mean 'carriage'"),
         (["viscous", "viscous"], "stands twice"),
         (["viscous@force"], "acts at effort ports"),
-        (["nowhere.to_be:FOUND"], "cannot be imported"),
-        (["hybridid.plants.emps:EMPS"], "not an Effect"),
+        (["nowhere.to_be:FOUND"], "No module named 'nowhere'"),
+        (["hybridid.plants.emps:EMPS"], "not a hybridid.effects.effect.Effect"),
     ],
 )
 def test_wrong_effects_say_what_is_wrong_in_one_line(effects, words):

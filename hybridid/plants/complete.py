@@ -1,0 +1,63 @@
+"""Whether a plant declares all that a model needs, checked before it is asked for its equations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from hybridid.declarations import Parameter, Port, Signal, State
+from hybridid.naming import unknown
+from hybridid.own_code import blame
+from hybridid.plants.plant import TOGETHER, Plant
+
+_DECLARED: Mapping[str, type] = {
+    "states": State,
+    "inputs": Signal,
+    "outputs": Signal,
+    "parameters": Parameter,
+    "ports": Port,
+}
+_SEEN_BY_NAME = ("states", "inputs", "outputs", "parameters")
+"""What the methods of a plant write after a dot, as in ``x.q`` and ``p.J``."""
+
+
+def check_plant(plant: Plant) -> None:
+    """Whether every declaration of a plant is there, of its type, and its names are good.
+
+    Raises:
+        OwnCodeError: with the plant's file and line, if not.
+    """
+    kind = type(plant)
+    for text in ("name", "meaning", "source"):
+        if not isinstance(getattr(plant, text, None), str):
+            blame(kind, f"plant {kind.__name__} lacks {text}, a text")
+    for what in _DECLARED:
+        for complaint in _complaints(plant, what):
+            blame(kind, f"plant {plant.name}: {complaint}")
+    for what in ("states", "outputs"):
+        if not getattr(plant, what):
+            blame(kind, f"plant {plant.name} has no {what}: at least one is needed")
+    outputs = [signal.name for signal in plant.outputs]
+    for state in plant.states:
+        if state.observed_by is not None and state.observed_by not in outputs:
+            where = f"output in observed_by of state {state.name}:"
+            blame(kind, f"plant {plant.name}: {unknown(where, state.observed_by, outputs)}")
+
+
+def _complaints(plant: Plant, what: str) -> Iterator[str]:
+    given, wanted = getattr(plant, what, None), _DECLARED[what].__name__
+    if not isinstance(given, tuple):
+        found = "missing" if given is None else f"a {type(given).__name__}"
+        yield f"{what} is {found}, expected a tuple, as in {what} = ({wanted}(...),)"
+        return
+    for one in given:
+        if not isinstance(one, _DECLARED[what]):
+            yield f"{what} holds a {type(one).__name__}, expected {wanted}(...) alone"
+            return
+    names = [one.name for one in given]
+    for name in names:
+        if names.count(name) > 1:
+            yield f"two of its {what} are called {name}"
+        if what in _SEEN_BY_NAME and not str(name).isidentifier():
+            yield f"{name!r} among its {what} is no name: letters, digits and _ only"
+        if what == "ports" and (set(str(name)) & {".", "@", TOGETHER} or not name):
+            yield f"port {name!r}: a name has no '.', '@' and '{TOGETHER}'"
