@@ -26,8 +26,8 @@ Every key of a config. `make configuration` writes this page from the dataclasse
 
 A key is set on the command line, as in `hybridid fit estimator.horizon=1000`, or in a file of a case or an
 experiment. A list may hold a single value: `trace.effects=dahl` is `trace.effects=[dahl]`. A whole number
-may be written as 1e3. true and false are the only booleans. `hybridid <command> --cfg job` prints the
-values that a command would use; a case may set defaults of its own.
+may be written as 1e3. true and false are the only booleans: yes, no, on, off, 0 and 1 are refused.
+`hybridid <command> --cfg job` prints the values that a command would use; a case may set defaults of its own.
 """
 FREE = f"""\
 ## The case's own keys
@@ -40,11 +40,14 @@ These keys hold names that the case chooses.
   `{{temperature: °C}}`. null: none.
 - `parameters`: by the name of a parameter, {", ".join(f"`{key}`" for key in ADJUSTABLE)}, as in
   `parameters.M.lower=30`, or `parameters.carriage.viscous.f_v.guess=200` of an effect at a port. `fixed`: the
-  value is known and is not estimated. null: as the plant or the effect has it.
+  value is known and is not estimated. null: as the plant or the effect has it. Several at once are
+  `parameters={{M: {{lower: 30, upper: 150}}, carriage.viscous.f_v: {{guess: 200}}}}`. Those that it does not
+  name stay as the case has them.
 - `records`: by the name of a record, `role` (identification or validation), `run` (of the virtual rig;
   default: the record's name), `steps` (of this record alone, before `preprocess.steps`), and the keys of the
   first table below.
-- `signals`: the same keys, for all records.
+- `signals`: the same keys, for all records. They are checked even where a virtual rig stands in, and the rig
+  must give the inputs and outputs that they declare.
 """
 GROUPS = """\
 ## Groups

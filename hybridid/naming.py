@@ -5,6 +5,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 
+LONGEST_NAME = 100
+"""Bytes of a name after which files are named."""
 MOST_LISTED = 400
 """Characters of names that a message lists; of more it lists the first ones and how many there are."""
 
@@ -39,6 +41,15 @@ def nearest(name: object, known: Iterable[str]) -> str:
     by_lower = {n.lower(): n for n in reversed(list(known))}
     near = difflib.get_close_matches(str(name).lower(), by_lower, n=1, cutoff=0.5)
     return f"did you mean {by_lower[near[0]]!r}? " if near else ""
+
+
+def no_file_name(name: str) -> str:
+    """Why files cannot be named after ``name``; empty if they can."""
+    if not name or name.startswith(".") or set(name) & set("/\\") or not name.isprintable():
+        return "its files are named after it, so give a name without /, \\ and a dot at its beginning"
+    if len(name.encode()) > LONGEST_NAME:
+        return f"its files are named after it, so give a name of at most {LONGEST_NAME} bytes"
+    return ""
 
 
 def shortened(text: str, most: int = 300) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import re
 from collections.abc import Sequence
 
@@ -12,7 +13,9 @@ from hydra.errors import (
     OverrideParseException,
 )
 from omegaconf.errors import OmegaConfBaseException
+from yaml import YAMLError
 
+from hybridid.naming import shortened
 from hybridid_cli.config_files import groups, keys, options, user_folders
 from pipelines.shared.errors import ConfigError, Incomplete, unknown
 
@@ -27,14 +30,44 @@ def explained(error: Exception, command: str, words: Sequence[str]) -> tuple[str
         return str(error), WRONG_REQUEST
     if isinstance(error, (HydraException, OmegaConfBaseException)):
         return _config_problem(error, command, words), WRONG_REQUEST
+    if "Config group override must be a string or a list" in str(error):
+        return _not_an_option(words), WRONG_REQUEST
+    if isinstance(error, UnicodeDecodeError):
+        return _unreadable(error, words), WRONG_REQUEST
     if isinstance(error, (ValueError, Incomplete)):  # RecordError and the like speak for themselves
-        return one_line(str(error)), FAILED
-    return f"{type(error).__name__}: {one_line(str(error))}{_MAKERS_HINT}", FAILED
+        return str(error), FAILED
+    if isinstance(error, OSError) and error.filename is not None:
+        return _file_problem(error), FAILED
+    if isinstance(error, MemoryError):
+        return f"the memory of this machine does not suffice: {error}{_MAKERS_HINT}", FAILED
+    if isinstance(error, YAMLError):
+        return _yaml_problem(error), WRONG_REQUEST
+    return f"{type(error).__name__}: {error}{_MAKERS_HINT}", FAILED
 
 
-def one_line(text: str) -> str:
-    """Text without line breaks."""
-    return " ".join(text.split())
+def _file_problem(error: OSError) -> str:
+    """A file that cannot be read or written, and why; on a full disk what became of the results."""
+    kept = ""
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
+        kept = "; what was unfinished is discarded, what was finished is kept"
+    reason = (error.strerror or type(error).__name__).lower()
+    return f"{shortened(str(error.filename), 160)}: {reason}{kept}"
+
+
+def _yaml_problem(error: YAMLError) -> str:
+    """File, line and what is wrong there."""
+    mark = getattr(error, "problem_mark", None)
+    where = f"{mark.name}, line {mark.line + 1}: " if mark else ""
+    return f"{where}{getattr(error, 'problem', None) or error}"
+
+
+def _unreadable(error: UnicodeDecodeError, words: Sequence[str]) -> str:
+    """The config file that is no text in UTF-8."""
+    for folder in user_folders(words):
+        for path in sorted(folder.rglob("*.yaml")):
+            if path.is_file() and path.read_bytes() == error.object:
+                return f"{path}: no text in UTF-8: {error.reason} at byte {error.start}"
+    return str(error)
 
 
 def _config_problem(error: Exception, command: str, words: Sequence[str]) -> str:
@@ -47,17 +80,38 @@ def _config_problem(error: Exception, command: str, words: Sequence[str]) -> str
             f"cannot read {error.override!r}: write key=value, and quote what the shell would split or change"
         )
     text = str(error)
+    if match := re.search(r"An item is already at '([^']+)'", text):
+        return f"{match[1]} is in the config already: write {match[1]}=... without +"
     if match := re.search(r"Could not (?:override|append to config|delete) '([^']+)'", text):
         return _unknown_key(match[1], command, words)
     if "Ambiguous value for argument" in text and (match := re.search(r"argument '([^']+)'", text)):
         key, _, value = match[1].partition("=")
         return f"{match[1]}: several values; add -m to run each, or write {key}=[{value}] for a list"
     if "requires --multirun" in text:
-        return one_line(text).replace("--multirun", "-m")
+        return text.replace("--multirun", "-m")
     cause = error.__cause__ if isinstance(error.__cause__, Exception) else None
     if isinstance(error, ConfigCompositionException) and not text and cause is not None:
-        return one_line(str(cause))
-    return one_line(f"{text} {cause or ''}")
+        return str(cause)
+    return _plain(f"{text} {cause or ''}")
+
+
+def _plain(text: str) -> str:
+    """A message of OmegaConf without the names of its own classes, the key first."""
+    text = re.sub(r"\s*(object_type=\w*|reference_type=\S*)", "", text)
+    key = re.search(r"\s*full_key: *(\S*)", text)
+    text = re.sub(r"\s*full_key: *\S*", "", text)
+    text = re.sub(r"\w+ raised while (composing config|resolving interpolation): *", "", text)
+    return f"{key[1]}: {text}" if key and key[1] else text
+
+
+def _not_an_option(words: Sequence[str]) -> str:
+    """A group that was given a number or null instead of the name of one of its files."""
+    folders = [folder for folder in user_folders(words) if folder.is_dir()]
+    for word in words:
+        key, _, value = word.lstrip("+").partition("=")
+        if key in groups(folders) and value not in options(key, folders):
+            return unknown(key, value, options(key, folders))
+    return "a group of configs is chosen by a name, as in estimator=gauss_newton"
 
 
 def _unknown_key(key: str, command: str, words: Sequence[str]) -> str:
@@ -66,7 +120,10 @@ def _unknown_key(key: str, command: str, words: Sequence[str]) -> str:
     choices = dict(
         word.split("=", 1) for word in words if "=" in word and word.split("=")[0] in groups(folders)
     )
+    top = key.partition(".")[0]
     known = {*keys(command, choices, folders), *groups(folders)}
+    if top in groups(folders) and not any(one.startswith(f"{top}.") for one in known):
+        return f"{key}: no {top} is chosen in this config; choose {top}={'|'.join(options(top, folders))}"
     known |= {".".join(k.split(".")[: i + 1]) for k in known for i in range(k.count("."))}
     above = key.rpartition(".")[0]
     while above and above not in known:

@@ -87,6 +87,8 @@ class Configs:
             if not override.is_discrete_sweep():
                 given = override.input_line
                 raise ConfigError(f"{given}: an interval has no points; give range() or choice()")
+            if not _words(override):
+                raise ConfigError(f"{override.input_line}: it has no values, so there is nothing to sweep")
         groups = [o for o in swept if self.loader.get_group_options(o.key_or_group)]
         values = [o for o in swept if o not in groups]
         plain = [word for o in self.overrides if o not in swept for word in _words(o)]

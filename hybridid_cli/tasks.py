@@ -13,6 +13,8 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf, open_dict
 
+from hybridid.plain import build
+from hybridid.settings import keys
 from hybridid_cli import interrupt
 from hybridid_cli.launched import end_with_command
 from hybridid_cli.terminal import Terminal
@@ -20,6 +22,7 @@ from hybridid_cli.trusting import trusted_when_asked
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
 from pipelines.shared.own_code import make_importable
+from pipelines.shared.sections.stages import ReproduceKeys
 from pipelines.shared.trust import Untrusted
 
 
@@ -37,9 +40,7 @@ def settings_from(cfg: DictConfig, hydra: Any, in_sweep: bool) -> Settings:
     sources = [s.path for s in hydra.runtime.config_sources if s.schema == "file" and s.provider != "main"]
     folders = tuple(Path(path) for path in sources)
     make_importable(folders)
-    config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
-    assert isinstance(config, dict)
-    plain = {str(k): v for k, v in config.items()}
+    plain = _plain(cfg)
     if plain.get("model") is not None:
         plain = _taken_up(plain)
     return Settings(case, plain, folders, in_sweep)
@@ -127,9 +128,11 @@ def reproduce(cfg: DictConfig) -> None:
 
     own = ("experiments=", "processes=", "experiment=", "case=")
     words = [word for word in HydraConfig.get().overrides.task if not word.lstrip("+~").startswith(own)]
-    experiments = {str(name): _composed(str(name), words) for name in cfg.experiments}
+    config = _plain(cfg)
+    asked = build(ReproduceKeys, {key: config[key] for key in keys(ReproduceKeys)}, "", ConfigError)
+    experiments = {name: _composed(name, words) for name in asked.experiments}
     with Terminal() as terminal:
-        page = run(experiments, Path(str(cfg.paths.outputs)), terminal, cfg.processes)
+        page = run(experiments, Path(str(cfg.paths.outputs)), terminal, asked.processes)
         terminal.show(f"page: {page}")
 
 
@@ -139,9 +142,14 @@ def _composed(experiment: str, words: list[str]) -> Settings:
     case = str(cfg.hydra.runtime.choices["case"])
     with open_dict(cfg):
         del cfg["hydra"]
+    return Settings(case, _plain(cfg))
+
+
+def _plain(cfg: DictConfig) -> dict[str, Any]:
+    """A config as plain containers, with what its values refer to in their place."""
     config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
     assert isinstance(config, dict)
-    return Settings(case, {str(k): v for k, v in config.items()})
+    return {str(key): value for key, value in config.items()}
 
 
 @_raises_past_hydra

@@ -10,11 +10,13 @@ from pipelines.shared.errors import ConfigError, unknown
 SWITCHES = ("-m", "--multirun", "--resolve", "--debug", "-r", "--run")
 WITH_VALUE = ("--config-dir", "-cd", "--cfg", "-c", "--package", "-p", "--info", "-i")
 FLAGS = (*SWITCHES, *WITH_VALUE)
+MAY_BE_NEW = ("parameters", "channels", "rig", "archive")
+"""Keys that a command line may give though the case's file does not."""
 CFG = ("job", "hydra", "all")
 
 
 def prepared(command: str, words: Sequence[str]) -> list[str]:
-    """``words`` as Hydra takes them: flags first, ``parameters.*`` allowed to be new keys.
+    """``words`` as Hydra takes them: flags first, ``MAY_BE_NEW`` allowed to be new keys.
 
     Raises:
         ConfigError: for an unknown flag or a word that is no override.
@@ -55,7 +57,8 @@ def _flag_awaiting_value(word: str) -> str:
 def _override(command: str, word: str, words: Sequence[str]) -> str:
     if "=" not in word and not word.startswith("~"):
         return _bare(command, word, words)
-    return f"++{word}" if word.startswith("parameters.") else word
+    key = word.partition("=")[0]
+    return f"++{word}" if key.partition(".")[0] in MAY_BE_NEW else word
 
 
 def _check_flag_value(flag: str, value: str) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from hybridid.records.record import Record
 from hybridid.records.store import save_record
 from hybridid.signals.step import StepError
-from hybridid.signals.steps import apply_steps, parse_steps
+from hybridid.signals.steps import apply_steps, as_steps, parse_steps
 from pipelines.shared import sources
 from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
@@ -25,10 +26,10 @@ def run(job: Job) -> None:
     ``channels``, store samples and description."""
     rows, channels = [], [signal.name for signal in channels_of(job.settings)]
     for source in sources_of(job.settings).found:
-        steps = [*source.steps, *job.settings.get("preprocess.steps", [])]
+        steps = [*source.steps, *_common_steps(job.settings)]
         record = apply_steps(source.record(), steps).with_channels(channels)
         for warning in record.warnings:
-            job.watcher.warn(f"record {source.name}: {warning}")
+            job.watcher.warn(warning)
         save_record(record, job.folder / f"{source.name}.parquet")
         rows.append(_described(source, record))
     write_json(job.folder / "records.json", rows)
@@ -51,6 +52,11 @@ def _described(source: Source, record: Record) -> Prepared:
     )
 
 
+def _common_steps(settings: Settings) -> tuple[Any, ...]:
+    """The steps of every record."""
+    return as_steps(settings.get("preprocess.steps"), "preprocess.steps")
+
+
 def check(settings: Settings) -> None:
     """Check that the records can be found and that the filter steps are valid.
 
@@ -63,7 +69,7 @@ def check(settings: Settings) -> None:
     try:
         for source in found:
             parse_steps(source.steps, f"records.{source.name}.steps")
-        parse_steps(settings.get("preprocess.steps", []), "preprocess.steps")
+        parse_steps(_common_steps(settings), "preprocess.steps")
     except StepError as error:
         raise ConfigError(str(error)) from error
 

@@ -39,7 +39,7 @@ NEVER_BELOW_RIGS = ("casadi", "hybridid.simulation", "hybridid.effects", "hybrid
 
 # imports that no text shows: these modules may import by a name that they are given
 BY_NAME = {
-    "hybridid.own_code": "plant, effect and rig of the user's own",
+    "hybridid.blame": "plant, effect and rig of the user's own",
     "hybridid.effects.pickling": "functions that came through a pickle",
     "pipelines.shared.imports": "their code counts for freshness",
     "hybridid_cli.main": "the command's own module, so that a command starts fast",

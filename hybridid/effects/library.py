@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from hybridid.blame import imported
 from hybridid.declarations import Signal
 from hybridid.effects import (
     contact,
@@ -27,7 +28,6 @@ from hybridid.effects import (
 from hybridid.effects.channel_friction import friction_over
 from hybridid.effects.effect import Effect
 from hybridid.naming import unknown
-from hybridid.own_code import imported
 
 EFFECTS: tuple[Effect, ...] = (
     friction.OFFSET,

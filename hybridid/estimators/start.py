@@ -124,7 +124,10 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
     )
     step = max(1, record.n // MOST_SAMPLES)
     inner = slice(width, record.n - width, step)
-    inputs = savgol_filter(record.inputs, 2 * width + 1, ORDER, axis=0)
+    # a machine that swings freely has no input, which LAPACK refuses
+    inputs = (
+        savgol_filter(record.inputs, 2 * width + 1, ORDER, axis=0) if record.inputs.size else record.inputs
+    )
     return record.time[inner], states[inner], rates[inner], inputs[inner]
 
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import casadi as ca
 
+from hybridid.blame import blame, blamed_on
 from hybridid.effects.effect import Effect, Local
 from hybridid.naming import listed, unknown
-from hybridid.own_code import blame, blamed_on
 from hybridid.plants.plant import Load, Motion, Plant
 
 Symbols = tuple[SimpleNamespace, SimpleNamespace, SimpleNamespace]

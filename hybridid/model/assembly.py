@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from hybridid.blame import Named, blamed_on
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.effects.effect import LOAD_WIDTH, Local
 from hybridid.model.asked import (
@@ -20,7 +21,6 @@ from hybridid.model.asked import (
     rates_of,
 )
 from hybridid.model.term import Term
-from hybridid.own_code import Named, blamed_on
 from hybridid.plants.plant import Load, Motion, Plant
 
 

@@ -8,7 +8,7 @@ from hybridid.declarations import Signal
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named
 from hybridid.model.model import Model
-from hybridid.naming import unknown
+from hybridid.naming import listed, unknown
 from hybridid.plants.complete import check_plant
 from hybridid.plants.plant import Plant
 
@@ -36,7 +36,11 @@ def compose(
         if isinstance(entry, Effect):
             model = model.plus(entry)
             continue
-        name, _, port = entry.partition("@")
+        name, at, port = entry.partition("@")
+        if at and not port:
+            raise ValueError(
+                f"effect {entry!r} names no port; ports: {listed([p.name for p in plant.ports])}"
+            )
         model = model.plus(effect_named(name, model.inputs), port or None)
     known = [p.name for p in model.parameters]
     for name, changes in model.adjustments.items():

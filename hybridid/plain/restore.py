@@ -182,8 +182,9 @@ def _tuple(value: Any, items: tuple[Any, ...], where: str, rules: _Rules) -> tup
     if rules.stored and not isinstance(value, Sequence):
         raise rules.error(f"{where}: expected a list, got {value!r}")
     if isinstance(value, Mapping) and dataclasses.is_dataclass(items[0]):
-        nested = all(isinstance(v, Mapping) for v in value.values())
-        value = [{"name": name, **rest} for name, rest in value.items()] if nested else [value]
+        if not set(value) & {f.name for f in dataclasses.fields(items[0])}:
+            return _by_name(value, items[0], where, rules)
+        value = [value]
     if isinstance(value, str) or not isinstance(value, Sequence):
         value = [value]
     if items[-1] is Ellipsis:
@@ -192,6 +193,16 @@ def _tuple(value: Any, items: tuple[Any, ...], where: str, rules: _Rules) -> tup
         raise rules.error(f"{where} has {len(value)} values, expected {len(items)}")
     pairs = enumerate(zip(value, items, strict=True))
     return tuple(_convert(v, item, f"{where}[{i}]", rules) for i, (v, item) in pairs)
+
+
+def _by_name(value: Mapping[str, Any], cls: Any, where: str, rules: _Rules) -> tuple[Any, ...]:
+    """A ``cls`` for each of the mapping's keys, which is its ``name``."""
+    for name, rest in value.items():
+        if not isinstance(rest, Mapping):
+            raise rules.error(f"{where}.{name}: expected a mapping of keys to values, got {rest!r}")
+    return tuple(
+        _convert({"name": name, **rest}, cls, f"{where}.{name}", rules) for name, rest in value.items()
+    )
 
 
 def _is_number(value: Any) -> bool:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from hybridid.blame import blame
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.naming import unknown
-from hybridid.own_code import blame
 from hybridid.plants.plant import TOGETHER, Plant
 
 _DECLARED: Mapping[str, type] = {

@@ -11,6 +11,10 @@ from hybridid.records.clipping import clipped_runs
 
 MINIMUM_SAMPLES = 10
 # Time stamps printed with too few digits deviate by less than this, a lost or late sample by more.
+LARGEST = 1e60
+"""Magnitude of a sample: beyond it products and squares leave the range of numbers."""
+SHORTEST_STEP, LONGEST_STEP = 1e-12, 1e9
+"""Sampling times in s: beyond them the unit of time is wrong."""
 STEP_TOLERANCE = 0.01  # of the sampling time
 # Small errors of the steps add up: beyond half a sample, a fit would take the sum for a delay.
 GRID_TOLERANCE = 0.5  # of the sampling time
@@ -31,6 +35,7 @@ def check_samples(name: str, time: Array, signals: Sequence[Signals]) -> tuple[s
         raise RecordError(f"{where}: {len(time)} samples are too few, at least {MINIMUM_SAMPLES} are needed")
     check_finite(time, "time", "s", where)
     check_increasing(time, where)
+    _check_step(time, where)
     for role, channel, values in _each(signals):
         check_finite(values, f"{role} {channel.name!r}", channel.unit, where, time)
     check_even(time, where)
@@ -38,7 +43,7 @@ def check_samples(name: str, time: Array, signals: Sequence[Signals]) -> tuple[s
 
 
 def check_finite(values: Array, what: str, unit: str, where: str, time: Array | None = None) -> None:
-    """Raise if a value of ``values`` (n,) is missing or infinite, naming the first.
+    """Raise if a value of ``values`` (n,) is missing, infinite or beyond ``LARGEST``, naming the first.
 
     Raises:
         RecordError: with the channel, how many, and the first one's sample and time.
@@ -51,6 +56,12 @@ def check_finite(values: Array, what: str, unit: str, where: str, time: Array | 
         raise RecordError(
             f"{where}: {what} [{unit}] is {kind} at sample {k}{at}, "
             f"{len(bad)} of {len(values)} samples are missing or infinite; repair or cut them first"
+        )
+    k = int(np.argmax(np.abs(values))) if len(values) else 0
+    if len(values) and abs(values[k]) > LARGEST:
+        raise RecordError(
+            f"{where}: {what} [{unit}] is {values[k]:.3g} at sample {k}, no quantity of a machine: repair "
+            "or cut it first, or give another unit or scale"
         )
 
 
@@ -97,6 +108,15 @@ def check_even(time: Array, where: str) -> None:
         raise RecordError(
             f"{where}: time drifts {drift[k] / dt:.2g} samples away from an even grid of {dt:.6g} s "
             f"at sample {k} (t = {time[k]:g} s); {EVEN_REMEDY}"
+        )
+
+
+def _check_step(time: Array, where: str) -> None:
+    dt = float(np.median(np.diff(time)))
+    if not SHORTEST_STEP <= dt <= LONGEST_STEP:
+        raise RecordError(
+            f"{where}: the sampling time is {dt:.3g} s, must be {SHORTEST_STEP:g} to {LONGEST_STEP:g} s; "
+            "is the unit of time right?"
         )
 
 

@@ -30,6 +30,11 @@ class Columns(Mapping[str, Array]):
             return self.values_by_name[name]
         if name in self.unusable:
             raise RecordError(f"{self.path}: {name!r} cannot be a signal: {self.unusable[name]}")
+        parts = [one for one in (*self, *self.unusable) if one.startswith((f"{name}[", f"{name}."))]
+        if name and parts:
+            raise RecordError(
+                f"{self.path}: {name!r} has {len(parts)} parts, {parts[0]} to {parts[-1]}: name one of them"
+            )
         raise RecordError(f"{self.path}: {unknown('column', name, self.values_by_name)}")
 
     def __contains__(self, name: object) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hybridid.naming import unknown
+from hybridid.naming import shortened, unknown
 from hybridid.plain import build
 from hybridid.records.channel import Array, Channel, Hold, RecordError
 from hybridid.records.checks import check_finite
@@ -19,6 +19,8 @@ from hybridid.records.record import Record
 from hybridid.records.resample import Resample, resampled
 from hybridid.records.sources import DataRoot, digest_of, locate
 
+LONGEST = 60
+"""Characters of a signal's name and of a unit."""
 SECONDS: Mapping[str, float] = {
     "s": 1.0,
     "ms": 1e-3,
@@ -50,10 +52,21 @@ class SignalMap:
     meaning: str = ""
 
     def __post_init__(self) -> None:
+        if not self.name.isprintable() or not 0 < len(self.name) <= LONGEST:
+            name = shortened(repr(self.name), 80)
+            raise RecordError(f"{name} is no name of a signal: 1 to {LONGEST} characters in one line")
+        if not self.unit.isprintable() or len(self.unit) > LONGEST:
+            raise RecordError(
+                f"unit is {shortened(repr(self.unit), 80)}: at most {LONGEST} characters in one line"
+            )
+        if not self.column:
+            raise RecordError("column is empty: give the name of a column")
         if self.sign not in (1, -1):
-            raise RecordError(f"signal {self.name!r}: sign is {self.sign}, allowed: 1, -1")
+            raise RecordError(f"sign is {self.sign}, allowed: 1, -1")
         if self.scale == 0 or not np.isfinite([self.scale, self.offset]).all():
-            raise RecordError(f"signal {self.name!r}: scale must be finite and not 0, offset finite")
+            raise RecordError(
+                f"scale is {self.scale:g} and offset {self.offset:g}: must be finite, and scale not 0"
+            )
 
     @property
     def channel(self) -> Channel:
@@ -81,7 +94,7 @@ class TimeMap:
             got = ", ".join(given) or "none"
             raise RecordError(f"time needs exactly one of column, dt, rate, got {got}")
         if self.unit not in SECONDS:
-            raise RecordError(unknown("unit of time", self.unit, SECONDS))
+            raise RecordError(unknown("unit", self.unit, SECONDS))
         step = self.dt if self.dt is not None else self.rate
         if step is not None and not 0 < step < np.inf:
             raise RecordError(f"{given[0]} is {step:g}, it must be positive")
@@ -91,14 +104,30 @@ class TimeMap:
 
 @dataclass(frozen=True)
 class RecordMap:
-    """Everything that a config says about one recording."""
+    """Everything that a config says about one recording. A machine may have no input: one that swings freely.
+
+    Raises:
+        RecordError: if it names no file or no output, or two signals share a name.
+    """
 
     files: tuple[str, ...]
     time: TimeMap
-    inputs: tuple[SignalMap, ...]
     outputs: tuple[SignalMap, ...]
+    inputs: tuple[SignalMap, ...] = ()
     auxiliary: tuple[SignalMap, ...] = ()
     resample: Resample | float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.files:
+            raise RecordError("files is empty: name at least one")
+        if not self.outputs:
+            raise RecordError("outputs is empty: at least one is needed")
+        names = ["time", *(s.name for s in (*self.inputs, *self.outputs, *self.auxiliary))]
+        for name in names:
+            if names.count(name) > 1:
+                raise RecordError(f"the name {name!r} is taken twice (time is one of them)")
+        if isinstance(self.resample, int | float):
+            object.__setattr__(self, "resample", Resample(self.resample))
 
 
 def record_map(values: Mapping[str, Any], where: str = "record") -> RecordMap:

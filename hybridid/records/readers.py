@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from hybridid.naming import shortened
 from hybridid.records.channel import Array, RecordError
 from hybridid.records.columns import Columns
 from hybridid.records.json_columns import read_json
@@ -34,13 +35,15 @@ def read_columns(path: Path | str) -> Columns:
         raise RecordError(f"{path}: {path.suffix or 'no suffix'} is not read; allowed: {', '.join(READERS)}")
     if not path.is_file():
         raise RecordError(f"{path}: no such file")
+    if path.stat().st_size == 0:
+        raise RecordError(f"{path}: the file is empty")
     try:
         found = list(reader(path))
     except RecordError:
         raise
     except Exception as wrong:  # each library raises errors of its own for a broken file
-        reason = " ".join(str(wrong).split()) or type(wrong).__name__
-        raise RecordError(f"{path}: not a readable {path.suffix} file: {reason[:200]}") from wrong
+        reason = shortened(str(wrong), 200) or type(wrong).__name__
+        raise RecordError(f"{path}: not a readable {path.suffix} file: {reason}") from wrong
     columns = Columns(
         path,
         {name: content for name, content in found if not isinstance(content, str)},
@@ -129,9 +132,12 @@ def _read_csv(path: Path) -> Found:
 
 
 def _encoding(path: Path) -> str:
-    """UTF-8 if the file is valid UTF-8, else Latin-1, in which older loggers write ° and µ."""
+    """UTF-16 if the file says so, UTF-8 if it is valid UTF-8, else Latin-1: older loggers write ° and µ."""
+    content = path.read_bytes()
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
     try:
-        path.read_bytes().decode("utf-8-sig")
+        content.decode("utf-8-sig")
     except UnicodeDecodeError:
         return "latin-1"
     return "utf-8-sig"
@@ -165,7 +171,7 @@ def _numbers(series: Any) -> Array | str:
     if len(wrong) == 0:
         return numeric.to_numpy(float, na_value=np.nan)
     row = int(np.flatnonzero(series.index == wrong.index[0])[0])
-    return f"it holds {wrong.iloc[0]!r} at sample {row}, no number"
+    return f"it holds {shortened(repr(wrong.iloc[0]), 60)} at sample {row}, no number"
 
 
 def _read_parquet(path: Path) -> Found:

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from hybridid.naming import shortened
 from hybridid.records.channel import RecordError
 
 DATA_VARIABLE = "HYBRIDID_DATA"
@@ -52,25 +53,42 @@ def locate(relative_path: str | Path, roots: Sequence[DataRoot | Path | str]) ->
     """
     relative_path = Path(relative_path).expanduser()
     if relative_path.is_absolute():
-        if relative_path.is_file():
+        if _is_file(relative_path):
             return relative_path
-        raise RecordNotFoundError(f"{relative_path}: no such file{_namesake([relative_path])}")
+        raise RecordNotFoundError(
+            f"{shortened(str(relative_path), 120)}: no such file{_namesake([relative_path])}"
+        )
     named = [root if isinstance(root, DataRoot) else DataRoot(Path(root)) for root in roots]
     candidates = [root.path / relative_path for root in named]
     for candidate in candidates:
-        if candidate.is_file():
+        if _is_file(candidate):
             return candidate
     looked = ", ".join(map(str, named)) or "nowhere: no data root is set"
     raise RecordNotFoundError(
-        f"{relative_path} not found{_namesake(candidates)}; looked under {looked}; "
+        f"{shortened(str(relative_path), 120)} not found{_namesake(candidates)}; looked under {looked}; "
         f"set paths.data or ${DATA_VARIABLE} to the folder that holds it"
     )
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is such a file; a name that no file can have is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long, or with a zero byte
+        return False
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
 
 
 def _namesake(candidates: Iterable[Path]) -> str:
     """``, did you mean X?`` if a folder that was searched holds a file with a similar name."""
     for candidate in candidates:
-        if candidate.parent.is_dir():
+        if _is_folder(candidate.parent):
             there = {file.name.lower(): file for file in candidate.parent.iterdir() if file.is_file()}
             near = difflib.get_close_matches(candidate.name.lower(), there, n=1, cutoff=0.6)
             if near:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import hybridid
-from hybridid.own_code import blamed_on
+from hybridid.blame import blamed_on
 from hybridid.records.record import Channel, Record
 from hybridid.rigs.laws import RigError, nearest
 from hybridid.rigs.truth import PlantedAt, revised

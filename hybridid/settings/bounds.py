@@ -98,6 +98,9 @@ def _words(hint: Any) -> Iterator[str]:
 
 def _check(value: Any, hint: Any, setting: Setting, where: str) -> None:
     if isinstance(value, str):
+        if setting.some and not value.strip():
+            null = f", or null for {setting.null}" if setting.null else ""
+            raise ValueError(f"{where} is {value!r}: give {setting.shown or 'a name'}{null}")
         known = [
             w for option in options(hint) if typing.get_origin(option) is Literal for w in _words(option)
         ]

@@ -25,8 +25,9 @@ class Setting:
     """What is known of a setting beside its type and its default.
 
     A number is at ``least`` and at ``most``, or ``above`` and ``below``; so is each entry of a tuple, and
-    ``some`` says that there is one. ``null`` says what null stands for, ``follows`` from which other key the
-    config takes the default, ``shown`` what stands for a value in the help.
+    ``some`` says that there is one, or that a text is not empty. ``null`` says what null stands for,
+    ``follows`` from which other key the config takes the default, ``shown`` what stands for a value in the
+    help.
     """
 
     meaning: str

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybridid.model import Model
+from hybridid.naming import listed
 from hybridid.records.record import Record
 
 
@@ -28,11 +29,13 @@ def _check_signals(model: Model, record: Record) -> None:
     for what, channels, signals in pairs:
         have, want = [c.name for c in channels], [s.name for s in signals]
         if have != want:
-            raise ValueError(f"record {record.name} has {what} {have}, {_who(model)} needs {want}")
+            raise ValueError(
+                f"record {record.name} has the {what} {listed(have)}, {_who(model)} needs {listed(want)}"
+            )
         for channel, signal in zip(channels, signals, strict=True):
             if channel.unit != signal.unit:
                 raise ValueError(
-                    f"record {record.name}: {channel.name} is in {channel.unit}, "
+                    f"record {record.name}: {channel.name} is in {channel.unit or 'no unit'}, "
                     f"{_who(model)} needs {signal.unit}"
                 )
 

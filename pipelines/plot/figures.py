@@ -6,7 +6,8 @@ process draws.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 from hybridid.model import Model
 from hybridid.plotting.comparison import comparison_plot
@@ -26,11 +27,11 @@ from pipelines.shared.predictions import Stored, Tested, predictions_in, residua
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.stage import Job
 
-Named = Iterator[tuple[str, Plot]]
+Named = Iterator[tuple[str, Callable[[], Plot]]]
 
 
 def figures(job: Job) -> Named:
-    """All figures of a run tree, each with its file's name ``<record>.<output or port>.<figure>``."""
+    """What draws each figure of a run tree, with its file's name ``<record>.<output or port>.<figure>``."""
     model, _ = fitted_model(job.settings, job.tree)
     laws = laws_of(job.settings, job.tree)
     stored = predictions_in(job.tree)
@@ -38,7 +39,7 @@ def figures(job: Job) -> Named:
     for prepared in prepared_records(job.tree):
         record = load_record(prepared.file)
         job.watcher.progress("plot", f"record {record.name}", None)
-        yield f"{record.name}.record", record_plot(record)
+        yield f"{record.name}.record", partial(record_plot, record)
         own = [s for s in stored if s.prediction.record == record.name]
         yield from _of_record(laws, record, own, tests)
     yield from _of_model(model, stored, fit_of(job.tree))
@@ -54,26 +55,24 @@ def _of_record(
         responses = [Response.of(s.model, s.prediction, output) for s in stored]
         free = [r for s, r in zip(stored, responses, strict=True) if s.horizon is None]
         stem = f"{record.name}.{output}"
-        yield f"{stem}.comparison", comparison_plot(responses)
-        yield f"{stem}.error", error_plot(responses)
-        yield (
-            f"{stem}.spectrum",
-            spectrum_plot(free or responses),
-        )  # the jumps between horizons would show at all frequencies
+        yield f"{stem}.comparison", partial(comparison_plot, responses)
+        yield f"{stem}.error", partial(error_plot, responses)
+        # the jumps between horizons would show at all frequencies
+        yield f"{stem}.spectrum", partial(spectrum_plot, free or responses)
         for test in tests:
             if (test.found.record, test.found.output) == (record.name, output):
                 kind = "residual" if test.model == laws[0].name else "hybrid.residual"
-                yield f"{stem}.{kind}.{test.view}", residual_correlation_plot(test.model, test.found)
-    for port, plot in friction_plots(laws, record, stored):
-        yield f"{record.name}.{port.name}.friction", plot
+                draw = partial(residual_correlation_plot, test.model, test.found)
+                yield f"{stem}.{kind}.{test.view}", draw
+    for port, draw_friction in friction_plots(laws, record, stored):
+        yield f"{record.name}.{port.name}.friction", draw_friction
 
 
 def _of_model(model: Model, stored: Sequence[Stored], fit: Fit) -> Named:
     """Figures over all records: the spread of errors, the estimates."""
     for output in model.outputs if stored else ():
-        yield (
-            f"{output.name}.raincloud",
-            raincloud_plot([Response.of(s.model, s.prediction, output.name) for s in stored]),
-        )
+        responses = [Response.of(s.model, s.prediction, output.name) for s in stored]
+        yield f"{output.name}.raincloud", partial(raincloud_plot, responses)
     fitted = ", ".join(fit.records)
-    yield "parameters", parameters_plot({fit.model: fit.estimate}, model.parameters, fitted, fit.provenance)
+    estimates = {fit.model: fit.estimate}
+    yield "parameters", partial(parameters_plot, estimates, model.parameters, fitted, fit.provenance)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -42,8 +43,8 @@ def laws_of(settings: Settings, tree: Path) -> list[Law]:
 
 def friction_plots(
     laws: Sequence[Law], record: Record, stored: Sequence[Stored]
-) -> Iterator[tuple[Port, Plot]]:
-    """A figure for each port: the efforts of every model along the last of its own predictions."""
+) -> Iterator[tuple[Port, Callable[[], Plot]]]:
+    """What draws a figure for each port: the efforts of every model along the last of its own predictions."""
     curves: dict[str, list[FrictionCurve]] = {}
     ports: dict[str, Port] = {}
     for law in laws:
@@ -56,4 +57,4 @@ def friction_plots(
     for name, drawn in curves.items():
         found = resisting_effort(laws[0].model, laws[0].values, record, ports[name])
         data = None if found is None else FrictionData(*found)
-        yield ports[name], friction_plot(ports[name], drawn, record.name, record.provenance, data)
+        yield ports[name], partial(friction_plot, ports[name], drawn, record.name, record.provenance, data)

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from pipelines.shared.config import Settings
+from pipelines.shared.drawing import drawn
 from pipelines.shared.modelling import named_code
 from pipelines.shared.sections.stages import PlotSection
 from pipelines.shared.stage import Job, Stage
 
 
 def run(job: Job) -> None:
-    """Draw every figure in every format."""
+    """Draw every figure in every format; what cannot be drawn is left out with a warning."""
     from hybridid.plotting.style import save
     from pipelines.plot.figures import figures  # matplotlib takes half a second to import
 
     kinds = _kinds(job.settings)
-    for name, plot in figures(job):
+    for name, plot in drawn(figures(job), job.watcher):
         save(plot, job.folder, name, kinds)
 
 

@@ -13,7 +13,7 @@ from hybridid.model import Term
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import MAKES_A_MODEL, DescribedModel
-from pipelines.shared.modelling import effect_entries
+from pipelines.shared.modelling import effect_entries, parameters_of
 from pipelines.shared.storage import read_as
 from pipelines.shared.trust import admit, paths_in
 
@@ -51,7 +51,7 @@ def augmented(
     estimated (the side of an end stop) keeps its value.
     """
     names = [f"{paths.get(term.effect.id, term.effect.id)}@{term.port}" for term in terms]
-    parameters = _copied(settings.get("parameters", {}))
+    parameters = parameters_of(settings)
     values = estimate.values
     for term in terms:
         own = parameters.setdefault(term.port, {}).setdefault(term.effect.id, {})
@@ -71,7 +71,3 @@ def commands(settings: Settings, model: Path, samples: int) -> tuple[str, ...]:
         f"{start} model={shlex.quote(str(model))} estimator.horizon={samples}",
         f"{start} {effects} estimator.horizon={samples}",
     )
-
-
-def _copied(node: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: _copied(below) if isinstance(below, Mapping) else below for key, below in node.items()}

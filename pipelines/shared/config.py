@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from hybridid.plain import build
-from hybridid.plain.section import check_keys
 from hybridid.settings import keys
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.sections.known import KEYS, SECTIONS
@@ -30,8 +29,8 @@ class Settings:
     """A case's name, its resolved config as plain containers, and the user's own folders.
 
     Raises:
-        ConfigError: if a key is not in ``KEYS``, or a key of a section does not belong to it; if a key that
-            every command reads has a value that is not allowed.
+        ConfigError: if a key is not in ``KEYS``, or a key of a section does not belong to it or has a value
+            that is not allowed, whether or not the command at hand reads that section.
     """
 
     case: str
@@ -46,8 +45,8 @@ class Settings:
             if key not in KEYS:
                 raise ConfigError(unknown("config key", key, KEYS))
             if key in SECTIONS and value is not None:
-                check_keys(SECTIONS[key], value, key, ConfigError)
-        _ = self.lone, self.mlflow, self.paths
+                build(SECTIONS[key], value, key, ConfigError)
+        _ = self.lone, self.mlflow, self.paths  # of these null stands for no section
 
     @property
     def lone(self) -> LoneKeys:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from hybridid.own_code import imported
+from hybridid.blame import imported
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.own_code import check_not_taken
 from pipelines.shared.source_code import PACKAGES, PROJECT, digest, files_of, with_imports

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from hybridid.blame import OwnCodeError, blamed_on
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import library_for
 from hybridid.model import Model, compose
 from hybridid.model.compose import ADJUSTABLE
-from hybridid.own_code import OwnCodeError, blamed_on
 from hybridid.plants.plant import Plant
 from hybridid.settings.fit import FitSettings
 from pipelines.shared.channels import channels_of
@@ -61,7 +62,7 @@ def model_of(settings: Settings) -> Model:
     try:
         bare = compose(plant, entries, channels=channels)
         names = {p.name for p in bare.parameters}
-        given = adjustments(settings.get("parameters", {}))
+        given = adjustments(parameters_of(settings))
         ownable = names | _ownable(plant, [*library_for(channels), *(term.effect for term in bare.terms)])
         for name in given:
             if name not in ownable:
@@ -94,14 +95,45 @@ def effect_entries(settings: Settings) -> list[str]:
     return given
 
 
+def parameters_of(settings: Settings) -> dict[str, Any]:
+    """``parameters`` as nested mappings; ``{carriage.viscous: {f_v: ...}}`` is as good as deeper ones.
+
+    Raises:
+        ConfigError: if it is no mapping.
+    """
+    given = settings.get("parameters", {})
+    if not isinstance(given, Mapping):
+        settings_of_one = ", ".join(ADJUSTABLE)
+        raise ConfigError(
+            f"parameters is {given!r}: give names with {settings_of_one}, as in {{M: {{lower: 1.0}}}}"
+        )
+    found: dict[str, Any] = {}
+    _unfolded(given, found)
+    return found
+
+
+def _unfolded(given: Mapping[str, Any], into: dict[str, Any], path: str = "") -> None:
+    """Put ``given`` ``into`` nested mappings, with dotted keys taken apart."""
+    for key, value in given.items():
+        name, _, rest = str(key).partition(".")
+        value = {rest: value} if rest else value
+        before = into.get(name)
+        if not isinstance(value, Mapping):
+            into[name] = value if before is None else before
+            continue
+        if before is None:
+            before = into[name] = {}
+        if not isinstance(before, dict):
+            raise ConfigError(f"parameters.{path}{name} is both {before!r} and {dict(value)!r}")
+        _unfolded(value, before, f"{path}{name}.")
+
+
 def adjustments(parameters: Mapping[str, Any]) -> dict[str, dict[str, float]]:
     """Nested ``parameters`` as ``{"carriage.viscous.f_v": {"lower": 100.0}}``; null entries are left out.
 
     Raises:
         ConfigError: if a setting is not one of guess, lower, upper, fixed, or its value is not a number.
     """
-    if not isinstance(parameters, Mapping):
-        raise ConfigError(f"parameters is {parameters!r}: give names with {', '.join(ADJUSTABLE)}")
     return {name: settings for name, settings in _leaves(parameters, "") if settings}
 
 
@@ -119,7 +151,7 @@ def _leaves(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, dict[str,
         for key in node:
             if key not in ADJUSTABLE:
                 raise ConfigError(unknown(f"setting of parameter {path}", key, ADJUSTABLE))
-        yield path, {k: _number(f"parameters.{path}.{k}", v) for k, v in node.items() if v is not None}
+        yield path, {k: _number(path, k, v) for k, v in node.items() if v is not None}
         return
     for key, below in node.items():
         name = f"{path}.{key}" if path else str(key)
@@ -145,7 +177,11 @@ def _ownable(plant: Plant, effects: list[Effect]) -> set[str]:
     return names
 
 
-def _number(key: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ConfigError(f"{key} is {value!r}: must be a number")
+def _number(path: str, key: str, value: Any) -> float:
+    """A setting of a parameter: a number, and where it is no bound a finite one."""
+    where = f"parameters.{path}.{key}"
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or math.isnan(value):
+        raise ConfigError(f"{where} is {value!r}: must be a number")
+    if key in ("guess", "fixed") and not math.isfinite(value):
+        raise ConfigError(f"{where} is {value!r}: must be finite")
     return float(value)

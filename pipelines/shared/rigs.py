@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Mapping
 from typing import Any
 
-from hybridid.own_code import OwnCodeError, blamed_on
+from hybridid.blame import OwnCodeError, blamed_on
 from hybridid.plain import build
 from hybridid.rigs.laws import RigError
 from hybridid.rigs.rig import Rig

@@ -8,10 +8,13 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from hybridid.naming import listed, no_file_name, shortened
 from hybridid.records.mapping import RecordMap, build_record, record_map
 from hybridid.records.record import Record, RecordError
 from hybridid.records.sources import DataRoot, RecordNotFoundError, data_roots, digest_of, locate
 from hybridid.rigs.rig import Rig
+from hybridid.signals.step import StepError
+from hybridid.signals.steps import as_steps
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import code_digests
@@ -175,6 +178,8 @@ def _records(settings: Settings) -> dict[str, dict[str, Any]]:
     if not isinstance(given, Mapping) or not all(isinstance(entry, Mapping) for entry in given.values()):
         raise ConfigError(f"case {settings.case}: records must map names to files and role")
     for name, entry in given.items():
+        if complaint := no_file_name(str(name)):
+            raise ConfigError(f"record {shortened(repr(str(name)), 80)}: {complaint}")
         if entry.get("role") not in ROLES:
             raise ConfigError(unknown(f"role of record {name}:", str(entry.get("role")), ROLES))
     return {str(name): dict(entry) for name, entry in given.items()}
@@ -183,13 +188,28 @@ def _records(settings: Settings) -> dict[str, dict[str, Any]]:
 def _measured(
     settings: Settings, name: str, entry: Mapping[str, Any], roots: tuple[DataRoot, ...]
 ) -> Measured:
+    plan = _plan(settings, name, entry)
+    files = tuple(locate(file, roots) for file in plan.files)
+    return Measured(name, entry["role"], plan, files, _steps(name, entry))
+
+
+def _plan(settings: Settings, name: str, entry: Mapping[str, Any]) -> RecordMap:
+    """What ``signals`` and the record's own entry say about its files and columns."""
+    signals = settings.get("signals", {})
+    if not isinstance(signals, Mapping):
+        raise ConfigError(f"signals is {signals!r}: give time, inputs and outputs, each with its columns")
     own = {key: value for key, value in entry.items() if key not in _OWN}
     try:
-        plan = record_map({**settings.get("signals", {}), **own}, f"record {name}")
+        return record_map({**signals, **own}, f"record {name}")
     except RecordError as error:
         raise ConfigError(str(error)) from error
-    files = tuple(locate(file, roots) for file in plan.files)
-    return Measured(name, entry["role"], plan, files, tuple(entry.get("steps") or ()))
+
+
+def _steps(name: str, entry: Mapping[str, Any]) -> tuple[Any, ...]:
+    try:
+        return as_steps(entry.get("steps"), f"records.{name}.steps")
+    except StepError as error:
+        raise ConfigError(str(error)) from error
 
 
 def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> tuple[Simulated, ...]:
@@ -201,9 +221,29 @@ def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> 
         run = str(entry.get("run", name))
         if run not in rig.runs:
             raise ConfigError(unknown(f"run of rig {rig.name}, for record {name}:", run, rig.runs))
-        steps = tuple(entry.get("steps") or ())
-        made.append(Simulated(name, entry["role"], rig, run, section.seed or 0, section.duration, steps))
+        if "files" in entry or settings.get("signals") is not None:
+            _rehearsed(_plan(settings, name, entry), name, rig)
+        own = _steps(name, entry)
+        made.append(Simulated(name, entry["role"], rig, run, section.seed or 0, section.duration, own))
     return tuple(made)
+
+
+def _rehearsed(plan: RecordMap, name: str, rig: Rig) -> None:
+    """Whether the rig gives the signals that ``signals`` declares: what stands in for a measured record is
+    refused where that would be.
+
+    Raises:
+        ConfigError: if their names or units differ.
+    """
+    pairs = (("inputs", plan.inputs, rig.input_channels), ("outputs", plan.outputs, rig.output_channels))
+    for what, declared, channels in pairs:
+        asked = [f"{one.name} [{one.unit}]" for one in declared]
+        given = [f"{one.name} [{one.unit}]" for one in channels]
+        if asked != given:
+            raise ConfigError(
+                f"record {name}: signals declares the {what} {listed(asked)}, rig {rig.name} simulates "
+                f"{listed(given)}"
+            )
 
 
 def _fetch_hint(settings: Settings) -> str:

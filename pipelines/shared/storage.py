@@ -28,8 +28,15 @@ def json_text(data: Any) -> str:
 
 
 def read_json(path: Path) -> Any:
-    """The content of a JSON file as plain data."""
-    return json.loads(path.read_text(encoding="utf-8"))
+    """The content of a JSON file as plain data.
+
+    Raises:
+        ValueError: if it is no JSON, or nested deeper than any file of ours.
+    """
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except RecursionError as error:
+        raise ValueError(f"{path}: nested too deep") from error
 
 
 def read_as(cls: type[T], path: Path) -> T:

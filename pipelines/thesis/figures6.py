@@ -81,9 +81,9 @@ def _over_velocity(runs: Runs) -> Plot:
     run = _run(runs)
     record = run.record(ROLE)
     own = [s for s in run.stored if s.prediction.record == record.name and s.horizon is None]
-    for port, plot in friction_plots(laws_of(run.settings, run.tree), record, own):
+    for port, draw in friction_plots(laws_of(run.settings, run.tree), record, own):
         if port.name == PORT:
-            return replace(plot, name="friction")
+            return replace(draw(), name="friction")
     raise Missing("no friction at the carriage")
 
 

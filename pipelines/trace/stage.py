@@ -14,6 +14,7 @@ from hybridid.trace.run import trace
 from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
+from pipelines.shared.drawing import drawn
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import describe_model, fit_of
 from pipelines.shared.imports import code_digests
@@ -104,14 +105,10 @@ def _drawn(job: Job, found: Trace) -> list[Picture]:
     from hybridid.plotting.style import save
     from pipelines.trace.figures import figures  # matplotlib takes half a second to import
 
-    drawn = []
-    for name, draw in figures(found):
-        try:
-            plot = draw()
-            drawn.append(Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption))
-        except (ValueError, ArithmeticError) as error:
-            job.watcher.warn(f"figure {name} cannot be drawn: {error}")
-    return drawn
+    return [
+        Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption)
+        for name, plot in drawn(figures(found), job.watcher)
+    ]
 
 
 def check(settings: Settings) -> None:

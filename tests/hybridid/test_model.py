@@ -259,6 +259,7 @@ def test_wrong_adjustments_say_what_is_wrong_in_one_line(adjustments, words):
         (["viscos"], "did you mean 'viscous'"),
         (["viscous@cariage"], "did you mean 'carriage'"),
         (["viscous", "viscous"], "stands twice"),
+        (["viscous@"], "names no port; ports: "),
         (["viscous@force"], "acts at effort ports"),
         (["nowhere.to_be:FOUND"], "No module named 'nowhere'"),
         (["hybridid.plants.emps:EMPS"], "not a hybridid.effects.effect.Effect"),

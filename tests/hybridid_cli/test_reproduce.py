@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 SHORT = ("data=simulated", "rig.duration=1.2", "mlflow.enabled=false", "processes=1", "estimator.horizon=300")
 
 
@@ -21,6 +23,16 @@ def test_a_failure_exits_non_zero_and_names_experiment_and_page(say):
     assert said.complaint.startswith("hybridid: 1 of 1 experiments failed: emps_free_run (")
     assert said.complaint.endswith("the page shows the others: outputs/thesis/index.html")
     assert "failed: " in Path("outputs/thesis/index.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("word", "line"),
+    [("experiments=3", "experiments[0] is 3: expected text"), ("processes=0", "processes is 0: at least 1")],
+)
+def test_a_wrong_key_is_one_line(say, word, line):
+    said = say("reproduce", *SHORT, word)
+    assert said.code == 2
+    assert line in said.complaint
 
 
 def test_an_unknown_experiment_is_a_wrong_request(say):

@@ -87,6 +87,7 @@ def test_one_word_for_each_mistake(say, quick):
     said = say("sweep", *quick, "residual=narx", "residual.width=interval(1,2)")
     assert said.code == 2
     assert "range() or choice()" in said.complaint
+    assert "has no values" in say("sweep", *quick, "estimator.horizon=range(1,0)").complaint
     assert say("sweep", *quick, "sweep.stack=0").code == 2
     assert "sweep.stack is 0" in say("sweep", *quick, "sweep.stack=0").complaint
 

@@ -27,6 +27,20 @@ WRONG = (
         ["setting of parameter M", "did you mean 'lower'?", "guess, lower, upper, fixed"],
     ),
     (["parameters.M.lower=low"], ["parameters.M.lower is 'low'", "number"]),
+    (["parameters={MM: {lower: 3}}"], ["unknown parameter 'MM'", "did you mean 'M'?"]),
+    (["parameters=3"], ["parameters is 3", "guess, lower, upper, fixed", "{M: {lower: 1.0}}"]),
+    (["force=no"], ["force is 'no': expected true or false"]),
+    (["mlflow.enabled=off"], ["mlflow.enabled is 'off': expected true or false"]),
+    (["mlflow.enabled=1"], ["mlflow.enabled is 1: expected true or false"]),
+    (["validate.horizon=-1"], ["validate.horizon is -1"]),
+    (["out=''"], ["out is '': give DIR"]),
+    (["estimator=3"], ["unknown estimator '3': allowed: gauss_newton"]),
+    (["estimator=null"], ["unknown estimator 'null': allowed: gauss_newton"]),
+    (["residual.kind=rbf"], ["no residual is chosen", "residual=narx|narx_esea|rbf"]),
+    (["+residual.judged=no", "residual=rbf"], ["residual.judged is in the config already", "without +"]),
+    (["preprocess.steps=3"], ["preprocess.steps is 3: give a list of steps"]),
+    (["rig.sede=3"], ["unknown config key below rig 'sede'", "did you mean 'seed'?"]),
+    (["signals.inputs.force.hold=foo"], ["inputs.force: hold is 'foo'", "zoh, foh, bandlimited"]),
     (["parameters.M=3"], ["parameters.M is 3", "guess, lower, upper, fixed"]),
     (["parameters.M.lower=200"], ["M", "200", "150"]),
     (["parameters.carriage.viscous.fv.guess=3"], ["did you mean 'carriage.viscous.f_v'?"]),
@@ -97,3 +111,52 @@ def test_traceback_only_on_request(process, quick):
     assert "Traceback" in asked.err
     assert "unknown effect 'viscos'" in asked.err
     assert "Traceback" in process(*words, HYDRA_FULL_ERROR="1").err
+
+
+def test_parameters_as_a_whole_are_taken(say, quick):
+    words = (
+        "preprocess",
+        *quick,
+        "--cfg",
+        "job",
+        "parameters={M: {lower: 40}, carriage.viscous: {f_v: {upper: 9}}}",
+    )
+    said = say(*words)
+    assert said.code == 0, said.err
+    assert "lower: 40" in said.out
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("# @package _global_\ncase:\n\ttitle: x\n", "mine.yaml, line 3: found character '\\t'"),
+        ("# @package _global_\nplant: a\nplant: b\n", "mine.yaml, line 3: found duplicate key plant"),
+        ("# @package _global_\nplant: ${nothing}\n", "plant: Interpolation key 'nothing' not found"),
+        (b"# @package _global_\ncase: \xff\xfe\n", "mine.yaml: no text in UTF-8"),
+    ],
+)
+def test_a_case_file_that_cannot_be_read_is_one_line(say, own_folder, text, said):
+    (own_folder / "lab" / "case").mkdir(parents=True)
+    path = own_folder / "lab" / "case" / "mine.yaml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    answer = say("fit", "--config-dir", "lab", "case=mine", "mlflow.enabled=false")
+    assert answer.code == 2
+    assert answer.err.count("\n") == 1
+    assert said in answer.complaint
+
+
+@pytest.mark.parametrize(
+    ("out", "said"),
+    [
+        ("file/below", "not a directory"),
+        ("/proc/nowhere", "no such file or directory"),
+        ("x" * 300, "too long"),
+    ],
+)
+def test_a_folder_that_cannot_be_written_is_one_line(say, quick, own_folder, out, said):
+    (own_folder / "file").write_text("")
+    answer = say("preprocess", *quick, f"out={out}")
+    assert answer.code == 1
+    assert said in answer.complaint
+    assert "--debug" not in answer.complaint
+    assert answer.complaint.startswith(f"hybridid: {out[:40]}")

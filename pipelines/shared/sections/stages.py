@@ -23,6 +23,7 @@ class LoneKeys:
         "model.json of fit or trace, in place of plant, effects and parameters",
         null="the case's own",
         shown="FILE",
+        some=True,
     )
     out: str | None = setting(
         None,
@@ -30,6 +31,7 @@ class LoneKeys:
         null="<paths.outputs>/<case>/<hash of the config>, of sweep <paths.outputs>/sweeps/<name>-<digest>, "
         "of tune <paths.outputs>/<case>/tune-<digest>",
         shown="DIR",
+        some=True,
     )
     data: Literal["auto", "measured", "simulated"] = setting(
         "auto", "auto: measured records where they are found, else the case's virtual rig"
@@ -73,7 +75,7 @@ class RigSection:
     """The virtual rig that stands in for records that are not at hand."""
 
     path: str = setting(
-        REQUIRED, "import path of the rig, as in hybridid.rigs.emps:EMPSRig", shown="MODULE:NAME"
+        REQUIRED, "import path of the rig, as in hybridid.rigs.emps:EMPSRig", shown="MODULE:NAME", some=True
     )
     seed: int | None = setting(0, "seed of the noise", least=0, null="0")
     duration: float | None = setting(
@@ -146,8 +148,9 @@ class PathsSection:
         "where measured records lie, and where fetch puts them",
         null="$HYBRIDID_DATA, else data/raw",
         shown="DIR",
+        some=True,
     )
-    outputs: str = setting("outputs", "where run trees are written", shown="DIR")
+    outputs: str = setting("outputs", "where run trees are written", shown="DIR", some=True)
 
 
 @dataclass(frozen=True)
@@ -160,8 +163,11 @@ class MLflowSection:
         "the store or the server, as in http://HOST:PORT",
         null="sqlite:///<paths.outputs>/mlflow.db",
         shown="URI",
+        some=True,
     )
-    experiment: str | None = setting(None, "name of the experiment in MLflow", null="the case's name")
+    experiment: str | None = setting(
+        None, "name of the experiment in MLflow", null="the case's name", some=True
+    )
     patience: float = setting(
         30.0,
         "how long a tracking server may take for a run; then the run is kept for hybridid log",

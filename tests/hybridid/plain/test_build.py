@@ -70,7 +70,8 @@ def test_a_tuple_of_dataclasses_may_be_a_mapping_by_name():
         ({"tags": ["a", 2]}, "here: tags[1] is 2: expected text"),
         ({"span": [1.0]}, "here: span has 1 values, expected 2"),
         ({"inner": [{"name": "x", "gian": 2}]}, "here: inner[0]: unknown key 'gian': did you mean 'gain'?"),
-        ({"inner": {"x": {"gian": 2}}}, "here: inner[0]: unknown key 'gian': did you mean 'gain'?"),
+        ({"inner": {"x": {"gian": 2}}}, "here: inner.x: unknown key 'gian': did you mean 'gain'?"),
+        ({"inner": {"x": 3}}, "here: inner.x: expected a mapping of keys to values, got 3"),
         ({"step": {"nam": "y"}}, "here: step: unknown key 'nam': did you mean 'name'?"),
     ],
 )

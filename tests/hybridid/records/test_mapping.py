@@ -80,7 +80,7 @@ def test_time_from_a_column_a_step_or_a_rate(root, time, expected):
         ({"column": "t", "dt": 0.1}, "exactly one of column, dt, rate, got column, dt"),
         ({"dt": 0.0}, "dt is 0, it must be positive"),
         ({"rate": -5}, "rate is -5, it must be positive"),
-        ({"column": "t", "unit": "sec"}, "unknown unit of time 'sec'.*allowed: s, ms"),
+        ({"column": "t", "unit": "sec"}, "record: time: unknown unit 'sec'.*allowed: s, ms"),
         ({"dt": 0.1, "same": ["t"]}, "same compares with column"),
         ({"colunm": "t"}, "record: time: unknown key 'colunm': did you mean 'column'"),
     ],
@@ -93,8 +93,12 @@ def test_an_impossible_time(time, said):
 @pytest.mark.parametrize(
     ("signal", "said"),
     [
-        ({"sign": 2}, "signal 'force': sign is 2, allowed: 1, -1"),
-        ({"scale": 0}, "signal 'force': scale must be finite and not 0"),
+        ({"sign": 2}, "record: inputs.force: sign is 2, allowed: 1, -1"),
+        ({"scale": 0}, "inputs.force: scale is 0 and offset 0: must be finite, and scale not 0"),
+        ({"offset": float("inf")}, "scale is 1 and offset inf: must be finite"),
+        ({"column": ""}, "inputs.force: column is empty"),
+        ({"unit": "N" * 500}, "unit is .*: at most 60 characters"),
+        ({"unit": "N\n"}, "unit is .*: at most 60 characters in one line"),
         ({"hold": "cubic"}, "hold is 'cubic': allowed: zoh, foh, bandlimited"),
         ({"colum": "vir"}, "unknown key 'colum': did you mean 'column'"),
         ({"unit": None}, "key 'unit' is missing"),
@@ -104,6 +108,46 @@ def test_an_impossible_time(time, said):
 def test_an_impossible_signal(signal, said):
     with pytest.raises(RecordError, match=said):
         record_map({**EMPS, "inputs": {"force": {"unit": "N", "column": "vir", **signal}}})
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"files": []}, "files is empty"),
+        ({"outputs": {}}, "outputs is empty"),
+        ({"resample": 0}, "resample: dt is 0 s, it must be positive"),
+        ({"resample": {"dt": -1}}, "resample: dt is -1 s"),
+        ({"outputs": {"force": EMPS["outputs"]["position"]}}, "the name 'force' is taken twice"),
+        ({"outputs": {"time": EMPS["outputs"]["position"]}}, "the name 'time' is taken twice"),
+        ({"inputs": {"": EMPS["inputs"]["force"]}}, "'' is no name of a signal"),
+        ({"inputs": {"force": 3}}, "record: inputs.force: expected a mapping"),
+    ],
+)
+def test_an_impossible_record_is_refused_before_any_file_is_read(changes, said):
+    with pytest.raises(RecordError, match=said):
+        record_map({**EMPS, **changes})
+
+
+def test_a_machine_may_have_no_input(root):
+    assert read(root, inputs={}).inputs.shape == (N, 0)
+
+
+def test_a_column_of_many_parts_is_one_short_line(root):
+    cells = np.empty(2000, dtype=object)
+    cells[:] = [np.array([float(k)]) for k in range(2000)]
+    scipy.io.savemat(root / "emps/run.mat", {"t": T, "vir": cells, "qm": QM, "qg": QG, "gtau": GTAU})
+    with pytest.raises(
+        RecordError, match=r"'vir' has 2000 parts, vir\[0\] to vir\[1999\]: name one"
+    ) as caught:
+        read(root)
+    assert len(str(caught.value)) < 300
+
+
+def test_a_file_name_that_no_file_can_have_is_not_found(root):
+    for name in ("x" * 5000 + ".mat", "a\0b.mat"):
+        with pytest.raises(RecordNotFoundError, match="not found") as caught:
+            read(root, files=name)
+        assert len(str(caught.value)) < 600
 
 
 def test_signals_may_be_a_list_too(root):

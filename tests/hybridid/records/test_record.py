@@ -33,6 +33,20 @@ def test_arrays_are_copied_and_cannot_be_written(make_record):
         record.name = "other"
 
 
+def test_a_number_that_no_machine_gives_is_refused(make_record):
+    outputs = np.array(make_record().outputs)
+    outputs[33, 0] = -1e300
+    with pytest.raises(RecordError, match=r"is -1e\+300 at sample 33, no quantity of a machine"):
+        make_record(outputs=outputs)
+
+
+@pytest.mark.parametrize("dt", [1e-305, 1e300])
+def test_an_impossible_sampling_time_is_refused(make_record, dt):
+    said = "the sampling time is 1e-305 s" if dt < 1 else "time .* no quantity of a machine"
+    with pytest.raises(RecordError, match=said):
+        make_record(time=np.arange(N) * dt)
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize(
     ("part", "column", "said"),

@@ -21,6 +21,20 @@ def test_only_the_formats_asked_for_are_written(settings, data, heard):
     assert sum("fresh, reused" in line for line in heard.said) == 3  # only the drawing was done again
 
 
+def test_a_short_record_gets_the_figures_that_it_can_fill(settings, data, heard):
+    for name in ("first.csv", "second.csv"):
+        (data / name).write_text("\n".join((data / name).read_text().splitlines()[:31]) + "\n")
+    short = settings(
+        {"validate.views": ["free_run"], "plot": {"formats": ["svg"]}, "estimator.horizon": None}
+    )
+    tree = run_stages(short, "run", heard).tree
+    drawn = {path.name for path in (tree / "plot").glob("*.svg")}
+    assert "first.position.comparison.svg" in drawn
+    assert "first.position.spectrum.svg" not in drawn
+    (line,) = (line for line in heard.warned if "first.position.spectrum" in line)
+    assert line.endswith("30 samples, at least 64 are needed")
+
+
 @pytest.mark.parametrize(
     ("formats", "said"),
     [

@@ -61,12 +61,45 @@ def test_no_record_and_no_rig(settings, own_folder):
         ({"rig.sead": 1, "data": "simulated"}, "did you mean 'seed'"),
         ({"records.first.run": "identificaton", "data": "simulated"}, "did you mean 'identification'"),
         ({"records": []}, "records must map names"),
+        ({"signals": 3}, "signals is 3: give time, inputs and outputs"),
+        ({"records.first.steps": 3}, r"records\.first\.steps is 3: give a list of steps"),
+        ({"records": {"../evil": {"files": "a.csv", "role": "identification"}}}, "files are named after it"),
+        ({"records": {"": {"files": "a.csv", "role": "identification"}}}, "files are named after it"),
+        ({"records": {"x" * 300: {"files": "a.csv", "role": "identification"}}}, "at most 100 bytes"),
     ],
 )
 def test_wrong_config_is_one_line(settings, data, change, line):
     with pytest.raises(ConfigError, match=line) as caught:
         sources_of(settings(change))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ({"signals.inputs.force.hold": "foo"}, "hold is 'foo': did you mean 'foh'"),
+        ({"signals.inputs.force.unit": 3}, "unit is 3: expected text"),
+        ({"signals.inputs.force.scale": 0}, "scale is 0"),
+        ({"signals.inputs.force.column": 3}, "column is 3: expected text"),
+        ({"signals.inputs.force.colum": "f"}, "did you mean 'column'"),
+        ({"signals.time": {"unit": "year", "column": "t"}}, "unknown unit 'year'"),
+        ({"signals.resample": 0}, "dt is 0 s"),
+        ({"records.first.flies": "x"}, "did you mean 'files'"),
+        ({"signals.inputs.force.unit": "V"}, r"inputs force \[V\], rig emps simulates force \[N\]"),
+        ({"signals.outputs": {"angle": {"column": "mm", "unit": "rad"}}}, r"outputs angle \[rad\], rig"),
+        ({"signals": {}}, "key 'time' is missing"),
+    ],
+)
+@pytest.mark.parametrize("data", ["simulated", "auto"])
+def test_a_rehearsal_refuses_what_the_real_run_would(settings, own_folder, change, line, data):
+    with pytest.raises(ConfigError, match=line):
+        sources_of(settings({"data": data, "paths.data": None, **change}))
+
+
+def test_a_case_that_is_only_simulated_needs_no_signals(settings, own_folder):
+    records = {"first": {"role": "identification", "run": "identification"}}
+    only = settings({"data": "simulated", "records": records, "signals": None})
+    assert [source.name for source in sources_of(only).found] == ["first"]
 
 
 def test_chosen_by_role_or_name(settings, data):

@@ -10,8 +10,8 @@ from types import ModuleType
 
 import pytest
 
+from hybridid.blame import Named, OwnCodeError, blamed_on, imported
 from hybridid.model import compose
-from hybridid.own_code import Named, OwnCodeError, blamed_on, imported
 
 COUNT = itertools.count()
 PLANT = """
