@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -167,14 +168,22 @@ REMEDY: Mapping[str, str] = {
 def _modes(model: Model, p: Array, record: Record, path: Array) -> tuple[Modes, Modes]:
     """Eigenvalues of df/dx in 1/s at some samples of a record, (m, n_x), and at rest, (m, n_x)."""
     k = np.unique(np.linspace(0, record.n - 1, PROBES).astype(int))
-    states, many = path[k], model.by_state.map(len(k))
+    states, slopes = path[k], _slopes(model, len(k))
 
     def eigenvalues(at: Array) -> Modes:
-        stacked = many(record.time[k], at.T, record.inputs[k].T, np.tile(p, (len(k), 1)).T)
+        stacked = slopes(record.time[k], at.T, record.inputs[k].T, p)
         matrices = np.asarray(stacked).reshape(at.shape[1], len(k), at.shape[1]).swapaxes(0, 1)
         return np.linalg.eigvals(np.where(np.isfinite(matrices), matrices, 0.0)).astype(complex)
 
     return eigenvalues(states), eigenvalues(np.zeros_like(states))
+
+
+def _slopes(model: Model, samples: int) -> ca.Function:
+    """df/dx at so many samples and one p, kept with the model: a fit asks for it many times."""
+    key = ("slopes", samples)
+    if key not in model.derived:
+        model.derived[key] = model.by_state.map("slopes", "serial", samples, [3], [])
+    return model.derived[key]
 
 
 def _outputs(model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array], steps: int) -> Array:
