@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-4
 """Of the fits: the gain of a learned effort is needed to a few digits only."""
 BINS, LEAST_IN_BIN = 60, 20
-"""Of the curve that is shown: bins at most, and samples in each."""
+"""Of the curve that is shown."""
 
 
 @dataclass(frozen=True)
@@ -130,10 +130,9 @@ def _starts(model: Model, effect: Effect, port: str, base: Refit) -> list[dict[s
 
 def _binned(s: Array, effort: Array) -> tuple[tuple[float, float, int], ...]:
     """Means of ``effort`` in bins of ``s`` that hold samples enough, as (s, effort, samples)."""
-    count = min(max(len(s) // (2 * LEAST_IN_BIN), 1), BINS)
-    edges = np.linspace(s.min(), s.max(), count + 1)
-    bins = np.clip(np.digitize(s, edges) - 1, 0, count - 1)
-    members = [bins == k for k in range(count)]
+    edges = np.linspace(s.min(), s.max(), BINS + 1)
+    bins = np.clip(np.digitize(s, edges) - 1, 0, BINS - 1)
+    members = [bins == k for k in range(BINS)]
     return tuple(
         (float(s[m].mean()), float(effort[m].mean()), int(m.sum()))
         for m in members

@@ -58,7 +58,6 @@ def test_flows_are_learned_over_what_a_level_has(found):
     assert {str(c.over): c.over_unit for c in found.ceilings} == {
         "level": "m", "time": "s", "level, times net flow": "m", "inflow": "m³/s"
     }  # fmt: skip
-    assert min(len(c.curve) for c in found.ceilings) >= 5  # of 300 samples: bins of 40 in the mean
     assert found.ceilings[0].described == "a learned flow at tank over level"
     assert {(one.kind, one.unit) for one in learned_gains(found.ceilings)} == {("flow", "m³/s")}
 
