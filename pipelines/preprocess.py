@@ -7,8 +7,8 @@ from typing import Any
 
 from hybridid.records.record import Record
 from hybridid.records.store import save_record
-from hybridid.signals.step import StepError
-from hybridid.signals.steps import apply_steps, as_steps, parse_steps
+from hybridid.signals.step import StepError, as_steps
+from hybridid.signals.steps import apply_steps, parse_steps
 from pipelines.shared import sources
 from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -16,6 +16,19 @@ Role = Literal["output", "auxiliary"]
 
 class StepError(ValueError):
     """Raised for a step that cannot be done: the message says which, why, and what is allowed."""
+
+
+def as_steps(given: Any, where: str) -> tuple[Any, ...]:
+    """The steps of a config as a tuple; none for null.
+
+    Raises:
+        StepError: if it is no list.
+    """
+    if given is None:
+        return ()
+    if isinstance(given, str | Mapping) or not isinstance(given, Sequence):
+        raise StepError(f"{where} is {given!r}: give a list of steps, as in [{{step: decimate, factor: 10}}]")
+    return tuple(given)
 
 
 class Step(abc.ABC):

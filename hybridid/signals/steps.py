@@ -48,19 +48,6 @@ def parse_step(values: Mapping[str, Any], where: str = "step") -> Step:
     return build(STEPS[name], rest, f"{where} ({name})", StepError)
 
 
-def as_steps(given: Any, where: str) -> tuple[Any, ...]:
-    """The steps of a config as a tuple; none for null.
-
-    Raises:
-        StepError: if it is no list.
-    """
-    if given is None:
-        return ()
-    if isinstance(given, str | Mapping) or not isinstance(given, Sequence):
-        raise StepError(f"{where} is {given!r}: give a list of steps, as in [{{step: decimate, factor: 10}}]")
-    return tuple(given)
-
-
 def parse_steps(steps: Sequence[Mapping[str, Any]], where: str = "step") -> tuple[Step, ...]:
     """``parse_step`` of each mapping; error messages count the steps from 1."""
     return tuple(parse_step(values, f"{where} {i}") for i, values in enumerate(steps, start=1))

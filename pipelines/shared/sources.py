@@ -13,8 +13,7 @@ from hybridid.records.mapping import RecordMap, build_record, record_map
 from hybridid.records.record import Record, RecordError
 from hybridid.records.sources import DataRoot, RecordNotFoundError, data_roots, digest_of, locate
 from hybridid.rigs.rig import Rig
-from hybridid.signals.step import StepError
-from hybridid.signals.steps import as_steps
+from hybridid.signals.step import StepError, as_steps
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import code_digests

@@ -319,6 +319,9 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "hardening_hysteresis",
         "overflow",
         "orifice_leak",
+        "steady_leak",
+        "linear_leak",
+        "periodic_flow",
     }
     assert Hidden("dahl", "carriage", {"amplitude": 5.0, "stiffness": 2500.0}).truth["s"] == pytest.approx(
         2e-3

@@ -55,7 +55,7 @@ def test_a_search_tries_each_port_alone_and_both_together():
     [
         ("dahl@front_suspension+rear_suspension", "acts at one port"),
         ("viscous@front_suspension+rear", "rear"),
-        ("input_gain@u_f+u_r", "effort ports"),
+        ("input_gain@u_f+u_r", "effort or flow ports"),
     ],
 )
 def test_what_cannot_act_at_several_ports_is_one_line(entry, why):

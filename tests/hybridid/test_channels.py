@@ -102,5 +102,7 @@ def test_an_auxiliary_signal_becomes_a_channel_of_the_record(carriage_like):
         record.with_channels(["temprature"])
     model = Model(EMPS(), channels=(TEMPERATURE,))
     check_records(model, [seen])
-    with pytest.raises(ValueError, match=r"has inputs \['force'\], plant emps with its channels needs"):
+    with pytest.raises(
+        ValueError, match="has the inputs force, plant emps with its channels needs force and temperature"
+    ):
         check_records(model, [record])

@@ -113,8 +113,8 @@ def test_what_cannot_be_fitted_is_refused_in_one_line(carriage, make_model, symm
     in_volts = replace(made, input_channels=(replace(force, unit="V"),))
     known = make_model(adjust={name: {"fixed": value} for name, value in carriage.truth.items()})
     cases = [
-        (symmetric, [two], r"has inputs \['force', 'other'\]"),
-        (symmetric, [renamed], r"has inputs \['torque'\], plant emps needs \['force'\]"),
+        (symmetric, [two], "has the inputs force and other, plant emps needs force"),
+        (symmetric, [renamed], "has the inputs torque, plant emps needs force"),
         (symmetric, [in_volts], "force is in V, plant emps needs N"),
         (symmetric, [], "no record"),
         (symmetric, [made, carriage.record(100, 0.01)], "differ in sampling time"),
