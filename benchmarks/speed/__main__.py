@@ -28,7 +28,7 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS), help="parts (default: all)")
     parser.add_argument("--repeats", type=int, default=5, help="of what is fast (default: 5)")
-    parser.add_argument("--quick", action="store_true", help="only what takes seconds, on simulated data")
+    parser.add_argument("--quick", action="store_true", help="only what takes seconds")
     parser.add_argument("--out", type=Path, default=Path("outputs/benchmark"))
     asked = parser.parse_args(arguments)
     rows = [row for name in asked.only for row in PARTS[name](asked.repeats, say, asked.quick)]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.speed.rivals import Fit, Task, fit_of
+from benchmarks.speed.rivals import Task
 from hybridid.estimators import FitSettings, fit
 from hybridid.estimators.problem import build_problem
 from hybridid.model import Model
@@ -33,16 +33,11 @@ class Contested:
     records: tuple[Record, ...]
     horizon: int | None
 
-    def ours(self) -> Fit:
-        """Our fit as it comes: start, descent, check of the steps, standard errors."""
+    def ours(self) -> Array:
+        """The parameters of our fit as it comes: start, descent, check of the steps, standard errors."""
         settings = FitSettings(horizon=self.horizon, initial_state="measured")
         found = fit(self.model, self.records, settings)
-        values = [found.values[name] for name in NAMES]
-        return replace(self.judged(np.array(values)), simulations=float(found.iterations))
-
-    def judged(self, p: Array) -> Fit:
-        """The parameters by the simulation that judges all ways."""
-        return fit_of(self.task(), p, np.nan)
+        return np.array([found.values[name] for name in NAMES])
 
     def task(self) -> Task:
         """The same fit for the other ways."""

@@ -7,10 +7,11 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.speed.contest import Way, contest
 from benchmarks.speed.emps import Contested, contested, like_emps
-from benchmarks.speed.rivals import by_every_sample, by_numba, by_solve_ivp
+from benchmarks.speed.rivals import Task, by_every_sample, by_numba, by_solve_ivp
 from benchmarks.speed.row import OURS, Row, rows_of
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import Model
@@ -40,7 +41,12 @@ def beside(repeats: int, say: Say, quick: bool) -> Iterator[Row]:
             fast = [name for name in RIVALS if not (quick and name in SLOW)]
             rivals = [Way(name, partial(RIVALS[name], task), slow=name in SLOW) for name in fast]
             found = contest([Way(OURS, one.ours), *rivals], repeats, say)
-            yield from rows_of(BESIDE, start, found, own.records[0].provenance)
+            yield from rows_of(BESIDE, start, found, own.records[0].provenance, partial(_reached, task))
+
+
+def _reached(task: Task, p: NDArray[np.float64]) -> str:
+    """The parameters that a way found, judged by one simulation for all ways."""
+    return f"RMSE {1e3 * task.rmse(p):.6f} mm, M = {p[0]:.3f} kg"
 
 
 def _badly_started(own: Contested) -> Contested:

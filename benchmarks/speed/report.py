@@ -3,32 +3,34 @@
 from __future__ import annotations
 
 import json
-import os
-import platform
 from collections.abc import Sequence
 from dataclasses import asdict
-from importlib.metadata import version
 from pathlib import Path
 
 from benchmarks.speed.fits import BESIDE, GROWING
+from benchmarks.speed.machine import machine
 from benchmarks.speed.row import OURS, Row
+from benchmarks.speed.simulations import AT_ONCE
 from hybridid.plotting.looks import BLUE, VERMILION
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, context, new_figure, save
 from hybridid.quantities import NONE, number
+from hybridid.simulation.machine_code import LANES
 from pipelines.shared.page import Page, Picture, Section, Table
 
-PACKAGES = ("hybridid", "casadi", "numpy", "scipy", "numba", "torch")
 RULES = (
     "Wall seconds, medians over the repeats. Ways to one result take turns, each in a process of its own, "
     "after one call that is not timed; what would take minutes is timed once, without such a call.",
     "Every row says what it reached: ways that stop early, or elsewhere, are not faster.",
+    f"What the arithmetic needs is an assumption: the operations of one step, {LANES} horizons in a "
+    f"register, {AT_ONCE} instructions begun in each cycle of the fastest core, and memory free of charge.",
 )
 
 
 def write_report(rows: Sequence[Row], folder: Path) -> str:
-    """Write ``index.html``, ``index.md``, ``speed.svg`` and ``speed.json``; returns what to print."""
+    """Write ``index.html``, ``index.md``, a figure for each part with fits, and ``speed.json``; returns what
+    to print."""
     folder.mkdir(parents=True, exist_ok=True)
-    where = {**machine(), "load": os.getloadavg()[0]}
+    where = machine()
     data = {"machine": where, "rows": [{**asdict(row), "median": row.median} for row in rows]}
     (folder / "speed.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     parts = list(dict.fromkeys(row.part for row in rows))
@@ -38,25 +40,6 @@ def write_report(rows: Sequence[Row], folder: Path) -> str:
     marks = tuple(sorted({word for row in rows for word in row.provenance.split(" and ") if word != "none"}))
     page = Page("Speed", lead, (Section("How it was timed", RULES), *sections), marks)
     return "\n".join([*(_line(row, rows) for row in rows), str(page.write(folder))])
-
-
-def machine() -> dict[str, str | int]:
-    """The processor, the cores that this process may use, Python and the packages that decide."""
-    return {
-        "processor": _processor(),
-        "cores": len(os.sched_getaffinity(0)),
-        "python": platform.python_version(),
-        **{name: version(name) for name in PACKAGES},
-    }
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor()
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
 
 
 def _table(part: str, rows: Sequence[Row]) -> Table:

@@ -3,7 +3,8 @@
     M a = force - f_v v - f_c tanh(v / epsilon) - offset          RK4, one step a sample, the force held
 
 All ways minimise the same sum of squares from the same initial states, those of the record, and start at the
-case's guesses. None differentiates by hand: that is what an engineer has without this package.
+case's guesses. None differentiates by hand: that is what an engineer has without this package. Each gives the
+parameters (4,): M, f_v, f_c, offset in SI units.
 """
 
 from __future__ import annotations
@@ -19,19 +20,6 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Fit:
-    """Found parameters (M, f_v, f_c, offset) in SI units, RMSE of the fitted position [m], calls of the
-    simulation (nan: not counted)."""
-
-    parameters: tuple[float, ...]
-    rmse: float
-    simulations: float
-
-    def __str__(self) -> str:
-        return f"RMSE {1e3 * self.rmse:.6f} mm, M = {self.parameters[0]:.3f} kg"
 
 
 @dataclass(frozen=True)
@@ -56,6 +44,11 @@ class Task:
     def errors(self, simulated: Array) -> Array:
         """Simulated minus recorded position of every sample that counts, [m]."""
         return (simulated - self.position)[self.used]
+
+    def rmse(self, p: Array) -> float:
+        """Of the position [m] with the parameters ``p`` (4,): one simulation judges all ways."""
+        left = self.errors(_simulate(self.force, self.x0, p, self.epsilon, self.dt))
+        return float(np.sqrt(np.mean(left**2)))
 
 
 @numba.njit(cache=False)
@@ -84,12 +77,12 @@ def _simulate(force: Array, x0: Array, p: Array, epsilon: float, h: float) -> Ar
     return found
 
 
-def by_numba(task: Task) -> Fit:
+def by_numba(task: Task) -> Array:
     """``least_squares`` over an RK4 compiled by numba, derivatives by differences."""
     return _least_squares(task, lambda p: _simulate(task.force, task.x0, p, task.epsilon, task.dt))
 
 
-def by_solve_ivp(task: Task) -> Fit:
+def by_solve_ivp(task: Task) -> Array:
     """``least_squares`` over ``solve_ivp`` (RK45 as it comes, at most a sample a step), the force held."""
     return _least_squares(task, lambda p: np.stack([_integrated(task, k, p) for k in range(len(task.x0))]))
 
@@ -106,27 +99,18 @@ def _integrated(task: Task, k: int, p: Array) -> Array:
     return np.asarray(found.y[1])
 
 
-def _least_squares(task: Task, simulate: Any) -> Fit:
+def _least_squares(task: Task, simulate: Any) -> Array:
     scale = task.scale
-    calls = 0
 
     def errors(z: Array) -> Array:
-        nonlocal calls
-        calls += 1
         return 1e3 * task.errors(simulate(z * scale))
 
     bounds = (task.lower / scale, task.upper / scale)
     found = least_squares(errors, task.guess / scale, bounds=bounds, x_scale="jac")
-    return fit_of(task, found.x * scale, calls)
+    return np.asarray(found.x * scale)
 
 
-def fit_of(task: Task, p: Array, calls: float) -> Fit:
-    """The parameters judged by one simulation for all ways."""
-    left = task.errors(_simulate(task.force, task.x0, p, task.epsilon, task.dt))
-    return Fit(tuple(map(float, p)), float(np.sqrt(np.mean(left**2))), calls)
-
-
-def by_every_sample(task: Task) -> Fit:
+def by_every_sample(task: Task) -> Array:
     """The thesis' transcription: the state of every sample is a variable of one nonlinear program, each step
     a constraint; CasADi's exact Hessian, IPOPT. It starts at the recorded positions."""
     p, scale = ca.MX.sym("p", 4), task.scale
@@ -152,7 +136,7 @@ def by_every_sample(task: Task) -> Fit:
         lbg=0,
         ubg=0,
     )
-    return fit_of(task, np.array(found["x"][:4]).ravel() * scale, np.nan)
+    return np.asarray(found["x"][:4]).ravel() * scale
 
 
 def _step(task: Task) -> ca.Function:

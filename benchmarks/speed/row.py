@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from statistics import median
+from typing import Any
 
 from benchmarks.speed.contest import Timed
 
@@ -37,6 +38,10 @@ class Row:
         return median(self.seconds)
 
 
-def rows_of(part: str, what: str, found: Sequence[Timed], provenance: str) -> list[Row]:
-    """The rows of a contest whose ways find what says of itself what was ``reached``."""
-    return [Row(part, what, one.name, one.seconds, str(one.found), provenance, one.memory) for one in found]
+def rows_of(
+    part: str, what: str, found: Sequence[Timed], provenance: str, reached: Callable[[Any], str] = str
+) -> list[Row]:
+    """The rows of a contest; ``reached`` says in words what a way found, after the clock has stopped."""
+    return [
+        Row(part, what, one.name, one.seconds, reached(one.found), provenance, one.memory) for one in found
+    ]

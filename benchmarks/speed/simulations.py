@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import numpy as np
 
 from benchmarks.speed.contest import Way, contest
 from benchmarks.speed.emps import contested, like_emps
+from benchmarks.speed.machine import cycles_a_second
 from benchmarks.speed.row import OURS, Row
 from hybridid.effects.library import effect_named
 from hybridid.simulation.machine_code import LANES
@@ -38,8 +38,8 @@ def simulations(repeats: int, say: Callable[[str], None], quick: bool) -> Iterat
             return f"{shot.by_parameter.shape[-1] + shot.by_state.shape[-1]} columns"
 
         (found,) = contest([Way(OURS, run)], max(repeats, 20), lambda line: None)
-        operations = sum(part.operations for part in shooter.code._parts[:2]) * record.n / LANES
-        least = operations / AT_ONCE / _cycles_a_second()
+        operations = sum(part.operations for part in shooter.code.parts[:2]) * record.n / LANES
+        least = operations / AT_ONCE / cycles_a_second()
         say(f"  {1e9 * found.median / record.n:.0f} ns a sample, arithmetic {1e9 * least / record.n:.0f}")
         yield Row(
             SIMULATION,
@@ -51,13 +51,3 @@ def simulations(repeats: int, say: Callable[[str], None], quick: bool) -> Iterat
             found.memory,
             least,
         )
-
-
-def _cycles_a_second() -> float:
-    """Of the processor, as the system tells it; nan where it does not."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return float("nan")
-    speeds = [float(line.split(":")[1]) for line in lines if line.startswith("cpu MHz")]
-    return 1e6 * max(speeds, default=float("nan"))

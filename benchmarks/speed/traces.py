@@ -11,11 +11,9 @@ from benchmarks.speed.row import OURS, Row
 from hybridid.records.record import Record
 from hybridid.signals.steps import apply_steps
 from hybridid.trace.result import Trace
-from hybridid.trace.run import trace
-from pipelines.shared.modelling import fit_settings, model_of
-from pipelines.shared.pool import core_count, mapper_of
 from pipelines.shared.sources import sources_of
 from pipelines.trace.request import division, request_of
+from pipelines.trace.stage import traced
 
 TRACES = "traces over the whole library"
 CASES = {
@@ -29,18 +27,18 @@ QUICK = {"EMPS, 8 s": ("emps", ("data=simulated", "rig.duration=8.0", "trace.eff
 
 @dataclass
 class _Clock:
-    """Where the time goes: the seconds until each report, by its stage."""
+    """Where the time goes: the seconds until each report, by its stage, and how many there were."""
 
     last: float = field(default_factory=time.perf_counter)
     seconds: dict[str, float] = field(default_factory=dict)
-    refits: int = 0
+    reports: int = 0
 
     def __call__(self, stage: str, done: int, of: int, what: str) -> None:
         """A trace's report."""
         now = time.perf_counter()
         self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self.last
         self.last = now
-        self.refits += 1
+        self.reports += 1
 
 
 def traces(repeats: int, say: Callable[[str], None], quick: bool) -> Iterator[Row]:
@@ -57,7 +55,7 @@ def traces(repeats: int, say: Callable[[str], None], quick: bool) -> Iterator[Ro
             (found.seconds,),
             f"{found.verdict}: {names}; {found.times:.1f} times the noise left",
             " and ".join(sorted({r.provenance for r in records})),
-            details={**clock.seconds, "refits a minute": 60 * clock.refits / found.seconds},
+            details={**clock.seconds, "reports a minute": 60 * clock.reports / found.seconds},
         )
 
 
@@ -68,18 +66,6 @@ def _traced(name: str, *words: str) -> tuple[Trace, _Clock, list[Record]]:
         [apply_steps(source.record(), steps) for source in part]
         for part in division(sources_of(settings).found, settings)
     )
-    request, clock = request_of(settings), _Clock()
-    with mapper_of(core_count()) as mapper:
-        found = trace(
-            model_of(settings),
-            fitted,
-            held_out,
-            horizon=request.horizon,
-            effects=request.effects,
-            ports=request.ports,
-            rules=request.rules,
-            settings=fit_settings(settings),
-            mapper=mapper,
-            report=clock,
-        )
+    clock = _Clock()
+    found = traced(settings, request_of(settings), fitted, held_out, clock)
     return found, clock, fitted + held_out

@@ -56,7 +56,7 @@ class Code:
     @cached_property
     def worth_it(self) -> bool:
         """Whether to simulate by machine code."""
-        if c_compiler() is None or self.steps * self._parts[0].operations < WORTH:
+        if c_compiler() is None or self.steps * self.parts[0].operations < WORTH:
             return False
         return self._library is not None and _driver(self.lanes) is not None
 
@@ -94,7 +94,7 @@ class Code:
         return states, outputs, final, slopes, ends[:, 1:]
 
     @property
-    def _parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Part, ...]:
         """Step and outputs, with sensitivities and without."""
         return self._derived(("parts", self.free, self.integrator, self.held), self._differentiated)
 
@@ -116,7 +116,7 @@ class Code:
     def _make_library(self) -> ctypes.CDLL | None:
         """The library, or None if the compiler fails or an operation has no C. It is known by what CasADi
         tells of the functions: that costs a sixth of writing their C."""
-        said = "".join(function.serialize() for part in self._parts for function in part.functions)
+        said = "".join(function.serialize() for part in self.parts for function in part.functions)
         try:
             return compiled(
                 _text("c_code.py") + _text("c_parts.py") + _side_by_side(self.lanes) + said, self._written
@@ -126,7 +126,7 @@ class Code:
             return None
 
     def _written(self) -> str:
-        return _side_by_side(self.lanes) + c_of_parts(self._parts)
+        return _side_by_side(self.lanes) + c_of_parts(self.parts)
 
     def _derived(self, key: tuple[object, ...], make: Callable[[], T]) -> T:
         """What ``make`` makes, kept with the model: many problems of a fit share it."""

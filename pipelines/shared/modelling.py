@@ -118,14 +118,14 @@ def _unfolded(given: Mapping[str, Any], into: dict[str, Any], path: str = "") ->
         name, _, rest = str(key).partition(".")
         value = {rest: value} if rest else value
         before = into.get(name)
-        if not isinstance(value, Mapping):
-            into[name] = value if before is None else before
-            continue
-        if before is None:
-            before = into[name] = {}
-        if not isinstance(before, dict):
-            raise ConfigError(f"parameters.{path}{name} is both {before!r} and {dict(value)!r}")
-        _unfolded(value, before, f"{path}{name}.")
+        joined = isinstance(before, dict) and isinstance(value, Mapping)
+        if not (joined or before is None or value is None):
+            raise ConfigError(f"parameters.{path}{name} is given twice: {before!r} and {value!r}")
+        if isinstance(value, Mapping):
+            into[name] = before or {}
+            _unfolded(value, into[name], f"{path}{name}.")
+        elif before is None:
+            into[name] = value
 
 
 def adjustments(parameters: Mapping[str, Any]) -> dict[str, dict[str, float]]:

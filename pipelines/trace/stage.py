@@ -6,9 +6,13 @@ figures, and the missing efforts as Parquet.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from hybridid.effects.library import effect_named
+from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from hybridid.trace.candidates import admissible
+from hybridid.trace.mapper import Report
 from hybridid.trace.result import Trace
 from hybridid.trace.run import trace
 from pipelines.shared import modelling
@@ -28,7 +32,7 @@ from pipelines.shared.storage import write_json
 from pipelines.shared.traced import TraceFile
 from pipelines.trace.missing import write_missing
 from pipelines.trace.page import trace_page
-from pipelines.trace.request import division, fitting_horizon, imported_effects, request_of
+from pipelines.trace.request import Request, division, fitting_horizon, imported_effects, request_of
 
 FORMATS = ("svg",)
 """Formats of the figures. SVG is enough: the report embeds it, and a browser prints it."""
@@ -44,24 +48,39 @@ def run(job: Job) -> None:
             f"trace.horizon: {request.horizon:.3g} s; the records are too short for {asked.horizon:g} s"
         )
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
+    found = traced(job.settings, request, fitted, held_out, _Report(job), fit_of(job.tree).estimate.values)
+    for failure in found.shown.failures:
+        job.watcher.warn(failure)
+    _write(job, found, request.processes)
+
+
+def traced(
+    settings: Settings,
+    request: Request,
+    fitted: Sequence[Record],
+    held_out: Sequence[Record],
+    report: Report,
+    start: Mapping[str, float] | None = None,
+) -> Trace:
+    """What the model of ``settings`` lacks on these records, searched as ``request`` says.
+
+    The first refit starts at the parameters ``start`` (None: at the guesses).
+    """
     with mapper_of(request.processes) as mapper:
-        found = trace(
-            model_of(job.settings),
+        return trace(
+            model_of(settings),
             fitted,
             held_out,
             horizon=request.horizon,
             effects=request.effects,
             ports=request.ports,
             rules=request.rules,
-            settings=fit_settings(job.settings),
-            start=fit_of(job.tree).estimate.values,
-            initial_state=str(job.settings["validate.initial_state"]),
+            settings=fit_settings(settings),
+            start=start,
+            initial_state=str(settings["validate.initial_state"]),
             mapper=mapper,
-            report=_Report(job),
+            report=report,
         )
-    for failure in found.shown.failures:
-        job.watcher.warn(failure)
-    _write(job, found, request.processes)
 
 
 class _Report:

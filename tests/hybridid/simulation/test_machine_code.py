@@ -117,8 +117,8 @@ def test_problems_of_one_model_share_their_functions(carriage, make_model):
     first = shooter_of(carriage, make_model)
     other = replace(first, windows=cut([carriage.record(150)], 60, 4))
     assert first.code is not other.code
-    assert first.code._parts is other.code._parts
-    assert replace(first, free=("M",)).code._parts is not first.code._parts
+    assert first.code.parts is other.code.parts
+    assert replace(first, free=("M",)).code.parts is not first.code.parts
 
 
 @compiled

@@ -28,7 +28,12 @@ def test_dotted_names_are_as_good_as_nested_ones(settings):
     assert parameters_of(settings(change)) == {
         "M": {"lower": 30, "upper": 150}, "carriage": {"viscous": {"f_v": {"guess": 200}}}
     }  # fmt: skip
-    for wrong, line in (({"M": 3, "M.upper": 4}, "M is both 3 and"), (3, "parameters is 3: give names")):
+    for wrong, line in (
+        ({"M": 3, "M.upper": 4}, "M is given twice: 3 and"),
+        ({"M.upper": 4, "M": 3}, "M is given twice: .* and 3"),
+        ({"M.upper": 4, "M": {"upper": 5}}, r"M\.upper is given twice: 4 and 5"),
+        (3, "parameters is 3: give names"),
+    ):
         with pytest.raises(ConfigError, match=line):
             parameters_of(settings({"parameters": wrong}))
 
