@@ -17,6 +17,7 @@ from hybridid.quantities import NONE, number
 from hybridid.simulation.machine_code import LANES
 from pipelines.shared.page import Page, Picture, Section, Table
 
+WORDS = ("what", "way", "reached", "data")
 RULES = (
     "Wall seconds, medians over the repeats. Ways to one result take turns, each in a process of its own, "
     "after one call that is not timed; what would take minutes is timed once, without such a call.",
@@ -34,8 +35,13 @@ def write_report(rows: Sequence[Row], folder: Path) -> str:
     data = {"machine": where, "rows": [{**asdict(row), "median": row.median} for row in rows]}
     (folder / "speed.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     parts = list(dict.fromkeys(row.part for row in rows))
-    sections = [Section(part, (), (_table(part, rows),), _pictures(part, rows, folder)) for part in parts]
-    told = ", ".join(f"{key} {value}" for key, value in where.items())
+    sections = [
+        Section(part[0].upper() + part[1:], (), (_table(part, rows),), _pictures(part, rows, folder))
+        for part in parts
+    ]
+    told = ", ".join(
+        f"{key} {number(value, 3) if isinstance(value, float) else value}" for key, value in where.items()
+    )
     lead = f"How fast, beside other ways to the same result. {told}."
     marks = tuple(sorted({word for row in rows for word in row.provenance.split(" and ") if word != "none"}))
     page = Page("Speed", lead, (Section("How it was timed", RULES), *sections), marks)
@@ -43,27 +49,26 @@ def write_report(rows: Sequence[Row], folder: Path) -> str:
 
 
 def _table(part: str, rows: Sequence[Row]) -> Table:
-    header = ("what", "way", "seconds", "times ours", "peak MB", "arithmetic needs", "reached", "data")
+    """Of the rows of a part, without the columns that none of them fills."""
     own = [row for row in rows if row.part == part]
-    cells = tuple(
-        (
-            row.what,
-            row.way,
-            number(row.median, 3),
-            number(_ratio(row, own), 3, NONE) if row.way != OURS else "",
-            number(row.memory, 3, NONE),
-            number(row.least, 3, NONE),
-            row.reached,
-            row.provenance,
-        )
-        for row in own
-    )
+    columns = {
+        "what": [row.what for row in own],
+        "way": [row.way for row in own],
+        "median [s]": [number(row.median, 3) for row in own],
+        "times ours": ["" if row.way == OURS else number(_ratio(row, own), 3, NONE) for row in own],
+        "peak [MB]": [number(row.memory, 3, NONE) for row in own],
+        "arithmetic needs [s]": [number(row.least, 3, NONE) for row in own],
+        "reached": [row.reached for row in own],
+        "data": [row.provenance for row in own],
+    }
+    filled = {name: cells for name, cells in columns.items() if set(cells) - {NONE, ""}}
     notes = tuple(
         f"{row.what}: " + ", ".join(f"{name} {number(value, 3)}" for name, value in row.details.items())
         for row in own
         if row.details
     )
-    return Table(part, header, cells, notes, words=(0, 1, 6, 7))
+    words = tuple(k for k, name in enumerate(filled) if name in WORDS)
+    return Table("Wall seconds", tuple(filled), tuple(zip(*filled.values(), strict=True)), notes, words)
 
 
 def _ratio(row: Row, rows: Sequence[Row]) -> float:
@@ -87,12 +92,12 @@ def _pictures(part: str, rows: Sequence[Row], folder: Path) -> tuple[Picture, ..
         figure = new_figure(DOUBLE_COLUMN, 18 + 6 * len(own), part, provenance)
         axes = figure.subplots()
         for k, row in enumerate(own):
-            axes.barh(k, row.median, color=BLUE if row.way == OURS else VERMILION, height=0.6)
             axes.plot(row.seconds, [k] * len(row.seconds), "|", color="black")
+            axes.plot(row.median, k, "o", color=BLUE if row.way == OURS else VERMILION)
         axes.set_yticks(range(len(own)), [f"{row.what}: {row.way}" for row in own])
         axes.invert_yaxis()
         axes.set_xscale("log")
         axes.set_xlabel("wall time [s]")
-        caption = f"Wall seconds of each way ({provenance}); a bar is the median, a mark one repeat."
+        caption = f"Wall seconds of each way ({provenance}); a dot is the median, a mark one repeat."
         save(Plot(figure, name, caption, provenance), folder, kinds=("svg",))
     return (Picture(folder / f"{name}.svg", caption),)
