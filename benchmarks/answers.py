@@ -116,8 +116,7 @@ class League(Generic[S]):
             if isinstance(lines, Lost):
                 _, scenario, missing, _ = todo[key]
                 lines = [{**self.line(scenario, player), "failure": lines.reason} for player in missing]
-            with file.open("a", encoding="utf-8") as out:
-                out.writelines(json.dumps(line, default=float) + "\n" for line in lines)
+            append(file, lines)
             yield lines
 
     def conduct(
@@ -158,6 +157,13 @@ class League(Generic[S]):
             said = " | ".join([str(lines[0]["key"]), *map(_said, lines)])
             print(f"  {done}/{total} after {time.perf_counter() - began:.0f} s: {said}", flush=True)
         return failures
+
+
+def append(file: Path, lines: Iterable[Line]) -> None:
+    """Append ``lines`` as JSON; a last line that was cut off, by a kill, stays a line of its own."""
+    cut_off = file.exists() and not file.read_bytes().endswith(b"\n")
+    with file.open("a", encoding="utf-8") as out:
+        out.write("\n" * cut_off + "".join(json.dumps(line, default=float) + "\n" for line in lines))
 
 
 def alone(answered: Callable[[S, str, int], Mapping[str, Any] | None]) -> Callable[[S], Answered]:

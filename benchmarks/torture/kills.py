@@ -1,0 +1,122 @@
+"""Kills at random moments of every command: no orphan, nothing half-written, the same numbers afterwards."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.torture import whole
+from benchmarks.torture.bench import HANGS, LOST, ORPHAN, TRACEBACK, UNCLEAR, Fault, Found
+from benchmarks.torture.command import Running, load
+from benchmarks.torture.commands import COMMANDS, Command
+from benchmarks.torture.reference import LONGEST, Reference, reference, started
+
+PART = "kills"
+EACH = 16
+"""Kills of each command."""
+SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+GRACE = 20.0
+"""Seconds that workers have to end after their command: twice what they take to clean up."""
+
+
+@dataclass(frozen=True)
+class Kill:
+    """One signal to one command, at a moment that ``seed`` draws."""
+
+    command: Command
+    number: int
+    seed: int
+    part = PART
+
+    @property
+    def key(self) -> str:
+        return f"{PART}: {self.command.name}, {self.signal.name}, seed {self.seed}.{self.number}"
+
+    @property
+    def category(self) -> str:
+        return self.command.name
+
+    @property
+    def signal(self) -> signal.Signals:
+        return SIGNALS[self.number % len(SIGNALS)]
+
+    def carried_out(self, bench: Path) -> Found:
+        """Strike the command, look at what it left, and give the same command again."""
+        if sys.platform != "linux":
+            return Found("", skipped="finds processes in /proc")
+        load()
+        with self.command.around():
+            return _struck(self, reference(self.command, bench))
+
+    def drawn(self) -> tuple[float, bool, bool]:
+        """The moment as a share of the command's duration; a cold cache of compiled models; Python anew."""
+        generator = np.random.default_rng([self.seed, zlib.crc32(self.command.name.encode()), self.number])
+        moment, cold, fresh = generator.uniform(size=3)
+        return float(moment), bool(cold < 0.5), bool(fresh < 0.2) and not self.command.alone
+
+
+def trials(seed: int) -> list[Kill]:
+    """All kills, the commands in turn."""
+    return [Kill(command, number, seed) for number in range(EACH) for command in COMMANDS]
+
+
+def _struck(kill: Kill, done: Reference) -> Found:
+    moment, cold, fresh = kill.drawn()
+    done.restored(cold)
+    before = whole.contents(done.lab / "outputs")
+    running = started(done.words, done.lab, fresh)
+    running.ready(LONGEST)
+    late = running.waited(moment * done.seconds)
+    running.strike(kill.signal)
+    faults = [*_after(kill, running, done, before), *done.again()]
+    how = f"after {moment:.0%} of {done.seconds:.1f} s, {'cold' if cold else 'warm'} cache" + ", anew" * fresh
+    if any(fault.kind in (TRACEBACK, UNCLEAR) for fault in faults):
+        how += f"; it said: {running.complaint()[-1500:]}"
+    what = "it had ended" if late else f"exit code {running.code}"
+    return Found(f"{kill.signal.name} {how}: {what}", tuple(faults), {"kills": float(not late)})
+
+
+def _after(kill: Kill, running: Running, done: Reference, before: Mapping[str, str]) -> Iterator[Fault]:
+    """What is wrong after the signal."""
+    if not running.waited(LONGEST):
+        yield Fault(HANGS, f"still runs {LONGEST:g} s after {kill.signal.name}")
+        running.strike(signal.SIGKILL)
+        running.waited(LONGEST)
+    yield from _ended_clearly(kill, running)
+    yield from _orphans(running)
+    yield from done.lost(before)
+    if kill.signal != signal.SIGKILL:
+        yield from (Fault(LOST, f"MLflow: {name} is still RUNNING") for name in whole.running_runs(done.lab))
+
+
+def _ended_clearly(kill: Kill, running: Running) -> Iterator[Fault]:
+    said = running.complaint()
+    if "Traceback (most recent call last)" in said:
+        yield Fault(TRACEBACK, said.strip().splitlines()[-1])
+    if kill.signal == signal.SIGKILL:
+        return
+    asked = 0 if kill.command.opens and kill.signal == signal.SIGINT else 128 + kill.signal
+    if running.code not in (0, asked):
+        yield Fault(UNCLEAR, f"exit code {running.code}, expected {asked}")
+    last = said.strip().splitlines()[-1] if said.strip() else ""
+    if running.code == 128 + kill.signal and not last.startswith("hybridid: "):
+        yield Fault(UNCLEAR, f"the last line is {last!r}")
+
+
+def _orphans(running: Running) -> Iterator[Fault]:
+    until = time.monotonic() + GRACE
+    while (left := running.left()) and time.monotonic() < until:
+        time.sleep(0.1)
+    for pid, said in left.items():
+        yield Fault(ORPHAN, f"{pid}: {said[:200]}")
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)

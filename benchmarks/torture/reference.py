@@ -1,0 +1,129 @@
+"""What a command does when nothing disturbs it: the results that every disturbed one must come to."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import socket
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from benchmarks.torture import whole
+from benchmarks.torture.bench import HALF, LOST, WRONG, Fault
+from benchmarks.torture.command import Running, start
+from benchmarks.torture.commands import Command, Words
+
+LONGEST = 900.0
+"""Seconds after which a command counts as hanging, on a busy machine."""
+MAY_CHANGE = (".db", "config.yaml", "plan.json", "journal.log")
+"""Files that a command brings up to date before it has done its work."""
+
+
+class Disturbed(RuntimeError):
+    """A command that nothing disturbs ended as it should not."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """``before`` is a copy of the folder before the command. ``lab`` is where each trial happens: always the
+    same path, so that files that name it are the same."""
+
+    command: Command
+    words: Words
+    lab: Path
+    before: Path
+    seconds: float
+    numbers: Mapping[str, str]
+
+    def restored(self, cold: bool = False) -> None:
+        """Make the folder as it was before the command; ``cold``: without compiled models."""
+        for path in self.lab.iterdir():
+            shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
+        shutil.copytree(self.before, self.lab, symlinks=True, dirs_exist_ok=True)
+        if cold:
+            shutil.rmtree(self.lab / ".cache", ignore_errors=True)
+
+    def lost(self, before: Mapping[str, str]) -> Iterator[Fault]:
+        """Files of ``before`` (as ``whole.contents`` gave them) that are gone or changed, or not whole."""
+        yield from (Fault(HALF, text) for text in whole.half_written(self.lab / "outputs"))
+        now = whole.contents(self.lab / "outputs")
+        for name, digest in before.items():
+            if now.get(name) != digest and not name.endswith(MAY_CHANGE):
+                yield Fault(LOST, f"{name} was there before the command")
+
+    def again(self) -> Iterator[Fault]:
+        """What is wrong after the same command again, undisturbed."""
+        try:
+            in_peace(self.words, self.lab, self.command.opens)
+        except Disturbed as wrong:
+            yield Fault(LOST, f"the same command again: {wrong}")
+            return
+        yield from self.differences()
+        yield from (Fault(HALF, f"left behind: {name}") for name in whole.left_behind(self.lab))
+        yield from (Fault(LOST, f"MLflow: {name} is still RUNNING") for name in whole.running_runs(self.lab))
+
+    def differences(self) -> Iterator[Fault]:
+        """Results that differ from those of the undisturbed command."""
+        found = whole.numbers(self.lab)
+        if self.command.draws:  # as many files, whatever they hold
+            found = {name: self.numbers.get(name, digest) for name, digest in found.items()}
+        for name in sorted({*found, *self.numbers}):
+            if found.get(name) != self.numbers.get(name):
+                kind = LOST if name not in found else WRONG
+                yield Fault(kind, f"{name} differs from that of the undisturbed command")
+
+
+@cache
+def reference(command: Command, bench: Path) -> Reference:
+    """Run what comes before the command, keep that folder, then run the command.
+
+    Raises:
+        Disturbed: if that fails.
+    """
+    lab, before = bench / "lab", bench / "before" / "-".join(command.name.replace(",", "").split())
+    words = tuple(w.replace("{lab}", str(lab)).replace("{port}", str(_port())) for w in command.words)
+    for folder in (lab, before):
+        shutil.rmtree(folder, ignore_errors=True)
+    lab.mkdir(parents=True)
+    for line in command.before:
+        in_peace(line, lab)
+    shutil.copytree(lab, before, symlinks=True)
+    seconds = in_peace(words, lab, command.opens)
+    return Reference(command, words, lab, before, seconds, whole.numbers(lab))
+
+
+def in_peace(words: Words, lab: Path, opens: str = "") -> float:
+    """Run a command; its seconds after it heeds signals, or until it says ``opens``.
+
+    Raises:
+        Disturbed: if it does not end as it should.
+    """
+    running = started(words, lab)
+    running.ready(LONGEST)
+    began = time.monotonic()
+    if opens:
+        while opens not in running.complaint() and not running.waited(0.05):
+            pass
+        seconds = time.monotonic() - began
+        running.strike(signal.SIGINT)
+    if not running.waited(LONGEST) or running.code:
+        raise Disturbed(f"exit code {running.code}: {running.complaint()[-2000:]}")
+    return seconds if opens else time.monotonic() - began
+
+
+def started(words: Words, lab: Path, fresh: bool = False, says: str = "said") -> Running:
+    """The command in ``lab``, with a cache and a folder for temporary files of its own. What it says goes to
+    files called ``says``, outside."""
+    for name in (".cache", ".tmp"):
+        (lab / name).mkdir(mode=0o700, exist_ok=True)
+    own = {"XDG_CACHE_HOME": str(lab / ".cache"), "TMPDIR": str(lab / ".tmp")}
+    return start(words, lab, fresh, own, lab.parent / says)
+
+
+def _port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
