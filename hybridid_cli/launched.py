@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import functools
-import multiprocessing
 import os
 
 from pipelines.shared.parent import adopted, end_with
 
-_COMMAND = "HYBRIDID_COMMAND"
-"""The variable by which such a process knows whose it is."""
-_NAMED = "Loky"
-"""joblib's processes have names that begin so; a process on a node of a cluster has another parent."""
+
+def let_joblib_watch() -> None:
+    """Let each process that joblib starts from here watch this one: it would work on, or wait for minutes."""
+    from joblib import register_parallel_backend
+    from joblib.parallel import BACKENDS
+
+    own = functools.partial(BACKENDS["loky"], initializer=end_with_command, initargs=(os.getpid(),))
+    register_parallel_backend("loky", own)
 
 
-def begin() -> None:
-    """This process is the command."""
-    os.environ[_COMMAND] = str(os.getpid())
-
-
-@functools.cache
-def end_with_command() -> None:
-    """End this process when the command is gone, if joblib started it. joblib itself lets it work on."""
-    if multiprocessing.current_process().name.startswith(_NAMED):
-        end_with(functools.partial(adopted, int(os.environ[_COMMAND])))
+def end_with_command(command: int) -> None:
+    """End this process when the process ``command`` is gone."""
+    end_with(functools.partial(adopted, command))

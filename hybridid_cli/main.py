@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TextIO
 
 from hybridid.naming import shortened
-from hybridid_cli import helptexts, interrupt, launched
+from hybridid_cli import helptexts, interrupt
 from hybridid_cli.commands import BY_NAME, COMMANDS
 from pipelines.shared.errors import ConfigError, unknown
 
@@ -25,7 +25,6 @@ def main() -> None:
     interrupt.install()
     # no process of ours finds modules in the folder that the user stands in: it may be a received one
     os.environ["PYTHONSAFEPATH"] = "1"
-    launched.begin()
     warnings.showwarning = _show_warning
     try:
         code = dispatch(sys.argv[1:])

@@ -16,7 +16,6 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 from hybridid.plain import build
 from hybridid.settings import keys
 from hybridid_cli import interrupt
-from hybridid_cli.launched import end_with_command
 from hybridid_cli.terminal import Terminal
 from hybridid_cli.trusting import trusted_when_asked
 from pipelines.shared.config import Settings
@@ -77,7 +76,6 @@ def _raises_past_hydra(task: Callable[[DictConfig], None]) -> Callable[[DictConf
 
     @functools.wraps(task)
     def run(cfg: DictConfig) -> None:
-        end_with_command()
         try:
             task(cfg)
         except Exception as error:

@@ -1,0 +1,57 @@
+"""The processes that joblib starts for a command end with it, also those that never got a job."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+COMMAND = """
+import time
+from joblib import Parallel, delayed
+from hybridid_cli.launched import let_joblib_watch
+
+let_joblib_watch()
+Parallel(n_jobs=3, backend="loky")([delayed(time.sleep)(120)])
+"""
+MARK = "HYBRIDID_TEST_OF_JOBLIB"
+
+
+def marked(mark: str) -> dict[int, str]:
+    """The living processes whose environment holds ``mark``, by their command lines."""
+    found = {}
+    for place in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            alive = (place / "stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+            if alive and f"{MARK}={mark}".encode() in (place / "environ").read_bytes().split(b"\0"):
+                found[int(place.name)] = (place / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+    return found
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
+def test_joblib_s_processes_end_when_the_command_is_killed(environment, tmp_path):
+    mark = str(tmp_path)
+    command = subprocess.Popen(
+        [sys.executable, "-c", COMMAND], env={**environment, MARK: mark}, stderr=subprocess.DEVNULL
+    )
+    try:
+        until = time.monotonic() + 60
+        while sum("--process-name Loky" in said for said in marked(mark).values()) < 3:
+            assert time.monotonic() < until, marked(mark)
+            time.sleep(0.05)
+        command.kill()
+        command.wait()
+        until = time.monotonic() + 20
+        while left := marked(mark):
+            assert time.monotonic() < until, left
+            time.sleep(0.05)
+    finally:
+        for pid in marked(mark):
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
