@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 from hybridid_cli import interrupt
 from hybridid_cli.config_files import conf_folder
-from hybridid_cli.launched import let_joblib_watch
+from hybridid_cli.joblib_processes import let_joblib_watch
 from hybridid_cli.main import complain, wants_traceback
 from hybridid_cli.words import prepared
 

@@ -28,7 +28,7 @@ from pipelines.sweep.conduct import Sweep, conduct, folder_of
 from pipelines.sweep.log import common, in_one_experiment
 from pipelines.sweep.point import Point, expanded
 from pipelines.sweep.report import write_report
-from pipelines.tracking.parent import parent_run
+from pipelines.tracking.parent_run import parent_run
 
 _NOT_A_MODEL = ("launcher", "sweep", "hydra", "mlflow", "force", "out")
 """Config keys and groups that say how, not what."""

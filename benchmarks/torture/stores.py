@@ -22,7 +22,7 @@ from benchmarks.torture.reference import LONGEST, reference, started
 from hybridid_cli.terminal import Terminal
 from pipelines.shared.config import Settings
 from pipelines.tracking.abandoned import end_abandoned
-from pipelines.tracking.parent import parent_run
+from pipelines.tracking.parent_run import parent_run
 from pipelines.tracking.runs import Point, log_point
 from pipelines.tracking.waiting import send_waiting, waiting
 

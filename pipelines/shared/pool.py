@@ -29,7 +29,7 @@ from typing import Any, TypeVar
 from hybridid.private import cache_folder
 from hybridid.trace.mapper import Mapper, serial
 from pipelines.shared.own_code import importable
-from pipelines.shared.parent import PATIENCE
+from pipelines.shared.parent_process import PATIENCE
 from pipelines.shared.pool_server import METHOD, ensure_server, one_thread
 from pipelines.shared.pool_worker import ENDED, Lost, serve
 from pipelines.shared.watch import Watcher

@@ -15,7 +15,7 @@ from types import FrameType
 from typing import Any, NoReturn
 
 from pipelines.shared.own_code import make_importable
-from pipelines.shared.parent import end_with
+from pipelines.shared.parent_process import end_with
 from pipelines.shared.watch import Watcher
 
 BETWEEN = 0.2

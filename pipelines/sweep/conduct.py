@@ -21,7 +21,7 @@ from pipelines.sweep.log import log_failures, log_points
 from pipelines.sweep.plan import Plan, planned
 from pipelines.sweep.point import Point
 from pipelines.sweep.work import Failures, SweepJob
-from pipelines.tracking.parent import ParentRun
+from pipelines.tracking.parent_run import ParentRun
 from pipelines.tracking.patience import in_background
 
 

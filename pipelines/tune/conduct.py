@@ -16,7 +16,7 @@ from pipelines.shared.prepared import prepared_records, provenance_of
 from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
 from pipelines.shared.watch import Watcher
-from pipelines.tracking.parent import parent_run
+from pipelines.tracking.parent_run import parent_run
 from pipelines.tune.findings import Findings, findings_of
 from pipelines.tune.log import log_trial
 from pipelines.tune.report import written

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from pipelines.shared.parent import PATIENCE
+from pipelines.shared.parent_process import PATIENCE
 from pipelines.shared.pool import Lost, mapper_of, side_by_side
 
 

@@ -16,7 +16,7 @@ from pipelines.shared.sections.searches import SweepSection
 from pipelines.sweep.conduct import conduct
 from pipelines.sweep.log import common
 from pipelines.sweep.report import write_report
-from pipelines.tracking.parent import parent_run
+from pipelines.tracking.parent_run import parent_run
 
 REQUEST = SweepSection()
 

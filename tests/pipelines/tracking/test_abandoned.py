@@ -17,7 +17,7 @@ from pipelines.tracking import store as store_module
 from pipelines.tracking.abandoned import REASON, end_abandoned
 from pipelines.tracking.begun import Mark
 from pipelines.tracking.note import KEY
-from pipelines.tracking.parent import parent_run
+from pipelines.tracking.parent_run import parent_run
 from pipelines.tracking.runs import Point, client, log_point
 from pipelines.tracking.store import STORE
 from pipelines.tracking.waiting import send_waiting, waiting

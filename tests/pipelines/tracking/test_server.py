@@ -18,7 +18,7 @@ from hybridid_cli.main import dispatch
 from pipelines.tracking import log as tracking
 from pipelines.tracking import patience
 from pipelines.tracking.note import KEY
-from pipelines.tracking.parent import parent_run
+from pipelines.tracking.parent_run import parent_run
 from pipelines.tracking.runs import Point, client, log_point
 from pipelines.tracking.waiting import waiting
 

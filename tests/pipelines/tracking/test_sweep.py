@@ -11,7 +11,7 @@ from pipelines.tracking import log as tracking
 from pipelines.tracking import patience
 from pipelines.tracking import send as tracking_send
 from pipelines.tracking.note import COMMIT, KEY
-from pipelines.tracking.parent import parent_run
+from pipelines.tracking.parent_run import parent_run
 from pipelines.tracking.runs import Point, client, log_point
 from pipelines.tracking.waiting import send_waiting, waiting
 

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[3]
 FAMILY = """
 import functools, os, time
-from pipelines.shared.parent import adopted, end_with
+from pipelines.shared.parent_process import adopted, end_with
 
 parent = os.getpid()
 if os.fork() == 0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import os
 
-from pipelines.shared.parent import adopted, end_with
+from pipelines.shared.parent_process import adopted, end_with
 
 
 def let_joblib_watch() -> None:

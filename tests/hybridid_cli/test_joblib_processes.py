@@ -15,7 +15,7 @@ import pytest
 COMMAND = """
 import time
 from joblib import Parallel, delayed
-from hybridid_cli.launched import let_joblib_watch
+from hybridid_cli.joblib_processes import let_joblib_watch
 
 let_joblib_watch()
 Parallel(n_jobs=3, backend="loky")([delayed(time.sleep)(120)])
