@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
+import subprocess
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Protocol
 
 from benchmarks.answers import append
@@ -55,17 +57,29 @@ class Found:
 
 
 class Trial(Protocol):
-    """``key`` is unique and names the seed; ``category`` is a row of the table of its ``part``."""
+    """``key`` is unique and names the seed; ``category`` is a row of the table of its part."""
 
     @property
     def key(self) -> str: ...
     @property
-    def part(self) -> str: ...
-    @property
     def category(self) -> str: ...
+    @property
+    def seed(self) -> int: ...
     def carried_out(self, bench: Path) -> Found:
         """Do it; ``bench`` is a folder that all trials of a run share."""
         ...
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A section of the page: what its trials do, in a sentence or two, and the kinds of fault that they look
+    for. ``asked`` says how many at least, by what is counted. ``trials(seed)`` are all of its trials."""
+
+    name: str
+    about: str
+    seeks: tuple[str, ...]
+    trials: Callable[[int], Sequence[Trial]]
+    asked: Mapping[str, int] = field(default_factory=dict)
 
 
 @cache
@@ -78,8 +92,8 @@ def version() -> str:
     return digest.hexdigest()[:16]
 
 
-def known(file: Path, trials: Iterable[Trial], any_code: bool) -> dict[str, Line]:
-    """The last line of each of ``trials`` in ``file``, by key; a line of other code only if ``any_code``."""
+def known(file: Path, trials: Iterable[Trial]) -> dict[str, Line]:
+    """The last line of each of ``trials`` in ``file``, by key."""
     keys = {trial.key for trial in trials}
     found: dict[str, Line] = {}
     for text in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
@@ -87,32 +101,60 @@ def known(file: Path, trials: Iterable[Trial], any_code: bool) -> dict[str, Line
             line = json.loads(text)
         except json.JSONDecodeError:
             continue  # cut off when its run was killed
-        if line["key"] in keys and (any_code or line["version"] == version()):
+        if line["key"] in keys:
             found[line["key"]] = line
     return found
 
 
-def conducted(trials: Sequence[Trial], file: Path, any_code: bool) -> Iterator[Line]:
-    """Carry out the trials that ``file`` does not hold yet, or with a fault; append each, and yield it."""
-    there = known(file, trials, any_code)
+def conducted(part: str, trials: Sequence[Trial], file: Path, any_code: bool) -> Iterator[Line]:
+    """Carry out the trials that ``file`` does not hold yet, or with a fault, or unless ``any_code`` of other
+    code; append each, and yield it."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    for trial in trials:
-        if trial.key in there and not there[trial.key]["faults"]:
-            continue
-        began = time.monotonic()
-        found = trial.carried_out(file.parent / "bench")
-        line = {
-            "key": trial.key,
-            "part": trial.part,
-            "category": trial.category,
-            "version": version(),
-            "date": time.strftime("%Y-%m-%d"),
-            "machine": machine(),
-            "seconds": round(time.monotonic() - began, 2),
-            **asdict(found),
-        }
-        append(file, [line])
-        yield json.loads(json.dumps(line))
+    with TemporaryDirectory(prefix="bench-", dir=file.parent.resolve()) as bench:
+        for trial in undone(trials, file, any_code):
+            began = time.monotonic()
+            found = trial.carried_out(Path(bench))
+            line = {
+                "key": trial.key,
+                "part": part,
+                "category": trial.category,
+                "seed": trial.seed,
+                "version": version(),
+                "commit": commit(),
+                "date": time.strftime("%Y-%m-%d"),
+                "machine": machine(),
+                "seconds": round(time.monotonic() - began, 2),
+                **asdict(found),
+            }
+            append(file, [line])
+            yield json.loads(json.dumps(line))
+
+
+def undone(trials: Sequence[Trial], file: Path, any_code: bool) -> list[Trial]:
+    """The trials that ``conducted`` has to carry out."""
+    sound = {
+        key
+        for key, line in known(file, trials).items()
+        if not line["faults"] and (any_code or line["version"] == version())
+    }
+    return [trial for trial in trials if trial.key not in sound]
+
+
+@cache
+def commit() -> str:
+    """The commit of the code that is tortured, and whether files were changed since."""
+    try:
+        name, changed = (
+            _git(*words) for words in (("rev-parse", "--short", "HEAD"), ("status", "--short", *CODE))
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return "not in git"
+    return f"{name} with changes" if changed else name
+
+
+def _git(*words: str) -> str:
+    done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
+    return done.stdout.strip()
 
 
 @cache

@@ -15,12 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.torture import whole
-from benchmarks.torture.bench import HANGS, TRACEBACK, UNCLEAR, WRONG, Fault, Found
+from benchmarks.torture.bench import HALF, HANGS, LOST, TRACEBACK, UNCLEAR, WRONG, Fault, Found, Part
 from benchmarks.torture.command import Running, load
 from benchmarks.torture.commands import COMMANDS, Command
 from benchmarks.torture.reference import LONGEST, Reference, reference, started
 
-PART = "disks"
 EACH = 3
 """Full disks of each command, of different sizes; and one that cannot be written."""
 WRITES = tuple(c for c in COMMANDS if c.name not in ("ui", "cases", "effects", "completion"))
@@ -37,12 +36,11 @@ class Disk:
     command: Command
     number: int | None
     seed: int
-    part = PART
 
     @property
     def key(self) -> str:
         kind = "read-only" if self.number is None else f"full, seed {self.seed}.{self.number}"
-        return f"{PART}: {self.command.name}, {kind}"
+        return f"disks: {self.command.name}, {kind}"
 
     @property
     def category(self) -> str:
@@ -68,6 +66,15 @@ class Disk:
 def trials(seed: int) -> list[Disk]:
     """All disks, the commands in turn."""
     return [Disk(command, number, seed) for number in (None, *range(EACH)) for command in WRITES]
+
+
+PART = Part(
+    "disks",
+    "Each command runs on a disk that cannot be written, and on disks that fill up at a random moment. "
+    "Then the disk gets room, and the same command runs again.",
+    (LOST, WRONG, HALF, TRACEBACK, UNCLEAR, HANGS),
+    trials,
+)
 
 
 def _filled(disk: Disk, done: Reference, before: int, after: int) -> Found:

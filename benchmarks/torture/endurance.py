@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy.signal import cont2discrete, lfilter, ss2tf
 
-from benchmarks.torture.bench import GROWS, LOST, WRONG, Fault, Found
+from benchmarks.torture.bench import GROWS, LOST, WRONG, Fault, Found, Part
 from benchmarks.torture.command import load, start
 from benchmarks.torture.commands import QUICK
 from hybridid_cli.terminal import Terminal
@@ -28,7 +28,6 @@ from pipelines.shared.config import Settings
 from pipelines.shared.pool import mapper_of
 from pipelines.shared.storage import read_json, write_table
 
-PART = "endurance"
 SAMPLES = 2_500_000
 DT = 1e-3
 MASS, VISCOUS = 95.0, 210.0
@@ -63,11 +62,10 @@ class Long:
     counted: str
     done: Callable[[Path, int], Found]
     seed: int
-    part = PART
 
     @property
     def key(self) -> str:
-        return f"{PART}: {self.category}, seed {self.seed}"
+        return f"endurance: {self.category}, seed {self.seed}"
 
     def carried_out(self, bench: Path) -> Found:
         """Do it in a new folder."""
@@ -85,6 +83,15 @@ def trials(seed: int) -> list[Long]:
         Long("a loop of fits", "fits in one process", partial(_apart, "fits"), seed),
         Long("a loop of pools", "pools in one process", partial(_apart, "pools"), seed),
     ]
+
+
+PART = Part(
+    "endurance",
+    "A long record is fitted by the command. Loops go on in one process, whose memory, processes, threads "
+    "and open files must stay as they are.",
+    (LOST, WRONG, GROWS),
+    trials,
+)
 
 
 def _long_record(folder: Path, seed: int) -> Found:

@@ -15,12 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.torture import whole
-from benchmarks.torture.bench import HANGS, LOST, ORPHAN, TRACEBACK, UNCLEAR, Fault, Found
+from benchmarks.torture.bench import HALF, HANGS, LOST, ORPHAN, TRACEBACK, UNCLEAR, WRONG, Fault, Found, Part
 from benchmarks.torture.command import Running, load
 from benchmarks.torture.commands import COMMANDS, Command
 from benchmarks.torture.reference import LONGEST, Reference, reference, started
 
-PART = "kills"
 EACH = 16
 """Kills of each command."""
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
@@ -35,11 +34,10 @@ class Kill:
     command: Command
     number: int
     seed: int
-    part = PART
 
     @property
     def key(self) -> str:
-        return f"{PART}: {self.command.name}, {self.signal.name}, seed {self.seed}.{self.number}"
+        return f"kills: {self.command.name}, {self.signal.name}, seed {self.seed}.{self.number}"
 
     @property
     def category(self) -> str:
@@ -67,6 +65,17 @@ class Kill:
 def trials(seed: int) -> list[Kill]:
     """All kills, the commands in turn."""
     return [Kill(command, number, seed) for number in range(EACH) for command in COMMANDS]
+
+
+PART = Part(
+    "kills",
+    "Each command is struck by a signal at a random moment. Then the same command runs again, undisturbed. "
+    "Nothing that was finished may be gone, no process may stay, no file may be half-written, and no MLflow "
+    "run may be left RUNNING. The second run must come to the numbers of a command that nothing disturbed.",
+    (LOST, WRONG, HALF, TRACEBACK, UNCLEAR, ORPHAN, HANGS),
+    trials,
+    {"kills": 300},
+)
 
 
 def _struck(kill: Kill, done: Reference) -> Found:

@@ -1,77 +1,90 @@
-"""``docs/reliability.md``: what was tried, what broke, and with which seeds."""
+"""``docs/reliability.md``: what was tried, at which commit, what broke, and with which seed."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from benchmarks.torture.bench import KINDS, Line
+from benchmarks.torture.bench import KINDS, Line, Part
 
-ASKED = {"bad inputs": 3000, "kills": 300}
-"""How many at least."""
+There = Mapping[Part, Mapping[str, Line]]
+"""The lines of each part, by the keys of its trials."""
 
 
-def write_report(lines: Sequence[Line], page: Path, seed: int) -> str:
+def write_report(there: There, page: Path, seed: int) -> str:
     """Write the page; returns what to print."""
+    lines = [line for found in there.values() for line in found.values()]
     if not lines:
         return "torture: no trial is done yet, no page written"
-    page.write_text(text(lines, seed), encoding="utf-8")
+    page.write_text(text(there, seed), encoding="utf-8")
     broke = sum(bool(line["faults"]) for line in lines)
     return f"torture: {len(lines)} trials, {broke} of them with a fault: {page}"
 
 
-def text(lines: Sequence[Line], seed: int) -> str:
+def text(there: There, seed: int) -> str:
     """The page in Markdown."""
+    lines = [line for found in there.values() for line in found.values()]
     done = [line for line in lines if not line["skipped"]]
-    parts = dict.fromkeys(line["part"] for line in done)
-    sections = [_lead(done, seed), _totals(done)]
-    sections += [_part(name, [line for line in done if line["part"] == name]) for name in parts]
-    sections += [_faults(done), _skipped(lines)]
+    sections = [LEAD, _run(there, seed), _faults_in_all(done)]
+    for part, found in there.items():
+        own = [line for line in found.values() if not line["skipped"]]
+        sections += [_section(part, own)] if own else []
+    sections += [_broken(done), _skipped(lines)]
     return "\n\n".join(section for section in sections if section) + "\n"
 
 
-def _lead(done: Sequence[Line], seed: int) -> str:
-    dates = sorted({line["date"] for line in done})
-    machines = sorted({line["machine"] for line in done})
-    codes = Counter(line["version"] for line in done)
-    said = ", ".join(f"{code} ({n} trials)" for code, n in codes.most_common())
-    when = dates[0] if len(dates) == 1 else f"{dates[0]} to {dates[-1]}"
-    return "\n".join(
-        [
-            "# Reliability",
-            "`make torture` wrote this page. All records are simulated. A fault of a trial is one of these: "
-            + ", ".join(KINDS) + ".",
-            "",
-            f"- seed: {seed}. `ARGS='--match KEY'` repeats one trial, by a part of its key.",
-            f"- dates: {when}",
-            f"- machine: {'; '.join(machines)}",
-            f"- digest of the code: {said}",
-        ]
-    )  # fmt: skip
+LEAD = """# Reliability
+`make torture` wrote this page from its results. All records are simulated.
+
+- `make torture ARGS='--only kills'` runs one part.
+- `make torture ARGS='--match "kills: fit"'` runs the trials whose names contain these words.
+- `make torture ARGS=--report` writes the page and runs nothing.
+
+A run goes on where the last one stopped. It repeats trials of other code unless it is given `--any-code`."""
 
 
-def _totals(done: Sequence[Line]) -> str:
-    counted = _counted(done)
-    faults = Counter(fault["kind"] for line in done for fault in line["faults"])
-    rows = [
-        (what, f"{counted[what]:g}", f"at least {least}") for what, least in ASKED.items() if what in counted
-    ]
-    rows += [(what, f"{n:g}", "") for what, n in counted.items() if what not in ASKED]
-    rows += [(f"trials with the fault: {kind}", str(faults[kind]), "0") for kind in KINDS]
-    return "## In all\n" + _table(("what", "count", "asked"), rows)
+def _run(there: There, seed: int) -> str:
+    """Which parts were run, how far, and on what."""
+    rows = []
+    for part, found in there.items():
+        lines = found.values()
+        rows.append(
+            (
+                part.name,
+                f"{len(lines)} of {len(part.trials(seed))}" if lines else "not run",
+                _joined(line["commit"] for line in lines),
+                _joined(line["date"] for line in lines),
+                _joined(line["machine"] for line in lines),
+                f"{sum(line['seconds'] for line in lines) / 60:.0f}",
+            )
+        )
+    header = ("part", "trials done", "commit", "date", "machine", "minutes")
+    return f"## What was run\nThe seed of all that was drawn is {seed}.\n\n" + _table(header, rows)
 
 
-def _part(name: str, lines: Sequence[Line]) -> str:
+def _faults_in_all(done: Sequence[Line]) -> str:
+    faults = _faults(done)
+    rows = [(kind, str(faults[kind])) for kind in KINDS]
+    return f"## Faults in all {len(done)} trials\n" + _table(("fault", "trials"), rows)
+
+
+def _section(part: Part, lines: Sequence[Line]) -> str:
+    counted, found = _counted(lines), _faults(lines)
+    least = {what: f", at least {n} are asked" for what, n in part.asked.items()}
+    total = [f"- {n:g} {what}{least.get(what, '')}" for what, n in counted.items()]
+    kinds = [kind for kind in KINDS if kind in part.seeks or found[kind]]
     rows = []
     for category in dict.fromkeys(line["category"] for line in lines):
         own = [line for line in lines if line["category"] == category]
-        counted = ", ".join(f"{n:g} {what}" for what, n in _counted(own).items())
-        rows.append((category, str(len(own)), counted, str(sum(bool(line["faults"]) for line in own))))
-    return f"## {name.capitalize()}\n" + _table(("", "trials", "counted", "with a fault"), rows)
+        faults = _faults(own)
+        seconds = sum(line["seconds"] for line in own)
+        rows.append((category, str(len(own)), *(str(faults[kind]) for kind in kinds), f"{seconds:.0f}"))
+    table = _table(("", "trials", *kinds, "seconds"), rows)
+    return "\n".join([f"## {part.name.capitalize()}", part.about, "", *total, "", table])
 
 
-def _counted(lines: Sequence[Line]) -> Mapping[str, float]:
+def _counted(lines: Iterable[Line]) -> Mapping[str, float]:
     found: dict[str, float] = {}
     for line in lines:
         for what, n in line["counts"].items():
@@ -79,7 +92,12 @@ def _counted(lines: Sequence[Line]) -> Mapping[str, float]:
     return found
 
 
-def _faults(done: Sequence[Line]) -> str:
+def _faults(lines: Iterable[Line]) -> Counter[str]:
+    """How many trials had a fault of each kind."""
+    return Counter(kind for line in lines for kind in {fault["kind"] for fault in line["faults"]})
+
+
+def _broken(done: Sequence[Line]) -> str:
     rows = [f"- {line['key']}: {fault['kind']}: {fault['what']}" for line in done for fault in line["faults"]]
     return "## What broke\n" + "\n".join(rows or ["Nothing."])
 
@@ -88,6 +106,11 @@ def _skipped(lines: Sequence[Line]) -> str:
     why = Counter((line["part"], line["skipped"]) for line in lines if line["skipped"])
     rows = [f"- {part}: {n} trials: {reason}" for (part, reason), n in why.items()]
     return "## Not tried on this machine\n" + "\n".join(rows) if rows else ""
+
+
+def _joined(values: Iterable[str]) -> str:
+    """Each value once, the most frequent first."""
+    return "; ".join(value for value, _ in Counter(values).most_common())
 
 
 def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from benchmarks.torture import whole
-from benchmarks.torture.bench import GROWS, HANGS, LOST, TRACEBACK, UNCLEAR, Fault, Found
+from benchmarks.torture.bench import GROWS, HANGS, LOST, TRACEBACK, UNCLEAR, WRONG, Fault, Found, Part
 from benchmarks.torture.command import load
 from benchmarks.torture.commands import COMMANDS, Command
 from benchmarks.torture.reference import LONGEST, reference, started
@@ -26,7 +26,6 @@ from pipelines.tracking.parent_run import parent_run
 from pipelines.tracking.runs import Point, log_point
 from pipelines.tracking.waiting import send_waiting, waiting
 
-PART = "stores"
 EACH = 2
 """Pairs of each command, the second begun at a moment that the seed draws."""
 AT_ONCE = tuple(c for c in COMMANDS if c.name not in ("ui", "cases", "effects", "completion"))
@@ -43,12 +42,11 @@ class Pair:
     command: Command
     number: int
     seed: int
-    part = PART
     category = "two commands on one folder"
 
     @property
     def key(self) -> str:
-        return f"{PART}: two {self.command.name} at once, seed {self.seed}.{self.number}"
+        return f"stores: two {self.command.name} at once, seed {self.seed}.{self.number}"
 
     def carried_out(self, bench: Path) -> Found:
         """Start it twice, wait for both, and compare with one alone."""
@@ -86,11 +84,10 @@ class Store:
     counted: str
     done: Callable[[Path, int], tuple[str, float, list[Fault]]]
     seed: int
-    part = PART
 
     @property
     def key(self) -> str:
-        return f"{PART}: {self.name}, seed {self.seed}"
+        return f"stores: {self.name}, seed {self.seed}"
 
     @property
     def category(self) -> str:
@@ -113,6 +110,15 @@ def trials(seed: int) -> list[Pair | Store]:
         Store(f"{RUNS} runs in one store", "runs in one store", _many_runs, seed),
         *(Pair(command, number, seed) for number in range(EACH) for command in AT_ONCE),
     ]
+
+
+PART = Part(
+    "stores",
+    "Many processes write to one MLflow store, and some of them are killed. Many runs go to one store. Each "
+    "command runs twice at once on one folder, the second from a random moment on.",
+    (LOST, WRONG, TRACEBACK, UNCLEAR, HANGS, GROWS),
+    trials,
+)
 
 
 def _settings(outputs: Path) -> Settings:

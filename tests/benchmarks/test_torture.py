@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.torture import disks, endurance, kills, stores, whole
-from benchmarks.torture.bench import LOST, Fault, Found, conducted, known
+from benchmarks.torture import endurance, kills, stores, whole
+from benchmarks.torture.bench import LOST, WRONG, Fault, Found, Part, conducted, known
 from benchmarks.torture.command import Running, start
+from benchmarks.torture.parts import PARTS
 from benchmarks.torture.report import text
 from pipelines.shared.storage import write_json, write_table
 
@@ -102,7 +103,7 @@ def test_a_command_is_struck_when_it_heeds_signals(tmp_path):
 
 
 def test_every_trial_is_unique_and_names_its_seed():
-    found = [trial for part in (kills, disks, stores, endurance) for trial in part.trials(7)]
+    found = [trial for part in PARTS for trial in part.trials(7)]
     assert len({trial.key for trial in found}) == len(found)
     assert all("seed 7" in trial.key or "read-only" in trial.key for trial in found)
     assert len(kills.trials(7)) >= 300
@@ -116,8 +117,8 @@ class Once:
     """A trial that breaks the first time."""
 
     key: str = "once"
-    part: str = "parts"
     category: str = "kind"
+    seed: int = 7
     tried: int = 0
 
     def carried_out(self, bench: Path) -> Found:
@@ -127,37 +128,48 @@ class Once:
 
 def test_a_run_goes_on_where_it_stopped_and_tries_again_what_broke(tmp_path):
     file, trial = tmp_path / "results.jsonl", Once()
-    (line,) = conducted([trial], file, any_code=False)
+    (line,) = conducted("parts", [trial], file, any_code=False)
     assert line["faults"] == [{"kind": LOST, "what": "a file"}]
     with file.open("a") as out:
         out.write('{"key": "cut o')  # killed as it wrote
-    list(conducted([trial], file, any_code=False))
+    list(conducted("parts", [trial], file, any_code=False))
     assert trial.tried == 2
-    assert list(conducted([trial], file, any_code=False)) == []
-    assert known(file, [trial], any_code=False)["once"]["faults"] == []
+    assert list(conducted("parts", [trial], file, any_code=False)) == []
+    assert known(file, [trial])["once"]["faults"] == []
+    assert list(tmp_path.iterdir()) == [file], "what the trials used stays"
 
 
 def test_a_trial_of_other_code_is_tried_again(tmp_path):
     file, trial = tmp_path / "results.jsonl", Once(tried=1)
-    (line,) = conducted([trial], file, any_code=False)
+    (line,) = conducted("parts", [trial], file, any_code=False)
     file.write_text(json.dumps({**line, "version": "other"}) + "\n")
-    assert list(conducted([trial], file, any_code=True)) == []
-    assert len(list(conducted([trial], file, any_code=False))) == 1
+    assert list(conducted("parts", [trial], file, any_code=True)) == []
+    assert len(list(conducted("parts", [trial], file, any_code=False))) == 1
 
 
-def test_the_page_counts_what_was_done_and_names_what_broke():
+def test_the_page_says_what_was_run_and_names_what_broke():
+    kill = Part(
+        "kills", "Each is struck.", (LOST, WRONG), lambda seed: [Once(key) for key in "abcd"], {"kills": 300}
+    )
     line = {
-        "part": "kills", "category": "fit", "version": "abc", "date": "2026-11-23", "machine": "a machine",
-        "faults": [], "counts": {"kills": 1.0}, "skipped": "", "said": "", "seconds": 1.0,
+        "part": "kills", "category": "fit", "commit": "31eadfe", "date": "2026-11-23", "machine": "a machine",
+        "faults": [], "counts": {"kills": 1.0}, "skipped": "", "said": "", "seconds": 30.0,
     }  # fmt: skip
-    broke = {**line, "key": "kills: fit, SIGKILL", "faults": [{"kind": LOST, "what": "estimate.json"}]}
+    broke = {**line, "key": "kills: fit, SIGKILL", "faults": [{"kind": LOST, "what": "estimate.json"}] * 2}
     skipped = {**line, "key": "disk", "part": "disks", "counts": {}, "skipped": "only root may mount"}
-    page = text([{**line, "key": "one"}, broke, skipped], seed=20)
-    assert "| kills | 2 | at least 300 |" in page
-    assert f"| trials with the fault: {LOST} | 1 | 0 |" in page
+    disk = Part("disks", "Disks fill up.", (LOST,), lambda seed: [Once()])
+    never = Part("endurance", "Loops.", (LOST,), lambda seed: [Once()])
+    there = {kill: {"a": {**line, "key": "a"}, "b": broke}, disk: {"once": skipped}, never: {}}
+    page = text(there, seed=20)
+    assert "| kills | 2 of 4 | 31eadfe | 2026-11-23 | a machine | 1 |" in page
+    assert "| endurance | not run |" in page
+    assert "- 2 kills, at least 300 are asked" in page
+    assert "|  | trials | lost | silent wrong | seconds |" in page
+    assert "| fit | 2 | 1 | 0 | 60 |" in page
+    assert "| lost | 1 |" in page
     assert "- kills: fit, SIGKILL: lost: estimate.json" in page
     assert "- disks: 1 trials: only root may mount" in page
-    assert "| fit | 2 | 2 kills | 1 |" in page
+    assert "## Endurance" not in page
 
 
 def test_a_loop_that_grows_is_told(tmp_path, monkeypatch):

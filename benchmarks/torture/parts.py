@@ -1,0 +1,8 @@
+"""The parts of the torture, in the order of the page."""
+
+from __future__ import annotations
+
+from benchmarks.torture import disks, endurance, kills, stores
+from benchmarks.torture.bench import Part
+
+PARTS: tuple[Part, ...] = (kills.PART, disks.PART, stores.PART, endurance.PART)
