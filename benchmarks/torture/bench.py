@@ -5,13 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
+import shutil
 import subprocess
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 from typing import Any, Protocol
 
 from benchmarks.answers import append
@@ -110,10 +112,10 @@ def conducted(part: str, trials: Sequence[Trial], file: Path, any_code: bool) ->
     """Carry out the trials that ``file`` does not hold yet, or with a fault, or unless ``any_code`` of other
     code; append each, and yield it."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    with TemporaryDirectory(prefix="bench-", dir=file.parent.resolve()) as bench:
+    with bench(file.parent.resolve()) as folder:
         for trial in undone(trials, file, any_code):
             began = time.monotonic()
-            found = trial.carried_out(Path(bench))
+            found = trial.carried_out(folder)
             line = {
                 "key": trial.key,
                 "part": part,
@@ -128,6 +130,17 @@ def conducted(part: str, trials: Sequence[Trial], file: Path, any_code: bool) ->
             }
             append(file, [line])
             yield json.loads(json.dumps(line))
+
+
+@contextmanager
+def bench(folder: Path) -> Iterator[Path]:
+    """A new folder in ``folder``. A TemporaryDirectory would go when the first command forked from here ends,
+    for that command tidies up as Python does at its end."""
+    made = Path(mkdtemp(prefix="bench-", dir=folder))
+    try:
+        yield made
+    finally:
+        shutil.rmtree(made)
 
 
 def undone(trials: Sequence[Trial], file: Path, any_code: bool) -> list[Trial]:

@@ -194,3 +194,23 @@ def test_a_store_that_lacks_a_run_or_a_number_is_told(tmp_path):
     database.close()
     said = [fault.what for fault in stores._wrong(tmp_path, {"1", "2"})]
     assert said == ["no run 2", "run 1 is FINISHED with 1 of 5 numbers"]
+
+
+FORKS = """
+import atexit, os, sys
+from pathlib import Path
+from benchmarks.torture.bench import bench
+
+with bench(Path(sys.argv[1])) as folder:
+    if os.fork() == 0:
+        atexit._run_exitfuncs()
+        os._exit(0)
+    os.wait()
+    assert folder.is_dir()
+assert not folder.exists()
+"""
+
+
+def test_a_command_that_ends_leaves_the_bench_that_it_was_forked_from(tmp_path):
+    done = subprocess.run([sys.executable, "-c", FORKS, tmp_path], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
