@@ -18,6 +18,8 @@ from benchmarks.torture.commands import Command, Words
 
 LONGEST = 900.0
 """Seconds after which a command counts as hanging, on a busy machine."""
+OWN_FOLDERS = {"XDG_CACHE_HOME": ".cache", "TMPDIR": ".tmp"}
+"""The folders of a lab for compiled models and for temporary files, by the variables that name them."""
 MAY_CHANGE = (".db", "config.yaml", "plan.json", "journal.log")
 """Files that a command brings up to date before it has done its work."""
 
@@ -45,6 +47,7 @@ class Reference:
         shutil.copytree(self.before, self.lab, symlinks=True, dirs_exist_ok=True)
         if cold:
             shutil.rmtree(self.lab / ".cache", ignore_errors=True)
+        _with_own_folders(self.lab)
 
     def lost(self, before: Mapping[str, str]) -> Iterator[Fault]:
         """Files of ``before`` (as ``whole.contents`` gave them) that are gone or changed, or not whole."""
@@ -117,10 +120,14 @@ def in_peace(words: Words, lab: Path, opens: str = "") -> float:
 def started(words: Words, lab: Path, fresh: bool = False, says: str = "said") -> Running:
     """The command in ``lab``, with a cache and a folder for temporary files of its own. What it says goes to
     files called ``says``, outside."""
-    for name in (".cache", ".tmp"):
-        (lab / name).mkdir(mode=0o700, exist_ok=True)
-    own = {"XDG_CACHE_HOME": str(lab / ".cache"), "TMPDIR": str(lab / ".tmp")}
+    _with_own_folders(lab)
+    own = {name: str(lab / folder) for name, folder in OWN_FOLDERS.items()}
     return start(words, lab, fresh, own, lab.parent / says)
+
+
+def _with_own_folders(lab: Path) -> None:
+    for folder in OWN_FOLDERS.values():
+        (lab / folder).mkdir(mode=0o700, exist_ok=True)
 
 
 def _port() -> int:
