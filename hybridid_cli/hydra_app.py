@@ -12,12 +12,14 @@ from hybridid_cli.config_files import conf_folder
 from hybridid_cli.joblib_processes import let_joblib_watch
 from hybridid_cli.main import complain, wants_traceback
 from hybridid_cli.words import prepared
+from pipelines.shared.secrets import typed
 
 FULL_ERROR = "HYDRA_FULL_ERROR"
 
 
 def run(command: str, words: Sequence[str]) -> int:
     """Carry out a command that has a primary config; returns the exit code."""
+    words = typed(words)
     ready = prepared(command, words)
     traceback = wants_traceback() or "--debug" in words
     if command == "sweep":

@@ -73,7 +73,7 @@ class LauncherProcesses:
         path = self.folder / f"{self._launched}-{sweep_job.points[0].key}{'-gray' * sweep_job.gray}.json"
         for old in (path.with_suffix(BEGUN), path.with_suffix(OUTCOME)):
             old.unlink(missing_ok=True)
-        write_text(path, json_text(sweep_job.plain()))
+        write_text(path, json_text(sweep_job.plain()), mode=0o600)
         return path.resolve()
 
     def _launch(self, sweep_jobs: Mapping[Path, SweepJob], watcher: Watcher) -> tuple[dict[Path, str], bool]:

@@ -15,6 +15,7 @@ from hybridid.naming import shortened
 from hybridid_cli import helptexts, interrupt
 from hybridid_cli.commands import BY_NAME, COMMANDS
 from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.secrets import mask_streams
 
 WRONG_REQUEST = 2
 LONGEST = 700
@@ -26,6 +27,7 @@ def main() -> None:
     # no process of ours finds modules in the folder that the user stands in: it may be a received one
     os.environ["PYTHONSAFEPATH"] = "1"
     warnings.showwarning = _show_warning
+    mask_streams()
     try:
         code = dispatch(sys.argv[1:])
         sys.stdout.flush()

@@ -22,6 +22,7 @@ from hybridid_cli.tasks import settings_from
 from hybridid_cli.terminal import Terminal
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.secrets import masked
 from pipelines.shared.sections.searches import SweepSection
 from pipelines.shared.tree import locked
 from pipelines.sweep.conduct import Sweep, conduct, folder_of
@@ -51,8 +52,8 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         request = settings.section("sweep", SweepSection)
         name = _name(points, config)
         points = in_one_experiment(points, name)
-        shared = tuple(str(o.input_line) for o in overrides if not o.is_sweep_override() and _is_model(o))
-        asked = Sweep(name, tuple(words), shared, tuple(points), folder_of(name, points))
+        shared = tuple(masked(o.input_line) for o in overrides if not o.is_sweep_override() and _is_model(o))
+        asked = Sweep(name, tuple(map(masked, words)), shared, tuple(points), folder_of(name, points))
         plain = [word for o in overrides if not o.is_sweep_override() for word in _words(o)]
         launcher = _launcher(asked.folder, context, task, config)
         runner = runner_of(launcher, plain, asked.folder, request.processes)

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.own_code import code_in
-from pipelines.shared.trust import Untrusted, all_trusted, is_trusted, printable, store, trust
+from pipelines.shared.remembered import place_of
+from pipelines.shared.trust import TRUSTED, Untrusted, all_trusted, is_trusted, printable, trust
 
 _LISTED = 12
 
@@ -25,7 +26,7 @@ def command(name: str, words: Sequence[str]) -> int:
             now = Path(one.folder)
             remark = "" if now.is_dir() and is_trusted(now) else "  (changed since: trusted no more)"
             print(f"{printable(one.folder)}  {one.digest[:12]}{remark}")
-        print(f"each is a file in {store()}; remove it, and the folder is trusted no more")
+        print(f"each is a file in {place_of(TRUSTED)}; remove it, and the folder is trusted no more")
     return 0
 
 

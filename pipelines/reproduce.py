@@ -18,9 +18,11 @@ from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
 from pipelines.shared.page import Page
 from pipelines.shared.pool import Lost, core_count, side_by_side
+from pipelines.shared.secrets import masked
 from pipelines.shared.tree import replacing, write_text
 from pipelines.shared.watch import Watcher
 from pipelines.thesis.look_up import Failed
+from pipelines.tracking.note import short
 from pipelines.tracking.runs import tracked
 
 LAST_STAGE = "validate"
@@ -73,8 +75,8 @@ def attempt(settings: Settings, watcher: Watcher) -> Done | Failed:
             logged.finish(outcome)
     except Exception as error:
         kind = "" if isinstance(error, ConfigError) else f"{type(error).__name__}: "
-        reason = " ".join(f"{kind}{error}".split())[:_LONGEST]
-        return Failed(reason, traceback.format_exc())
+        reason = short(f"{kind}{error}")[:_LONGEST]
+        return Failed(reason, masked(traceback.format_exc()))
     return Done(outcome.tree, time.monotonic() - began)
 
 

@@ -17,6 +17,7 @@ from pipelines.residual.stage import RESIDUAL
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.freshness import Fingerprint, fingerprint, folder_digest, why_stale, write_receipt
+from pipelines.shared.secrets import masked_below
 from pipelines.shared.sources import sources_of
 from pipelines.shared.stage import Job, Outcome, Stage
 from pipelines.shared.tree import locked, point_latest, remove, replacing, tree_of, write_text
@@ -56,7 +57,9 @@ def run_stages(
     with locked(root, watcher.say):
         first(root)
         write_text(
-            root / "config.yaml", yaml.safe_dump(dict(settings.config), sort_keys=False, allow_unicode=True)
+            root / "config.yaml",
+            yaml.safe_dump(masked_below(settings.config), sort_keys=False, allow_unicode=True),
+            mode=0o600,
         )
         for stage in STAGES:
             if not stage.asked(settings) and remove(root / stage.name):

@@ -16,7 +16,7 @@ from hydra.core.singleton import Singleton
 from hydra.core.utils import JobReturn, JobStatus, filter_overrides
 from hydra_plugins.hydra_submitit_launcher import submitit_launcher
 
-from pipelines.shared.errors import Incomplete
+from pipelines.shared.errors import ConfigError, Incomplete
 
 if TYPE_CHECKING:  # Hydra looks for plugins at every start: it must stay light
     from submitit import Job
@@ -45,6 +45,7 @@ class SlurmLauncher(submitit_launcher.SlurmLauncher):
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
         """Submit, wait for all; a lost job's return is a failure. An interrupt cancels what still runs."""
+        self._close_folder()
         executor = self._executor()
         assert self.config is not None
         folder = Path(str(self.config.hydra.sweep.dir))
@@ -58,6 +59,17 @@ class SlurmLauncher(submitit_launcher.SlurmLauncher):
         with _cancelled_if_interrupted(executor.map_array(self, *zip(*arguments, strict=True))) as jobs:
             log.info(f"submitted to Slurm as job {jobs[0].job_id.partition('_')[0]}; squeue shows it")
             return [_outcome(job, given) for job, given in zip(jobs, job_overrides, strict=True)]
+
+    def _close_folder(self) -> None:
+        """Let nobody else read the pickled jobs, or put other ones in their place."""
+        folder = Path(str(self.params["submitit_folder"]).partition("%")[0])
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            folder.chmod(0o700)
+        except PermissionError as error:
+            raise ConfigError(
+                f"{folder} is not yours: the jobs that are handed over there would run"
+            ) from error
 
     def _executor(self) -> Any:
         import submitit

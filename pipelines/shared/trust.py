@@ -8,13 +8,11 @@ digest of all code in the folder, so it ends when a file changes.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hybridid.private import content_of_own, exposed
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.own_code import (
     check_comes_from,
@@ -23,15 +21,20 @@ from pipelines.shared.own_code import (
     importable,
     make_importable,
 )
+from pipelines.shared.remembered import all_remembered, is_remembered, not_believed, remember
+
+TRUSTED = "trusted"
+"""The kind under which it is remembered."""
 
 
 class Untrusted(ConfigError):
     """Raised for a file that names code in a ``folder`` which the user does not trust."""
 
     def __init__(self, what: str, path: str, folder: Path) -> None:
-        name = printable(folder)
+        name, reason = printable(folder), not_believed(TRUSTED)
+        why = f" (what you agreed to is not read: {reason})" if reason else ""
         super().__init__(
-            f"{what} names {printable(path)}, code in {name}, which you do not trust{_why_not_read()}; "
+            f"{what} names {printable(path)}, code in {name}, which you do not trust{why}; "
             f"if you have read it and want it to run: hybridid trust {name}"
         )
         self.what, self.folder = what, folder
@@ -86,29 +89,20 @@ def paths_in(config: Mapping[str, Any]) -> list[str]:
 
 def is_trusted(folder: Path) -> bool:
     """Whether the user trusts the code in a folder as it is now."""
-    return not _why_not_read() and content_of_own(store() / digest_of_code(folder)) is not None
+    return is_remembered(TRUSTED, digest_of_code(folder))
 
 
 def trust(folder: Path) -> Trusted:
     """Remember the code in a folder as trusted.
 
     Raises:
-        ConfigError: if there is no such folder, no code in it, or it cannot be remembered safely.
+        ConfigError: if there is no such folder, too much code in it, or it cannot be remembered safely.
     """
     if not folder.is_dir():
         raise ConfigError(f"{folder}: no such folder")
-    digest, place = digest_of_code(folder), store()
-    try:
-        place.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if reason := exposed(place):
-            raise ConfigError(f"{folder} cannot be remembered as trusted: {reason}")
-        new = place / f".{os.getpid()}"
-        with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as stream:
-            stream.write(f"{folder.resolve()}\n")
-        new.replace(place / digest)
-    except OSError as error:
-        raise ConfigError(f"{folder} cannot be remembered as trusted: {place}: {error.strerror}") from error
-    return Trusted(str(folder.resolve()), digest)
+    given = Trusted(str(folder.resolve()), digest_of_code(folder))
+    remember(TRUSTED, given.digest, given.folder)
+    return given
 
 
 def all_trusted() -> list[Trusted]:
@@ -117,16 +111,7 @@ def all_trusted() -> list[Trusted]:
     Raises:
         ConfigError: if others could have changed it.
     """
-    if reason := _why_not_read():
-        raise ConfigError(f"nothing is trusted{reason}")
-    files = [file for file in store().glob("[!.]*") if content_of_own(file) is not None]
-    return sorted((Trusted(file.read_text().strip(), file.name) for file in files), key=lambda t: t.folder)
-
-
-def store() -> Path:
-    """Where trust is remembered: a file for each digest, with the name of the folder."""
-    config = os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config"
-    return Path(config) / "hybridid" / "trusted"
+    return sorted((Trusted(text, digest) for digest, text in all_remembered(TRUSTED).items()), key=str)
 
 
 def printable(text: object) -> str:
@@ -140,10 +125,3 @@ _admitted: set[Path] = set()
 def _named() -> list[Path]:
     """The folders that the user named in this process."""
     return [folder for folder in importable() if folder not in _admitted]
-
-
-def _why_not_read() -> str:
-    """Why what was remembered is not believed, as the end of a sentence; empty if it is."""
-    place = store()
-    reason = exposed(place) if place.is_dir() else ""
-    return f" (what you trusted is not read: {reason})" if reason else ""

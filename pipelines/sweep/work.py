@@ -17,6 +17,7 @@ from pipelines.residual.narx import NARXRequest, report_to
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.freshness import RECEIPT
+from pipelines.shared.secrets import masked
 from pipelines.shared.stage import Job
 from pipelines.shared.tree import replacing
 from pipelines.shared.watch import Watcher
@@ -75,7 +76,7 @@ def carry_out(job: SweepJob, watcher: Watcher) -> Failures:
 def one_line(error: Exception) -> str:
     """An exception in one line."""
     kind = "" if isinstance(error, ConfigError) else f"{type(error).__name__}: "
-    return " ".join(f"{kind}{error}".split())[:_LONGEST]
+    return " ".join(masked(f"{kind}{error}").split())[:_LONGEST]
 
 
 def adopt(point: Point) -> None:

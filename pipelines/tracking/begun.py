@@ -31,7 +31,7 @@ _MAKING = 3600.0
 
 @dataclass(frozen=True)
 class Begun:
-    """A run by its ``key``; ``store`` is a digest of the store's address, which may hold a password."""
+    """A run by its ``key``; ``store`` is a digest of the store's address."""
 
     key: str
     experiment: str

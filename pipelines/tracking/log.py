@@ -9,6 +9,7 @@ from typing import Any
 from filelock import Timeout
 
 from pipelines.shared.config import Settings
+from pipelines.shared.secrets import credentials
 from pipelines.shared.watch import Watcher
 from pipelines.tracking.abandoned import end_abandoned
 from pipelines.tracking.note import Artifact, Note, Status, short
@@ -52,7 +53,7 @@ def note(
         key=key,
         name=name,
         experiment=experiment_of(settings),
-        uri=settings.mlflow.tracking_uri,
+        uri=tracking_uri(settings) if settings.mlflow.tracking_uri else None,
         began=round(began * 1000),
         ended=None if ended is None else round(ended * 1000),
         status=status,
@@ -71,10 +72,12 @@ def files(paths: Sequence[Path]) -> tuple[Artifact, ...]:
 
 
 def later(settings: Settings) -> str:
-    """What sends the runs that wait."""
+    """What sends the runs that wait, and the password that it needs."""
     outputs = str(settings.outputs)
     where = "" if outputs == "outputs" else f" paths.outputs={outputs}"
-    return f"hybridid log{where} sends what waits in {outputs}/mlflow-waiting"
+    needed = credentials(tracking_uri(settings))
+    password = f", if {' and '.join(needed)} are set as now" if needed else ""
+    return f"hybridid log{where} sends what waits in {outputs}/mlflow-waiting{password}"
 
 
 def _sent(given: Note, settings: Settings) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from hybridid.plain import plain
+from pipelines.shared.secrets import masked
 
 Status = Literal["RUNNING", "FINISHED", "FAILED", "KILLED"]
 KEY = "hybridid.key"
@@ -73,5 +74,5 @@ class Note:
 
 
 def short(text: object) -> str:
-    """Text as one line that MLflow takes."""
-    return " ".join(str(text).split())[:LONGEST]
+    """Text as one line that MLflow takes, without secrets."""
+    return " ".join(masked(text).split())[:LONGEST]

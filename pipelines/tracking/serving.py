@@ -13,6 +13,7 @@ import time
 from hybridid.plain import build
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
+from pipelines.shared.secrets import with_password
 from pipelines.shared.sections.stages import UiKeys
 from pipelines.shared.watch import Watcher
 from pipelines.tracking import guardian
@@ -39,7 +40,8 @@ def serve(settings: Settings, watcher: Watcher) -> None:
     watcher.say(f"starting MLflow's page for {uri}")
     # no job runner: it serves MLflow's language-model tools, with a dozen processes
     environment = {**os.environ, "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
-    words = ["server", "--backend-store-uri", uri, "--host", HOST, "--port", str(port), "--workers", "1"]
+    environment["MLFLOW_BACKEND_STORE_URI"] = with_password(uri)  # everybody may read the words of a command
+    words = ["server", "--host", HOST, "--port", str(port), "--workers", "1"]
     with tempfile.TemporaryFile("w+") as said:
         command = [sys.executable, "-m", guardian.__name__, sys.executable, "-m", "mlflow", *words]
         server = subprocess.Popen(

@@ -13,22 +13,22 @@ from typing import TYPE_CHECKING
 from filelock import FileLock
 
 from pipelines.shared.config import Settings
+from pipelines.shared.secrets import noted, with_password
 from pipelines.tracking import patience
 
 if TYPE_CHECKING:
     from mlflow.tracking import MlflowClient
 
 STORE = "mlflow.db"
-_SILENT = {
-    "MLFLOW_DISABLE_TELEMETRY": "true",
-    "DO_NOT_TRACK": "true",
-    "MLFLOW_SUPPRESS_PRINTING_URL_TO_STDOUT": "true",  # stdout is for results
-}
+_SENDS_NOTHING = {"MLFLOW_DISABLE_TELEMETRY": "true", "DO_NOT_TRACK": "true"}
+"""MLflow looks for these when it is imported, and again before it would send its maker anything."""
+_SILENT = {"MLFLOW_SUPPRESS_PRINTING_URL_TO_STDOUT": "true"}  # stdout is for results
 
 
 def tracking_uri(settings: Settings) -> str:
-    """``mlflow.tracking_uri``, else the sqlite file beside the run trees."""
-    return str(settings.get("mlflow.tracking_uri") or _address(store_folder(settings) / STORE))
+    """``mlflow.tracking_uri`` without its password, else the sqlite file beside the run trees."""
+    given = settings.mlflow.tracking_uri
+    return noted(given) if given else _address(store_folder(settings) / STORE)
 
 
 def _address(store: Path) -> str:
@@ -42,6 +42,7 @@ def store_folder(settings: Settings) -> Path:
 
 def client(settings: Settings, uri: str | None = None) -> MlflowClient:
     """A client of the store (at ``uri``, if given), which exists from then on."""
+    os.environ.update(_SENDS_NOTHING)
     for name, value in (_SILENT | patience.REQUESTS).items():
         os.environ.setdefault(name, value)
     with alone(settings):
@@ -68,7 +69,7 @@ def _client(uri: str, process: int) -> MlflowClient:
 
     for name in ("mlflow", "alembic", "urllib3"):
         logging.getLogger(name).setLevel(logging.ERROR)
-    return MlflowClient(tracking_uri=uri)
+    return MlflowClient(tracking_uri=with_password(uri))
 
 
 @contextmanager

@@ -2,26 +2,34 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from filelock import FileLock
 
 from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.remembered import is_remembered, remember
+from pipelines.shared.secrets import without_password
 from pipelines.shared.storage import read_as, write_json
 from pipelines.shared.tree import remove
+from pipelines.shared.trust import printable
 from pipelines.shared.watch import Watcher
-from pipelines.tracking.note import Artifact, Note
+from pipelines.tracking.note import Artifact, Note, short
 from pipelines.tracking.send import send
 from pipelines.tracking.store import answers, store_folder, tracking_uri
 
 SILENT = "the server does not answer"
 _UNFINISHED = ".unfinished-"
 _NOTE = "note.json"
+SERVERS = "servers"
+"""The kind under which the stores are remembered for which runs were kept."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +50,10 @@ def keep(note: Note, settings: Settings) -> Path:
     """Keep the note with copies of its files; its folder appears whole or not at all."""
     root = folder(settings)
     root.mkdir(parents=True, exist_ok=True)
-    new = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=root))
-    new.chmod(0o755)
+    new = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=root))  # open to the user alone
+    if note.uri is not None:
+        with suppress(ConfigError):  # then hybridid log asks for the address
+            remember(SERVERS, _digest(note.uri), note.uri)
     try:
         copies = tuple(_copied(artifact, new, k) for k, artifact in enumerate(note.artifacts))
         write_json(new / _NOTE, replace(note, artifacts=copies))
@@ -71,7 +81,8 @@ def waiting(settings: Settings) -> list[tuple[Path, Note]]:
     for place in sorted(folder(settings).glob(f"[0-9]*/{_NOTE}")):
         note = read_as(Note, place)
         here = tuple(Artifact(place.parent / a.source, a.into) for a in note.artifacts)
-        found.append((place.parent, replace(note, artifacts=here)))
+        uri = None if note.uri is None else without_password(note.uri)
+        found.append((place.parent, replace(note, artifacts=here, uri=uri)))
     return found
 
 
@@ -82,13 +93,14 @@ def send_waiting(settings: Settings, watcher: Watcher) -> Iterator[Attempt]:
     """
     if not folder(settings).is_dir():
         return
-    given = settings.get("mlflow.tracking_uri")
+    given = settings.mlflow.tracking_uri
     failed: dict[str, str] = {}
     with FileLock(str(folder(settings) / ".lock")):
         for place, note in waiting(settings):
             watcher.carry_on()
-            uri = str(given or note.uri or tracking_uri(settings))
-            trouble = failed.get(uri, "") or _trouble(replace(note, uri=uri), settings)
+            uri = (None if given else note.uri) or tracking_uri(settings)
+            trouble = failed.get(uri, "") or _strange(place, note, uri if uri == note.uri else None)
+            trouble = trouble or _trouble(replace(note, uri=uri), settings)
             if not trouble:
                 remove(place)
             elif trouble == SILENT:
@@ -107,4 +119,19 @@ def _trouble(note: Note, settings: Settings) -> str:
 
 def reason(error: Exception, uri: str) -> str:
     """Why a store did not take a run, in one short line."""
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"[:200] if answers(uri) else SILENT
+    return short(f"{type(error).__name__}: {error}")[:200] if answers(uri) else SILENT
+
+
+def _strange(place: Path, note: Note, uri: str | None) -> str:
+    """Why a folder of runs does not look like one's own: somebody else's must not send one's files away."""
+    for artifact in note.artifacts:
+        inside = artifact.source.resolve().is_relative_to(place.resolve())
+        if not inside or any(path.is_symlink() for path in (artifact.source, *artifact.source.rglob("*"))):
+            return f"{printable(artifact.source)} lies outside of {place}"
+    if uri is not None and not is_remembered(SERVERS, _digest(uri)):
+        return f"you never logged to this store from here; mlflow.tracking_uri={printable(uri)} sends it"
+    return ""
+
+
+def _digest(uri: str) -> str:
+    return hashlib.sha256(uri.encode()).hexdigest()

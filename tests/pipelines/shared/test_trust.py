@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 from pipelines.runner import run_stages
-from pipelines.shared import trust as module
 from pipelines.shared.augmented import taken_up
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import load
 from pipelines.shared.imports import named
 from pipelines.shared.modelling import model_of
 from pipelines.shared.own_code import make_importable
-from pipelines.shared.trust import Untrusted, admit, all_trusted, is_trusted, paths_in, trust
+from pipelines.shared.remembered import place_of
+from pipelines.shared.trust import TRUSTED, Untrusted, admit, all_trusted, is_trusted, paths_in, trust
 
 pytestmark = pytest.mark.usefixtures("nothing_imported")
 
@@ -110,9 +110,9 @@ def test_trust_is_private(received, own_folder):
 
 def test_trust_that_others_could_have_written_is_not_believed(received):
     trust(received)
-    module.store().chmod(0o777)
+    place_of(TRUSTED).chmod(0o777)
     assert not is_trusted(received)
-    with pytest.raises(Untrusted, match="what you trusted is not read: others may write to"):
+    with pytest.raises(Untrusted, match="what you agreed to is not read: others may write to"):
         admit("it", [PATH], [received])
     with pytest.raises(ConfigError, match="others may write to"):
         all_trusted()
@@ -123,7 +123,7 @@ def test_trust_that_others_could_have_written_is_not_believed(received):
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a file to another user")
 def test_trust_written_by_another_user_is_not_believed(received):
     given = trust(received)
-    os.chown(module.store() / given.digest, 65534, 65534)
+    os.chown(place_of(TRUSTED) / given.digest, 65534, 65534)
     assert not is_trusted(received)
 
 
