@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-rebuilt study-servo study-sweep study-slurm league league-drawn torture clean distclean FORCE
+.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-rebuilt study-servo study-sweep study-slurm league league-drawn torture clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -29,6 +29,9 @@ lint: $(READY) ## check style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+audit: $(READY) ## look for known faults in our code (bandit) and in the libraries (pip-audit)
+	.ci/audit $(BIN)/python
 
 format: $(READY) ## put every file in the house style
 	$(BIN)/ruff check --fix .
@@ -88,7 +91,7 @@ clean: ## remove what tools and builds left behind (never outputs/ or data/)
 	find . -path ./$(VENV) -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean ## clean, and remove .venv
-	rm -rf $(VENV)
+	rm -rf $(VENV) .venv-audit
 
 # FORCE: a .venv whose Python is gone (upgraded or moved away) is made anew
 $(READY): pyproject.toml constraints.txt $(shell $(BIN)/python -c 1 2>/dev/null || echo FORCE)

@@ -21,7 +21,7 @@ from hybridid_cli.trusting import trusted_when_asked
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
 from pipelines.shared.own_code import make_importable
-from pipelines.shared.secrets import mask_streams, moved_to_environment
+from pipelines.shared.secrets import mask_streams
 from pipelines.shared.sections.stages import ReproduceKeys
 from pipelines.shared.trust import Untrusted
 
@@ -146,10 +146,10 @@ def _composed(experiment: str, words: list[str]) -> Settings:
 
 
 def _plain(cfg: DictConfig) -> dict[str, Any]:
-    """A config as plain containers, with what its values refer to in their place and no password."""
+    """A config as plain containers, with what its values refer to in their place."""
     config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
     assert isinstance(config, dict)
-    return moved_to_environment({str(key): value for key, value in config.items()})
+    return {str(key): value for key, value in config.items()}
 
 
 @_raises_past_hydra

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from hybridid.plain import build
 from hybridid.settings import keys
 from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.secrets import moved_to_environment
 from pipelines.shared.sections.known import KEYS, SECTIONS
 from pipelines.shared.sections.stages import CaseSection, LoneKeys, MLflowSection, PathsSection
 
@@ -28,6 +29,8 @@ MODELLING = (
 class Settings:
     """A case's name, its resolved config as plain containers, and the user's own folders.
 
+    The password of ``mlflow.tracking_uri`` goes to the environment: ``config`` never holds it.
+
     Raises:
         ConfigError: if a key is not in ``KEYS``, or a key of a section does not belong to it or has a value
             that is not allowed, whether or not the command at hand reads that section.
@@ -39,6 +42,7 @@ class Settings:
     in_sweep: bool = False
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "config", moved_to_environment(self.config))
         for key, value in self.config.items():
             if key == "case" and isinstance(value, Mapping) and set(value) - set(keys(CaseSection)):
                 raise ConfigError(_case_key(self.case, value))

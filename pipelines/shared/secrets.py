@@ -17,7 +17,7 @@ from urllib.parse import quote, unquote
 
 USERNAME, PASSWORD = "MLFLOW_TRACKING_USERNAME", "MLFLOW_TRACKING_PASSWORD"
 """Where MLflow finds what it shows to a server."""
-DATABASE_PASSWORD = "HYBRIDID_DATABASE_PASSWORD"
+DATABASE_PASSWORD = "HYBRIDID_DATABASE_PASSWORD"  # nosec B105
 """Where the password of a database stands, for an address like ``postgresql://user@host/runs``."""
 HIDDEN = "***"
 

@@ -97,7 +97,7 @@ def test_it_is_in_no_file_that_a_run_leaves_and_in_no_line(settings, heard, data
     assert PASSWORD not in "".join([*heard.warned, *heard.said, str(attempt)])
     assert "if MLFLOW_TRACKING_USERNAME and MLFLOW_TRACKING_PASSWORD are set as now" in heard.warned[-1]
     stored = yaml.safe_load((tree / "config.yaml").read_text())
-    assert stored["mlflow"]["tracking_uri"] == "http://***@127.0.0.1:9"
+    assert stored["mlflow"]["tracking_uri"] == "http://127.0.0.1:9"
 
 
 def test_what_could_hold_such_things_is_not_for_everybody(settings, heard, data):
