@@ -91,7 +91,9 @@ def _filled(disk: Disk, done: Reference, before: int, after: int) -> Found:
     said = (
         f"room for {room * BLOCK / 1e6:.2f} of {after / 1e6:.2f} MB" if disk.number is not None else "no room"
     )
-    return Found(f"{said}: exit code {running.code}: {''.join(last)[:400]}", tuple(faults), {"disks": 1.0})
+    said += f": exit code {running.code}: "
+    said += running.complaint()[-3000:] if faults else "".join(last)[:400]
+    return Found(said, tuple(faults), {"disks": 1.0})
 
 
 def _said(disk: Disk, running: Running) -> Iterator[Fault]:

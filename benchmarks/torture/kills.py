@@ -23,6 +23,8 @@ from benchmarks.torture.reference import LONGEST, Reference, reference, started
 EACH = 16
 """Kills of each command."""
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+TRIES = 4
+"""How often a command that ended before it was struck is begun again: the machine may be less busy by now."""
 GRACE = 20.0
 """Seconds that workers have to end after their command: twice what they take to clean up."""
 
@@ -80,14 +82,20 @@ PART = Part(
 
 def _struck(kill: Kill, done: Reference) -> Found:
     moment, cold, fresh = kill.drawn()
-    done.restored(cold)
-    before = whole.contents(done.lab / "outputs")
-    running = started(done.words, done.lab, fresh)
-    running.ready(LONGEST)
-    late = running.waited(moment * done.seconds)
+    seconds = done.seconds
+    for _ in range(TRIES):
+        done.restored(cold)
+        before = whole.contents(done.lab / "outputs")
+        running = started(done.words, done.lab, fresh)
+        running.ready(LONGEST)
+        began = time.monotonic()
+        late = running.waited(moment * seconds)
+        if not late:
+            break
+        seconds = time.monotonic() - began
     running.strike(kill.signal)
     faults = [*_after(kill, running, done, before), *done.again()]
-    how = f"after {moment:.0%} of {done.seconds:.1f} s, {'cold' if cold else 'warm'} cache" + ", anew" * fresh
+    how = f"after {moment:.0%} of {seconds:.1f} s, {'cold' if cold else 'warm'} cache" + ", anew" * fresh
     if any(fault.kind in (TRACEBACK, UNCLEAR) for fault in faults):
         how += f"; it said: {running.complaint()[-1500:]}"
     what = "it had ended" if late else f"exit code {running.code}"

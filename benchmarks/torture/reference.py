@@ -58,9 +58,11 @@ class Reference:
                 yield Fault(LOST, f"{name} was there before the command")
 
     def again(self) -> Iterator[Fault]:
-        """What is wrong after the same command again, undisturbed."""
+        """What is wrong after the same command again, undisturbed, and ``log`` where runs wait to be sent."""
         try:
             in_peace(self.words, self.lab, self.command.opens)
+            if any((self.lab / "outputs" / "mlflow-waiting").glob("[0-9]*")):
+                in_peace(("log",), self.lab)
         except Disturbed as wrong:
             yield Fault(LOST, f"the same command again: {wrong}")
             return

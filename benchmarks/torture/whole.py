@@ -18,11 +18,13 @@ import yaml
 
 OF_TIME = ("seconds", "began", "ended", "times", "date")
 """Keys with such a word hold no result."""
-OF_PROCESSES = ("processes", "pid")
+OF_THE_WAY = ("processes", "pid", "plan")
+"""Keys that say how the results were come by, as what was there already and was not done again."""
 NO_RESULT = ("stage.json", "plan.json", "search.json")
 UNNAMED = (".unfinished-", ".replaced-", "making-", ".part", "-new")
 """Marks of names that a file has until it is whole. The next command removes such files."""
-ARTIFACTS = "mlflow-artifacts"
+DRAWN = ("mlflow-artifacts", "mlflow-waiting")
+"""Folders in which files have names that are drawn."""
 SQLITE = ("-journal", "-wal", "-shm")
 
 
@@ -46,7 +48,7 @@ def numbers(folder: Path) -> dict[str, str]:
     took."""
     found = finished_runs(folder)
     for path in _files(folder):
-        if ARTIFACTS in path.parts:  # by a name that is drawn
+        if set(DRAWN) & set(path.parts):
             continue
         if path.suffix in (".json", ".parquet", ".csv", ".npz") and path.name not in NO_RESULT:
             text = json.dumps(_results(_read(path)), sort_keys=True, default=str)
@@ -169,4 +171,4 @@ def _results(value: Any) -> Any:
 
 
 def _is_no_result(key: str) -> bool:
-    return key in OF_PROCESSES or any(word in key for word in OF_TIME)
+    return key in OF_THE_WAY or any(word in key for word in OF_TIME)

@@ -1,4 +1,4 @@
-"""Ends what killed processes left ``RUNNING``: a run of this machine whose process is gone."""
+"""Ends what was left ``RUNNING``: a run of this machine whose process was killed, or found its disk full."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pipelines.tracking.send import end
 from pipelines.tracking.store import tracking_uri
 from pipelines.tracking.waiting import keep, reason, waiting
 
-REASON = "its process was killed"
+REASON = "its command ended before the run was logged"
 
 
 def end_abandoned(settings: Settings) -> str:

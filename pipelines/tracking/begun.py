@@ -1,6 +1,7 @@
 """Runs that a process of this machine has begun in MLflow and not ended: each a folder with a locked file.
 
-A process that is killed cannot end its runs, but its locks are freed: the next command finds them (``left``).
+A process that is killed cannot end its runs, and on a full disk none can be ended. But the locks are freed:
+the next command finds such runs (``left``).
 """
 
 from __future__ import annotations
@@ -56,19 +57,31 @@ class Mark:
     def lift(self) -> None:
         """The run is ended, or kept to be sent later."""
         remove(self._place)
+        self.leave()
+
+    def leave(self) -> None:
+        """The run is neither: the next command ends it, unless ``lift_left`` is called for it."""
         self._lock.release(force=True)
 
 
 @contextmanager
 def marked(key: str, experiment: str, settings: Settings, uri: str | None = None) -> Iterator[None]:
-    """A mark on the run as long as the context lasts; it stays if that is broken off, as by a signal."""
+    """A mark on the run as long as the context lasts; it is left there if that is broken off."""
     mark = Mark(key, experiment, settings, uri)
     try:
         yield
     except Exception:
-        mark.lift()
+        mark.leave()
         raise
     mark.lift()
+
+
+def lift_left(key: str, settings: Settings) -> None:
+    """Lift the marks that were left on the run ``key``: it is kept to be sent later."""
+    for place in _folder(settings).glob("[!.]*"):
+        begun = _read(place)
+        if begun is not None and begun.key == key and not _is_held(place):
+            remove(place)
 
 
 def left(settings: Settings) -> Iterator[Begun]:

@@ -12,6 +12,7 @@ from pipelines.shared.config import Settings
 from pipelines.shared.secrets import credentials
 from pipelines.shared.watch import Watcher
 from pipelines.tracking.abandoned import end_abandoned
+from pipelines.tracking.begun import lift_left
 from pipelines.tracking.note import Artifact, Note, Status, short
 from pipelines.tracking.patience import Slow, pause, paused
 from pipelines.tracking.send import send
@@ -22,21 +23,24 @@ _warned: set[str] = set()
 _looked: set[str] = set()
 
 
-def log(settings: Settings, note_of: Callable[[], Note], watcher: Watcher) -> None:
-    """Send a note or, failing that, keep it."""
+def log(settings: Settings, note_of: Callable[[], Note], watcher: Watcher) -> bool:
+    """Send a note or, failing that, keep it; False if neither can be done, as on a full disk."""
     if not settings.mlflow.enabled:
-        return
+        return True
     try:
         note = note_of()
         trouble = _sent(note, settings)
         if trouble:
             keep(note, settings)
+            lift_left(note.key, settings)
             _warn_once(settings, watcher, trouble)
         else:
             _look_once(settings, watcher)
     except Exception as error:
         line = short(f"{type(error).__name__}: {error}")[:200]
         watcher.warn(f"not logged to MLflow ({line}); the results are complete without it")
+        return False
+    return True
 
 
 def note(

@@ -58,13 +58,16 @@ class ParentRun:
 
     def _end(self, status: Status, **known: object) -> None:
         now = time.time()
-        log(
+        ended = log(
             self.settings,
             lambda: note(self.settings, self.key, self.name, now, now, status, **known),
             self._watcher,
         )
         if self._mark is not None:
-            self._mark.lift()
+            if ended:
+                self._mark.lift()
+            else:
+                self._mark.leave()
             self._mark = None
 
 

@@ -21,6 +21,7 @@ from pipelines.shared.storage import read_as, write_json
 from pipelines.shared.tree import remove
 from pipelines.shared.trust import printable
 from pipelines.shared.watch import Watcher
+from pipelines.tracking.begun import lift_left
 from pipelines.tracking.note import Artifact, Note, short
 from pipelines.tracking.send import send
 from pipelines.tracking.store import answers, store_folder, tracking_uri
@@ -113,6 +114,7 @@ def _trouble(note: Note, settings: Settings) -> str:
     try:
         send(note, settings)
     except Exception as error:
+        lift_left(note.key, settings)  # it waits on
         return reason(error, note.uri or tracking_uri(settings))
     return ""
 

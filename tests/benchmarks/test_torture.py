@@ -74,6 +74,13 @@ def test_numbers_differ_by_results_and_not_by_time(tree):
     }
 
 
+def test_how_results_were_come_by_is_no_result(tree):
+    write_json(tree / "sweep.json", {"value": 1.0, "plan": {"fresh": []}})
+    before = whole.numbers(tree)
+    write_json(tree / "sweep.json", {"value": 1.0, "plan": {"fresh": ["width=4"]}})
+    assert whole.numbers(tree) == before
+
+
 @LINUX
 def test_a_process_that_outlives_its_command_is_seen(tmp_path):
     """Also one that left the session."""

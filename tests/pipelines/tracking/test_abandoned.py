@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import multiprocessing
 import platform
 import shutil
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -161,6 +163,49 @@ def test_a_run_that_is_struck_while_it_is_filled_is_ended(settings, heard, monke
     with pytest.raises(KeyboardInterrupt), parent_run(settings(), "sweep", "all", heard) as parent:
         parent.open({})
     assert runs(settings())["all"][0] == "KILLED"
+
+
+def full(*given):
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_run_that_a_full_disk_cuts_off_and_does_not_keep_is_ended_by_the_next_command(
+    settings, heard, monkeypatch
+):
+    there = settings()
+    with monkeypatch.context() as patch:
+        patch.setattr(tracking_send, "_parts", full)
+        patch.setattr(tracking, "keep", full)
+        log_point(there, POINT, "all", heard)
+    assert runs(there)["point"] == ("RUNNING", "")
+    assert "No space left on device" in heard.warned[-1]
+    log_point(there, replace(POINT, key="another"), "all", heard)
+    assert runs(there)["point"] == ("KILLED", REASON)
+    assert list(Path("outputs/.mlflow-running").iterdir()) == []
+
+
+def test_a_sweep_whose_end_finds_the_disk_full_is_ended_by_the_next_command(settings, heard, monkeypatch):
+    there = settings()
+    with parent_run(there, "sweep", "all", heard) as parent:
+        parent.open({})
+        with monkeypatch.context() as patch:
+            patch.setattr(tracking, "send", full)
+            patch.setattr(tracking, "keep", full)
+            parent.close()
+    assert end_abandoned(there) == ""
+    assert runs(there)["all"] == ("KILLED", REASON)
+
+
+def test_a_run_that_is_kept_goes_on_until_it_is_sent(settings, heard, monkeypatch):
+    there = settings()
+    with monkeypatch.context() as patch:
+        patch.setattr(tracking_send, "_parts", full)
+        log_point(there, POINT, "all", heard)
+        assert [attempt.trouble != "" for attempt in send_waiting(there, heard)] == [True]
+    assert end_abandoned(there) == ""
+    assert runs(there)["point"] == ("RUNNING", "")
+    assert [attempt.trouble for attempt in send_waiting(there, heard)] == [""]
+    assert runs(there)["point"] == ("FINISHED", "")
 
 
 def test_a_mark_is_locked_as_long_as_it_is_there(settings):
