@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import os
 import stat
 from contextlib import suppress
@@ -12,18 +13,21 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:  # some of this takes as long to import as hybridid's --help takes in all
     import tempfile
 
+KEPT = {"models": "compiled models", "unfinished": "results of interrupted commands"}
+"""What is kept, by its folder."""
+_SEAL = hashlib.sha256().digest_size
 _WARNED = "HYBRIDID_CACHE_WARNED"
 """Set in the environment once the user has been warned: the processes that this one starts need not warn."""
 
 
 @functools.cache
-def cache_folder() -> Path:
-    """``$XDG_CACHE_HOME/hybridid/models`` (by default in ``~/.cache``), if nobody else can change what lies
-    there; else, with a warning, a folder of this process alone."""
+def cache_folder(kind: str = "models") -> Path:
+    """``$XDG_CACHE_HOME/hybridid/kind`` (by default in ``~/.cache``; ``kind`` is one of ``KEPT``), if nobody
+    else can change what lies there; else, with a warning, a folder of this process alone."""
     import tempfile
     import warnings
 
-    home = _caches() / "hybridid" / "models"
+    home = _caches() / "hybridid" / kind
     try:
         home.mkdir(parents=True, exist_ok=True, mode=0o700)
         real = home.resolve(strict=True)  # a link could be turned elsewhere after it was looked at
@@ -33,10 +37,12 @@ def cache_folder() -> Path:
                 return real
     except (OSError, RuntimeError) as error:
         trouble = f"{home} cannot be used: {getattr(error, 'strerror', None) or error}"
-    if os.environ.get(_WARNED) != str(home):
-        os.environ[_WARNED] = str(home)
-        warnings.warn(f"compiled models are not kept: {trouble}", stacklevel=2)
-    return Path(_of_this_process().name)
+    if os.environ.get(_WARNED) != str(home.parent):
+        os.environ[_WARNED] = str(home.parent)
+        warnings.warn(f"{KEPT[kind]} are not kept: {trouble}", stacklevel=2)
+    own = Path(_of_this_process().name) / kind
+    own.mkdir(mode=0o700, exist_ok=True)
+    return own
 
 
 def keep_numba_private() -> None:
@@ -82,6 +88,20 @@ def content_of_own(file: Path) -> bytes | None:
             return None if about.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else stream.read()
     except OSError:
         return None
+
+
+def sealed(name: str, content: bytes) -> bytes:
+    """``content`` with its seal behind it: the SHA-256 of the file's ``name`` and the content."""
+    return content + hashlib.sha256(name.encode() + b"\0" + content).digest()
+
+
+def content_of_sealed(file: Path) -> bytes | None:
+    """The content of a file of the user's own whose seal is right, without it; else None. A file that was cut
+    off, damaged or given another name has no right seal."""
+    whole = content_of_own(file)
+    if whole is None or sealed(file.name, whole[:-_SEAL]) != whole:
+        return None
+    return whole[:-_SEAL]
 
 
 def _caches() -> Path:

@@ -6,6 +6,7 @@ Results go to stdout, everything else to stderr.
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from types import TracebackType
 
@@ -16,6 +17,8 @@ from rich.text import Text
 from hybridid_cli import interrupt
 
 _SECONDS_BETWEEN_LINES = 5.0
+_SILENCE = 10.0
+"""Seconds without a line after which a log is told that the work goes on."""
 
 
 class Terminal:
@@ -31,13 +34,18 @@ class Terminal:
         self._bar: Progress | None = None
         self._task = TaskID(0)
         self._last: tuple[float, str] = (0.0, "")
+        self._doing, self._spoke = "", 0.0
+        self._ended = threading.Event()
 
     def __enter__(self) -> Terminal:
+        if not self._watched:
+            threading.Thread(target=self._break_silence, daemon=True).start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._ended.set()
         self._stop_bar()
 
     def say(self, line: str) -> None:
@@ -65,12 +73,19 @@ class Terminal:
         if self._watched:
             self._draw(f"{work}: {state}", fraction)
             return
-        now = time.monotonic()
+        now, self._doing = time.monotonic(), f"{work}: {state}"
         if work != self._last[1] or now - self._last[0] > _SECONDS_BETWEEN_LINES:
             self._last = (now, work)
-            self.say(f"{work}: {state}")
+            self.say(self._doing)
+
+    def _break_silence(self) -> None:
+        """Say again how far the work is while nothing new is known of it."""
+        while not self._ended.wait(_SILENCE / 10):
+            if self._doing and time.monotonic() - self._spoke > _SILENCE:
+                self._line(Text(f"{self._doing}, goes on"))
 
     def _line(self, line: Text) -> None:
+        self._spoke = time.monotonic()
         if not self._console.is_terminal:
             line = Text(f"{time.strftime('%H:%M:%S')} {self._label}{line.plain}")
         elif self._label:

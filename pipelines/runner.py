@@ -16,7 +16,14 @@ from pipelines.preprocess import PREPROCESS
 from pipelines.residual.stage import RESIDUAL
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.freshness import Fingerprint, fingerprint, folder_digest, why_stale, write_receipt
+from pipelines.shared.freshness import (
+    Fingerprint,
+    digest_of,
+    fingerprint,
+    folder_digest,
+    why_stale,
+    write_receipt,
+)
 from pipelines.shared.secrets import masked_below
 from pipelines.shared.sources import sources_of
 from pipelines.shared.stage import Job, Outcome, Stage
@@ -132,7 +139,7 @@ def _changed_by(
     before = folder_digest(folder)
     began = time.perf_counter()
     with replacing(folder) as new:
-        stage.run(Job(settings, root, new, watcher))
+        stage.run(Job(settings, root, new, watcher, digest_of(folder, made_from)))
         watcher.carry_on()  # on Ctrl-C IPOPT returns as if it had ended early
         write_receipt(new, stage.name, made_from, time.perf_counter() - began)
     return folder_digest(folder) != before

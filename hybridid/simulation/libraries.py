@@ -9,26 +9,24 @@ damaged has no right seal and is compiled anew. To check one takes 0.1 to 0.3 ms
 from __future__ import annotations
 
 import ctypes
-import hashlib
 import os
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from hybridid.private import cache_folder, content_of_own
+from hybridid.private import cache_folder, content_of_sealed, sealed
 
 MOST = 3000
 """Number of libraries that are kept, of about 50 kB each; the least recently used are removed first."""
 SUFFIX = ".so"
-_SEAL = hashlib.sha256().digest_size
 
 
 def library(key: str, build: Callable[[Path], bool]) -> ctypes.CDLL | None:
     """The library called ``key``; if there is no sound one, ``build(file)`` makes it or returns False."""
     folder = cache_folder()
     kept = folder / f"{key[:40]}{SUFFIX}"
-    if _is_sound(kept):
+    if content_of_sealed(kept) is not None:
         with suppress(OSError):  # another process may remove it at the same time
             found = ctypes.CDLL(str(kept))
             os.utime(kept)
@@ -38,21 +36,11 @@ def library(key: str, build: Callable[[Path], bool]) -> ctypes.CDLL | None:
         if not build(made):
             return None
         made.chmod(0o600)
-        with made.open("ab") as stream:  # what stands behind a library's last section is never loaded
-            stream.write(_seal(kept.name, made.read_bytes()))
+        made.write_bytes(sealed(kept.name, made.read_bytes()))  # what stands behind its end is never loaded
         found = ctypes.CDLL(str(made))
         made.replace(kept)  # written under another name first: other processes may be reading
     _prune(folder)
     return found
-
-
-def _is_sound(kept: Path) -> bool:
-    content = content_of_own(kept)
-    return content is not None and content[-_SEAL:] == _seal(kept.name, content[:-_SEAL])
-
-
-def _seal(name: str, content: bytes) -> bytes:
-    return hashlib.sha256(name.encode() + b"\0" + content).digest()
 
 
 def _prune(folder: Path) -> None:

@@ -10,7 +10,7 @@ from hybridid.declarations import Port
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS
 from hybridid.model import Model
-from hybridid.trace.mapper import Mapper, Report, serial, silent
+from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 
@@ -22,7 +22,7 @@ class Context:
     """The horizons of a trace, what is tried where, by which rules, and how the refits run.
 
     ``effects`` are tried at every port of their kind, or only at ``ports``. ``mapper`` runs refits one after
-    another or side by side; ``report`` follows them.
+    another or side by side; ``report`` follows them, and ``say`` is told what each step decides.
     """
 
     split: Split
@@ -31,10 +31,16 @@ class Context:
     ports: tuple[str, ...] | None = None
     mapper: Mapper = serial
     report: Report = silent
+    say: Callable[[str], None] = unheard
 
     def equation_ports(self, model: Model) -> list[Port]:
         """The effort and flow ports of ``model`` where this trace tries something."""
         return [port for port in model.equation_ports if self.ports is None or port.name in self.ports]
+
+    def one(self, function: Callable[..., T], *given: Any) -> T:
+        """``function(*given)`` by the mapper, which may keep its results."""
+        (result,) = self.mapper(function, [given])
+        return result
 
     def each(
         self,

@@ -17,3 +17,7 @@ def serial(function: Callable[..., object], arguments: Iterable[tuple]) -> Itera
 
 def silent(stage: str, done: int, of: int, what: str) -> None:
     """A report that does nothing."""
+
+
+def unheard(line: str) -> None:
+    """Told something, it does nothing."""

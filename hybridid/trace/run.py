@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from hybridid.effects.effect import Effect
@@ -14,7 +14,7 @@ from hybridid.records.record import Record
 from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
-from hybridid.trace.mapper import Mapper, Report, serial, silent
+from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import Rules
@@ -38,6 +38,7 @@ def trace(
     initial_state: str = "estimated",
     mapper: Mapper = serial,
     report: Report = silent,
+    say: Callable[[str], None] = unheard,
 ) -> Trace:
     """Find what ``model`` lacks on ``records``, judged on the records ``held_out``.
 
@@ -46,7 +47,7 @@ def trace(
     kind, or only at ``ports``, by ``rules``. ``settings`` are those of the fits before and after, and give
     the integrator; ``start`` (values by name; None: by regression) is where the declared model starts.
     ``initial_state`` ("estimated" or "measured") is that of free runs. ``mapper`` runs the refits, one after
-    another or side by side, and ``report`` follows them.
+    another or side by side, and ``report`` follows them. ``say`` is told what each step decides, as it falls.
 
     Raises:
         ValueError: if a record does not fit the model, the model diverges on the records, or they give too
@@ -57,7 +58,8 @@ def trace(
     seconds = horizon or automatic_horizon([r.n * r.dt for r in fitted], [r.n * r.dt for r in others])
     split = divided(fitted, others, seconds)
     tried = library_for(model.channels) if effects is None else tuple(effects)
-    context = Context(split, tried, rules or Rules(), None if ports is None else tuple(ports), mapper, report)
+    where = None if ports is None else tuple(ports)
+    context = Context(split, tried, rules or Rules(), where, mapper, report, say)
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     validation = Validation(fitted, others, settings, seconds, initial_state)
 

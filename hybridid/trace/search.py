@@ -85,7 +85,7 @@ def search(
     ``start`` holds parameter values to start the declared model from; ``floor`` is a loss.
     """
     rules = context.rules
-    base = refit(model, context.split, start, numerics=numerics, factors=CONTINUATION)
+    base = context.one(refit, model, context.split, start, None, numerics, CONTINUATION)
     steps: list[Step] = []
     accepted: list[Accepted] = []
     while True:
@@ -95,6 +95,7 @@ def search(
             stopped = f"{rules.most_effects} effects accepted, the most allowed"
             return Search(tuple(steps), base, tuple(accepted), stopped)
         step = _step(base, context, len(steps) + 1)
+        context.say(f"step {len(steps) + 1}: {_decided(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
             return Search((*steps, step), base, tuple(accepted), "no further effect passes")
         base, accepted, dropped = _backward(step.accepted.trial.refit, [*accepted, step.accepted], context)
@@ -121,6 +122,16 @@ def _step(base: Refit, context: Context, number: int) -> Step:
             return Step(base, tuple(judged), Accepted(best, alike, survivals))
         withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
         judged = [withdrawn if t is best else t for t in judged]
+
+
+def _decided(step: Step) -> str:
+    """What a step decided, in one line."""
+    if step.accepted is None:
+        return f"none of {len(step.trials)} effects passes"
+    best = step.accepted
+    others = [t.candidate.name for t in best.alike if t is not best.trial]
+    alike = f"; it cannot be told from {', '.join(others)}" if others else ""
+    return f"{best.name} takes {best.trial.gain:.1%} off the held-out error{alike}"
 
 
 def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
@@ -155,9 +166,8 @@ def _backward(
     dropped: list[str] = []
     for one in accepted[:-1]:
         model, values = refitted.model.without(one.name), values_without(refitted, one.name)
-        poorer = refit_if_possible(
-            model, context.split, [values], refitted, refitted.numerics, std_up_to=math.inf
-        )
+        given = (model, context.split, [values], refitted, refitted.numerics, math.inf)
+        poorer = context.one(refit_if_possible, *given)
         if poorer is None:
             continue
         evidence = compare(poorer.score, refitted.score)

@@ -12,12 +12,16 @@ from pipelines.shared.watch import Watcher
 
 @dataclass(frozen=True)
 class Job:
-    """One run of a stage: reads stage folders under ``tree``, writes into ``folder``."""
+    """One run of a stage: reads stage folders under ``tree``, writes into ``folder``.
+
+    ``key`` is the digest of the tree and of all that the results depend on.
+    """
 
     settings: Settings
     tree: Path
     folder: Path
     watcher: Watcher
+    key: str
 
 
 @dataclass(frozen=True)

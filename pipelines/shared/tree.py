@@ -82,10 +82,15 @@ def remove(folder: Path) -> bool:
 
 def write_text(path: Path, text: str, mode: int = 0o644) -> None:
     """Write a file in one step: a reader sees the old text or the new one, never a part."""
+    write_bytes(path, text.encode(), mode)
+
+
+def write_bytes(path: Path, content: bytes, mode: int = 0o644) -> None:
+    """Write a file with these permissions in one step, as ``write_text`` does."""
     handle, name = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
-            stream.write(text)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
         Path(name).chmod(mode)
         Path(name).replace(path)
     except BaseException:

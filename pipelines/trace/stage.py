@@ -6,13 +6,13 @@ figures, and the missing efforts as Parquet.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from hybridid.effects.library import effect_named
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from hybridid.trace.candidates import admissible
-from hybridid.trace.mapper import Report
+from hybridid.trace.mapper import Mapper, Report, unheard
 from hybridid.trace.result import Trace
 from hybridid.trace.run import trace
 from pipelines.shared import modelling
@@ -22,6 +22,7 @@ from pipelines.shared.drawing import drawn
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import describe_model, fit_of
 from pipelines.shared.imports import code_digests
+from pipelines.shared.kept_results import kept_results
 from pipelines.shared.modelling import fit_settings, model_of, named_code
 from pipelines.shared.page import Picture
 from pipelines.shared.pool import mapper_of
@@ -48,10 +49,12 @@ def run(job: Job) -> None:
             f"trace.horizon: {request.horizon:.3g} s; the records are too short for {asked.horizon:g} s"
         )
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
-    found = traced(job.settings, request, fitted, held_out, _Report(job), fit_of(job.tree).estimate.values)
-    for failure in found.shown.failures:
-        job.watcher.warn(failure)
-    _write(job, found, request.processes)
+    start, report = fit_of(job.tree).estimate.values, _Report(job)
+    with kept_results(job.key, job.settings.lone.force, report.say) as keep:
+        found = traced(job.settings, request, fitted, held_out, report, start, keep, report.say)
+        for failure in found.shown.failures:
+            job.watcher.warn(failure)
+        _write(job, found, request.processes)
 
 
 def traced(
@@ -61,10 +64,13 @@ def traced(
     held_out: Sequence[Record],
     report: Report,
     start: Mapping[str, float] | None = None,
+    keep: Callable[[Mapper], Mapper] = lambda mapper: mapper,
+    say: Callable[[str], None] = unheard,
 ) -> Trace:
     """What the model of ``settings`` lacks on these records, searched as ``request`` says.
 
-    The first refit starts at the parameters ``start`` (None: at the guesses).
+    The first refit starts at the parameters ``start`` (None: at the guesses). ``keep`` lets the mapper keep
+    its results, and ``say`` is told what each step decides.
     """
     with mapper_of(request.processes) as mapper:
         return trace(
@@ -78,19 +84,23 @@ def traced(
             settings=fit_settings(settings),
             start=start,
             initial_state=str(settings["validate.initial_state"]),
-            mapper=mapper,
+            mapper=keep(mapper),
             report=report,
+            say=say,
         )
 
 
 class _Report:
-    """Hands a trace's progress to the watcher."""
+    """Hands to the watcher how far a trace is, and what it says."""
 
     def __init__(self, job: Job) -> None:
         self._watcher = job.watcher
 
     def __call__(self, stage: str, done: int, of: int, what: str) -> None:
         self._watcher.progress(stage, f"{done} of {of}, {what}", done / of)
+
+    def say(self, line: str) -> None:
+        self._watcher.say(f"trace: {line}")
 
 
 def _write(job: Job, found: Trace, processes: int) -> None:

@@ -93,19 +93,37 @@ def test_the_augmented_model_is_taken_up_as_any_other(traced, say, tree, quick, 
     assert all(row["r2"] > 0.9999 for row in rows if row["view"] == "horizon"), rows
 
 
-def test_a_notebook_gets_what_the_command_writes(traced, tree):
+def test_a_notebook_gets_what_the_command_writes_even_after_an_interruption(traced, tree):
     """The same records, model and start give the same numbers; only the seconds differ."""
     from hybridid.effects.library import effect_named
     from hybridid.plain import plain
     from hybridid.records.store import load_record
+    from hybridid.trace.mapper import serial, silent
     from hybridid.trace.run import trace
     from pipelines.shared.fitted import load
+    from pipelines.shared.kept_results import kept_results
 
     _, data = traced
     model, estimate = load(tree)
     first, second = (load_record(tree / f"preprocess/{name}.parquet") for name in RECORDS)
     tried = [effect_named(name) for name in ("asymmetric_viscous", "cubic_stiffness")]
-    found = trace(model, [first], [second], horizon=0.5, effects=tried, start=estimate.values)
+    said = []
+
+    def once_more(report):
+        with kept_results("this test", False, said.append) as keep:
+            return trace(
+                model, [first], [second],
+                horizon=0.5, effects=tried, start=estimate.values, mapper=keep(serial), report=report,
+            )  # fmt: skip
+
+    def interrupted(stage, done, of, what):
+        if stage == "before and after":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        once_more(interrupted)
+    found = once_more(silent)
+    assert re.fullmatch(r"goes on where it was interrupted: \d\d results are kept", said[0])
     written = {key: value for key, value in data.items() if key not in OF_THE_COMMAND}
     assert without_seconds(plain(found)) == without_seconds(written)
 

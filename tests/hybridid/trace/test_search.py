@@ -38,9 +38,20 @@ TRIED = tuple(
 
 
 @pytest.fixture(scope="module")
-def worn(make_model, split_of):
+def decided():
+    """The lines that a trace says of its steps."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def worn(make_model, split_of, decided):
     """A trace of a carriage whose friction differs by direction."""
-    return conclude(make_model(), Context(split_of(df_v=DF_V), TRIED))
+    return conclude(make_model(), Context(split_of(df_v=DF_V), TRIED, say=decided.append))
+
+
+def test_a_step_says_what_it_decides(worn, decided):
+    gain = worn.accepted[0].trial.gain
+    assert decided == [f"step 1: carriage.asymmetric_viscous takes {gain:.1%} off the held-out error"]
 
 
 def test_what_was_planted_is_named(worn):

@@ -10,7 +10,7 @@ import pytest
 from pipelines.runner import run_stages
 from pipelines.shared.config import digest
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.tree import locked, point_latest, replacing, tree_of, write_text
+from pipelines.shared.tree import locked, point_latest, replacing, tree_of, write_bytes, write_text
 
 
 def test_tree_is_named_by_the_modelling_config(settings):
@@ -92,7 +92,7 @@ def begin_and_be_interrupted(folder):
 def test_file_is_whole_at_every_moment(tmp_path):
     write_text(tmp_path / "x", "old")
     with pytest.raises(TypeError):
-        write_text(tmp_path / "x", 3)  # type: ignore[arg-type]
+        write_bytes(tmp_path / "x", 3)  # type: ignore[arg-type]
     assert (tmp_path / "x").read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["x"]
 

@@ -1,0 +1,93 @@
+"""Results of a long computation, kept while it runs: interrupted and started again, it goes on where it was.
+
+A computation that hands all its work to a mapper, and is else the same each time, asks for the same calls in
+the same order. So a result is known by its place in that order, and by the ``key`` of all that the
+computation depends on. It is written by the process that has it, at once. The files lie in the user's private
+cache and carry a seal (``hybridid.private``), because to unpickle one is to run it.
+"""
+
+from __future__ import annotations
+
+import pickle
+import shutil
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hybridid.private import cache_folder, content_of_sealed, sealed
+from hybridid.trace.mapper import Mapper
+from pipelines.shared.tree import write_bytes
+
+DAYS = 7
+"""Results that nobody has asked for in so many days are removed."""
+
+
+@contextmanager
+def kept_results(key: str, anew: bool, say: Callable[[str], None]) -> Iterator[Callable[[Mapper], Mapper]]:
+    """Gives a function that lets a mapper keep its results under ``key``; they are removed when all is done.
+
+    After an exception they stay, and the next computation of this ``key`` takes them, unless it begins
+    ``anew``.
+    """
+    home = cache_folder("unfinished")
+    _prune(home)
+    folder = home / key
+    if anew:
+        shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(mode=0o700, exist_ok=True)
+    if found := sum(1 for file in folder.iterdir() if not file.name.startswith(".")):
+        say(f"goes on where it was interrupted: {found} results are kept")
+    yield lambda mapper: _Keeping(mapper, folder)
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+class _Keeping:
+    """A mapper whose results are kept in ``folder``."""
+
+    def __init__(self, mapper: Mapper, folder: Path) -> None:
+        self._mapper, self._folder, self._calls = mapper, folder, 0
+
+    def __call__(
+        self, function: Callable[..., object], arguments: Iterable[tuple[Any, ...]]
+    ) -> Iterable[Any]:
+        self._calls += 1
+        call = f"{self._calls}-{_name(function)}"
+        given = ((f"{call}-{k}", *one) for k, one in enumerate(arguments))
+        return self._mapper(_Kept(function, self._folder), given)
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """``function``, whose result is taken from ``folder`` if it is kept there under the name of the call."""
+
+    function: Callable[..., Any]
+    folder: Path
+
+    @property
+    def __name__(self) -> str:
+        return _name(self.function)
+
+    def __call__(self, name: str, *given: Any) -> Any:
+        file = self.folder / name
+        content = content_of_sealed(file)
+        if content is not None:
+            return pickle.loads(content)  # noqa: S301 - the user's own file, sealed, in a closed folder
+        result = self.function(*given)
+        with suppress(OSError):  # a full disk costs the copy, not the result
+            write_bytes(file, sealed(name, pickle.dumps(result)), 0o600)
+        return result
+
+
+def _name(function: Callable[..., Any]) -> str:
+    return getattr(function, "__name__", type(function).__name__)
+
+
+def _prune(home: Path) -> None:
+    last = time.time() - 86400 * DAYS
+    for folder in home.iterdir():
+        with suppress(OSError):  # another process may remove it at the same time
+            if folder.stat().st_mtime < last:
+                shutil.rmtree(folder, ignore_errors=True)

@@ -1,0 +1,23 @@
+"""What a log shows of long work."""
+
+from __future__ import annotations
+
+import time
+
+from hybridid_cli import terminal
+from hybridid_cli.terminal import Terminal
+
+
+def test_a_log_is_told_that_the_work_goes_on_until_it_ends(monkeypatch, capsys):
+    monkeypatch.setattr(terminal, "_SILENCE", 0.05)
+    with Terminal() as shown:
+        time.sleep(0.1)
+        assert capsys.readouterr().err == "", "nothing has begun"
+        shown.progress("step 1", "3 of 9", 1 / 3)
+        time.sleep(0.3)
+    first, *more = [line.split(" ", 1)[1] for line in capsys.readouterr().err.splitlines()]
+    assert first == "step 1: 3 of 9"
+    assert set(more) == {"step 1: 3 of 9, goes on"}
+    assert 2 <= len(more) <= 6
+    time.sleep(0.1)
+    assert capsys.readouterr().err == ""

@@ -1,0 +1,105 @@
+"""What was computed before an interruption is not computed again; what is not ours, or old, is not taken."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import pytest
+
+from hybridid import private
+from hybridid.trace.mapper import serial
+from pipelines.shared.kept_results import DAYS, kept_results
+from pipelines.shared.pool import mapper_of
+
+
+@pytest.fixture(autouse=True)
+def home(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    private.cache_folder.cache_clear()
+    yield tmp_path / "hybridid" / "unfinished"
+    private.cache_folder.cache_clear()
+
+
+class Squares:
+    """Squares of numbers in two calls of a mapper, interrupted before the number ``last``."""
+
+    def __init__(self) -> None:
+        self.computed: list[int] = []
+        self.said: list[str] = []
+
+    def square(self, number: int) -> int:
+        if number == self.last:
+            raise KeyboardInterrupt
+        self.computed.append(number)
+        return number**2
+
+    def __call__(self, last: int, key: str = "key", anew: bool = False) -> list[int]:
+        self.last = last
+        with kept_results(key, anew, self.said.append) as keep:
+            mapper = keep(serial)
+            low = list(mapper(self.square, [(k,) for k in range(3)]))
+            return low + list(mapper(self.square, [(k,) for k in range(3, 6)]))
+
+
+@pytest.fixture
+def interrupted():
+    squares = Squares()
+    with pytest.raises(KeyboardInterrupt):
+        squares(4)
+    assert squares.computed == [0, 1, 2, 3]
+    squares.computed.clear()
+    return squares
+
+
+def test_it_goes_on_where_it_was_and_leaves_nothing(interrupted, home):
+    assert interrupted(-1) == [0, 1, 4, 9, 16, 25]
+    assert interrupted.computed == [4, 5]
+    assert interrupted.said == ["goes on where it was interrupted: 4 results are kept"]
+    assert list(home.iterdir()) == []
+
+
+@pytest.mark.parametrize("changed", [{"key": "another"}, {"anew": True}])
+def test_another_computation_takes_nothing(interrupted, changed):
+    assert interrupted(-1, **changed) == [0, 1, 4, 9, 16, 25]
+    assert interrupted.computed == [0, 1, 2, 3, 4, 5]
+    assert interrupted.said == []
+
+
+def test_only_what_is_whole_and_ones_own_is_taken(interrupted, home):
+    kept = sorted((home / "key").iterdir())
+    assert [file.name for file in kept] == ["1-square-0", "1-square-1", "1-square-2", "2-square-0"]
+    kept[0].write_bytes(kept[0].read_bytes()[:-1])
+    kept[1].write_bytes(kept[2].read_bytes())
+    kept[2].chmod(0o666)
+    assert interrupted(-1) == [0, 1, 4, 9, 16, 25]
+    assert interrupted.computed == [0, 1, 2, 4, 5]
+
+
+def test_what_nobody_asked_for_in_a_week_is_removed(interrupted, home):
+    begun = time.time() - 86400 * DAYS
+    os.utime(home / "key", (begun + 60, begun + 60))
+    with kept_results("other", False, print):
+        assert (home / "key").exists()
+    os.utime(home / "key", (begun - 60, begun - 60))
+    with kept_results("other", False, print):
+        assert not (home / "key").exists()
+
+
+def test_a_full_disk_costs_the_copies_alone(interrupted, monkeypatch):
+    def full(*given):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pipelines.shared.kept_results.write_bytes", full)
+    assert interrupted(-1) == [0, 1, 4, 9, 16, 25]
+
+
+def test_processes_keep_their_results_themselves(home):
+    """The process that computes a result writes it: who waits for it may be killed before it comes."""
+    with (
+        pytest.raises(ZeroDivisionError),
+        mapper_of(2) as mapper,
+        kept_results("key", False, print) as keep,
+    ):
+        list(keep(mapper)(divmod, [(7, 2), (1, 0)]))
+    assert [file.name for file in (home / "key").iterdir()] == ["1-divmod-0"]
