@@ -1,14 +1,20 @@
 """Ctrl-C and requests to end (SIGTERM, SIGHUP): each raises ``Interrupted``.
 
 It is remembered, for libraries may swallow the exception or disguise it: CasADi, struck while it converts
-arguments, reports a wrong type instead.
+arguments, reports a wrong type instead. Python itself swallows what is raised in a destructor, and prints it:
+there it is raised again, a moment later.
 """
 
 from __future__ import annotations
 
 import signal
+import sys
 import time
 from types import FrameType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
 
 SAID = {
     signal.SIGINT: "interrupted",
@@ -16,6 +22,8 @@ SAID = {
     signal.SIGHUP: "the terminal is closed (SIGHUP)",
 }
 """The signals that ask a command to end, and what it then says."""
+AGAIN = 0.05
+"""Seconds after which a swallowed signal is raised again."""
 ONE_PRESS = 1.0
 """Seconds within which a second signal is the first again: from the terminal, and passed on by a wrapper."""
 
@@ -41,6 +49,8 @@ def install() -> None:
     for number in SAID:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _interrupt)
+    signal.signal(signal.SIGALRM, _interrupt_again)
+    sys.unraisablehook = _swallowed
 
 
 def check() -> None:
@@ -55,8 +65,8 @@ def last() -> Interrupted:
 
 
 def ignore_from_now() -> None:
-    """An impatient second Ctrl-C must not spoil the tidying."""
-    for number in SAID:
+    """An impatient second Ctrl-C must not spoil the tidying, nor a first one the end."""
+    for number in (*SAID, signal.SIGALRM):
         signal.signal(number, signal.SIG_IGN)
 
 
@@ -66,3 +76,15 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     if not again:
         _seen, _when = signal.Signals(number), time.monotonic()
         raise Interrupted(number)
+
+
+def _interrupt_again(number: int, frame: FrameType | None) -> None:
+    raise last()
+
+
+def _swallowed(what: UnraisableHookArgs) -> None:
+    """Print what nobody can catch, unless it is an interrupt: that is raised again where it can be caught."""
+    if isinstance(what.exc_value, Interrupted):
+        signal.setitimer(signal.ITIMER_REAL, AGAIN)
+    else:
+        sys.__unraisablehook__(what)

@@ -31,6 +31,7 @@ def main() -> None:
     try:
         code = dispatch(sys.argv[1:])
         sys.stdout.flush()
+        interrupt.ignore_from_now()
     except KeyboardInterrupt:
         interrupt.ignore_from_now()
         asked = interrupt.last()

@@ -84,15 +84,16 @@ def _filled(disk: Disk, done: Reference, before: int, after: int) -> Found:
     _remount(done.lab, "ro" if disk.number is None else f"size={room * BLOCK}")
     running = started(done.words, done.lab)
     faults = list(_said(disk, running))
+    complaint = running.complaint()  # the next command says what it says to the same file
     faults += done.lost(there)
     _remount(done.lab, f"rw,{AMPLE}")
     faults += done.again()
-    last = running.complaint().strip().splitlines()[-1:]
+    last = complaint.strip().splitlines()[-1:]
     said = (
         f"room for {room * BLOCK / 1e6:.2f} of {after / 1e6:.2f} MB" if disk.number is not None else "no room"
     )
     said += f": exit code {running.code}: "
-    said += running.complaint()[-3000:] if faults else "".join(last)[:400]
+    said += complaint[-3000:] if faults else "".join(last)[:400]
     return Found(said, tuple(faults), {"disks": 1.0})
 
 

@@ -124,7 +124,7 @@ def _record(n: int, seed: int) -> dict[str, np.ndarray]:
     waves = generator.uniform(0.05, 2.0, 8), generator.uniform(0, 2 * np.pi, 8)
     reference = sum(0.02 * np.sin(2 * np.pi * f * t + phase) for f, phase in zip(*waves, strict=True))
     a, b, c, d, _ = cont2discrete(
-        ([[0.0, 1.0], [0.0, -VISCOUS / MASS]], [[0.0], [1 / MASS]], [[1.0, 0.0]], [[0.0]]), DT
+        tuple(map(np.array, ([[0, 1], [0, -VISCOUS / MASS]], [[0], [1 / MASS]], [[1, 0]], [[0.0]]))), DT
     )
     closed = a - STIFFNESS * b @ c
     above, below = ss2tf(closed, STIFFNESS * b, c, d)

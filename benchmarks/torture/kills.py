@@ -94,10 +94,12 @@ def _struck(kill: Kill, done: Reference) -> Found:
             break
         seconds = time.monotonic() - began
     running.strike(kill.signal)
-    faults = [*_after(kill, running, done, before), *done.again()]
+    faults = list(_after(kill, running, done, before))
+    complaint = running.complaint()  # the next command says what it says to the same file
+    faults += done.again()
     how = f"after {moment:.0%} of {seconds:.1f} s, {'cold' if cold else 'warm'} cache" + ", anew" * fresh
     if any(fault.kind in (TRACEBACK, UNCLEAR) for fault in faults):
-        how += f"; it said: {running.complaint()[-1500:]}"
+        how += f"; it said: {complaint[-3000:]}"
     what = "it had ended" if late else f"exit code {running.code}"
     return Found(f"{kill.signal.name} {how}: {what}", tuple(faults), {"kills": float(not late)})
 

@@ -72,11 +72,11 @@ class Reference:
 
     def differences(self) -> Iterator[Fault]:
         """Results that differ from those of the undisturbed command."""
-        found = whole.numbers(self.lab)
-        if self.command.draws:  # as many files, whatever they hold
-            found = {name: self.numbers.get(name, digest) for name, digest in found.items()}
-        for name in sorted({*found, *self.numbers}):
-            if found.get(name) != self.numbers.get(name):
+        found, expected = whole.numbers(self.lab), self.numbers
+        if self.command.draws:  # as many files and runs, whatever they hold
+            found, expected = whole.without_digests(found), whole.without_digests(expected)
+        for name in sorted({*found, *expected}):
+            if found.get(name) != expected.get(name):
                 kind = LOST if name not in found else WRONG
                 yield Fault(kind, f"{name} differs from that of the undisturbed command")
 

@@ -25,6 +25,7 @@ UNNAMED = (".unfinished-", ".replaced-", "making-", ".part", "-new")
 """Marks of names that a file has until it is whole. The next command removes such files."""
 DRAWN = ("mlflow-artifacts", "mlflow-waiting")
 """Folders in which files have names that are drawn."""
+RUN = "MLflow: "
 SQLITE = ("-journal", "-wal", "-shm")
 
 
@@ -56,6 +57,11 @@ def numbers(folder: Path) -> dict[str, str]:
     return found
 
 
+def without_digests(found: Mapping[str, str]) -> dict[str, str]:
+    """The names alone of what ``numbers`` found."""
+    return {name.rpartition(" ")[0] if name.startswith(RUN) else name: "" for name in found}
+
+
 def contents(folder: Path) -> dict[str, str]:
     """A digest of each finished file."""
     return {
@@ -78,7 +84,7 @@ def finished_runs(folder: Path) -> dict[str, str]:
             said += _asked(folder, f"select key, value from {table} where run_uuid = '{uuid}' order by key")
         text = json.dumps([row for row in said if not _is_no_result(str(row[0]))])
         digest = hashlib.sha256(text.encode()).hexdigest()[:16]
-        found[f"MLflow: {name} {digest}"] = digest
+        found[f"{RUN}{name} {digest}"] = digest
     return found
 
 

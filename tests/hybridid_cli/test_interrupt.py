@@ -74,6 +74,7 @@ def test_a_request_to_end_in_the_midst_of_a_fit(environment, by, says):
 
 
 def test_nohup_keeps_its_word(monkeypatch):
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     for seen in (signal.SIG_IGN, signal.SIG_DFL):
         monkeypatch.setattr(signal, "getsignal", lambda number, seen=seen: seen)
         set_now = {}
@@ -105,3 +106,36 @@ def test_ctrl_c_while_python_still_imports(environment):
     assert process.returncode == 130
     assert err.strip().startswith("hybridid: interrupted")
     assert err.count("\n") == 1
+
+
+IN_A_DESTRUCTOR = """
+import os, signal, time
+from hybridid_cli import interrupt
+
+class Struck:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+
+interrupt.install()
+try:
+    Struck()
+    time.sleep(30)
+except interrupt.Interrupted as caught:
+    print(caught.code)
+"""
+AT_THE_END = """
+import atexit, os, signal, sys
+from hybridid_cli.main import main
+
+atexit.register(os.kill, os.getpid(), signal.SIGTERM)
+sys.argv = ["hybridid", "--version"]
+main()
+"""
+
+
+@pytest.mark.parametrize(("program", "says"), [(IN_A_DESTRUCTOR, "143"), (AT_THE_END, "hybridid ")])
+def test_a_signal_where_python_would_swallow_and_print_it(environment, program, says):
+    """In a destructor it is raised again; after the command's work it changes nothing."""
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(says)
