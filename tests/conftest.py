@@ -21,15 +21,23 @@ DATA_VARIABLE = "HYBRIDID_DATA"
 NO_DATA = f"needs measured records: set {DATA_VARIABLE}"
 
 
+@pytest.fixture(scope="session")
+def of_the_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that the processes of pytest-xdist share; each run begins with an empty one."""
+    own = tmp_path_factory.getbasetemp()
+    return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+
 @pytest.fixture(scope="session", autouse=True)
-def own_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A home folder of the test session's own, for this process and those it starts."""
+def own_home(tmp_path_factory: pytest.TempPathFactory, of_the_run: Path) -> Iterator[Path]:
+    """A home folder of the test session's own, for this process and those it starts. Compiled models and the
+    list of fonts are made once in a run."""
     home = tmp_path_factory.mktemp("home")
     folders = {
         "HOME": home,
-        "XDG_CACHE_HOME": home / ".cache",
+        "XDG_CACHE_HOME": of_the_run / "cache",
         "XDG_CONFIG_HOME": home / ".config",
-        "MPLCONFIGDIR": home / ".matplotlib",
+        "MPLCONFIGDIR": of_the_run / "matplotlib",
     }
     with pytest.MonkeyPatch.context() as patch:
         for name, folder in folders.items():

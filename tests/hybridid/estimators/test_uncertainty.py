@@ -58,7 +58,7 @@ def draws(carriage, symmetric, noise, of_noise):
         errors, stated, squares = [], [], []
         for seed in range(DRAWS):
             made = carriage.record(noise=noise(600, std, rho, seed=100 + seed))
-            found = fit(symmetric, [made], settings)
+            found = fit(symmetric, [made], settings, start_values=carriage.truth)
             errors.append([p.value - carriage.truth[p.name] for p in found.parameters])
             stated.append(of_noise(found))
             squares.append(2 * found.cost * made.outputs.var())
