@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from benchmarks.torture.mirror import mirror
 
 Words = tuple[str, ...]
+OFTEN, LESS, SELDOM = 25, 16, 8
 QUICK = ("case=emps", "data=simulated", "rig.duration=1.2")
 NETWORK = (
     "residual=narx", "residual.orders={error: 2, inputs: 1, gray: 1}", "residual.every=5",
@@ -32,6 +33,7 @@ class Command:
     ``draws``: it draws random numbers in an order that depends on when it was struck, so that only the number
     of its results is compared. ``opens``: it ends when it is told to, and is ready when it says this.
     ``around`` holds what must be there while it runs. ``alone``: it must run in a process of this one.
+    ``kills``: how often it is struck; less often if it takes long.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Command:
     opens: str = ""
     around: Callable[[], AbstractContextManager[object]] = nullcontext
     alone: bool = False
+    kills: int = OFTEN
 
 
 _PREPROCESS = ("preprocess", *QUICK)
@@ -55,24 +58,32 @@ COMMANDS: tuple[Command, ...] = (
     Command("fit, multiple shooting", (*_FIT, "estimator=multiple_shooting"), (_PREPROCESS,)),
     Command("residual", _RESIDUAL, (_FIT,)),
     Command("validate", _VALIDATE, (_FIT,)),
-    Command("plot", ("plot", *QUICK, *SVG), (_VALIDATE,)),
-    Command("trace", ("trace", *QUICK, "trace.effects=[stribeck]", "trace.processes=2"), (_FIT,)),
-    Command("run", ("run", *QUICK, *NETWORK, *SVG)),
+    Command("plot", ("plot", *QUICK, *SVG), (_VALIDATE,), kills=LESS),
+    Command(
+        "trace", ("trace", *QUICK, "trace.effects=[stribeck]", "trace.processes=2"), (_FIT,), kills=SELDOM
+    ),
+    Command("run", ("run", *QUICK, *NETWORK, *SVG), kills=SELDOM),
     Command(
         "fit -m, joblib",
         ("fit", "-m", *QUICK, "launcher=joblib", "estimator.horizon=250,500"),
         (_PREPROCESS,),
+        kills=SELDOM,
     ),
-    Command("sweep", ("sweep", *QUICK, *WIDTHS, "sweep.stack=1", "sweep.processes=2"), (_FIT,)),
+    Command("sweep", ("sweep", *QUICK, *WIDTHS, "sweep.stack=1", "sweep.processes=2"), (_FIT,), kills=SELDOM),
     Command(
-        "sweep, joblib", ("sweep", *QUICK, "launcher=joblib", "estimator.horizon=250,500"), (_PREPROCESS,)
+        "sweep, joblib",
+        ("sweep", *QUICK, "launcher=joblib", "estimator.horizon=250,500"),
+        (_PREPROCESS,),
+        kills=SELDOM,
     ),
-    Command("tune", ("tune", *QUICK, *NETWORK, *SPACE), (_FIT,), draws=True),
-    Command("reproduce", ("reproduce", "data=simulated", "rig.duration=1.2", *TWO), (_PREPROCESS,)),
+    Command("tune", ("tune", *QUICK, *NETWORK, *SPACE), (_FIT,), draws=True, kills=SELDOM),
+    Command(
+        "reproduce", ("reproduce", "data=simulated", "rig.duration=1.2", *TWO), (_PREPROCESS,), kills=SELDOM
+    ),
     Command("fetch", ("fetch", "emps", "paths.data=raw", "mlflow.enabled=false"), around=mirror, alone=True),
     Command("log", ("log", *QUICK, _STORE), ((*_FIT, DOWN), (*_VALIDATE, DOWN))),
-    Command("ui", ("ui", *QUICK, "port={port}"), (_PREPROCESS,), opens="is open on this machine"),
-    Command("cases", ("cases",)),
-    Command("effects", ("effects",)),
-    Command("completion", ("completion", "bash")),
+    Command("ui", ("ui", *QUICK, "port={port}"), (_PREPROCESS,), opens="is open on this machine", kills=LESS),
+    Command("cases", ("cases",), kills=LESS),
+    Command("effects", ("effects",), kills=LESS),
+    Command("completion", ("completion", "bash"), kills=LESS),
 )

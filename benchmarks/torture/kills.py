@@ -20,8 +20,6 @@ from benchmarks.torture.command import Running, load
 from benchmarks.torture.commands import COMMANDS, Command
 from benchmarks.torture.reference import LONGEST, Reference, reference, started
 
-EACH = 16
-"""Kills of each command."""
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 TRIES = 4
 """How often a command that ended before it was struck is begun again: the machine may be less busy by now."""
@@ -66,7 +64,9 @@ class Kill:
 
 def trials(seed: int) -> list[Kill]:
     """All kills, the commands in turn."""
-    return [Kill(command, number, seed) for number in range(EACH) for command in COMMANDS]
+    most = max(command.kills for command in COMMANDS)
+    turns = ((number, command) for number in range(most) for command in COMMANDS)
+    return [Kill(command, number, seed) for number, command in turns if number < command.kills]
 
 
 PART = Part(

@@ -89,15 +89,24 @@ def reference(command: Command, bench: Path) -> Reference:
         Disturbed: if that fails.
     """
     lab, before = bench / "lab", bench / "before" / "-".join(command.name.replace(",", "").split())
-    words = tuple(w.replace("{lab}", str(lab)).replace("{port}", str(_port())) for w in command.words)
-    for folder in (lab, before):
-        shutil.rmtree(folder, ignore_errors=True)
-    lab.mkdir(parents=True)
-    for line in command.before:
-        in_peace(line, lab)
+    words = prepared(command, lab)
+    shutil.rmtree(before, ignore_errors=True)
     shutil.copytree(lab, before, symlinks=True)
     seconds = in_peace(words, lab, command.opens)
     return Reference(command, words, lab, before, seconds, whole.numbers(lab))
+
+
+def prepared(command: Command, lab: Path) -> Words:
+    """Make ``lab`` anew and run what comes before the command; its words in that folder.
+
+    Raises:
+        Disturbed: if that fails.
+    """
+    shutil.rmtree(lab, ignore_errors=True)
+    lab.mkdir(parents=True)
+    for line in command.before:
+        in_peace(line, lab)
+    return tuple(w.replace("{lab}", str(lab)).replace("{port}", str(_port())) for w in command.words)
 
 
 def in_peace(words: Words, lab: Path, opens: str = "") -> float:
@@ -119,11 +128,17 @@ def in_peace(words: Words, lab: Path, opens: str = "") -> float:
     return seconds if opens else time.monotonic() - began
 
 
-def started(words: Words, lab: Path, fresh: bool = False, says: str = "said") -> Running:
-    """The command in ``lab``, with a cache and a folder for temporary files of its own. What it says goes to
-    files called ``says``, outside."""
+def started(
+    words: Words,
+    lab: Path,
+    fresh: bool = False,
+    says: str = "said",
+    more: Mapping[str, str] | None = None,
+) -> Running:
+    """The command in ``lab``, with a cache and a folder for temporary files of its own, and ``more`` in its
+    environment. What it says goes to files called ``says``, outside."""
     _with_own_folders(lab)
-    own = {name: str(lab / folder) for name, folder in OWN_FOLDERS.items()}
+    own = {name: str(lab / folder) for name, folder in OWN_FOLDERS.items()} | dict(more or {})
     return start(words, lab, fresh, own, lab.parent / says)
 
 

@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.torture import endurance, kills, stores, whole
+from benchmarks.torture import endurance, kills, secrets, stores, whole
 from benchmarks.torture.bench import LOST, WRONG, Fault, Found, Part, conducted, known
 from benchmarks.torture.command import Running, start
+from benchmarks.torture.commands import Command
 from benchmarks.torture.parts import PARTS
 from benchmarks.torture.report import text
 from pipelines.shared.storage import write_json, write_table
@@ -221,3 +222,23 @@ assert not folder.exists()
 def test_a_command_that_ends_leaves_the_bench_that_it_was_forked_from(tmp_path):
     done = subprocess.run([sys.executable, "-c", FORKS, tmp_path], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+@LINUX
+def test_a_secret_that_is_written_is_found(tmp_path, monkeypatch):
+    """In a file, as it is or in a header, and in what the command said."""
+
+    def writes(words, lab, more):
+        said = Running(0, "", lab.parent / "out", lab.parent / "err", code=0)
+        said.out.write_text(" ".join(words))
+        said.err.write_text("")
+        (lab / "headers.bin").write_bytes(secrets.spellings(more["MLFLOW_TRACKING_TOKEN"])[1])
+        return said
+
+    monkeypatch.setattr(secrets, "load", lambda: None)
+    monkeypatch.setattr(secrets, "started", writes)
+    found = secrets.Planted(Command("fit", ("fit", "case=emps")), seed=1).carried_out(tmp_path)
+    assert sorted(fault.what for fault in found.faults) == [
+        "that of MLFLOW_TRACKING_TOKEN in lab/headers.bin",
+        "that of the address of a tracking server in out",
+    ]
