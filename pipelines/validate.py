@@ -11,6 +11,7 @@ from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from hybridid.simulation.simulate import Diverged
+from hybridid.simulation.stability import TooStiff
 from hybridid.validation import Metrics, Prediction, diverged, free_run, horizon_run, metrics, residual_tests
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
@@ -103,9 +104,10 @@ def _validated(
     seconds = section.horizon if view == "horizon" else None
     try:
         prediction = _predicted(section, candidate, record, seconds)
-    except Diverged as error:
-        job.watcher.warn(str(error))
-        return diverged(record, model.outputs, name, str(error), seconds), []
+    except (Diverged, TooStiff) as error:
+        why = str(error) if isinstance(error, Diverged) else f"record {record.name}: {error}"
+        job.watcher.warn(why)
+        return diverged(record, model.outputs, name, why, seconds), []
     write_prediction(candidate.folder, prediction, name, seconds)
     found = residual_tests(prediction, record, section.lags)
     return metrics(prediction, name, seconds), [Tested(name, view, seconds, test) for test in found]

@@ -51,7 +51,7 @@ def metrics(prediction: Prediction, model_name: str, horizon: float | None = Non
 def diverged(
     record: Record, outputs: Sequence[Signal], model_name: str, remark: str, horizon: float | None = None
 ) -> list[Metrics]:
-    """One row without scores for each of ``outputs``; ``remark`` says how the model diverged."""
+    """One row without scores for each of ``outputs``; ``remark`` says why the model cannot be simulated."""
     nan = float("nan")
     about = {"model": model_name, "record": record.name, "provenance": record.provenance, "remark": remark}
     return [

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from hybridid.records.store import load_record
+from hybridid.simulation.simulate import Diverged
+from hybridid.simulation.stability import TooStiff
 from hybridid.validation import free_run, metrics
 from pipelines.runner import run_stages
 from pipelines.shared.fitted import fit_of, load
@@ -101,22 +103,30 @@ def test_every_json_of_a_tree_is_strict(tree):
         json.loads(path.read_text(), parse_constant=pytest.fail)
 
 
-def test_model_that_diverges_is_a_finding_not_a_crash(settings, heard, data, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (Diverged("simulation of record first diverged at t = 1 s"), "first diverged at t = 1 s"),
+        (TooStiff("needs more than 50 steps a sample"), "record first: needs more than 50 steps a sample"),
+    ],
+)
+def test_a_model_that_cannot_be_simulated_is_a_finding_not_a_crash(
+    settings, heard, data, monkeypatch, error, said
+):
     """Scores are null, the reason stands beside them, the other views and records are there."""
-    from hybridid.simulation.simulate import Diverged
     from pipelines import validate
 
-    def diverges(model, values, record, *rest):
-        raise Diverged(f"simulation of record {record.name} diverged at t = 1 s")
+    def fails(model, values, record, *rest):
+        raise error
 
-    monkeypatch.setattr(validate, "free_run", diverges)
+    monkeypatch.setattr(validate, "free_run", fails)
     tree = run_stages(settings(), "validate", heard).tree
     rows = json.loads((tree / "validate/metrics.json").read_text())
     free = [row for row in rows if row["view"] == "free_run"]
     assert [row["rmse"] for row in free] == [None, None]
-    assert "diverged at t = 1 s" in free[0]["remark"]
+    assert said in free[0]["remark"]
     assert all(row["rmse"] > 0 for row in rows if row["view"] == "horizon")
-    assert any("diverged" in line for line in heard.warned)
+    assert any(said in line for line in heard.warned)
 
 
 def test_figures_of_every_kind_are_drawn(settings, heard, data):
