@@ -16,6 +16,8 @@ from benchmarks.torture.bench import HALF, LOST, WRONG, Fault
 from benchmarks.torture.command import Running, start
 from benchmarks.torture.commands import Command, Words
 
+WAITING = "mlflow-waiting"
+"""The folder of the runs that were not sent to MLflow yet."""
 LONGEST = 900.0
 """Seconds after which a command counts as hanging, on a busy machine."""
 OWN_FOLDERS = {"XDG_CACHE_HOME": ".cache", "TMPDIR": ".tmp"}
@@ -50,18 +52,21 @@ class Reference:
         _with_own_folders(self.lab)
 
     def lost(self, before: Mapping[str, str]) -> Iterator[Fault]:
-        """Files of ``before`` (as ``whole.contents`` gave them) that are gone or changed, or not whole."""
+        """Files of ``before`` (as ``whole.contents`` gave them) that are gone or changed, or not whole.
+
+        A run that waits goes when it is sent; that it came is seen in MLflow, by ``differences``.
+        """
         yield from (Fault(HALF, text) for text in whole.half_written(self.lab / "outputs"))
         now = whole.contents(self.lab / "outputs")
         for name, digest in before.items():
-            if now.get(name) != digest and not name.endswith(MAY_CHANGE):
+            if now.get(name) != digest and not name.endswith(MAY_CHANGE) and not name.startswith(WAITING):
                 yield Fault(LOST, f"{name} was there before the command")
 
     def again(self) -> Iterator[Fault]:
         """What is wrong after the same command again, undisturbed, and ``log`` where runs wait to be sent."""
         try:
             in_peace(self.words, self.lab, self.command.opens)
-            if any((self.lab / "outputs" / "mlflow-waiting").glob("[0-9]*")):
+            if any((self.lab / "outputs" / WAITING).glob("[0-9]*")):
                 in_peace(("log",), self.lab)
         except Disturbed as wrong:
             yield Fault(LOST, f"the same command again: {wrong}")
@@ -74,7 +79,7 @@ class Reference:
         """Results that differ from those of the undisturbed command."""
         found, expected = whole.numbers(self.lab), self.numbers
         if self.command.draws:  # as many files and runs, whatever they hold
-            found, expected = whole.without_digests(found), whole.without_digests(expected)
+            found, expected = whole.how_many(found), whole.how_many(expected)
         for name in sorted({*found, *expected}):
             if found.get(name) != expected.get(name):
                 kind = LOST if name not in found else WRONG

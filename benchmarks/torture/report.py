@@ -72,7 +72,7 @@ def _faults_in_all(done: Sequence[Line]) -> str:
 def _section(part: Part, lines: Sequence[Line]) -> str:
     counted, found = _counted(lines), _faults(lines)
     least = {what: f", at least {n} are asked" for what, n in part.asked.items()}
-    total = [f"- {n:g} {what}{least.get(what, '')}" for what, n in counted.items()]
+    total = [f"- {n:,.0f} {what}{least.get(what, '')}" for what, n in counted.items()]
     kinds = [kind for kind in KINDS if kind in part.seeks or found[kind]]
     rows = []
     for category in dict.fromkeys(line["category"] for line in lines):

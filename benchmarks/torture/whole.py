@@ -5,7 +5,9 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import re
 import sqlite3
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from pathlib import Path
@@ -57,9 +59,10 @@ def numbers(folder: Path) -> dict[str, str]:
     return found
 
 
-def without_digests(found: Mapping[str, str]) -> dict[str, str]:
-    """The names alone of what ``numbers`` found."""
-    return {name.rpartition(" ")[0] if name.startswith(RUN) else name: "" for name in found}
+def how_many(found: Mapping[str, str]) -> dict[str, str]:
+    """How many there are of each kind of what ``numbers`` found; trials that differ by number are a kind."""
+    names = (name.rpartition(" ")[0] if name.startswith(RUN) else name for name in found)
+    return {kind: str(n) for kind, n in Counter(re.sub(r"\d+", "N", name) for name in names).items()}
 
 
 def contents(folder: Path) -> dict[str, str]:

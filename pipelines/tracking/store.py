@@ -67,8 +67,9 @@ def _client(uri: str, process: int) -> MlflowClient:
     """Made once in each ``process``: a connection must not be shared with a forked one."""
     from mlflow.tracking import MlflowClient
 
+    # what they log as an error, with a traceback, they also raise: it is told in one line
     for name in ("mlflow", "alembic", "urllib3"):
-        logging.getLogger(name).setLevel(logging.ERROR)
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     return MlflowClient(tracking_uri=with_password(uri))
 
 

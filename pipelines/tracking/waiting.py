@@ -70,7 +70,10 @@ def _copied(artifact: Artifact, new: Path, number: int) -> Artifact:
     place = Path("files") / str(number) / artifact.source.name
     (new / place).parent.mkdir(parents=True)
     if artifact.source.is_dir():
-        shutil.copytree(artifact.source, new / place)
+        try:
+            shutil.copytree(artifact.source, new / place)
+        except shutil.Error as error:  # a list of (from, to, why) as long as the folder
+            raise OSError(error.args[0][0][2]) from error
     else:
         shutil.copy2(artifact.source, new / place)
     return Artifact(place, artifact.into)

@@ -82,6 +82,12 @@ def test_how_results_were_come_by_is_no_result(tree):
     assert whole.numbers(tree) == before
 
 
+def test_of_what_is_drawn_only_the_number_counts():
+    one = whole.how_many({"MLflow: trial 2 c8a1": "c8a1", "MLflow: trial 3 77f0": "77f0", "tune.json": "a"})
+    assert one == whole.how_many({"MLflow: trial 0 1c": "1c", "MLflow: trial 12 2d": "2d", "tune.json": "b"})
+    assert one != whole.how_many({"MLflow: trial 0 1c": "1c", "tune.json": "b"})
+
+
 @LINUX
 def test_a_process_that_outlives_its_command_is_seen(tmp_path):
     """Also one that left the session."""

@@ -6,7 +6,9 @@ import errno
 import multiprocessing
 import platform
 import shutil
+import sqlite3
 import time
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -165,7 +167,7 @@ def test_a_run_that_is_struck_while_it_is_filled_is_ended(settings, heard, monke
     assert runs(settings())["all"][0] == "KILLED"
 
 
-def full(*given):
+def full(*given, **named):
     raise OSError(errno.ENOSPC, "No space left on device")
 
 
@@ -182,6 +184,29 @@ def test_a_run_that_a_full_disk_cuts_off_and_does_not_keep_is_ended_by_the_next_
     log_point(there, replace(POINT, key="another"), "all", heard)
     assert runs(there)["point"] == ("KILLED", REASON)
     assert list(Path("outputs/.mlflow-running").iterdir()) == []
+
+
+def test_what_a_store_that_fails_makes_mlflow_log_is_no_traceback_on_the_terminal(settings, heard, capsys):
+    there = settings()
+    client(there)
+    with closing(sqlite3.connect(Path("outputs") / STORE)) as database:
+        database.execute("alter table params rename to gone")
+        database.commit()
+    log_point(there, replace(POINT, params={"width": 8}), "all", heard)
+    (warning,) = heard.warned
+    assert "no such table" in warning
+    assert capsys.readouterr().err == ""
+
+
+def test_a_folder_that_a_full_disk_does_not_keep_is_told_in_a_few_words(settings, heard, monkeypatch):
+    Path("tree").mkdir()
+    for name in "ab":
+        Path("tree", name).write_text(name)
+    monkeypatch.setattr(tracking, "send", full)
+    monkeypatch.setattr(shutil, "copyfile", full)
+    log_point(settings(), replace(POINT, artifacts=[Path("tree")]), "all", heard)
+    (warning,) = heard.warned
+    assert warning.startswith("not logged to MLflow (OSError: [Errno 28] No space left on device)")
 
 
 def test_a_sweep_whose_end_finds_the_disk_full_is_ended_by_the_next_command(settings, heard, monkeypatch):
