@@ -95,17 +95,16 @@ def version() -> str:
 
 
 def known(file: Path, trials: Iterable[Trial]) -> dict[str, Line]:
-    """The last line of each of ``trials`` in ``file``, by key."""
-    keys = {trial.key for trial in trials}
+    """The last line of each of ``trials`` in ``file``, by key, in the order of the trials."""
+    keys = [trial.key for trial in trials]
     found: dict[str, Line] = {}
     for text in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
         try:
             line = json.loads(text)
         except json.JSONDecodeError:
             continue  # cut off when its run was killed
-        if line["key"] in keys:
-            found[line["key"]] = line
-    return found
+        found[line["key"]] = line
+    return {key: found[key] for key in keys if key in found}
 
 
 def conducted(part: str, trials: Sequence[Trial], file: Path, any_code: bool) -> Iterator[Line]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from benchmarks.torture.mirror import mirror
 
 Words = tuple[str, ...]
-OFTEN, LESS, SELDOM = 25, 16, 8
+OFTEN, LESS, SELDOM = 30, 16, 8
 QUICK = ("case=emps", "data=simulated", "rig.duration=1.2")
 NETWORK = (
     "residual=narx", "residual.orders={error: 2, inputs: 1, gray: 1}", "residual.every=5",

@@ -41,23 +41,26 @@ def send(note: Note, settings: Settings, patience: float | None = None) -> None:
     experiment = experiment_id(store, settings, note.experiment, remote)
     in_time()
     # the sqlite file takes one writer at a time; a server minds its own
-    with marked(note.key, note.experiment, settings, uri), nullcontext() if remote else alone(settings):
+    one_writer = nullcontext() if remote else alone(settings)
+    with (
+        marked(note.key, note.experiment, settings, uri),
+        one_writer,
+        _killed_if_interrupted(store, experiment, note.key),
+    ):
         run = _run_of(store, settings, experiment, note.key, note.name, note.began)
         if run.data.tags.get(LOGGED) != note.digest:
-            with _killed_if_interrupted(store, run.info.run_id):
-                _fill(store, settings, experiment, run, note, in_time)
+            _fill(store, settings, experiment, run, note, in_time)
 
 
 @contextmanager
-def _killed_if_interrupted(store: MlflowClient, identity: str) -> Iterator[None]:
-    """End a run that is not filled because the command was told to end: nobody comes back to it."""
+def _killed_if_interrupted(store: MlflowClient, experiment: str, key: str) -> Iterator[None]:
+    """End the run of ``key`` if it is there and the command is told to end: nobody comes back to it."""
     try:
         yield
     except Exception:
         raise  # it is kept, and filled later
     except BaseException as error:
-        store.set_tag(identity, "error", f"interrupted: {type(error).__name__}")
-        store.set_terminated(identity, "KILLED")
+        _end(store, experiment, key, "KILLED", f"interrupted: {type(error).__name__}")
         raise
 
 
@@ -69,10 +72,13 @@ def end(key: str, experiment: str, settings: Settings, status: Status, reason: s
     """
     store = client(settings)
     found = store.get_experiment_by_name(experiment)
-    if found is None:
-        return
+    if found is not None:
+        _end(store, found.experiment_id, key, status, reason)
+
+
+def _end(store: MlflowClient, experiment: str, key: str, status: Status, reason: str) -> None:
     which = f"tags.`{KEY}` = '{key}' and attributes.status = 'RUNNING'"
-    for run in store.search_runs([found.experiment_id], which):
+    for run in store.search_runs([experiment], which):
         store.set_tag(run.info.run_id, "error", reason)
         store.set_terminated(run.info.run_id, status)
 

@@ -157,11 +157,15 @@ def test_a_sweep_that_is_broken_off_before_it_began_leaves_no_run(settings, hear
     assert client(settings()).get_experiment_by_name("short") is None
 
 
-def test_a_run_that_is_struck_while_it_is_filled_is_ended(settings, heard, monkeypatch):
+@pytest.mark.parametrize("where", ["_run_of", "_parts"])
+def test_a_run_that_is_struck_while_it_is_begun_or_filled_is_ended(settings, heard, monkeypatch, where):
+    its = getattr(tracking_send, where)
+
     def struck(*given):
+        its(*given)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(tracking_send, "_parts", struck)
+    monkeypatch.setattr(tracking_send, where, struck)
     with pytest.raises(KeyboardInterrupt), parent_run(settings(), "sweep", "all", heard) as parent:
         parent.open({})
     assert runs(settings())["all"][0] == "KILLED"
