@@ -22,6 +22,8 @@ from pipelines.shared.errors import ConfigError, Incomplete, unknown
 FAILED = 1
 WRONG_REQUEST = 2
 _MAKERS_HINT = "; --debug shows where"
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What a full or broken disk says, often without the name of the file."""
 
 
 def explained(error: Exception, command: str, words: Sequence[str]) -> tuple[str, int]:
@@ -36,10 +38,11 @@ def explained(error: Exception, command: str, words: Sequence[str]) -> tuple[str
         return _unreadable(error, words), WRONG_REQUEST
     if isinstance(error, (ValueError, Incomplete)):  # RecordError and the like speak for themselves
         return str(error), FAILED
-    if isinstance(error, OSError) and error.filename is not None:
+    if isinstance(error, OSError) and (error.filename is not None or error.errno in _NO_ROOM):
         return _file_problem(error), FAILED
     if isinstance(error, MemoryError):
-        return f"the memory of this machine does not suffice: {error}{_MAKERS_HINT}", FAILED
+        said = str(error) or "an array does not fit"
+        return f"the memory of this machine does not suffice: {said}; make the task smaller", FAILED
     if isinstance(error, YAMLError):
         return _yaml_problem(error), WRONG_REQUEST
     return f"{type(error).__name__}: {error}{_MAKERS_HINT}", FAILED
@@ -48,10 +51,11 @@ def explained(error: Exception, command: str, words: Sequence[str]) -> tuple[str
 def _file_problem(error: OSError) -> str:
     """A file that cannot be read or written, and why; on a full disk what became of the results."""
     kept = ""
-    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
+    if error.errno in _NO_ROOM:
         kept = "; what was unfinished is discarded, what was finished is kept"
     reason = (error.strerror or type(error).__name__).lower()
-    return f"{shortened(str(error.filename), 160)}: {reason}{kept}"
+    where = "writing a file" if error.filename is None else shortened(str(error.filename), 160)
+    return f"{where}: {reason}{kept}"
 
 
 def _yaml_problem(error: YAMLError) -> str:

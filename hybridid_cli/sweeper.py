@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -11,19 +12,22 @@ from typing import Any
 
 from hydra.core.config_loader import ConfigLoader
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.core.override_parser.types import Override
+from hydra.core.override_parser.types import Override, RangeSweep
 from hydra.core.plugins import Plugins
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 
+from hybridid.plain import build
 from hybridid_cli.launching import runner_of
 from hybridid_cli.sweep_results import failed, summary
 from hybridid_cli.tasks import settings_from
 from hybridid_cli.terminal import Terminal
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.limits import check_points, check_processes
 from pipelines.shared.secrets import masked
 from pipelines.shared.sections.searches import SweepSection
+from pipelines.shared.sections.stages import LimitsSection
 from pipelines.shared.tree import locked
 from pipelines.sweep.conduct import Sweep, conduct, folder_of
 from pipelines.sweep.log import common, in_one_experiment
@@ -50,6 +54,7 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         points = expanded(list(Configs(overrides, parser, context.config_loader, config)))
         settings = points[0].settings
         request = settings.section("sweep", SweepSection)
+        check_processes(request.processes, "sweep.processes", settings)
         name = _name(points, config)
         points = in_one_experiment(points, name)
         shared = tuple(masked(o.input_line) for o in overrides if not o.is_sweep_override() and _is_model(o))
@@ -90,6 +95,7 @@ class Configs:
                 raise ConfigError(f"{given}: an interval has no points; give range() or choice()")
             if not _words(override):
                 raise ConfigError(f"{override.input_line}: it has no values, so there is nothing to sweep")
+        check_points(math.prod(map(_count, swept)), build(LimitsSection, self._limits, "limits", ConfigError))
         groups = [o for o in swept if self.loader.get_group_options(o.key_or_group)]
         values = [o for o in swept if o not in groups]
         plain = [word for o in self.overrides if o not in swept for word in _words(o)]
@@ -99,6 +105,10 @@ class Configs:
             options = {_key(o): word.partition("=")[2] for o, word in zip(groups, chosen, strict=True)}
             for combination in itertools.product(*map(_words, values)):
                 yield self._with(composed, dict(zip(map(_key, values), combination, strict=True)), options)
+
+    @property
+    def _limits(self) -> Any:
+        return OmegaConf.to_container(self.config.limits, resolve=True)
 
     def _with(
         self, composed: DictConfig, words: Mapping[str, str], options: Mapping[str, str]
@@ -132,6 +142,16 @@ def _is_model(override: Override) -> bool:
 def _key(override: Override) -> str:
     """The key or group, without ``+`` and the package."""
     return str(override.key_or_group)
+
+
+def _count(override: Override) -> int:
+    """How many values a swept override has; those of a range are not written out for it."""
+    given = override.value()
+    if isinstance(given, RangeSweep):
+        assert given.start is not None
+        assert given.stop is not None
+        return max(0, math.ceil((given.stop - given.start) / given.step)) if given.step else 0
+    return len(_words(override))
 
 
 def _words(override: Override) -> list[str]:

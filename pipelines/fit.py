@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from hybridid.estimators.demand import fit_demand
 from hybridid.estimators.estimate import Progress
 from hybridid.estimators.fit import fit
 from hybridid.records.store import load_record
 from pipelines.shared import modelling
 from pipelines.shared.config import Settings
 from pipelines.shared.fitted import Fit, describe_model
+from pipelines.shared.limits import check_demand
 from pipelines.shared.modelling import fit_settings, model_of
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import chosen, fitted_records, sources_of
@@ -24,6 +26,7 @@ def run(job: Job) -> None:
     fitted = chosen(prepared_records(job.tree), fitted_records(job.settings), "fit.records")
     records = [load_record(record.file) for record in fitted]
     model = model_of(job.settings)
+    check_demand(fit_demand(model, records, fit_settings(job.settings)), job.settings)
     estimate = fit(model, records, fit_settings(job.settings), lambda report: _show(report, job.watcher))
     found = Fit(
         case=job.settings.case,
@@ -44,8 +47,9 @@ def check(settings: Settings) -> None:
         ConfigError: if a name or a value is wrong.
         OwnCodeError: if code of the plant or of an effect fails.
     """
-    fit_settings(settings)
-    _ = model_of(settings).f  # asks plant and effects for their equations
+    model = model_of(settings)
+    _ = model.f  # asks plant and effects for their equations
+    check_demand(fit_demand(model, (), fit_settings(settings)), settings)  # more is known with the records
     chosen(sources_of(settings).found, fitted_records(settings), "fit.records")
 
 

@@ -13,8 +13,9 @@ from pipelines.shared import sources
 from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
+from pipelines.shared.limits import check_demand
 from pipelines.shared.prepared import NamedUnit, Prepared
-from pipelines.shared.sources import Source, sources_of
+from pipelines.shared.sources import Simulated, Source, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
 
@@ -72,6 +73,9 @@ def check(settings: Settings) -> None:
         parse_steps(_common_steps(settings), "preprocess.steps")
     except StepError as error:
         raise ConfigError(str(error)) from error
+    for source in found:
+        if isinstance(source, Simulated):
+            check_demand(source.demand, settings)
 
 
 PREPROCESS = Stage("preprocess", KEYS, (), run, inputs=sources.digests, check=check)

@@ -16,6 +16,7 @@ from pipelines.runner import run_stages
 from pipelines.shared.board import Board
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.limits import check_processes
 from pipelines.shared.page import Page
 from pipelines.shared.pool import Lost, core_count, side_by_side
 from pipelines.shared.secrets import masked
@@ -52,6 +53,8 @@ def reproduce(
     """
     if processes is not None and (isinstance(processes, bool) or processes < 1):
         raise ConfigError(f"processes is {processes!r}: at least 1, or null for one per core")
+    for settings in experiments.values():
+        check_processes(processes, "processes", settings)
     outcomes = _run(experiments, processes or core_count(), watcher)
     folder = outputs / "thesis"
     folder.mkdir(parents=True, exist_ok=True)

@@ -20,7 +20,8 @@ class PublicArchive:
     """A zip archive on the web.
 
     ``members`` maps the wanted files, as relative paths, to their SHA-256; in the archive they
-    may lie in a subfolder. ``sha256`` is that of the archive, if known. ``page`` is the page from which
+    may lie in a subfolder. Neither the archive nor one of them has more than ``most`` bytes.
+    ``sha256`` is that of the archive, if known. ``page`` is the page from which
     a person can download it by hand.
 
     Raises:
@@ -34,6 +35,7 @@ class PublicArchive:
     sha256: str | None = None
     licence: str = ""
     citation: str = ""
+    most: int = 1 << 28
 
     def __post_init__(self) -> None:
         if not self.url.startswith(("http://", "https://")):

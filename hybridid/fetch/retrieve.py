@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 from filelock import FileLock
 
 from hybridid.fetch.archive import FetchError, PublicArchive, sha256_of
-from hybridid.fetch.download import DownloadError, Progress, download
+from hybridid.fetch.download import DownloadError, Progress, TooLargeError, download
 from hybridid.fetch.unpack import CorruptArchiveError, unpack
 
 
@@ -61,13 +61,13 @@ def _obtain(source: PublicArchive, folder: Path, progress: Progress | None) -> N
     resumed = part.exists()
     for fresh in (not resumed, True):
         try:
-            download(source.url, part, progress)
+            download(source.url, part, source.most, progress)
             unpack(source, part, folder)
         except DownloadError as wrong:
             host = urlsplit(source.url).hostname
             kept = f" ({part.stat().st_size} bytes are kept, fetch again to resume)" if part.exists() else ""
             raise FetchError(f"{source.name} from {host}: {wrong}{kept}; {source.by_hand(folder)}") from wrong
-        except CorruptArchiveError as wrong:
+        except (CorruptArchiveError, TooLargeError) as wrong:
             part.unlink(missing_ok=True)
             if fresh:
                 raise FetchError(f"{source.name}: {wrong}; deleted; {source.by_hand(folder)}") from wrong

@@ -53,7 +53,7 @@ def _unpacked(source: PublicArchive, zipped: zipfile.ZipFile, scratch: Path) -> 
     unpacked = {}
     for i, (member, published) in enumerate(source.members.items()):
         path = scratch / str(i)
-        _compare(member, _extract(zipped, _entry(names, member), path), published)
+        _compare(member, _extract(zipped, _entry(names, member), path, source.most), published)
         unpacked[member] = path
     return unpacked
 
@@ -68,11 +68,16 @@ def _entry(names: list[str], member: str) -> str:
     return fitting[0]
 
 
-def _extract(zipped: zipfile.ZipFile, entry: str, path: Path) -> str:
-    """Write one entry to ``path`` and return its SHA-256."""
-    digest = hashlib.sha256()
+def _extract(zipped: zipfile.ZipFile, entry: str, path: Path, most: int) -> str:
+    """Write one entry of ``most`` bytes at most to ``path`` and return its SHA-256."""
+    digest, left = hashlib.sha256(), most
     with zipped.open(entry) as content, path.open("wb") as file:
         while chunk := content.read(CHUNK):
+            left -= len(chunk)
+            if left < 0:
+                raise CorruptArchiveError(
+                    f"{entry} unpacks to more than {most / 1e6:.0f} MB, the file has less"
+                )
             digest.update(chunk)
             file.write(chunk)
     return digest.hexdigest()

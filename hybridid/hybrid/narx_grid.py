@@ -14,7 +14,8 @@ from hybridid.hybrid.gray_box import Errors, GrayBox, GrayRun, gray_scores, hybr
 from hybridid.hybrid.output_error import OutputErrorHybrid
 from hybridid.hybrid.report import FittedHybrid, NARXReport, NetworkScore
 from hybridid.residuals.choice import RULE, smallest_near_best
-from hybridid.residuals.settings import SMALL, Architecture, Training
+from hybridid.residuals.demand import stack_of
+from hybridid.residuals.settings import Architecture, Training
 
 if TYPE_CHECKING:
     from hybridid.residuals.training import Task, Trained
@@ -60,8 +61,7 @@ def train_networks(tasks: Sequence[Task], training: Training, report: Report | N
 
     stacks: dict[tuple[int, int] | None, list[int]] = {}
     for number, task in enumerate(tasks):
-        one = task.architecture
-        stacks.setdefault(None if one.width <= SMALL else (one.depth, one.width), []).append(number)
+        stacks.setdefault(stack_of(task.architecture), []).append(number)
     trained: dict[int, Trained] = {}
     for count, (size, numbers) in enumerate(stacks.items()):
         name = f"{len(numbers)} networks " + (f"of {size[0]} x {size[1]}" if size else "side by side")

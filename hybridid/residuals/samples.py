@@ -82,6 +82,12 @@ def samples_of(
             rows.append(exogenous(record.seen, piece, padded, scaling, one.every))
             pieces.append((begun, begun + len(errors[-1])))
             begun = pieces[-1][1]
+    shortest = min(end - first for first, end in pieces)
+    if settings.blocks > shortest:
+        output = series[0].seen.output
+        raise ValueError(
+            f"residual.blocks is {settings.blocks}: {output} has {shortest} samples in a stretch"
+        )
     kind = DTYPES[settings.precision]
     return Samples(
         error=torch.from_numpy(np.concatenate(errors)).to(kind),

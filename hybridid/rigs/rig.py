@@ -20,11 +20,16 @@ from numpy.typing import NDArray
 
 import hybridid
 from hybridid.blame import blamed_on
+from hybridid.demand import Demand
 from hybridid.records.record import Channel, Record
 from hybridid.rigs.laws import RigError, nearest
 from hybridid.rigs.truth import PlantedAt, revised
 
 Array = NDArray[np.float64]
+_OWN = 20
+"""Arrays of the run's length beside those of its channels: its truth, its noise, and what it passes on."""
+_SECONDS = 1e-6
+"""Of each sample at least."""
 
 
 @dataclass(frozen=True)
@@ -105,6 +110,19 @@ class Rig(abc.ABC):
         generator = np.random.default_rng([seed, self.runs.index(run)])
         with blamed_on(self, passing=(RigError,)):
             return self.perform(run, time, generator)
+
+    @final
+    def demand(self, run: str = "identification", seed: int = 0, duration: float | None = None) -> Demand:
+        """What the experiment needs at least.
+
+        Raises:
+            RigError: for an unknown run, a bad duration or seed.
+        """
+        samples = self._samples(run, seed, duration)
+        columns = len((*self.input_channels, *self.output_channels, *self.auxiliary_channels))
+        keys = ("rig.duration",)
+        what = f"the run {run} of rig {self.name}, {samples:,} samples,"
+        return Demand(what, samples * (columns + _OWN) * 8.0, samples * _SECONDS, keys)
 
     @final
     def record(self, run: str = "identification", seed: int = 0, duration: float | None = None) -> Record:

@@ -60,7 +60,7 @@ class FitSettings:
     initial_state: InitialState = setting("estimated", "the state in which each horizon starts")
     max_iterations: int = setting(100, "iterations at most", least=1)
     tolerance: float = setting(1e-8, "relative change of the cost at which the fit ends", above=0)
-    seed: int = setting(0, "seed of the random starts", least=0)
+    seed: int = setting(0, "seed of the random starts", least=0, most=2**63 - 1)
 
     def __post_init__(self) -> None:
         check(self, "estimator")

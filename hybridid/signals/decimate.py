@@ -38,12 +38,13 @@ class Decimate(Step):
 
     def apply(self, record: Record) -> Record:
         kept = record.n // self.factor  # whole blocks only: a held input needs the mean of each
-        taps = _low_pass(self.factor) if self.anti_alias else np.ones(1)
-        if len(taps) // 2 >= record.n or kept < 1:
+        reach = _length(self.factor)[0] // 2 if self.anti_alias else 0
+        if reach >= record.n or kept < 1:
             raise StepError(
                 f"record {record.name} has {record.n} samples, too few to decimate by {self.factor}: "
-                f"its filter reaches {len(taps) // 2} to each side"
+                f"its filter reaches {reach} to each side"
             )
+        taps = _low_pass(self.factor) if self.anti_alias else np.ones(1)
 
         def thinned(values: Array, hold: Hold | None) -> Array:
             if hold == "zoh":
@@ -64,10 +65,16 @@ class Decimate(Step):
         )
 
 
+def _length(factor: int) -> tuple[int, float]:
+    """Number of taps, odd, and shape of the Kaiser window."""
+    count, beta = signal.kaiserord(ATTENUATION, (1 - PASS_BAND) / factor)
+    return int(count) | 1, float(beta)
+
+
 def _low_pass(factor: int) -> Array:
     """Taps (odd number,) of the anti-alias filter, their sum 1."""
-    count, beta = signal.kaiserord(ATTENUATION, (1 - PASS_BAND) / factor)
-    return signal.firwin(count | 1, (1 + PASS_BAND) / 2 / factor, window=("kaiser", beta))
+    count, beta = _length(factor)
+    return signal.firwin(count, (1 + PASS_BAND) / 2 / factor, window=("kaiser", beta))
 
 
 def _filtered(taps: Array, values: Array) -> Array:

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from hybridid.demand import Demand
 from hybridid.estimators.estimate import Progress
 from hybridid.hybrid import FittedHybrid, GrayBox, errors_of, gray_runs
 from hybridid.hybrid.gray_box import Errors
 from hybridid.hybrid.narx_grid import narx_hybrid, networks_to_train, train_networks
 from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.residuals.demand import training_demand
 from hybridid.residuals.orders import Orders, orders_of
 from hybridid.residuals.settings import Architecture
+from hybridid.settings.fit import FitSettings
 from pipelines.residual.request import Request
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.sections.residual import NARXSection
@@ -36,6 +40,11 @@ class NARXRequest(NARXSection, Request):
             self.architectures(model)
         except ValueError as error:
             raise ConfigError(str(error)) from error
+
+    def demand(self, model: Model, records: Sequence[Record], fitted: FitSettings) -> Demand:
+        networks = len(self._outputs(model)) * len(self.seeds)
+        samples = sum(record.n for record in records)
+        return training_demand(self.architectures(model), networks, samples, self.training)
 
     def make(self, gray: GrayBox, watcher: Watcher) -> FittedHybrid:
         began = time.perf_counter()

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from itertools import starmap
 from typing import Any
 
+from hybridid.demand import Demand
+from hybridid.estimators.demand import fit_demand
 from hybridid.hybrid import FittedHybrid, GrayBox
 from hybridid.hybrid.rbf_grid import rbf_hybrid
 from hybridid.model import Model
+from hybridid.records.record import Record
 from hybridid.residuals.held_out import Candidate, Mapper
 from hybridid.residuals.rbf_fit import RBFPlan, port_of
 from hybridid.settings.fit import FitSettings
@@ -30,6 +34,14 @@ class RBFRequest(RBFSection, Request):
             port_of(model, self._plan(self.nodes[0]))
         except ValueError as error:
             raise ConfigError(str(error)) from error
+
+    def demand(self, model: Model, records: Sequence[Record], fitted: FitSettings) -> Demand:
+        parts = [
+            fit_demand(model, records, candidate.settings, candidate.plan.nodes)
+            for candidate in self._candidates(fitted)
+        ]
+        largest = max(parts, key=lambda part: part.memory)
+        return replace(largest, seconds=sum(part.seconds for part in parts))
 
     def make(self, gray: GrayBox, watcher: Watcher) -> FittedHybrid:
         candidates = self._candidates(gray.estimate.settings)

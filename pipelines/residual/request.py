@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
 
+from hybridid.demand import Demand
 from hybridid.estimators.estimate import Progress
 from hybridid.hybrid import FittedHybrid, GrayBox
 from hybridid.model import Model
 from hybridid.plain import build
+from hybridid.records.record import Record
+from hybridid.settings.fit import FitSettings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.watch import Watcher
 
@@ -33,6 +36,10 @@ class Request(abc.ABC):
         Raises:
             ConfigError: if it names an output, input or port that the model lacks.
         """
+
+    @abc.abstractmethod
+    def demand(self, model: Model, records: Sequence[Record], fitted: FitSettings) -> Demand:
+        """What it needs beside ``model`` on ``records`` (none: at least), which was fitted as ``fitted``."""
 
     @abc.abstractmethod
     def make(self, gray: GrayBox, watcher: Watcher) -> FittedHybrid:

@@ -19,7 +19,8 @@ from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.fitted import fitted_model
 from pipelines.shared.hybrids import Residual
-from pipelines.shared.modelling import model_of, named_code
+from pipelines.shared.limits import check_demand, check_processes
+from pipelines.shared.modelling import fit_settings, model_of, named_code
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import chosen, fitted_records
 from pipelines.shared.stage import Job, Stage
@@ -32,7 +33,9 @@ KINDS: Mapping[str, type[Request]] = {"narx": NARXRequest, "rbf": RBFRequest}
 def run(job: Job) -> None:
     """Make the hybrid from the records that the gray box was fitted to."""
     gray = gray_box(job.settings, job.tree)
-    write(job, gray, request_of(job.settings).make(gray, job.watcher))
+    request = request_of(job.settings)
+    check_demand(request.demand(gray.model, gray.records, gray.estimate.settings), job.settings)
+    write(job, gray, request.make(gray, job.watcher))
 
 
 def gray_box(settings: Settings, tree: Path) -> GrayBox:
@@ -72,7 +75,12 @@ def check(settings: Settings) -> None:
     Raises:
         ConfigError: if not.
     """
-    request_of(settings).check(model_of(settings))
+    request, model = request_of(settings), model_of(settings)
+    request.check(model)
+    least = request.demand(model, (), fit_settings(settings))  # more is known with the records
+    check_demand(least, settings)
+    if isinstance(request, RBFRequest):
+        check_processes(request.processes, "residual.processes", settings)
 
 
 def asked(settings: Settings) -> bool:

@@ -8,6 +8,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from hybridid.demand import Demand
 from hybridid.naming import listed, no_file_name, shortened
 from hybridid.records.mapping import RecordMap, build_record, record_map
 from hybridid.records.record import Record, RecordError
@@ -65,6 +66,15 @@ class Simulated:
     def digest(self) -> str:
         """Digest of the rig, its truth and the settings of the run."""
         return self.rig.digest(self.run, self.seed, self.duration)
+
+    @property
+    def demand(self) -> Demand:
+        """What the run needs.
+
+        Raises:
+            RigError: for a bad duration.
+        """
+        return self.rig.demand(self.run, self.seed, self.duration)
 
     def record(self) -> Record:
         """Simulate the record."""

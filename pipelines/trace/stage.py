@@ -23,6 +23,7 @@ from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import describe_model, fit_of
 from pipelines.shared.imports import code_digests
 from pipelines.shared.kept_results import kept_results
+from pipelines.shared.limits import check_processes
 from pipelines.shared.modelling import fit_settings, model_of, named_code
 from pipelines.shared.page import Picture
 from pipelines.shared.pool import mapper_of
@@ -33,7 +34,14 @@ from pipelines.shared.storage import write_json
 from pipelines.shared.traced import TraceFile
 from pipelines.trace.missing import write_missing
 from pipelines.trace.page import trace_page
-from pipelines.trace.request import Request, division, fitting_horizon, imported_effects, request_of
+from pipelines.trace.request import (
+    Request,
+    division,
+    fitting_horizon,
+    imported_effects,
+    request_of,
+    section_of,
+)
 
 FORMATS = ("svg",)
 """Formats of the figures. SVG is enough: the report embeds it, and a browser prints it."""
@@ -148,6 +156,7 @@ def check(settings: Settings) -> None:
         OwnCodeError: if code of an effect to try fails.
     """
     request = request_of(settings)
+    check_processes(section_of(settings).processes, "trace.processes", settings)
     division(sources_of(settings).found, settings)
     model = model_of(settings)
     kinds = {port.kind for port in model.plant.ports}

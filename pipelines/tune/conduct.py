@@ -10,7 +10,8 @@ from pathlib import Path
 from pipelines.runner import run_stages
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.modelling import model_of
+from pipelines.shared.limits import check_demand, check_processes
+from pipelines.shared.modelling import fit_settings, model_of
 from pipelines.shared.pool import Lost, core_count, side_by_side
 from pipelines.shared.prepared import prepared_records, provenance_of
 from pipelines.shared.storage import json_text, read_json
@@ -79,9 +80,12 @@ def _processes(request: TuneRequest) -> int:
 
 def _check(settings: Settings, request: TuneRequest) -> None:
     """Whether networks can be made at the ends of every range."""
+    check_processes(request.processes, "tune.processes", settings)
     for values in request.corners():
         asked = narx_of(settings, values)
-        asked.check(model_of(with_values(settings, values)))
+        model = model_of(with_values(settings, values))
+        asked.check(model)
+        check_demand(asked.demand(model, (), fit_settings(settings)), settings)
         for name in ("depth", "width"):
             given = getattr(asked, name)
             if len(given) > 1:

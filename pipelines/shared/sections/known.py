@@ -11,6 +11,7 @@ from pipelines.shared.sections.stages import (
     ArchiveSection,
     CaseSection,
     FitSection,
+    LimitsSection,
     LoneKeys,
     MLflowSection,
     PathsSection,
@@ -33,6 +34,7 @@ SECTIONS: Mapping[str, type] = {
     "sweep": SweepSection,
     "tune": TuneSection,
     "rig": RigSection,
+    "limits": LimitsSection,
     "paths": PathsSection,
     "mlflow": MLflowSection,
 }

@@ -41,6 +41,8 @@ class NARXSection:
     seeds: tuple[int, ...] = setting(
         (0, 1, 2),
         "of each size one network for each; the smallest within 5 % of the lowest held-out error is kept",
+        least=0,
+        most=2**63 - 1,
         some=True,
     )
     training: Training = inlined(Training())

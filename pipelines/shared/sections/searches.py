@@ -84,4 +84,4 @@ class TuneSection:
         "median",
         "which trials are ended early; median: those worse than the others at the same share of training",
     )
-    seed: int = setting(0, "seed of the search", least=0)
+    seed: int = setting(0, "seed of the search", least=0, most=2**32 - 1)

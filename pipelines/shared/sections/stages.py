@@ -77,7 +77,7 @@ class RigSection:
     path: str = setting(
         REQUIRED, "import path of the rig, as in hybridid.rigs.emps:EMPSRig", shown="MODULE:NAME", some=True
     )
-    seed: int | None = setting(0, "seed of the noise", least=0, null="0")
+    seed: int | None = setting(0, "seed of the noise", least=0, most=2**63 - 1, null="0")
     duration: float | None = setting(
         None, "length of the simulated records", unit="s", above=0, null="as long as the measured ones"
     )
@@ -151,6 +151,16 @@ class PathsSection:
         some=True,
     )
     outputs: str = setting("outputs", "where run trees are written", shown="DIR", some=True)
+
+
+@dataclass(frozen=True)
+class LimitsSection:
+    """What a command may take; what needs more is refused before it begins."""
+
+    memory: float | None = setting(
+        None, "memory that the estimate may reach", unit="GB", above=0, null="what this machine has free"
+    )
+    hours: float = setting(100.0, "time that the estimate may reach; it is a lower bound", unit="h", above=0)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,114 @@
+"""What the training of NARX networks needs, from their sizes alone. Light: it does not load torch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from hybridid.demand import Demand
+from hybridid.residuals.settings import SMALL, Architecture, Training
+
+_ITEM: Mapping[str, int] = {"single": 4, "double": 8}
+_BASE = 1e8
+"""Bytes that torch and the compiled free run take by themselves."""
+_STEP = 1e-4
+"""Seconds that a step of the training takes at least, however small the network."""
+_FLOPS = 2e10
+"""Operations a second at most."""
+_READ = 1e10
+"""Bytes a second at most that a free run reads: it needs all weights at each sample."""
+
+
+def training_demand(
+    architectures: Sequence[Architecture], copies: int, samples: int, training: Training
+) -> Demand:
+    """Of ``copies`` networks of each size, on errors of ``samples`` samples in all records.
+
+    Small networks train in one stack, each larger size in one of its own, one after the other.
+    """
+    stacks: dict[tuple[int, int] | None, list[Architecture]] = {}
+    for one in architectures:
+        stacks.setdefault(stack_of(one), []).extend([one] * copies)
+    parts = [_Stack(tuple(own), samples, training) for own in stacks.values()]
+    count = len(architectures) * copies
+    return Demand(
+        f"the training of {count} network{'s' * (count > 1)}",
+        _BASE + max(part.memory for part in parts),
+        sum(part.seconds for part in parts),
+        max(parts, key=lambda part: part.memory).keys,
+    )
+
+
+@dataclass(frozen=True)
+class _Stack:
+    """Networks that train together, padded to the largest."""
+
+    networks: tuple[Architecture, ...]
+    samples: int
+    training: Training
+
+    @property
+    def weights(self) -> float:
+        """Of all networks with their padding."""
+        inner = (self.depth - 1) * (self.width + 1) * self.width
+        return len(self.networks) * ((self.regressors + 1) * self.width + inner + self.width + 1)
+
+    @property
+    def memory(self) -> float:
+        """Bytes: eight copies of the weights in training (best, gradients, moments, in passing) and two in
+        double precision for the free run; what a step keeps for its gradients; regressors of each sample."""
+        item, batch = _ITEM[self.training.precision], self._windows * self.training.horizons[-1]
+        kept = 1.5 * len(self.networks) * batch * (2 * self.depth * self.width + self.regressors) * item
+        return self.weights * (8 * item + 16) + kept + 4 * self._grid * (self.regressors + 2) * (item + 8)
+
+    @property
+    def seconds(self) -> float:
+        """At least: every horizon trains until ``patience`` epochs have brought nothing."""
+        training = self.training
+        epochs = min(training.epochs, training.patience)
+        trained = self._grid * (1 - training.held_out)
+        found = 0.0
+        for horizon in training.horizons:
+            steps = trained / (max(1, training.batch // horizon) * horizon)
+            once = 6 * trained * self.weights / _FLOPS + 8 * self._grid * self.weights / _READ
+            found += epochs * (once + steps * horizon * self.depth * _STEP)
+        return found
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The setting that the memory grows with most."""
+        orders = max(one.orders.longest for one in self.networks)
+        wide, deep = self.width * (self.width > SMALL), self.depth * self.width
+        batch = self._windows * self.training.horizons[-1]
+        sizes = {
+            f"residual.width {self.width}": self.weights if self.depth * 8 < self.width else wide,
+            f"residual.depth {self.depth}": deep if self.depth * 8 >= self.width else 0,
+            f"residual.orders of {orders}": self._grid * orders,
+            f"residual.batch {self.training.batch}": batch * deep,
+        }
+        return (max(sizes, key=lambda name: sizes[name]),)
+
+    @property
+    def width(self) -> int:
+        return max(one.width for one in self.networks)
+
+    @property
+    def depth(self) -> int:
+        return max(one.depth for one in self.networks)
+
+    @property
+    def regressors(self) -> int:
+        return max(one.orders.regressors for one in self.networks)
+
+    @property
+    def _grid(self) -> float:
+        return self.samples / self.networks[0].every
+
+    @property
+    def _windows(self) -> int:
+        return max(1, self.training.batch // self.training.horizons[-1])
+
+
+def stack_of(one: Architecture) -> tuple[int, int] | None:
+    """Which networks train together: None for all small ones, else those of the same depth and width."""
+    return None if one.width <= SMALL else (one.depth, one.width)
