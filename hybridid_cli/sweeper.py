@@ -93,7 +93,7 @@ class Configs:
             if not override.is_discrete_sweep():
                 given = override.input_line
                 raise ConfigError(f"{given}: an interval has no points; give range() or choice()")
-            if not _words(override):
+            if not _count(override):
                 raise ConfigError(f"{override.input_line}: it has no values, so there is nothing to sweep")
         check_points(math.prod(map(_count, swept)), build(LimitsSection, self._limits, "limits", ConfigError))
         groups = [o for o in swept if self.loader.get_group_options(o.key_or_group)]

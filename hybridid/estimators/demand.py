@@ -15,6 +15,8 @@ _STAGES = 4
 """Evaluations of the equations in each step of the integrator."""
 _SECONDS = 5e-10
 """Of each operation, compiled."""
+_CALL = 1e-3
+"""Seconds of an evaluation, however small."""
 _BUILD = 5e-6
 """Seconds to differentiate and compile each operation."""
 _NODE = 50
@@ -50,15 +52,17 @@ def fit_demand(model: Model, records: Sequence[Record], settings: FitSettings, n
     )
     steps = samples * substeps * _STAGES * operations * (1 + directions)
     evaluations = _LEAST * len(settings.continuation) * settings.starts
-    return Demand("the fit", memory, graph * _BUILD + evaluations * steps * _SECONDS, _keys(settings, nodes))
+    return Demand(
+        "the fit", memory, graph * _BUILD + evaluations * (steps * _SECONDS + _CALL), _keys(settings, nodes)
+    )
 
 
 def _keys(settings: FitSettings, nodes: int) -> tuple[str, ...]:
     """The settings that are far from their defaults, the furthest first; none: the records are long."""
     usual = {
-        f"residual.nodes {nodes}": nodes / 20,
-        f"estimator.substeps {settings.substeps}": (settings.substeps or 1) / 50,
-        f"estimator.starts {settings.starts}": settings.starts / 10,
+        f"residual.nodes ({nodes})": nodes / 20,
+        f"estimator.substeps ({settings.substeps})": (settings.substeps or 1) / 50,
+        f"estimator.starts ({settings.starts})": settings.starts / 10,
     }
     far = sorted((name for name, times in usual.items() if times > 1), key=lambda name: -usual[name])
     return tuple(far[:1]) or ("the length of the records (preprocess.steps can decimate them)",)

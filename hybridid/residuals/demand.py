@@ -69,24 +69,24 @@ class _Stack:
         trained = self._grid * (1 - training.held_out)
         found = 0.0
         for horizon in training.horizons:
-            steps = trained / (max(1, training.batch // horizon) * horizon)
+            steps = max(1.0, trained / (max(1, training.batch // horizon) * horizon))
             once = 6 * trained * self.weights / _FLOPS + 8 * self._grid * self.weights / _READ
             found += epochs * (once + steps * horizon * self.depth * _STEP)
         return found
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The setting that the memory grows with most."""
-        orders = max(one.orders.longest for one in self.networks)
-        wide, deep = self.width * (self.width > SMALL), self.depth * self.width
-        batch = self._windows * self.training.horizons[-1]
-        sizes = {
-            f"residual.width {self.width}": self.weights if self.depth * 8 < self.width else wide,
-            f"residual.depth {self.depth}": deep if self.depth * 8 >= self.width else 0,
-            f"residual.orders of {orders}": self._grid * orders,
-            f"residual.batch {self.training.batch}": batch * deep,
+        """The setting that is furthest from what is usual."""
+        training, orders = self.training, max(one.orders.longest for one in self.networks)
+        times = {
+            f"residual.width ({self.width})": self.width / 100,
+            f"residual.depth ({self.depth})": self.depth / 10,
+            f"residual.orders ({orders})": orders / 100,
+            f"residual.batch ({training.batch})": training.batch / 10_000,
+            f"residual.epochs ({training.epochs})": min(training.epochs, training.patience) / 1000,
+            f"the number of networks ({len(self.networks)})": len(self.networks) / 100,
         }
-        return (max(sizes, key=lambda name: sizes[name]),)
+        return (max(times, key=lambda name: times[name]),)
 
     @property
     def width(self) -> int:

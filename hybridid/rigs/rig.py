@@ -121,7 +121,7 @@ class Rig(abc.ABC):
         samples = self._samples(run, seed, duration)
         columns = len((*self.input_channels, *self.output_channels, *self.auxiliary_channels))
         keys = ("rig.duration",)
-        what = f"the run {run} of rig {self.name}, {samples:,} samples,"
+        what = f"the run {run} of rig {self.name}, {samples:.3g} samples,"
         return Demand(what, samples * (columns + _OWN) * 8.0, samples * _SECONDS, keys)
 
     @final

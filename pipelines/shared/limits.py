@@ -37,9 +37,7 @@ def check_processes(processes: int | None, key: str, settings: Settings) -> None
         ConfigError: if not.
     """
     if processes is not None:
-        what = Demand(
-            f"{processes} processes side by side", processes * _PROCESS, 0.0, (f"{key} {processes}",)
-        )
+        what = Demand(f"{processes} processes side by side", processes * _PROCESS, 0.0, (key,))
         check_demand(what, settings)
 
 
@@ -59,7 +57,7 @@ def _check(demand: Demand, limits: LimitsSection, cores: int) -> None:
     memory = available() if limits.memory is None else limits.memory * GB
     hours = demand.seconds / cores / 3600
     if demand.memory > memory:
-        there = "this machine has" if limits.memory is None else "limits.memory allows"
+        there = "free here are" if limits.memory is None else "limits.memory allows"
         needed, offered = f"{_shown(demand.memory / GB)} GB of memory", f"{_shown(memory / GB)} GB"
         raise ConfigError(_line(demand, f"about {needed}", f"{there} {offered}", "limits.memory"))
     if hours > limits.hours:

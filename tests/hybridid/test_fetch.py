@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hybridid.fetch import ARCHIVES, FetchError, PublicArchive, archive_named, fetch
+from hybridid.fetch import ARCHIVES, FetchError, PublicArchive, archive_named, download, fetch
 
 FILES = {name: np.random.default_rng(i).bytes(150_000) for i, name in enumerate(("one.mat", "sub/two.csv"))}
 PAGE = "https://example.org/benchmark"
@@ -281,6 +281,35 @@ def test_a_damaged_archive(site, tmp_path, damage):
     assert PAGE in message
     assert visible(tmp_path) == set()
     assert ("holds no sub/two.csv; it holds one.mat" in message) == (damage == "member missing")
+
+
+def test_a_server_that_sends_without_end_is_left(site, tmp_path):
+    site.content, site.chunked = b"PK" + bytes(10**6), True
+    message = failure(lambda: fetch(site.archive(most=100_000), tmp_path))
+    assert "the server sends more than 0.1 MB" in message
+    assert list((tmp_path / "bench").glob("*.part")) == []
+
+
+def test_a_file_that_the_server_says_is_too_large_is_not_loaded(site, tmp_path):
+    site.content = bytes(10**6)
+    seen: list[int] = []
+    failure(lambda: fetch(site.archive(most=100_000), tmp_path, lambda done, _: seen.append(done)))
+    assert seen == []
+
+
+def test_a_server_that_dribbles_is_left_and_taken_up_later(site, tmp_path, monkeypatch):
+    monkeypatch.setattr(download, "LONGEST", -1.0)
+    assert "it took longer than" in failure(lambda: fetch(site.archive(), tmp_path))
+    monkeypatch.undo()
+    assert_fetched(fetch(site.archive(), tmp_path), tmp_path)
+
+
+def test_a_small_archive_that_unpacks_to_much(site, tmp_path):
+    bomb = zipped({**FILES, next(iter(FILES)): bytes(10**7)})
+    site.content = bomb
+    message = failure(lambda: fetch(site.archive(most=10**6), tmp_path))
+    assert "unpacks to more than 1 MB" in message
+    assert visible(tmp_path) == set()
 
 
 def test_no_network(tmp_path):
