@@ -85,7 +85,7 @@ class _Limits:
     def check(self, size: int) -> None:
         """Whether the download may go on after so many bytes."""
         if size > self.most:
-            raise TooLargeError(f"the server sends more than {self.most / 1e6:.0f} MB, the file has less")
+            raise TooLargeError(f"the server sends more than {self.most / 1e6:g} MB, the file has less")
         if time.monotonic() > self.until:
             raise DownloadError(f"it took longer than {LONGEST / 60:.0f} min")
 

@@ -76,7 +76,7 @@ def _extract(zipped: zipfile.ZipFile, entry: str, path: Path, most: int) -> str:
             left -= len(chunk)
             if left < 0:
                 raise CorruptArchiveError(
-                    f"{entry} unpacks to more than {most / 1e6:.0f} MB, the file has less"
+                    f"{entry} unpacks to more than {most / 1e6:g} MB, the file has less"
                 )
             digest.update(chunk)
             file.write(chunk)

@@ -21,7 +21,7 @@ from pipelines.shared.sections.stages import LoneKeys, ReproduceKeys, UiKeys
 
 # of each file: its keys at the top that stand in no section, and the sections that it holds whole
 FILES = {
-    "base": ("preprocess", "fit", "validate", "plot", "trace", "mlflow"),
+    "base": ("preprocess", "fit", "validate", "plot", "trace", "limits", "mlflow"),
     "sweep": ("sweep",),
     "tune": ("tune",),
 }
