@@ -21,7 +21,7 @@ _BUILD = 5e-6
 """Seconds to differentiate and compile each operation."""
 _NODE = 50
 """Bytes of each operation in CasADi's graph."""
-_LEAST = 3
+_LEAST = 5
 """Evaluations in each stage of the continuation at least."""
 _RADIAL = 10
 """Operations of one radial basis function."""

@@ -160,7 +160,7 @@ class LimitsSection:
     memory: float | None = setting(
         None, "memory that the estimate may reach", unit="GB", above=0, null="what this machine has free"
     )
-    hours: float = setting(24.0, "time that the estimate may reach; it is a lower bound", unit="h", above=0)
+    hours: float = setting(12.0, "time that the estimate may reach; it is a lower bound", unit="h", above=0)
 
 
 @dataclass(frozen=True)
