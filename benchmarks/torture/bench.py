@@ -95,7 +95,8 @@ def version() -> str:
 
 
 def known(file: Path, trials: Iterable[Trial]) -> dict[str, Line]:
-    """The last line of each of ``trials`` in ``file``, by key, in the order of the trials."""
+    """The last line of each of ``trials`` in ``file``, by key, in the order of the trials. ``earlier`` in it
+    are the faults of the lines before it."""
     keys = [trial.key for trial in trials]
     found: dict[str, Line] = {}
     for text in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
@@ -103,7 +104,8 @@ def known(file: Path, trials: Iterable[Trial]) -> dict[str, Line]:
             line = json.loads(text)
         except json.JSONDecodeError:
             continue  # cut off when its run was killed
-        found[line["key"]] = line
+        before = found.get(line["key"], {"earlier": [], "faults": []})
+        found[line["key"]] = {**line, "earlier": [*before["earlier"], *before["faults"]]}
     return {key: found[key] for key in keys if key in found}
 
 

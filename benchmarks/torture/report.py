@@ -26,11 +26,11 @@ def text(there: There, seed: int) -> str:
     """The page in Markdown."""
     lines = [line for found in there.values() for line in found.values()]
     done = [line for line in lines if not line["skipped"]]
-    sections = [LEAD, _run(there, seed), _faults_in_all(done)]
+    sections = [LEAD, _run(there, seed), _faults_in_all(there, done)]
     for part, found in there.items():
         own = [line for line in found.values() if not line["skipped"]]
         sections += [_section(part, own)] if own else []
-    sections += [_broken(done), _skipped(lines)]
+    sections += [_broken(done), _broke_before(done), _skipped(lines)]
     return "\n\n".join(section for section in sections if section) + "\n"
 
 
@@ -41,7 +41,8 @@ LEAD = """# Reliability
 - `make torture ARGS='--match "kills: fit"'` runs the trials whose names contain these words.
 - `make torture ARGS=--report` writes the page and runs nothing.
 
-A run goes on where the last one stopped. It repeats trials of other code unless it is given `--any-code`."""
+A run goes on where the last one stopped. It repeats trials of other code unless it is given `--any-code`. A
+trial that broke is repeated, and counts by its last run."""
 
 
 def _run(there: There, seed: int) -> str:
@@ -63,9 +64,11 @@ def _run(there: There, seed: int) -> str:
     return f"## What was run\nThe seed of all that was drawn is {seed}.\n\n" + _table(header, rows)
 
 
-def _faults_in_all(done: Sequence[Line]) -> str:
+def _faults_in_all(there: There, done: Sequence[Line]) -> str:
+    """Of the kinds that the parts that were run look for."""
     faults = _faults(done)
-    rows = [(kind, str(faults[kind])) for kind in KINDS]
+    sought = {kind for part, lines in there.items() if lines for kind in part.seeks} | set(faults)
+    rows = [(kind, str(faults[kind])) for kind in KINDS if kind in sought]
     return f"## Faults in all {len(done)} trials\n" + _table(("fault", "trials"), rows)
 
 
@@ -100,6 +103,14 @@ def _faults(lines: Iterable[Line]) -> Counter[str]:
 def _broken(done: Sequence[Line]) -> str:
     rows = [f"- {line['key']}: {fault['kind']}: {fault['what']}" for line in done for fault in line["faults"]]
     return "## What broke\n" + "\n".join(rows or ["Nothing."])
+
+
+def _broke_before(done: Sequence[Line]) -> str:
+    """Trials whose last run is sound, and an earlier one was not."""
+    kinds = {line["key"]: {fault["kind"] for fault in line.get("earlier", ())} for line in done}
+    rows = [f"- {key}: {', '.join(sorted(found))}" for key, found in kinds.items() if found]
+    lead = "A fault was hybridid's, or the torture's own that took what is sound for a fault."
+    return "\n".join(["## What broke in an earlier run", lead, "", *rows]) if rows else ""
 
 
 def _skipped(lines: Sequence[Line]) -> str:

@@ -150,6 +150,7 @@ def test_a_run_goes_on_where_it_stopped_and_tries_again_what_broke(tmp_path):
     assert trial.tried == 2
     assert list(conducted("parts", [trial], file, any_code=False)) == []
     assert known(file, [trial])["once"]["faults"] == []
+    assert known(file, [trial])["once"]["earlier"] == line["faults"]
     assert list(tmp_path.iterdir()) == [file], "what the trials used stays"
 
 
@@ -173,7 +174,8 @@ def test_the_page_says_what_was_run_and_names_what_broke():
     skipped = {**line, "key": "disk", "part": "disks", "counts": {}, "skipped": "only root may mount"}
     disk = Part("disks", "Disks fill up.", (LOST,), lambda seed: [Once()])
     never = Part("endurance", "Loops.", (LOST,), lambda seed: [Once()])
-    there = {kill: {"a": {**line, "key": "a"}, "b": broke}, disk: {"once": skipped}, never: {}}
+    mended = {**line, "key": "a", "earlier": [{"kind": WRONG, "what": "estimate.json"}]}
+    there = {kill: {"a": mended, "b": broke}, disk: {"once": skipped}, never: {}}
     page = text(there, seed=20)
     assert "| kills | 2 of 4 | 31eadfe | 2026-11-23 | a machine | 1 |" in page
     assert "| endurance | not run |" in page
@@ -183,6 +185,8 @@ def test_the_page_says_what_was_run_and_names_what_broke():
     assert "| lost | 1 |" in page
     assert "- kills: fit, SIGKILL: lost: estimate.json" in page
     assert "- disks: 1 trials: only root may mount" in page
+    assert page.index("## What broke in an earlier run") < page.index("- a: silent wrong")
+    assert "| secret found |" not in page
     assert "## Endurance" not in page
 
 
