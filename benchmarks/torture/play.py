@@ -1,0 +1,111 @@
+"""Runs cases, each in a process of its own that is forked from one that has loaded everything."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import resource
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from benchmarks.torture.case import Case, Content, Said
+
+LOADED = (
+    "hydra.main", "hybridid_cli.tasks", "hybridid_cli.explain", "hybridid_cli.results", "pipelines.runner",
+    "pipelines.shared.augmented", "pipelines.tracking.runs", "pipelines.fetching", "scipy.optimize",
+    "pandas", "pymatreader", "pyarrow.parquet",
+)  # fmt: skip
+MEMORY = 6 * 2**30
+"""Bytes of address space that a case may ask for: a limit that does not hold must not take the machine."""
+
+
+def load() -> None:
+    """Import what the commands need, once."""
+    for name in LOADED:
+        importlib.import_module(name)
+
+
+def play(case: Case, lab: Callable[[Path], None], keep: Path | None = None) -> Said:
+    """The answer to ``case``, in a new folder that ``lab`` fills."""
+    folder = Path(tempfile.mkdtemp(prefix="torture-"))
+    try:
+        lab(folder)
+        for name, content in case.files.items():
+            write(folder / name, content)
+        return _forked(case, folder)
+    finally:
+        for path in folder.rglob("*"):
+            with suppress(OSError):
+                if path.is_dir():
+                    path.chmod(0o755)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def write(path: Path, content: Content) -> None:
+    """Write one file of a case."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if isinstance(content, str):
+        path.write_text(content, encoding="utf-8")
+    elif isinstance(content, bytes):
+        path.write_bytes(content)
+    else:
+        content(path)
+
+
+def _forked(case: Case, folder: Path) -> Said:
+    with tempfile.TemporaryDirectory() as own:
+        out, err = Path(own) / "out", Path(own) / "err"
+        began = time.monotonic()
+        sys.stdout.flush(), sys.stderr.flush()
+        child = os.fork()
+        if child == 0:
+            _child(case.words, folder, out, err)
+        code = _waited(child, case.seconds)
+        seconds = time.monotonic() - began
+        left = tuple(str(p.relative_to(folder)) for p in folder.rglob("*"))
+        text = [p.read_text(encoding="utf-8", errors="replace") if p.exists() else "" for p in (out, err)]
+        return Said(code, *text, seconds, left)
+
+
+def _waited(child: int, seconds: float) -> int:
+    last = time.monotonic() + seconds
+    while time.monotonic() < last:
+        pid, status = os.waitpid(child, os.WNOHANG)
+        if pid:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.005)
+    os.killpg(child, 9)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def _child(words: Sequence[str], folder: Path, out: Path, err: Path) -> None:
+    """Become ``hybridid`` with ``words``; never returns."""
+    code = 99
+    try:
+        os.setpgid(0, 0)
+        os.chdir(folder)
+        os.environ.pop("HYBRIDID_DATA", None)
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        for number, path in ((1, out), (2, err)):
+            os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), number)
+        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
+        sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
+        sys.argv = ["hybridid", *words]
+        from hybridid_cli.main import main
+
+        main()
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else 1
+    except BaseException:
+        import traceback
+
+        traceback.print_exc()
+    finally:
+        with suppress(Exception):
+            sys.stdout.flush(), sys.stderr.flush()
+        os._exit(code)
