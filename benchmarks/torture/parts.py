@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from benchmarks.torture import disks, endurance, kills, secrets, stores
+from benchmarks.torture import disks, endurance, inputs, kills, secrets, stores
 from benchmarks.torture.bench import Part
 
-PARTS: tuple[Part, ...] = (kills.PART, disks.PART, stores.PART, endurance.PART, secrets.PART)
+PARTS: tuple[Part, ...] = (inputs.PART, kills.PART, disks.PART, stores.PART, endurance.PART, secrets.PART)
