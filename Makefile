@@ -83,7 +83,7 @@ league: $(READY) ## which of ours and two rivals names what simulated machines h
 league-drawn: $(READY) ## does our trace hold on 120 scenarios that nobody rigged? (hours; goes on where it stopped)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.drawn $(ARGS)
 
-torture: $(READY) ## kills, full disks, many writers, long records: is anything lost? (simulated, hours; goes on)
+torture: $(READY) ## bad inputs, kills, full disks, many writers, long records: is anything lost? (simulated, hours; goes on)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.torture $(ARGS)
 
 clean: ## remove what tools and builds left behind (never outputs/ or data/)
