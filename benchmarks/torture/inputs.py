@@ -99,7 +99,7 @@ def _values(name: str, hint: object, more: tuple[str, ...], seed: int) -> Iterat
     for value in VALUES[kind]:
         must = value in REFUSED[kind] and not name.startswith(_MAPS)
         words = fit(*more, f"{name}={value}", command="preprocess")
-        key = f"inputs: {' '.join((*more, name))}={value}"
+        key = f"inputs: {' '.join((*more, name))}={value}, seed {seed}"
         yield Input(kind, key, seed, Case(key, tuple(words), codes=(1, 2) if must else (0, 1, 2)))
 
 
