@@ -14,6 +14,7 @@ from hybridid.settings import keys
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.secrets import moved_to_environment
 from pipelines.shared.sections.known import KEYS, SECTIONS
+from pipelines.shared.sections.residual import KINDS as NETWORKS
 from pipelines.shared.sections.stages import CaseSection, LoneKeys, MLflowSection, PathsSection
 
 T = TypeVar("T")
@@ -50,6 +51,9 @@ class Settings:
                 raise ConfigError(unknown("config key", key, KEYS))
             if key in SECTIONS and value is not None:
                 build(SECTIONS[key], value, key, ConfigError)
+        network = self.config.get("residual")
+        if isinstance(network, Mapping) and str(network.get("kind")) in NETWORKS:
+            build(NETWORKS[str(network["kind"])], network, "residual", ConfigError)
         _ = self.lone, self.mlflow, self.paths  # of these null stands for no section
 
     @property

@@ -106,6 +106,8 @@ def test_words_to_choose_from_are_those_that_there_are():
         ({"force": "no"}, "force is 'no': expected true or false"),
         ({"mlflow": {"patience": -1}}, "mlflow.patience is -1.0: at least 0 s"),
         ({"mlflow": {"patience": True}}, "mlflow.patience is True: expected a number"),
+        ({"residual": {"kind": "narx", "increment": "no"}},
+         "residual.increment is 'no': expected true or false"),
         ({"data": "simulate"},
          "data is 'simulate': did you mean 'simulated'? allowed: auto, measured, simulated"),
     ],
