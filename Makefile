@@ -11,7 +11,7 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-rebuilt study-servo study-sweep study-slurm league league-drawn torture clean distclean FORCE
+.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-blunders study-rebuilt study-servo study-sweep study-slurm league league-drawn torture clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -61,6 +61,9 @@ study-evidence: $(READY) ## how often does the evidence for a missing effect err
 
 study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters again? (simulated, minutes)
 	$(BIN)/python benchmarks/recovery.py
+
+study-blunders: $(READY) ## is a planted blunder (sign, unit, columns, physics, plant) told in words? (simulated, minutes)
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.blunders $(ARGS)
 
 study-rebuilt: $(READY) ## is trace right or honest where it was wrong on records by others? (simulated, hours; goes on)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.rebuilt $(ARGS)

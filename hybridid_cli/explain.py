@@ -17,10 +17,12 @@ from yaml import YAMLError
 
 from hybridid.naming import shortened
 from hybridid_cli.config_files import groups, keys, options, user_folders
-from pipelines.shared.errors import ConfigError, Incomplete, unknown
+from pipelines.shared.errors import ConfigError, Incomplete, NotConverged, WrongModel, unknown
 
 FAILED = 1
 WRONG_REQUEST = 2
+NOT_CONVERGED = 3
+WRONG_MODEL = 4
 _MAKERS_HINT = "; --debug shows where"
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """What a full or broken disk says, often without the name of the file."""
@@ -30,6 +32,8 @@ def explained(error: Exception, command: str, words: Sequence[str]) -> tuple[str
     """The line to print and the exit code."""
     if isinstance(error, ConfigError):
         return str(error), WRONG_REQUEST
+    if isinstance(error, (NotConverged, WrongModel)):
+        return str(error), NOT_CONVERGED if isinstance(error, NotConverged) else WRONG_MODEL
     if isinstance(error, (HydraException, OmegaConfBaseException)):
         return _config_problem(error, command, words), WRONG_REQUEST
     if "Config group override must be a string or a list" in str(error):

@@ -61,7 +61,8 @@ def _silence(stream: TextIO) -> None:
 
 
 def dispatch(words: Sequence[str]) -> int:
-    """Carry out ``words`` and return the exit code: 0, 1 (failed) or 2 (wrong request)."""
+    """Carry out ``words`` and return the exit code: 0, 1 (failed), 2 (wrong request), 3 (the fit has not
+    converged) or 4 (the fitted model is wrong)."""
     if not words or words[0] in ("-h", "--help"):
         print(helptexts.overview([(c.name, c.summary) for c in COMMANDS]))
         return 0

@@ -9,11 +9,11 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from hybridid.estimators.estimate import EstimatedParameter
-from hybridid.quantities import fixed, mean_square, number, quantity, r_squared
+from hybridid.quantities import NONE, fixed, mean_square, number, quantity, r_squared
 from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import provenance, rendered, table, view, warnings
 from hybridid_cli.trace_results import trace_results
-from pipelines.shared.fitted import fit_of
+from pipelines.shared.fitted import Fit, fit_of
 from pipelines.shared.predictions import metric_rows
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.stage import Outcome
@@ -44,18 +44,41 @@ def _estimates(tree: Path) -> list[RenderableType]:
     made = table(f"Estimates from {fitted} ({found.provenance})", columns, words=(0, 3, 4, 5))
     for p in estimate.parameters:
         bounds = f"[{number(p.lower, 6, '−∞')}, {number(p.upper, 6, '∞')}]"
-        made.add_row(p.name, number(p.value, 6), number(p.std, 2), p.unit, bounds, _flags(p))
+        made.add_row(p.name, number(p.value, 6), number(p.std, 2, NONE), p.unit, bounds, _flags(p))
     seconds = estimate.seconds
     line = (
         f"{estimate.status} after {estimate.iterations} iterations on {found.provenance} data, "
         f"cost {number(estimate.cost, 6)}, build {seconds['build']:.2f} s, solve {seconds['solve']:.2f} s"
     )
-    lines: list[RenderableType] = [made, Text(line)]
-    if not estimate.converged:
-        lines.append(
-            Text("NOT CONVERGED: these numbers are where the solver stopped, no optimum", style="bold red")
+    said = {finding.said for finding in found.quality.findings}
+    rest = [warning for warning in estimate.warnings if warning not in said]
+    return [*_quality(found), made, Text(line), *warnings(rest)]
+
+
+def _quality(found: Fit) -> list[RenderableType]:
+    """The verdict on a fit and what it rests on, before any of its numbers."""
+    quality = found.quality
+    style = "bold" if quality.trusted else "bold red"
+    mark = "yellow" if quality.trusted else "bold red"
+    columns = ("output", "view", "RMSE", "doing nothing", "R²", "sensor's noise", "simulation's error")
+    made = table(f"What the model leaves ({found.provenance})", columns, words=(0, 1))
+    left = {one.output: one for one in found.estimate.left}
+    for v in quality.views:
+        floor = left[v.output]
+        made.add_row(
+            v.output,
+            view(v.horizon),
+            quantity(v.rmse, v.unit),
+            quantity(v.nothing, v.unit, 3),
+            r_squared(v.r2),
+            quantity(floor.noise, v.unit, 2, NONE),
+            quantity(floor.simulation, v.unit, 2),
         )
-    return lines + warnings(estimate.warnings)
+    return [
+        Text(f"Fit quality ({found.provenance}): {quality.said}", style=style),
+        *(Text(f"  {finding.said}", style=mark) for finding in quality.findings),
+        made,
+    ]
 
 
 def _flags(parameter: EstimatedParameter) -> Text:

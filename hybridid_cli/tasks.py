@@ -14,15 +14,17 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf, open_dict
 
 from hybridid.plain import build
+from hybridid.quality.verdict import WRONG
 from hybridid.settings import keys
 from hybridid_cli import interrupt
 from hybridid_cli.terminal import Terminal
 from hybridid_cli.trusting import trusted_when_asked
 from pipelines.shared.config import Settings
-from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.errors import ConfigError, Incomplete, NotConverged, WrongModel
 from pipelines.shared.own_code import make_importable
 from pipelines.shared.secrets import mask_streams
 from pipelines.shared.sections.stages import ReproduceKeys
+from pipelines.shared.stage import Outcome
 from pipelines.shared.trust import Untrusted
 
 
@@ -109,6 +111,23 @@ def stages(cfg: DictConfig) -> None:
             raise
         terminal.show(summary(outcome, command))
         run.finish(outcome)
+    if command != "trace" and not settings.in_sweep:
+        _raise_what_is_wrong(outcome)
+
+
+def _raise_what_is_wrong(outcome: Outcome) -> None:
+    """After all is written and shown: what the exit code is to say of the fit. A trace judges by itself, and
+    a sweep goes on."""
+    if "fit" not in outcome.stages:
+        return
+    from pipelines.shared.fitted import fit_of
+
+    quality = fit_of(outcome.tree).quality
+    reasons = "; ".join([f.said for f in quality.findings if f.kind in WRONG]) or quality.said
+    if quality.verdict == "not_converged":
+        raise NotConverged(f"the fit has not converged; its results are in {outcome.tree}")
+    if quality.verdict == "wrong":
+        raise WrongModel(f"{reasons}; the results are in {outcome.tree}")
 
 
 @_raises_past_hydra

@@ -5,6 +5,7 @@ from __future__ import annotations
 from hybridid.estimators.demand import fit_demand
 from hybridid.estimators.estimate import Progress
 from hybridid.estimators.fit import fit
+from hybridid.quality import judge
 from hybridid.records.store import load_record
 from pipelines.shared import modelling
 from pipelines.shared.config import Settings
@@ -22,19 +23,21 @@ KEYS = (*modelling.KEYS, "estimator", "fit.records")
 
 
 def run(job: Job) -> None:
-    """Estimate the model's parameters on the records of ``fit.records``."""
+    """Estimate the model's parameters on the records of ``fit.records``, and judge the fit."""
     fitted = chosen(prepared_records(job.tree), fitted_records(job.settings), "fit.records")
     records = [load_record(record.file) for record in fitted]
     model = model_of(job.settings)
     check_demand(fit_demand(model, records, fit_settings(job.settings)), job.settings)
     estimate = fit(model, records, fit_settings(job.settings), lambda report: _show(report, job.watcher))
+    quality = judge(model, records, estimate)
     found = Fit(
         case=job.settings.case,
         model=MODEL_NAME,
         records=tuple(record.name for record in fitted),
         provenance=" and ".join(sorted({record.provenance for record in fitted})),
         effects=tuple(term.name for term in model.terms),
-        estimate=estimate,
+        quality=quality,
+        estimate=quality.withheld(estimate),
     )
     write_json(job.folder / "estimate.json", found)
     write_json(job.folder / "model.json", describe_model(job.settings, model, found.provenance))

@@ -29,7 +29,8 @@ class EstimatedParameter:
     """One estimate.
 
     ``std`` is its standard error: noise, autocorrelated as it is, and ``smoothing``, the part
-    that the smoothing of sign(v) may have moved it by (signed: estimate less unsmoothed).
+    that the smoothing of sign(v) may have moved it by (signed: estimate less unsmoothed). A fit that has not
+    converged has none: ``std`` is nan, and ``identifiable`` says nothing.
     """
 
     name: str
@@ -42,6 +43,34 @@ class EstimatedParameter:
     identifiable: bool
     meaning: str = ""
     smoothing: float = 0.0
+
+
+@dataclass(frozen=True)
+class Left:
+    """What a fit leaves of one output over its horizons, beside what a complete model would leave; in
+    ``unit``.
+
+    ``rmse`` is the RMS error, without what better initial states would take if they are not estimated.
+    ``noise`` is the sensor's standard deviation, nan where the records do not tell it. ``simulation`` is the
+    RMS error of the smoothing of sign(v) and of the step's length together, ``step`` that of the step's
+    length alone. ``louder`` is the p-value of a residual that is no louder in motion than at rest; nan where
+    the noise is told, and nobody asks. ``exceeded``: it is more than noise and simulation leave.
+    """
+
+    output: str
+    unit: str
+    rmse: float
+    noise: float
+    simulation: float
+    step: float
+    louder: float
+    exceeded: bool
+
+    @property
+    def times(self) -> float:
+        """The error over what noise and simulation leave together; nan where the noise is not told."""
+        limit = math.hypot(self.noise, self.simulation)
+        return self.rmse / limit if limit > 0 else math.nan
 
 
 @dataclass(frozen=True)
@@ -64,7 +93,8 @@ class Estimate:
     ``cost`` is half the sum of squared output errors, each over its output's standard
     deviation. ``correlation`` (n, n) is of the estimated ``parameters`` in their order;
     ``known`` holds the values that were not estimated. ``initial_states`` (w, n_x) belong
-    to the horizons in ``origin``, rows of (record index, first sample, end sample).
+    to the horizons in ``origin``, rows of (record index, first sample, end sample). ``left`` is what it
+    leaves of each output, ``starts`` the costs at which the descents from several starts ended.
     """
 
     parameters: tuple[EstimatedParameter, ...] = field(metadata={"by": "name"})
@@ -82,6 +112,7 @@ class Estimate:
     history: tuple[float, ...] = ()
     starts: tuple[float, ...] = ()
     warnings: tuple[str, ...] = ()
+    left: tuple[Left, ...] = field(default=(), metadata={"by": "output"})
 
     @property
     def values(self) -> dict[str, float]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from hybridid.declarations import Parameter
-from hybridid.estimators.estimate import Estimate, EstimatedParameter, Solution
+from hybridid.estimators.estimate import Estimate, EstimatedParameter, Left, Solution
+from hybridid.estimators.floor import Floor
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.uncertainty import Uncertainty
 from hybridid.settings.fit import FitSettings
@@ -27,6 +29,7 @@ def estimate_of(
     problem: Problem,
     solution: Solution,
     doubt: Uncertainty,
+    floor: Floor,
     settings: FitSettings,
     seconds: Mapping[str, float],
     starts: tuple[float, ...],
@@ -34,7 +37,7 @@ def estimate_of(
     """The solution in the words of an ``Estimate``; ``starts`` are the costs at which each start ended."""
     model = problem.model
     parameters = tuple(
-        _estimated(model.parameters[k], float(solution.p[k]), float(std), float(moved))
+        _estimated(model.parameters[k], float(solution.p[k]), float(std), float(moved), solution.converged)
         for k, std, moved in zip(problem.positions, doubt.std, doubt.smoothing, strict=True)
     )
     known = {
@@ -58,20 +61,30 @@ def estimate_of(
         history=solution.history,
         starts=starts,
         warnings=_warnings(problem, solution, parameters, starts),
+        left=_left(problem, floor),
     )
 
 
-def _estimated(declared: Parameter, value: float, std: float, smoothing: float) -> EstimatedParameter:
+def _left(problem: Problem, floor: Floor) -> tuple[Left, ...]:
+    columns = (floor.left, floor.noise, floor.simulation, floor.step, floor.louder)
+    rows = zip(problem.model.outputs, *(c.tolist() for c in columns), floor.exceeded.tolist(), strict=True)
+    return tuple(Left(output.name, output.unit, *numbers) for output, *numbers in rows)
+
+
+def _estimated(
+    declared: Parameter, value: float, std: float, smoothing: float, converged: bool
+) -> EstimatedParameter:
     span = declared.scale * NEAR_BOUND
     return EstimatedParameter(
         name=declared.name,
         value=value,
-        std=std,
+        std=std if converged else math.nan,
         unit=declared.unit,
         lower=declared.lower,
         upper=declared.upper,
         at_bound=bool(value <= declared.lower + span or value >= declared.upper - span),
-        identifiable=bool(np.isfinite(std) and std <= VAGUE * max(abs(value), declared.scale)),
+        identifiable=not converged
+        or bool(np.isfinite(std) and std <= VAGUE * max(abs(value), declared.scale)),
         meaning=declared.meaning,
         smoothing=smoothing,
     )
@@ -101,8 +114,13 @@ def _warnings(
     if needed > used:
         wanted = f"{needed}" if needed <= MOST else f"more than {MOST}"
         notes.append(f"the fitted model wants {wanted} steps of {integrator} a sample, {used} were used")
-    best = min(starts)
-    apart = sum(1 for cost in starts if cost > best * (1 + SAME_OPTIMUM))
-    if apart:
-        notes.append(f"{apart} of {len(starts)} starts ended at a higher cost: the cost has several valleys")
-    return tuple(notes)
+    return (*notes, *several_valleys(starts))
+
+
+def several_valleys(starts: Sequence[float]) -> tuple[str, ...]:
+    """Whether some descents, which ended at the costs ``starts``, missed the lowest: one line, or none."""
+    apart = sum(1 for cost in starts if cost > min(starts) * (1 + SAME_OPTIMUM))
+    if not apart:
+        return ()
+    said = f"{apart} of {len(starts)} starts ended at a higher cost"
+    return (f"{said}: the cost has several valleys, and the lowest one found is kept",)

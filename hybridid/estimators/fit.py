@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators.descent import descend, refine
+from hybridid.estimators.descent import Finer, descend, refine
+from hybridid.estimators.elsewhere import CLEARLY, elsewhere
 from hybridid.estimators.estimate import Estimate, Progress, Solution
 from hybridid.estimators.findings import estimate_of
+from hybridid.estimators.floor import Floor, floor_of
 from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import GAUSS_NEWTON, Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
@@ -20,7 +23,7 @@ from hybridid.estimators.problem import Problem, build_problem
 from hybridid.estimators.short_horizons import short_horizon_problem, short_horizon_start
 from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates
 from hybridid.estimators.stop import Stop, Watch
-from hybridid.estimators.uncertainty import uncertainty
+from hybridid.estimators.uncertainty import Uncertainty, uncertainty
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.settings.fit import FitSettings
@@ -50,14 +53,15 @@ def fit(
     replaces the automatic start.
 
     Raises:
-        ValueError: if a record does not fit the model, nothing is free to estimate, the
-            model is too stiff, or it diverges from every start.
+        ValueError: if a record does not fit the model, an output never changes, nothing is free to estimate,
+        the model is too stiff, or it diverges from every start.
     """
     settings = settings or FitSettings()
     began = time.perf_counter()
     if not model.free:
         raise ValueError("every parameter is fixed: nothing to estimate")
     check_records(model, records)
+    _check_outputs(records)
     first = _first_start(model, records, settings, start_values)
     substeps = settings.substeps or first_substeps(model, first, records, settings.integrator)
     problem = _problem(model, records, settings, substeps)
@@ -70,18 +74,60 @@ def fit(
     if not np.isfinite(found.solution.cost):
         names = ", ".join(r.name for r in records)
         raise ValueError(f"the model diverges from every start on {names}: {found.solution.status}")
-    if settings.substeps is None:
-        found = refine(found, plan, partial(_finer, settings, progress))
+    finer = partial(_finer, settings, progress) if settings.substeps is None else None
+    found = refine(found, plan, finer) if finer else found
     solved = time.perf_counter()
-    problem, best = found.problem, found.solution
+    found, doubt, floor = _lowest(found, plan, finer, [first, model.values()], progress)
+    looked = time.perf_counter()
     return estimate_of(
-        problem,
-        best,
-        uncertainty(problem, best.p, best.x0),
+        found.problem,
+        found.solution,
+        doubt,
+        floor,
         settings,
-        seconds={"build": built - began, "solve": solved - built},
+        seconds={"build": built - began, "solve": solved - built, "check": looked - solved},
         starts=found.starts,
     )
+
+
+def _check_outputs(records: Sequence[Record]) -> None:
+    """Refuse outputs that say nothing: a fit to them would look perfect."""
+    names = " and ".join(record.name for record in records)
+    for k, channel in enumerate(records[0].output_channels):
+        samples = np.concatenate([record.outputs[:, k] for record in records])
+        if not np.ptp(samples) > 0:
+            raise ValueError(
+                f"output {channel.name} of {names} is {samples[0]:.6g} {channel.unit} at every sample: "
+                "there is nothing to fit; is the sensor dead, or the column another one?"
+            )
+
+
+def _lowest(
+    found: Result,
+    plan: Descent,
+    finer: Finer | None,
+    starts: Sequence[Array],
+    progress: Callable[[Progress], None] | None,
+) -> tuple[Result, Uncertainty, Floor]:
+    """``found``, or where a second descent ends at clearly lower cost; its uncertainty, and what noise and
+    simulation leave there. Where the first leaves no more than they do, none is made."""
+    doubt, floor = _doubt(found)
+    if not floor.exceeded.any():
+        return found, doubt, floor
+    other = elsewhere(found, plan, starts, _reporter(progress, "second descent, from elsewhere", 1.0))
+    if other is None:
+        return found, doubt, floor
+    costs = (*found.starts, other.solution.cost)
+    if other.solution.cost > CLEARLY * found.solution.cost:
+        return replace(found, starts=costs), doubt, floor
+    other = replace(refine(other, plan, finer) if finer else other, starts=costs)
+    return other, *_doubt(other)
+
+
+def _doubt(found: Result) -> tuple[Uncertainty, Floor]:
+    problem, best = found.problem, found.solution
+    doubt = uncertainty(problem, best.p, best.x0)
+    return doubt, floor_of(problem, best.p, best.x0, doubt.smeared)
 
 
 def method_of(settings: FitSettings) -> Method:

@@ -4,8 +4,11 @@
     reduced              ``gauss_newton``, the default        the same least squares, by an interior point
     multiple shooting    refused: the gaps are constraints    ``multiple_shooting``, the thesis' own
 
-All minimise the cost of ``Problem`` and reach the same optimum. Problem, transcription and solver are kept
-apart as in rockit, the Rapid Optimal Control Kit (rockit-meco on PyPI).
+All minimise the cost of ``Problem``. They end in the same optimum where the cost has one valley within reach.
+Over a long free run it may have many, and multiple shooting, whose nodes begin on the record, may end in
+another one than a descent on parameters alone; then neither need be the lowest. ``elsewhere`` looks for a
+lower one from a fit over short pieces, and a fit says at which costs its descents ended. Problem,
+transcription and solver are kept apart as in rockit, the Rapid Optimal Control Kit (rockit-meco on PyPI).
 """
 
 from __future__ import annotations

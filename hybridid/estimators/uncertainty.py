@@ -30,6 +30,7 @@ from scipy.signal import lfilter
 
 from hybridid.estimators.carried import by_parameter
 from hybridid.estimators.noise import Absorbed, Autoregression, autoregression, noise_of
+from hybridid.estimators.normal_equations import small
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
 
@@ -50,11 +51,13 @@ NUDGE = 0.05
 class Uncertainty:
     """``covariance`` (n, n) of the free parameters, infinite on the diagonal where the data
     say nothing; ``condition`` number of the problem with each column scaled to one; ``smoothing``
-    (n,) what the smoothing of sign(v) has moved them by, to first order, as the covariance has it."""
+    (n,) what the smoothing of sign(v) has moved them by, to first order, as the covariance has it. The error
+    that it leaves in each output, as RMS in the output's unit, is ``smeared`` (n_y,)."""
 
     covariance: Array
     condition: float
     smoothing: Array
+    smeared: Array
 
     @property
     def std(self) -> Array:
@@ -79,6 +82,8 @@ def uncertainty(problem: Problem, p: Array, x0: Array) -> Uncertainty:
     shot = problem.shooter(x0, p, sensitivities=True)
     scale = np.array([problem.model.parameters[k].scale for k in problem.positions])
     states, jacobian = _projected(problem, shot)
+    if not small(states, jacobian * scale):
+        return _none(len(scale), len(problem.scale))
     q, spread, condition = _orthogonal(jacobian.reshape(-1, len(scale)) * scale)
     fitted = Absorbed(problem.residuals(shot), problem.windows.used, states, q.reshape(jacobian.shape))
     with np.errstate(invalid="ignore"):
@@ -87,21 +92,41 @@ def uncertainty(problem: Problem, p: Array, x0: Array) -> Uncertainty:
             for middle in (_of_noise(fitted, problem.windows.origin), _of_scores(fitted))
         )
         more = np.sqrt(np.maximum(np.diag(scores) / np.diag(noise), 1.0))
-        moved = -(spread @ _through_smoothing(problem, p, x0, fitted.parameters)) * scale
+        by_width = _by_width(problem, p, x0)
+        along = np.einsum("whkn,whk->n", fitted.parameters, by_width)
+        moved = -(spread @ along) * scale
     more[~np.isfinite(more)] = 1.0
     moved[~np.isfinite(moved)] = 0.0
     covariance = noise * np.outer(more, more) + np.outer(moved, moved)
-    return Uncertainty(_unknowable(spread, covariance), condition, moved)
+    smeared = _smeared(by_width, fitted, along) * problem.scale
+    return Uncertainty(_unknowable(spread, covariance), condition, moved, smeared)
 
 
-def _through_smoothing(problem: Problem, p: Array, x0: Array, basis: Array) -> Array:
-    """``Q' epsilon dy/depsilon`` (n,), every smoothing width changed by the same share."""
+def _none(n: int, n_y: int) -> Uncertainty:
+    """Of ``n`` parameters where the sensitivities grow without end: no error can be stated."""
+    return Uncertainty(np.diag(np.full(n, np.inf)), np.inf, np.zeros(n), np.zeros(n_y))
+
+
+def _by_width(problem: Problem, p: Array, x0: Array) -> Array:
+    """``epsilon dy/depsilon`` (w, H, n_y) of the weighted outputs, every smoothing width changed by the same
+    share."""
     if not problem.widths:
-        return np.zeros(basis.shape[3])
+        return np.zeros((*problem.windows.used.shape, len(problem.scale)))
     step = np.zeros(len(p))
     step[problem.widths] = NUDGE * p[problem.widths]
     wider, sharper = (problem.residuals(problem.shooter(x0, q)) for q in (p + step, p - step))
-    return np.einsum("whkn,whk->n", basis, sharper - wider) / (2 * NUDGE)
+    return (sharper - wider) / (2 * NUDGE)
+
+
+def _smeared(by_width: Array, fitted: Absorbed, along: Array) -> Array:
+    """RMS (n_y,) of what the smoothing leaves of the outputs that neither initial states nor parameters take:
+    to first order, the difference to outputs without smoothing."""
+    by_states = np.einsum("whkm,whk->wm", fitted.states, by_width)
+    left = by_width - np.einsum("whkm,wm->whk", fitted.states, by_states)
+    left -= np.einsum("whkn,n->whk", fitted.parameters, along)
+    left = np.where(fitted.used[..., None], left, 0.0)
+    rms = np.sqrt((left**2).sum(axis=(0, 1)) / fitted.used.sum())
+    return np.where(np.isfinite(rms), rms, 0.0)
 
 
 def _projected(problem: Problem, shot: Shot) -> tuple[Array, Array]:

@@ -59,7 +59,8 @@ class FitSettings:
     )
     initial_state: InitialState = setting("estimated", "the state in which each horizon starts")
     max_iterations: int = setting(100, "iterations at most", least=1)
-    tolerance: float = setting(1e-8, "relative change of the cost at which the fit ends", above=0)
+    # two costs within a thousandth count as one optimum: a fit that ends sooner has not found it
+    tolerance: float = setting(1e-8, "relative change of the cost at which the fit ends", above=0, most=1e-3)
     seed: int = setting(0, "seed of the random starts", least=0, most=2**63 - 1)
 
     def __post_init__(self) -> None:

@@ -86,10 +86,12 @@ class Shooter:
             return _shot(states, outputs, final, *(slopes if sensitivities else ()))
         return self._interpreted(x0, p, sensitivities)
 
-    def over(self, windows: Windows) -> Shooter:
-        """The same shooter over other horizons of the same records; it shares the compiled code."""
+    def over(self, windows: Windows, times: int = 1) -> Shooter:
+        """The same shooter over other horizons; it shares the compiled code. It is to simulate ``times`` as
+        often as a fit does: compiling may pay then, where it did not for the fit."""
         other = replace(self, windows=windows)
-        other.__dict__["code"] = self.code
+        code = self.code
+        other.__dict__["code"] = code if code.worth_it else replace(code, steps=times * code.steps)
         return other
 
     @cached_property

@@ -27,6 +27,7 @@ from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect, EffectParameter, EffectState
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.records.sensor_noise import noise_level
 from hybridid.simulation.holds import all_held, stage_inputs
 from hybridid.simulation.integrators import sample_step
 from hybridid.simulation.stability import substeps_for
@@ -34,7 +35,6 @@ from hybridid.simulation.unobserved import filled_states
 from hybridid.trace.before_after import FittedModel
 from hybridid.trace.context import Context
 from hybridid.trace.kalman import kalman_filter, smooth
-from hybridid.trace.noise import noise_level
 
 Array = NDArray[np.float64]
 INTENSITIES = np.logspace(-4, 2, 13)

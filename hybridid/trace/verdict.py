@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
+from hybridid.records.sensor_noise import noise_level
 from hybridid.trace.accuracy import simulation_error, times_the_limit
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
-from hybridid.trace.noise import noise_level
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import Refit
 from hybridid.trace.robustness import surviving

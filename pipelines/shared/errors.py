@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hybridid.naming import unknown
 
-__all__ = ["ConfigError", "Incomplete", "unknown"]
+__all__ = ["ConfigError", "Incomplete", "NotConverged", "WrongModel", "unknown"]
 
 
 class ConfigError(ValueError):
@@ -13,3 +13,12 @@ class ConfigError(ValueError):
 
 class Incomplete(RuntimeError):
     """Part of a request failed; the message names what failed and what is there."""
+
+
+class NotConverged(RuntimeError):
+    """All results are written, but the fit has not converged."""
+
+
+class WrongModel(RuntimeError):
+    """All results are written, but the fitted model is wrong: worse than doing nothing, or with a wrong
+    sign, unit or column."""

@@ -9,6 +9,7 @@ from typing import Any
 
 from hybridid.estimators.estimate import Estimate
 from hybridid.model import Model
+from hybridid.quality import Quality
 from pipelines.shared.config import Settings
 from pipelines.shared.modelling import model_of
 from pipelines.shared.own_code import importable, make_importable
@@ -25,7 +26,8 @@ MAKES_A_MODEL = ("plant", "channels", "effects", "parameters")
 class Fit:
     """``model``, the gray box of a ``case`` with the terms ``effects``, fitted to ``records``.
 
-    ``provenance`` is that of the records: "measured", "simulated" or both.
+    ``provenance`` is that of the records: "measured", "simulated" or both. ``quality`` is the verdict on it;
+    where that does not trust the fit, the estimates have no standard errors.
     """
 
     case: str
@@ -33,6 +35,7 @@ class Fit:
     records: tuple[str, ...]
     provenance: str
     effects: tuple[str, ...]
+    quality: Quality
     estimate: Estimate = field(metadata={"inline": True})
 
 

@@ -81,8 +81,10 @@ def facts(tree: Path) -> dict[str, str]:
     """What identifies a run beside its config: digests of its data, status of its fit."""
     said = {f"data.{record.name}": record.digest for record in prepared_records(tree)}
     if (tree / ESTIMATE).exists():
-        estimate = fit_of(tree).estimate
+        fit = fit_of(tree)
+        estimate = fit.estimate
         said |= {"fit.status": estimate.status, "fit.converged": str(estimate.converged).lower()}
+        said["fit.quality"] = fit.quality.verdict
     if (tree / TRACE).exists():
         said["trace.verdict"] = trace_of(tree).found.verdict
     return said

@@ -30,7 +30,7 @@ def test_there_and_back_again(make_model, noisy, effects):
 def test_the_promised_keys_are_there(free_run_fit):
     written = plain(free_run_fit)
     assert {"parameters", "cost", "status", "iterations", "seconds"} <= set(written)
-    assert set(written["seconds"]) == {"build", "solve"}
+    assert set(written["seconds"]) == {"build", "solve", "check"}
     for entry in written["parameters"].values():
         assert {"value", "std", "unit", "lower", "upper", "at_bound"} <= set(entry)
     assert written["parameters"]["carriage.viscous.f_v"]["unit"] == "N·s/m"

@@ -145,6 +145,7 @@ def test_what_cannot_be_fitted_is_refused_in_one_line(carriage, make_model, symm
         ({"continuation": (0.5, 1.0)}, "estimator.continuation"),
         ({"continuation": ()}, "estimator.continuation"),
         ({"tolerance": 0.0}, "estimator.tolerance"),
+        ({"tolerance": 10.0}, "estimator.tolerance"),
     ],
 )
 def test_wrong_settings_name_the_key(wrong, words):

@@ -13,6 +13,7 @@ import pytest
 
 from hybridid.estimators import Estimate, EstimatedParameter, FitSettings
 from hybridid.hybrid.report import CandidateScore, NARXReport, NetworkScore, RBFReport, RecordScore
+from hybridid.quality import Quality
 from hybridid.validation import Metrics
 from pipelines.shared.fitted import Fit
 from pipelines.shared.hybrids import Residual
@@ -44,9 +45,9 @@ def _tree(tree: Path, experiment: str, numbers: Iterator[float]) -> Path:
         EstimatedParameter(name, next(numbers), 0.5, "N", -INF, INF, at_bound=False, identifiable=True)
         for name in _parameters(experiment)
     )
-    _write(
-        tree / "fit/estimate.json", Fit("", "gray box", ("identification",), data, (), _estimate(parameters))
-    )
+    quality = Quality("sound", "sound", (), (), 0.0)
+    fit = Fit("", "gray box", ("identification",), data, (), quality, _estimate(parameters))
+    _write(tree / "fit/estimate.json", fit)
     rows = [
         _metrics(next(numbers), data, model, role, output, view)
         for model in ("gray box", "hybrid, a network")

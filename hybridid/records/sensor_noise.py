@@ -1,6 +1,8 @@
-"""The noise floor of a record: below it no model can explain anything."""
+"""The noise of a record's outputs: below it no model can explain anything."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,32 @@ from hybridid.records.record import Record
 Array = NDArray[np.float64]
 HALF_WIDTH, ORDER = 4, 3
 SEGMENT, QUIETEST = 256, 0.1
+AGREE = 4.0
+"""Factor within which the two looks at white noise agree; else one of them sees motion, or a filter. An
+encoder's counts divided by the sample time, noise that is quiet at low frequencies, make a factor of 3."""
+
+
+class SensorNoise(NamedTuple):
+    """Standard deviation ``level`` of an output's sample noise, in its unit; ``told``: the record tells it.
+
+    A record does not tell it where the motion is as fast as the samples, or where a filter has taken the
+    noise at the high frequencies: what is left there says nothing of the noise at the others.
+    """
+
+    level: float
+    told: bool
+
+
+def sensor_noise(record: Record) -> tuple[SensorNoise, ...]:
+    """The noise of each output: at least the quantisation, and the larger of two looks at white noise."""
+    return tuple(_told(y) for y in record.outputs.T)
+
+
+def _told(y: Array) -> SensorNoise:
+    rounding, local, quietest = _quantisation(y) / np.sqrt(12), _local(y), _quietest(y)
+    agree = 0 < max(local, quietest) <= AGREE * min(local, quietest)
+    level = max(rounding, local, quietest) if agree else max(rounding, min(local, quietest))
+    return SensorNoise(float(level), bool(agree or (rounding > 0 and rounding >= max(local, quietest))))
 
 
 def noise_level(record: Record) -> Array:

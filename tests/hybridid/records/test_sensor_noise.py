@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hybridid.records.record import Channel, Record
-from hybridid.trace.noise import noise_level
+from hybridid.records.sensor_noise import noise_level
 
 TIME = np.arange(4000) * 1e-3
 MOTION = 0.1 * np.sin(2 * np.pi * 0.7 * TIME)

@@ -1,0 +1,1 @@
+"""Is a planted blunder told in words before any parameter is shown as trustworthy? Simulated."""

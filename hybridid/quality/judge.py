@@ -1,0 +1,137 @@
+"""``judge``: a model, records and an estimate in, a ``Quality`` out.
+
+1. What the fit leaves is set beside what doing nothing leaves, over its horizons and in free run.
+2. Is it no more than the sensor's noise and the simulation leave (``estimators.floor``), nothing more is
+asked. 3. Else the records are asked which channels they confirm (``doubt``). For the others another sign,
+another unit and another column are tried by real refits (``trial``); so is leaving the bounds that a
+parameter stands at.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.estimators.estimate import Estimate
+from hybridid.estimators.findings import several_valleys
+from hybridid.estimators.pieces import pieces
+from hybridid.estimators.problem import Problem, build_problem
+from hybridid.model import Model
+from hybridid.quality.doubt import doubt_of
+from hybridid.quality.hypotheses import Hypothesis, hypotheses
+from hybridid.quality.trial import MOST_OF, Data, Trial, tried
+from hybridid.quality.verdict import WRONG, Finding, Quality, Verdict, View
+from hybridid.quality.views import views_of
+from hybridid.quality.words import (
+    explained,
+    explains_little,
+    incomplete,
+    sentence,
+    too_long_steps,
+    worse_than_nothing,
+)
+from hybridid.records.record import Record
+
+Array = NDArray[np.float64]
+PARTS = (20, 4, 1)
+"""Of a record that a piece is: what is tried, one after the other."""
+SAMPLES, FITS = 2000, 16
+"""Samples of all pieces together, and how many fits they are used for."""
+ALIKE = 2.0
+"""Ratio of what two hypotheses leave up to which the records do not tell them apart."""
+COARSE, MATTERS = 0.5, 0.01
+"""Shares of what the fit and of what doing nothing leave, above which the error of the step is no detail."""
+
+
+def judge(model: Model, records: Sequence[Record], estimate: Estimate) -> Quality:
+    """The quality of ``estimate``, a fit of ``model`` to ``records``."""
+    began = time.perf_counter()
+    settings = estimate.settings
+    problem = build_problem(
+        model,
+        records,
+        settings.horizon,
+        estimate.substeps,
+        settings.initial_state == "estimated",
+        integrator=settings.integrator,
+    )
+    views = views_of(model, records, estimate, problem)
+    more = any(one.exceeded for one in estimate.left)
+    unknown = any(math.isnan(one.noise) for one in estimate.left)
+    bad = [v for v in views if v.worse_than_nothing and (more or v.horizon == views[0].horizon)]
+    findings = [Finding("worse_than_nothing", worse_than_nothing(bad))] if bad else []
+    if bad or more or unknown:
+        findings += _explanations(model, problem, estimate, bool(bad or more))
+    findings += _steps(estimate, views)
+    if not findings and (more or unknown):
+        findings += _incomplete(estimate, views)
+    findings += [Finding("valley", said) for said in several_valleys(estimate.starts)]
+    verdict = _verdict(estimate, findings)
+    said = sentence(verdict, estimate)
+    return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began)
+
+
+def _verdict(estimate: Estimate, findings: Sequence[Finding]) -> Verdict:
+    if not estimate.converged:
+        return "not_converged"
+    if any(one.kind in WRONG for one in findings):
+        return "wrong"
+    return "incomplete" if any(one.kind == "incomplete" for one in findings) else "sound"
+
+
+def _steps(estimate: Estimate, views: Sequence[View]) -> list[Finding]:
+    """That the fitted motion is too fast for the steps: with others the fit would be another one."""
+    nothing = {v.output: v.nothing for v in views}
+    coarse = [
+        one
+        for one in estimate.left
+        if one.step > COARSE * one.rmse and one.step > MATTERS * nothing[one.output]
+    ]
+    return [Finding("step", too_long_steps(coarse, estimate.substeps))] if coarse else []
+
+
+def _incomplete(estimate: Estimate, views: Sequence[View]) -> list[Finding]:
+    """That physics is missing: more is left than noise and simulation leave, or most of the motion where the
+    records do not tell the noise."""
+    if any(one.exceeded for one in estimate.left):
+        return [Finding("incomplete", incomplete(estimate.left))]
+    untold = {one.output for one in estimate.left if math.isnan(one.noise)}
+    little = [v for v in views if v.output in untold and not v.rmse**2 < MOST_OF * v.nothing**2]
+    return [Finding("incomplete", explains_little(little))] if little else []
+
+
+def _explanations(model: Model, problem: Problem, estimate: Estimate, bounds: bool) -> list[Finding]:
+    """The hypothesis that explains most of what the fit leaves, with those that the records do not tell from
+    it; none if nothing explains it. ``bounds``: those that a parameter stands at are released too.
+
+    Only channels that the fit does not confirm are asked about. Short pieces are tried first: a longer run
+    tells more, where its cost does not have many valleys.
+    """
+    p, guess = model.values(estimate.values), model.values()
+    at_bound = [q.name for q in estimate.parameters if q.at_bound] if bounds else []
+    doubted = np.flatnonzero(doubt_of(Data.of(problem), p, estimate.initial_states).channels).tolist()
+    asked = [one for one in hypotheses(model, problem.records, at_bound) if one.concerns(doubted)]
+    for parts in PARTS if asked else ():
+        data = Data.of(pieces(problem, parts, SAMPLES, FITS))
+        given = tried(data, [p, guess])
+        kept = _kept(asked, given, guess, p)
+        if kept:
+            named = [one.hypothesis for one in kept if one.hypothesis is not None]
+            return [Finding(named[0].kind, explained(named, kept[0], given))]
+    return []
+
+
+def _kept(asked: Sequence[Hypothesis], given: Trial, guess: Array, p: Array) -> list[Trial]:
+    """Of the hypotheses that explain most of what ``given`` leaves the best, and those like it. They are
+    fitted from ``guess``; without the bounds where the fit stands, from there (``p``)."""
+    most = MOST_OF * min(given.share, 1.0)
+    starts = [p if one.released else guess for one in asked]
+    found = [tried(given.data.under(h, q), [q], h, most) for h, q in zip(asked, starts, strict=True)]
+    kept = [one for one in found if one.explains(given)]
+    best = min((one.share for one in kept), default=0.0)
+    alike = [one for one in kept if one.share <= ALIKE * best]
+    return sorted(alike, key=lambda one: (bool(one.hypothesis and one.hypothesis.released), one.share))

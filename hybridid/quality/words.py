@@ -1,0 +1,100 @@
+"""The verdict on a fit in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from hybridid.estimators.estimate import Estimate, Left
+from hybridid.quality.hypotheses import Hypothesis
+from hybridid.quality.trial import Trial
+from hybridid.quality.verdict import Verdict, View
+from hybridid.quantities import number, percent, quantity
+
+
+def where(view: View) -> str:
+    """``in free run``, or over which horizons."""
+    return "in free run" if view.horizon is None else f"over horizons of {number(view.horizon, 3)} s"
+
+
+def worse_than_nothing(views: Sequence[View]) -> str:
+    """Of which outputs a constant predicts as well."""
+    said = "; ".join(
+        f"{v.output} {where(v)}: RMSE {quantity(v.rmse, v.unit, 3)}, "
+        f"doing nothing {quantity(v.nothing, v.unit, 3)}"
+        for v in views
+    )
+    return f"the model is no better than doing nothing ({said})"
+
+
+def explained(named: Sequence[Hypothesis], best: Trial, given: Trial) -> str:
+    """What would explain most of what the fit leaves."""
+    what = ", or ".join(dict.fromkeys(one.said for one in named))
+    windows = best.data.problem.windows
+    seconds = number(max(windows.lengths) * windows.dt, 2)
+    shares = f"{percent(_two_digits(best.share))} of the motion, not {percent(_two_digits(given.share))}"
+    pieces = f"refitted over pieces of {seconds} s"
+    return f"the records say that {what}: the same model then leaves {shares} ({pieces})"
+
+
+def incomplete(left: Sequence[Left]) -> str:
+    """What is left beside noise and simulation."""
+    said = "; ".join(_beside(one) for one in left if one.exceeded)
+    return (
+        f"the model lacks physics ({said}): the errors ± are those of this model, and do not count what it "
+        "lacks; hybridid trace looks for it"
+    )
+
+
+def explains_little(views: Sequence[View]) -> str:
+    """That most of the motion is left, and nobody knows why."""
+    said = "; ".join(
+        f"{v.output} {where(v)}: {percent(_two_digits((v.rmse / v.nothing) ** 2))}" for v in views
+    )
+    return f"the model leaves most of the motion ({said}), and the records do not tell whether that is noise"
+
+
+def _beside(one: Left) -> str:
+    rmse = quantity(one.rmse, one.unit, 3)
+    if math.isfinite(one.noise):
+        limit = quantity(math.hypot(one.noise, one.simulation), one.unit, 2)
+        return f"{one.output}: it leaves {rmse}, noise and simulation leave {limit}"
+    return (
+        f"{one.output}: it leaves {rmse}, louder where the machine moves (p = {one.louder:.1g}); the record "
+        "does not tell the sensor's noise"
+    )
+
+
+def too_long_steps(coarse: Sequence[Left], substeps: int) -> str:
+    """Which outputs the length of the simulation's steps changes by as much as the fit leaves."""
+    said = "; ".join(
+        f"{one.output}: shorter steps change it by {quantity(one.step, one.unit, 2)}, and the fit leaves "
+        f"{quantity(one.rmse, one.unit, 3)}"
+        for one in coarse
+    )
+    return (
+        f"the fitted motion is too fast for the simulation's steps ({said}): the estimates are those of the "
+        f"steps; try estimator.substeps={4 * substeps}"
+    )
+
+
+def sentence(verdict: Verdict, estimate: Estimate) -> str:
+    """The verdict in one line: whether to trust the estimates, and why."""
+    if verdict == "wrong":
+        return "WRONG MODEL OR RECORD: the estimates are not to be trusted, and no standard error is stated"
+    if verdict == "not_converged":
+        return (
+            f"NOT CONVERGED ({estimate.status}): these are no estimates but where the solver stopped, and no "
+            "standard error is stated"
+        )
+    if verdict == "incomplete":
+        return "incomplete: the model lacks physics; the errors ± are those of this model without it"
+    untold = [one.output for one in estimate.left if math.isnan(one.noise)]
+    if untold:
+        outputs = " and ".join(untold)
+        return f"sound, as far as records tell that do not show the sensor's noise in {outputs}"
+    return "sound: the model leaves no more than noise and simulation do"
+
+
+def _two_digits(share: float) -> float:
+    return float(f"{share:.2g}")
