@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from itertools import zip_longest
 
 from benchmarks.blunders.draw import DEVELOPED, JUDGED, KINDS, SOUND
 from benchmarks.blunders.play import Outcome, played
@@ -23,11 +24,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     asked = words.parse_args(arguments)
     seed = DEVELOPED if asked.develop else JUDGED
-    each = round(asked.share * BLUNDERS / len(KINDS))
-    draws = [(kind, k) for k in range(each) for kind in KINDS]
-    draws += [(SOUND, k) for k in range(round(asked.share * SOUNDS))]
     rows: list[Outcome] = []
-    for kind, number in draws:
+    for kind, number in _draws(asked.share):
         rows.append(played(kind, number, seed))
         last = rows[-1]
         what = f"{kind} {number} (simulated) {last.machine}, {last.planted or 'nothing'}"
@@ -35,6 +33,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(table(rows))
     print(f"written: {write(rows, seed)}")
     return 0
+
+
+def _draws(share: float) -> list[tuple[str, int]]:
+    """Kind and number of each draw; blunders and sound records in turn, so that a study that was cut off has
+    seen both."""
+    each = round(share * BLUNDERS / len(KINDS))
+    blunders = [(kind, k) for k in range(each) for kind in KINDS]
+    sound = [(SOUND, k) for k in range(round(share * SOUNDS))]
+    return [draw for pair in zip_longest(blunders, sound) for draw in pair if draw]
 
 
 if __name__ == "__main__":

@@ -40,10 +40,7 @@ def explained(named: Sequence[Hypothesis], best: Trial, given: Trial) -> str:
 def incomplete(left: Sequence[Left]) -> str:
     """What is left beside noise and simulation."""
     said = "; ".join(_beside(one) for one in left if one.exceeded)
-    return (
-        f"the model lacks physics ({said}): the errors ± are those of this model, and do not count what it "
-        "lacks; hybridid trace looks for it"
-    )
+    return f"the model lacks physics ({said}); hybridid trace looks for it"
 
 
 def explains_little(views: Sequence[View]) -> str:
@@ -88,7 +85,7 @@ def sentence(verdict: Verdict, estimate: Estimate) -> str:
             "standard error is stated"
         )
     if verdict == "incomplete":
-        return "incomplete: the model lacks physics; the errors ± are those of this model without it"
+        return "incomplete: the errors ± are those of this model, and do not count what it lacks"
     untold = [one.output for one in estimate.left if math.isnan(one.noise)]
     if untold:
         outputs = " and ".join(untold)
