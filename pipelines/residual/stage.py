@@ -16,7 +16,7 @@ from pipelines.residual.narx import NARXRequest
 from pipelines.residual.rbf import RBFRequest
 from pipelines.residual.request import Request
 from pipelines.shared.config import Settings
-from pipelines.shared.errors import ConfigError, unknown
+from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import fitted_model
 from pipelines.shared.hybrids import Residual
 from pipelines.shared.limits import check_demand, check_processes
@@ -92,14 +92,12 @@ def request_of(settings: Settings) -> Request:
     """The section ``residual``.
 
     Raises:
-        ConfigError: if its kind is unknown or a key or value is not allowed.
+        ConfigError: if there is none, or a key or value is not allowed.
     """
     section = settings.get(NAME)
     if not isinstance(section, Mapping) or "kind" not in section:
         given = "no residual network is configured" if section is None else f"residual is {section!r}"
         raise ConfigError(f"{given}: choose residual={' or residual='.join(KINDS)}")
-    if section["kind"] not in KINDS:
-        raise ConfigError(unknown("residual.kind", str(section["kind"]), KINDS))
     return KINDS[section["kind"]].of(section)
 
 

@@ -52,8 +52,8 @@ class Settings:
             if key in SECTIONS and value is not None:
                 build(SECTIONS[key], value, key, ConfigError)
         network = self.config.get("residual")
-        if isinstance(network, Mapping) and str(network.get("kind")) in NETWORKS:
-            build(NETWORKS[str(network["kind"])], network, "residual", ConfigError)
+        if isinstance(network, Mapping) and "kind" in network:
+            build(_network(str(network["kind"])), network, "residual", ConfigError)
         _ = self.lone, self.mlflow, self.paths  # of these null stands for no section
 
     @property
@@ -127,6 +127,12 @@ def flat(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
         else:
             result[name] = below
     return result
+
+
+def _network(kind: str) -> type:
+    if kind not in NETWORKS:
+        raise ConfigError(unknown("residual.kind", kind, NETWORKS))
+    return NETWORKS[kind]
 
 
 def _case_key(case: str, value: Mapping[str, Any]) -> str:

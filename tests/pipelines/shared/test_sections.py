@@ -108,6 +108,8 @@ def test_words_to_choose_from_are_those_that_there_are():
         ({"mlflow": {"patience": True}}, "mlflow.patience is True: expected a number"),
         ({"residual": {"kind": "narx", "increment": "no"}},
          "residual.increment is 'no': expected true or false"),
+        ({"residual": {"kind": "nark"}},
+         "unknown residual.kind 'nark': did you mean 'narx'? allowed: narx, rbf"),
         ({"data": "simulate"},
          "data is 'simulate': did you mean 'simulated'? allowed: auto, measured, simulated"),
     ],
