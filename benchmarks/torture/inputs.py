@@ -15,6 +15,7 @@ from benchmarks.torture.lab import csv, fit, lab, swing
 from benchmarks.torture.play import load, play
 from hybridid.settings import declared
 from hybridid.settings.bounds import options
+from hybridid_cli.explain import NOT_CONVERGED, WRONG_MODEL
 from pipelines.shared.sections.known import LONE, SECTIONS
 from pipelines.shared.sections.residual import KINDS
 
@@ -33,6 +34,8 @@ REFUSED: Mapping[str, tuple[str, ...]] = {
     "text": ("{a: 1}", "${x}"),
 }
 """Those that no key of the kind allows."""
+BORNE = (0, 1, 2, NOT_CONVERGED, WRONG_MODEL)
+"""Exit codes of an input that may be right: a fit, a refusal, or a fit that is told to be no good."""
 _KINDS = {"a traceback": TRACEBACK, "no answer": HANGS, "left behind": HALF, "exit code": WRONG}
 _MAPS = (
     "tune.space",
@@ -100,7 +103,7 @@ def _values(name: str, hint: object, more: tuple[str, ...], seed: int) -> Iterat
         must = value in REFUSED[kind] and not name.startswith(_MAPS)
         words = fit(*more, f"{name}={value}", command="preprocess")
         key = f"inputs: {' '.join((*more, name))}={value}, seed {seed}"
-        yield Input(kind, key, seed, Case(key, tuple(words), codes=(1, 2) if must else (0, 1, 2)))
+        yield Input(kind, key, seed, Case(key, tuple(words), codes=(1, 2) if must else BORNE))
 
 
 def _taken(hint: object) -> str:
@@ -127,7 +130,7 @@ def _records(seed: int) -> Iterator[Input]:
         content = damage(drawn, [line.split(",") for line in csv(swing()).splitlines()])
         key = f"inputs: recording, {name}, seed {seed}.{number}"
         words = fit(command="fit" if number % 8 == 0 else "preprocess")
-        case = Case(key, tuple(words), codes=(1, 2) if must else (0, 1, 2), files={RECORD: content})
+        case = Case(key, tuple(words), codes=(1, 2) if must else BORNE, files={RECORD: content})
         yield Input(name, key, seed, case)
 
 

@@ -74,7 +74,8 @@ class _Kept:
         file = self.folder / name
         content = content_of_sealed(file)
         if content is not None:
-            return pickle.loads(content)  # noqa: S301 - the user's own file, sealed, in a closed folder
+            # the user's own file, sealed, in a closed folder
+            return pickle.loads(content)  # noqa: S301  # nosec B301
         result = self.function(*given)
         with suppress(OSError):  # a full disk costs the copy, not the result
             write_bytes(file, sealed(name, pickle.dumps(result)), 0o600)
