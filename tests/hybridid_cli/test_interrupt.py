@@ -17,6 +17,11 @@ from hybridid_cli import interrupt
 LONG = ("case=emps", "data=simulated", "rig.duration=6", "mlflow.enabled=false", "out=tree")
 
 
+def heeding_all() -> None:
+    """Under nohup the tests ignore SIGHUP, and what they start would ignore it too."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 def interrupted(
     environment: dict[str, str], words: tuple[str, ...], line: str, wait: float, by: int = signal.SIGINT
 ) -> tuple[int, str, str]:
@@ -24,6 +29,7 @@ def interrupted(
     process = subprocess.Popen(
         [sys.executable, "-m", "hybridid_cli", *words],
         env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=heeding_all,
     )  # fmt: skip
     assert process.stderr is not None
     seen = ""
