@@ -12,6 +12,8 @@ import csv
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -111,7 +113,8 @@ def _read_csv(path: Path) -> Found:
     decimal = "," if separator != "," and re.search(r"\d,\d", sample) else "."
     cells = next(csv.reader([first], delimiter=separator), [])
     has_header = any(not _is_number(cell, decimal) for cell in cells)
-    table = pd.read_csv(
+    read = partial(
+        pd.read_csv,
         path,
         sep=separator,
         decimal=decimal,
@@ -122,6 +125,14 @@ def _read_csv(path: Path) -> Found:
         index_col=False,
         low_memory=False,
     )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", pd.errors.ParserWarning)
+        try:
+            table = read()
+        except pd.errors.ParserWarning:  # rows are longer than the header
+            _check_cells(path, encoding, separator, preamble, len(cells))
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)
+            table = read()
     for j, label in enumerate(table.columns):
         series = table[label]
         if series.isna().all():
@@ -129,6 +140,19 @@ def _read_csv(path: Path) -> Found:
                 yield str(label).strip(), "it is empty"
             continue  # a trailing separator makes one more, empty column
         yield (str(label).strip() if has_header else f"[{j}]"), _numbers(series)
+
+
+def _check_cells(path: Path, encoding: str, separator: str, preamble: int, columns: int) -> None:
+    """Separators at the end of a row may be too many, but no cell beyond the header may hold anything.
+
+    Raises:
+        RecordError: for the first row where one does.
+    """
+    with path.open(encoding=encoding, newline="") as file:
+        rows = csv.reader(islice(file, preamble, None), delimiter=separator)
+        for line, row in enumerate(rows, preamble + 1):
+            if any(cell.strip() for cell in row[columns:]):
+                raise RecordError(f"{path}: line {line} has {len(row)} cells under {columns} columns")
 
 
 def _encoding(path: Path) -> str:

@@ -10,11 +10,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, dlsim
 
-from hybridid.declarations import Parameter, Port, Signal, State
+from benchmarks.torture.pendulum import Pendulum
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
 from hybridid.plants.duffing import Duffing
-from hybridid.plants.plant import Motion, Plant
 from hybridid.quality import judge
 from hybridid.records.record import Channel, Record
 
@@ -125,31 +124,6 @@ def test_a_dead_sensor_is_refused(model, record):
     with pytest.raises(ValueError, match=r"position of carriage is 0\.2 m at every sample") as caught:
         fit(model, [dead])
     assert "\n" not in str(caught.value)
-
-
-class Pendulum(Plant):
-    """``J q'' + G sin q = torque - F``: over a long free run its cost has many valleys."""
-
-    name, meaning, source = "pendulum", "a pendulum on a motor shaft", "a test"
-    states = (
-        State("q", "rad", scale=1.0, observed_by="angle", derivative=0),
-        State("w", "rad/s", scale=3.0, observed_by="angle", derivative=1),
-    )
-    inputs = (Signal("torque", "N·m"),)
-    outputs = (Signal("angle", "rad"),)
-    parameters = (Parameter("J", "kg·m²", 0.05, 0.001, 1.0), Parameter("G", "N·m", 2.0, 0.0, 10.0))
-    ports = (Port("pivot", "effort", "N·m", 0.1, "rad", 1.0, 3.0, 0.01),)
-
-    def motion(self, x, u, p):
-        return {"pivot": Motion(position=x.q, velocity=x.w)}
-
-    def derivative(self, x, u, p, effort):
-        import casadi as ca
-
-        return {"q": x.w, "w": (u.torque - p.G * ca.sin(x.q) - effort["pivot"]) / p.J}
-
-    def output(self, x, u, p):
-        return {"angle": x.q}
 
 
 def swing(seed: int, n: int = 1200, dt: float = 0.01) -> Record:

@@ -111,6 +111,22 @@ def test_csv_as_loggers_write_it(tmp_path, name):
     assert columns["V1"].tolist() == [1.5, -2.0, 0.3]
 
 
+@pytest.mark.parametrize(
+    ("rows", "line"),
+    [
+        ("0.0,1.5,7\n0.1,-2\n", 2),
+        ("0.0,1.5\n0.1,-2,,7\n", 3),
+        ("0.0,1.5,7\n0.1,-2,7\n", 2),
+        ("0.0,1.5,\n0.1,-2,7\n", 3),
+    ],
+    ids=["first row", "a later row", "every row", "a cell behind trailing commas"],
+)
+def test_csv_cells_beyond_the_header_are_no_samples(tmp_path, rows, line):
+    (tmp_path / "run.csv").write_text(f"t,V1\n{rows}")
+    with pytest.raises(RecordError, match=rf"line {line}\b"):
+        read_columns(tmp_path / "run.csv")
+
+
 def test_csv_without_a_header_is_counted(tmp_path):
     (tmp_path / "run.csv").write_text("0.0,1.5\n0.1,-2\n")
     columns = read_columns(tmp_path / "run.csv")
