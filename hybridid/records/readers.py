@@ -113,7 +113,7 @@ def _read_csv(path: Path) -> Found:
     decimal = "," if separator != "," and re.search(r"\d,\d", sample) else "."
     cells = next(csv.reader([first], delimiter=separator), [])
     has_header = any(not _is_number(cell, decimal) for cell in cells)
-    read = partial(
+    read: Callable[[], pd.DataFrame] = partial(
         pd.read_csv,
         path,
         sep=separator,
