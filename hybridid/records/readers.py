@@ -12,7 +12,6 @@ import csv
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -113,18 +112,20 @@ def _read_csv(path: Path) -> Found:
     decimal = "," if separator != "," and re.search(r"\d,\d", sample) else "."
     cells = next(csv.reader([first], delimiter=separator), [])
     has_header = any(not _is_number(cell, decimal) for cell in cells)
-    read: Callable[[], pd.DataFrame] = partial(
-        pd.read_csv,
-        path,
-        sep=separator,
-        decimal=decimal,
-        header=0 if has_header else None,
-        skiprows=preamble,
-        skipinitialspace=True,
-        encoding=encoding,
-        index_col=False,
-        low_memory=False,
-    )
+
+    def read() -> pd.DataFrame:
+        return pd.read_csv(
+            path,
+            sep=separator,
+            decimal=decimal,
+            header=0 if has_header else None,
+            skiprows=preamble,
+            skipinitialspace=True,
+            encoding=encoding,
+            index_col=False,
+            low_memory=False,
+        )
+
     with warnings.catch_warnings():
         warnings.simplefilter("error", pd.errors.ParserWarning)
         try:
