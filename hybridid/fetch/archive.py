@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from urllib.parse import urlsplit
 
 SHA256 = re.compile(r"[0-9a-f]{64}")
 
@@ -38,7 +39,7 @@ class PublicArchive:
     most: int = 1 << 28
 
     def __post_init__(self) -> None:
-        if not self.url.startswith(("http://", "https://")):
+        if not _is_address(self.url):
             raise FetchError(f"archive {self.name}: {self.url!r} is no http or https address")
         for member in self.members:
             if not is_safe(member):
@@ -50,6 +51,14 @@ class PublicArchive:
     def by_hand(self, folder: Path) -> str:
         """A sentence that says how to download the files into ``folder`` by hand."""
         return f"download it from {self.page} by hand and put {', '.join(self.members)} into {folder}"
+
+
+def _is_address(url: str) -> bool:
+    try:
+        parts = urlsplit(url)
+        return parts.scheme in ("http", "https") and bool(parts.hostname)
+    except ValueError:  # brackets that are no IPv6 address
+        return False
 
 
 def is_safe(path: str) -> bool:

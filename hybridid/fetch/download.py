@@ -45,9 +45,11 @@ def download(url: str, part: Path, most: int, progress: Progress | None = None) 
             if _attempt(url, part, limits, progress):
                 return
             reason = "the connection was cut"
-        except requests.RequestException as wrong:
+        except (requests.RequestException, ValueError) as wrong:  # a redirect to no address is a ValueError
             reason = _reason(wrong)
         if _size(part) <= before:
+            if not _size(part):
+                part.unlink(missing_ok=True)
             raise DownloadError(reason)
     raise DownloadError(f"the connection was cut {MAXIMUM_CUTS} times")
 
@@ -120,7 +122,9 @@ def _size(path: Path) -> int:
     return path.stat().st_size if path.exists() else 0
 
 
-def _reason(wrong: requests.RequestException) -> str:
+def _reason(wrong: requests.RequestException | ValueError) -> str:
+    if not isinstance(wrong, requests.RequestException):
+        return f"the server leads to an address that is none: {wrong}"
     if wrong.response is not None:
         return f"the server answered {wrong.response.status_code} {wrong.response.reason}"
     if isinstance(wrong, requests.Timeout):
@@ -129,6 +133,8 @@ def _reason(wrong: requests.RequestException) -> str:
         return "the server's certificate could not be verified"
     if isinstance(wrong, requests.exceptions.ChunkedEncodingError):
         return "the connection was cut"
+    if isinstance(wrong, requests.exceptions.ContentDecodingError):
+        return "the reply is not compressed in the way that the server says"
     if isinstance(wrong, requests.ConnectionError):
         return "there is no connection to the server"
     return " ".join(str(wrong).split())

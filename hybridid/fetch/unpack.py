@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 import tempfile
 import zipfile
-import zlib
 from pathlib import Path
 
 from hybridid.fetch.archive import PublicArchive, is_safe, sha256_of
+from hybridid.naming import shortened
 
 CHUNK = 1 << 20  # bytes
 
@@ -40,8 +40,11 @@ def unpack(source: PublicArchive, archive: Path, folder: Path) -> None:
                 target = folder / member
                 target.parent.mkdir(parents=True, exist_ok=True)
                 path.replace(target)
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError) as wrong:
-        raise CorruptArchiveError(f"the zip archive is broken: {wrong}") from wrong
+    except (CorruptArchiveError, OSError):
+        raise
+    except Exception as wrong:  # zipfile and the libraries below it raise errors of every kind
+        reason = shortened(str(wrong), 200) or type(wrong).__name__
+        raise CorruptArchiveError(f"the zip archive is broken: {reason}") from wrong
 
 
 def _unpacked(source: PublicArchive, zipped: zipfile.ZipFile, scratch: Path) -> dict[str, Path]:
