@@ -7,6 +7,7 @@ a command uses always come from Hydra itself.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +22,12 @@ def conf_folder() -> Path:
 
 
 def user_folders(words: Sequence[str]) -> list[Path]:
-    """The folders that ``--config-dir`` names among a command's words."""
+    """The folders that ``--config-dir`` names among a command's words; without a name after it, none."""
     folders = []
-    for index, word in enumerate(words):
+    for word, following in zip_longest(words, words[1:], fillvalue=""):
         flag, _, value = word.partition("=")
-        if flag in ("--config-dir", "-cd"):
-            folders.append(Path(value or (words[index + 1] if index + 1 < len(words) else ".")))
+        if flag in ("--config-dir", "-cd") and (value or following):
+            folders.append(Path(value or following))
     return folders
 
 

@@ -84,6 +84,8 @@ def _arguments(words: Sequence[str]) -> tuple[list[Path], list[str]]:
             raise ConfigError(unknown("flag", word, ["--config-dir", "--help"]))
         else:
             rest.append(word)
+    if skip:
+        raise ConfigError("--config-dir wants a folder after it")
     for folder in folders:
         if not folder.is_dir():
             raise ConfigError(f"--config-dir {folder}: no such folder")

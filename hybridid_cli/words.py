@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from hybridid.naming import shortened
 from hybridid_cli.config_files import options, user_folders
 from pipelines.shared.errors import ConfigError, unknown
 
@@ -67,12 +68,12 @@ def _check_flag_value(flag: str, value: str) -> None:
 
 
 def _bare(command: str, word: str, words: Sequence[str]) -> str:
-    cases = options("case", user_folders(words))
+    cases, said = options("case", user_folders(words)), shortened(repr(word), 80)
     if command == "fetch" and "," not in word:
         return f"case={word}"
     if word in cases:
-        raise ConfigError(f"{word!r} is no key=value; did you mean case={word}?")
-    raise ConfigError(f"{word!r} is no key=value, as in case=emps or estimator.horizon=1000")
+        raise ConfigError(f"{said} is no key=value; did you mean case={word}?")
+    raise ConfigError(f"{said} is no key=value, as in case=emps or estimator.horizon=1000")
 
 
 def _sweep_folder(flags: Sequence[str], overrides: Sequence[str]) -> list[str]:

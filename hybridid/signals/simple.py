@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybridid.records.record import Record
-from hybridid.signals.step import Step, StepError, edited, in_place
+from hybridid.signals.step import Step, StepError, in_place
 
 EDGE = 1e-6  # of a sample; a time stamp may differ this much from a bound by rounding
 
@@ -98,4 +98,4 @@ class Scale(Step):
         return self.signals
 
     def apply(self, record: Record) -> Record:
-        return edited(record, {name: self.factor * record.signal(name) for name in self.signals}, self.unit)
+        return in_place(record, self.signals, lambda x: self.factor * x, self.unit)

@@ -85,13 +85,18 @@ class Target:
         return _demoted(appended, self.source, self.role == "output") if self.demote else appended
 
 
-def in_place(record: Record, names: tuple[str, ...], change: Callable[[Array], Array]) -> Record:
-    """``record`` with ``change`` applied to each of the signals ``names``.
+def in_place(
+    record: Record, names: tuple[str, ...], change: Callable[[Array], Array], unit: str | None = None
+) -> Record:
+    """``record`` with ``change`` applied to each of the signals ``names``, in ``unit`` if given.
 
     Raises:
+        StepError: if there is no name.
         RecordError: if the record has no signal of one of the names.
     """
-    return edited(record, {name: change(record.signal(name)) for name in names})
+    if not names:
+        raise StepError("signals is []: give at least one signal")
+    return edited(record, {name: change(record.signal(name)) for name in names}, unit)
 
 
 def edited(record: Record, values: Mapping[str, Array], unit: str | None = None) -> Record:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from hybridid.effects.library import EFFECTS
+from hybridid_cli.config_files import user_folders
 
 
 def test_effects_lists_equation_parameters_units_and_source(say):
@@ -66,3 +69,12 @@ def test_effects_of_a_level_have_units_of_flows_and_levels(say):
     assert "acts at   flow ports" in said
     assert "parameter k [m²/s]" in said
     assert "parameter limit [m]" in said
+
+
+@pytest.mark.parametrize("command", ["cases", "effects"])
+def test_a_folder_that_is_not_named_is_not_the_one_where_one_stands(say, command, own_folder):
+    """Its Python files would be importable."""
+    said = say(command, "--config-dir")
+    assert said.code == 2
+    assert said.err == "hybridid: --config-dir wants a folder after it\n"
+    assert user_folders(["--config-dir"]) == []

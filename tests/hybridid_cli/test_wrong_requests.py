@@ -49,6 +49,7 @@ WRONG = (
     (["preprocess.steps=[{step: decimat}]"], ["unknown step 'decimat'", "did you mean 'decimate'?"]),
     (["estimator.horizon=1,2"], ["add -m", "estimator.horizon=[1,2]"]),
     (["emps"], ["did you mean case=emps?"]),
+    (["x" * 3000], ["xx ... xx", "xx' is no key=value, as in"]),
     (["--cgf", "job"], ["unknown flag '--cgf'", "did you mean '--cfg'?"]),
     (["--cfg", "jbo"], ["unknown value of --cfg 'jbo'", "did you mean 'job'?"]),
     (["--config-dir"], ["--config-dir wants a value"]),

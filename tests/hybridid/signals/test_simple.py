@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hybridid.records.record import RecordError
+from hybridid.signals.butterworth import Butterworth
 from hybridid.signals.simple import Crop, Offset, RemoveMean, Scale
 from hybridid.signals.step import StepError
 
@@ -76,3 +77,12 @@ def test_offset_and_scale(record_of):
     assert Scale(("force",), 3.0).apply(record).input_channels == record.input_channels
     with pytest.raises(StepError, match="factor is 0"):
         Scale(("force",), 0.0)
+
+
+@pytest.mark.parametrize(
+    "step", [RemoveMean(()), Offset((), 1.0), Scale((), 2.0), Scale((), 2.0, unit="V"), Butterworth((), 5.0)]
+)
+def test_a_step_of_no_signal_is_refused(record_of, step):
+    """It would leave every record as it was, without a word."""
+    with pytest.raises(StepError, match=r"signals is \[\]: give at least one signal"):
+        step.apply(record_of())
