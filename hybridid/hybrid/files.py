@@ -8,7 +8,8 @@ from __future__ import annotations
 import json
 import os
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from hybridid.hybrid.hybrid import Hybrid
 from hybridid.hybrid.output_error import OutputErrorHybrid
 from hybridid.hybrid.port import PortHybrid
 from hybridid.model import Model
+from hybridid.naming import shortened, unknown
 from hybridid.plain import build
 from hybridid.residuals.narx import NARX, Weights
 from hybridid.residuals.rbf import RBFNetwork
@@ -62,11 +64,29 @@ def load_hybrid(folder: Path | str, gray: Model) -> Hybrid:
         raise HybridFileError(f"{path}: no hybrid that hybridid wrote") from wrong
     if not isinstance(description, dict) or description.get("format") != FORMAT:
         raise HybridFileError(f"{path}: not of format {FORMAT}, which this version reads; make it anew")
-    own = {p.name for p in gray.parameters}
-    lacking = sorted(set(description["physics"]) ^ own)
-    if lacking:
-        raise HybridFileError(f"{path}: made with another model, they differ in {', '.join(lacking)}")
-    return _LOADERS[description["kind"]](description, Path(folder), gray)
+    with _as_written(path, "not as hybridid writes it"):
+        lacking = sorted(set(description["physics"]) ^ {p.name for p in gray.parameters})
+        if lacking:
+            raise HybridFileError(f"{path}: made with another model, they differ in {', '.join(lacking)}")
+        if description["kind"] not in _LOADERS:
+            raise HybridFileError(f"{path}: {unknown('kind', description['kind'], _LOADERS)}")
+        return _LOADERS[description["kind"]](description, Path(folder), gray)
+
+
+@contextmanager
+def _as_written(path: Path, trouble: str) -> Iterator[None]:
+    """What a file of another shape makes go wrong, in one line: ``path`` is ``trouble``.
+
+    Raises:
+        HybridFileError: in place of any other error.
+    """
+    try:
+        yield
+    except HybridFileError:
+        raise
+    except Exception as wrong:  # of what somebody changed, any part may be of any type
+        said = shortened(f"{type(wrong).__name__}: {wrong}", 200)
+        raise HybridFileError(f"{path}: {trouble} ({said})") from wrong
 
 
 def _describe_narx(hybrid: OutputErrorHybrid) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -101,21 +121,22 @@ def _describe_rbf(hybrid: PortHybrid) -> tuple[dict[str, Any], dict[str, np.ndar
 
 def _load_narx(description: Mapping[str, Any], folder: Path, gray: Model) -> Hybrid:
     path = folder / WEIGHTS
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            networks = tuple(_network(about, arrays) for about in description["networks"])
-    except (OSError, KeyError, ValueError) as wrong:
-        raise HybridFileError(f"{path}: not the weights that belong to {DESCRIPTION}") from wrong
+    with (
+        _as_written(path, f"not the weights that belong to {DESCRIPTION}"),
+        np.load(path, allow_pickle=False) as arrays,
+    ):
+        networks = tuple(_network(about, arrays, folder) for about in description["networks"])
     return OutputErrorHybrid(gray, description["values"], networks)
 
 
-def _network(about: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> NARX:
-    architecture = build(Architecture, about["architecture"], "architecture", HybridFileError)
+def _network(about: Mapping[str, Any], arrays: Mapping[str, np.ndarray], folder: Path) -> NARX:
+    where = folder / DESCRIPTION
+    architecture = build(Architecture, about["architecture"], f"{where}: architecture", HybridFileError)
     layers = range(architecture.depth + 1)
     matrices, biases = (
         tuple(arrays[f"{about['output']}.{k}.{what}"] for k in layers) for what in ("matrix", "bias")
     )
-    scaling = build(Scaling, about["scaling"], "scaling", HybridFileError)
+    scaling = build(Scaling, about["scaling"], f"{where}: scaling", HybridFileError)
     names = {name: tuple(about[name]) for name in ("input_names", "records")}
     made = {"architecture": architecture, "scaling": scaling, "weights": Weights(matrices, biases)}
     return NARX(**{**about, **names, **made})
@@ -125,7 +146,9 @@ def _load_rbf(description: Mapping[str, Any], folder: Path, gray: Model) -> Hybr
     return PortHybrid(
         gray=gray,
         values=description["values"],
-        network=build(RBFNetwork, description["network"], "network", HybridFileError),
+        network=build(
+            RBFNetwork, description["network"], f"{folder / DESCRIPTION}: network", HybridFileError
+        ),
         port=description["port"],
         records=tuple(description["records"]),
         learned_from=description["learned_from"],

@@ -31,12 +31,14 @@ def read_json(path: Path) -> Any:
     """The content of a JSON file as plain data.
 
     Raises:
-        ValueError: if it is no JSON, or nested deeper than any file of ours.
+        ValueError: if it is no JSON in UTF-8, or nested deeper than any file of ours; it names the file.
     """
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except RecursionError as error:
         raise ValueError(f"{path}: nested too deep") from error
+    except ValueError as error:
+        raise ValueError(f"{path}: no JSON: {error}") from error
 
 
 def read_as(cls: type[T], path: Path) -> T:

@@ -174,6 +174,37 @@ class TestFiles:
         with pytest.raises(HybridFileError, match=r"hybrid\.json"):
             load_hybrid(tmp_path, gray)
 
+    @pytest.mark.parametrize(
+        ("changed", "said"),
+        [
+            ({"physics": 3}, "not as hybridid writes it"),
+            ({"kind": "theirs:NETWORK"}, "unknown kind 'theirs:NETWORK': allowed: narx, rbf"),
+            ({"kind": []}, "not as hybridid writes it"),
+            ({"network": None}, r"hybrid\.json: network: expected a mapping"),
+            ({"records": 3}, "not as hybridid writes it"),
+        ],
+    )
+    def test_a_changed_description_is_refused(self, rbf_hybrid, gray, tmp_path, changed, said):
+        path = save_hybrid(rbf_hybrid, tmp_path)
+        path.write_text(json.dumps(json.loads(path.read_text()) | changed))
+        with pytest.raises(HybridFileError, match=said):
+            load_hybrid(tmp_path, gray)
+
+    def test_a_description_that_lacks_a_key_is_refused(self, rbf_hybrid, gray, tmp_path):
+        path = save_hybrid(rbf_hybrid, tmp_path)
+        whole = json.loads(path.read_text())
+        for key in whole:
+            path.write_text(json.dumps({name: value for name, value in whole.items() if name != key}))
+            with pytest.raises(HybridFileError, match=r"hybrid\.json"):
+                load_hybrid(tmp_path, gray)
+
+    @pytest.mark.parametrize("content", [b"", b"PK\x03\x04", b"PK\x05\x06" + bytes(18), b"\x80\x04."])
+    def test_weights_that_are_no_archive_are_named(self, narx_hybrid, gray, tmp_path, content):
+        save_hybrid(narx_hybrid, tmp_path)
+        (tmp_path / "weights.npz").write_bytes(content)
+        with pytest.raises(HybridFileError, match=r"weights\.npz: not the weights that belong"):
+            load_hybrid(tmp_path, gray)
+
     def test_missing_weights_are_named(self, narx_hybrid, gray, tmp_path):
         save_hybrid(narx_hybrid, tmp_path)
         (tmp_path / "weights.npz").unlink()

@@ -93,6 +93,14 @@ def test_json_is_strict(tmp_path):
     assert read_json(tmp_path / "x.json")["é"] == "μ"
 
 
+@pytest.mark.parametrize("content", [b"", b"{", b"\x80\x04", b"[" * 10**5])
+def test_what_is_no_json_is_named(tmp_path, content):
+    path = tmp_path / "estimate.json"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"estimate\.json: (no JSON: .|nested too deep)"):
+        read_json(path)
+
+
 def test_files_are_what_their_schemas_say(tree, fits_schema):
     for name in ("preprocess/records", "fit/estimate", "fit/model", "validate/metrics", "validate/residuals"):
         fits_schema(tree / f"{name}.json")
