@@ -6,6 +6,7 @@ It keeps to IEEE arithmetic (no fused or reordered operations), so each processo
 from __future__ import annotations
 
 import ctypes
+import errno
 import functools
 import hashlib
 import os
@@ -20,6 +21,8 @@ from hybridid.simulation.libraries import library
 
 # -fexpensive-optimizations also clears the wide registers before a call of the C library, which else is slow
 FLAGS = ("-O1", "-fexpensive-optimizations", "-fPIC", "-shared", "-ffp-contract=off", "-Wno-psabi")
+_FULL = "No space left on device"
+"""What a compiler says of a full disk, in the language of C."""
 _LIBRARIES: dict[str, ctypes.CDLL | None] = {}
 
 
@@ -40,13 +43,21 @@ def compiled(said: str, source: Callable[[], str]) -> ctypes.CDLL | None:
 
 
 def _build(compiler: str, source: str, made: Path) -> bool:
-    """Compile ``source`` into the file ``made``; False, with a warning, if that fails."""
+    """Compile ``source`` into the file ``made``; False, with a warning, if that fails.
+
+    Raises:
+        OSError: if the disk is full. Interpreted, the same model has other last digits; so a command ends
+            there, and has the same numbers when it is given again.
+    """
     text = made.with_suffix(".c")
     text.write_text(source, encoding="utf-8")
     command = [compiler, *_flags(), str(text), "-o", str(made), "-lm"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    beside = {**os.environ, "LC_ALL": "C", "TMPDIR": str(made.parent)}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=beside)
     text.unlink()
     if done.returncode:
+        if _FULL in done.stderr:
+            raise OSError(errno.ENOSPC, _FULL, str(made.parents[1]))
         why = (done.stderr.strip().splitlines() or ["no message"])[-1]
         warnings.warn(f"{compiler} fails ({why}): models are interpreted, which is slower", stacklevel=2)
     return done.returncode == 0

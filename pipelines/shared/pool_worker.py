@@ -5,8 +5,10 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import time
 import traceback
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
@@ -14,12 +16,14 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
 
+import hybridid
 from pipelines.shared.own_code import make_importable
 from pipelines.shared.parent_process import end_with
 from pipelines.shared.watch import Watcher
 
 BETWEEN = 0.2
 """Seconds between two reports of progress."""
+_OURS = Path(hybridid.__file__).parent
 ENDED = "ended"
 """The last message of a task: its result, or ``Lost``. All others are calls of a watcher's methods."""
 
@@ -87,12 +91,25 @@ def serve(pipe: Connection, environment: Mapping[str, str], folders: Sequence[Pa
     parent = multiprocessing.parent_process()
     assert parent is not None
     end_with(parent.join)
+    warnings.showwarning = _shown_by(_PipeWatcher(pipe))
     try:
         while True:
             work, given = pipe.recv()
             pipe.send((ENDED, _outcome(work, given, _PipeWatcher(pipe))))
     except (EOFError, OSError, Stopped):
         signal.signal(signal.SIGTERM, signal.SIG_DFL)  # on the way out there is nothing left to tidy
+
+
+def _shown_by(watcher: Watcher) -> Callable[..., None]:
+    """Shows a warning of hybridid as the parent shows its own; one of a library as Python writes it."""
+
+    def show(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:
+        if Path(filename).is_relative_to(_OURS):
+            watcher.warn(str(message))
+        else:
+            sys.stderr.write(warnings.formatwarning(message, category, filename, lineno))
+
+    return show
 
 
 def _outcome(work: Callable[[Any, Watcher], Any], given: Any, watcher: Watcher) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from dataclasses import replace
 
 import numpy as np
@@ -83,6 +84,18 @@ def test_a_compiler_that_fails_is_named_once(carriage, make_model, monkeypatch, 
     shooter = shooter_of(carriage, make_model)
     with pytest.warns(UserWarning, match="fails \\(no such option\\): models are interpreted"):
         assert not shooter.code.worth_it
+
+
+def test_on_a_full_disk_nothing_is_interpreted(carriage, make_model, monkeypatch, tmp_path):
+    """It would have other last digits than the results that the same command kept before, and after."""
+    full = tmp_path / "cc"
+    full.write_text("#!/bin/sh\necho $TMPDIR/x.o: No space left on device >&2\necho ended >&2\nexit 1\n")
+    full.chmod(0o755)
+    monkeypatch.setattr(compiler, "c_compiler", lambda: str(full))
+    monkeypatch.setattr(compiler, "_LIBRARIES", {})
+    with pytest.raises(OSError, match="No space left") as raised:
+        _ = shooter_of(carriage, make_model).code.worth_it
+    assert raised.value.errno == errno.ENOSPC
 
 
 @compiled

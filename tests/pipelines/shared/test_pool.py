@@ -9,11 +9,13 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
+import hybridid
 from pipelines.shared.parent_process import PATIENCE
 from pipelines.shared.pool import Lost, mapper_of, side_by_side
 
@@ -25,6 +27,8 @@ def work(given, watcher):
         os.kill(os.getpid(), signal.SIGKILL)
     if given == "exits":
         os._exit(3)
+    if given == "warns":
+        warnings.warn_explicit("models are interpreted", UserWarning, hybridid.__file__, 1)
     if given == "endless":
         while True:
             time.sleep(0.05)
@@ -68,6 +72,13 @@ def test_every_task_gives_its_result_in_a_process_of_one_thread():
     assert len(set(pids(heard))) == 2  # the third goes to the process that is free first
     assert ("b", "begins") in heard
     assert ("c", "work: c 0.5") in heard
+
+
+def test_a_warning_of_hybridid_is_told_as_a_warning(capfd):
+    """Python would write it with its place in the code, and without the name of the task."""
+    _, heard = run("warns")
+    assert ("warns", "models are interpreted") in heard
+    assert "UserWarning" not in capfd.readouterr().err
 
 
 def test_a_process_that_dies_takes_only_its_own_task_along():
