@@ -15,13 +15,15 @@ from typing import Any, Literal, TypeVar, Union
 
 import numpy as np
 
-from hybridid.naming import nearest, unknown
+from hybridid.naming import nearest, shortened, unknown
 from hybridid.plain.section import is_section, section
 from hybridid.plain.store import key_of
 from hybridid.settings.bounds import kind
 from hybridid.settings.declare import hints_of
 
 T = TypeVar("T")
+LARGEST = 2**63 - 1
+"""Whole numbers beyond this one fit neither an array nor, from some 300 digits on, a float."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -158,6 +160,8 @@ def _array(value: Any, number: Any, where: str, rules: _Rules) -> Any:
 def _scalar(value: Any, hint: Any, where: str, rules: _Rules) -> Any:
     if hint in _SCALARS and not _SCALARS[hint](value):
         raise rules.error(f"{where} is {value!r}: expected {kind(hint)}")
+    if isinstance(value, int) and hint in (float, int) and abs(value) > LARGEST:
+        raise rules.error(f"{where} is {shortened(repr(value), 60)}: whole numbers end at 2^63 - 1")
     return hint(value) if hint in (float, int) else value
 
 

@@ -105,7 +105,7 @@ def _read_csv(path: Path) -> Found:
     encoding = _encoding(path)
     with path.open(encoding=encoding, newline="") as file:
         sample = file.read(65536)
-    lines = sample.splitlines()
+    lines = re.split(r"\r\n|\r|\n", sample)  # str.splitlines would end one at other characters, too
     preamble = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
     first = lines[preamble] if lines else ""
     separator = _separator(first)
@@ -187,11 +187,16 @@ def _numbers(series: Any) -> Array | str:
     import pandas as pd
     from pandas.api import types
 
+    if len(series) and series.isna().all() and not types.is_numeric_dtype(series):
+        return "it is empty"
     if types.is_datetime64_any_dtype(series):
         return (series - series.dropna().iloc[0]).dt.total_seconds().to_numpy(float)
     if types.is_numeric_dtype(series) and not types.is_complex_dtype(series):
         return series.to_numpy(float, na_value=np.nan)
-    numeric = pd.to_numeric(series, errors="coerce")
+    try:
+        numeric = pd.to_numeric(series, errors="coerce")
+    except TypeError:  # lists, mappings
+        return f"it holds {shortened(repr(series.dropna().iloc[0]), 60)}, no number"
     wrong = series[numeric.isna() & series.notna()]
     if len(wrong) == 0:
         return numeric.to_numpy(float, na_value=np.nan)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -12,6 +13,7 @@ from hybridid.effects.effect import Effect
 from hybridid.effects.library import library_for
 from hybridid.model import Model, compose
 from hybridid.model.compose import ADJUSTABLE
+from hybridid.naming import shortened
 from hybridid.plants.plant import Plant
 from hybridid.settings.fit import FitSettings
 from pipelines.shared.channels import channels_of
@@ -180,6 +182,8 @@ def _ownable(plant: Plant, effects: list[Effect]) -> set[str]:
 def _number(path: str, key: str, value: Any) -> float:
     """A setting of a parameter: a number, and where it is no bound a finite one."""
     where = f"parameters.{path}.{key}"
+    if isinstance(value, int) and abs(value) > sys.float_info.max:
+        raise ConfigError(f"{where} is {shortened(repr(value), 60)}: too large a number")
     if isinstance(value, bool) or not isinstance(value, (int, float)) or math.isnan(value):
         raise ConfigError(f"{where} is {value!r}: must be a number")
     if key in ("guess", "fixed") and not math.isfinite(value):

@@ -63,6 +63,8 @@ def test_a_tuple_of_dataclasses_may_be_a_mapping_by_name():
         ({"size": 1.5}, "here: size is 1.5: expected a whole number"),
         ({"size": True}, "here: size is True: expected a whole number"),
         ({"size": -1}, "here: size is negative"),
+        ({"size": 10**400}, "here: size is 1000"),
+        ({"ratio": -(10**400)}, "here: ratio is -1000"),
         ({"ratio": "much"}, "here: ratio is 'much': expected a number"),
         ({"on": "yes"}, "here: on is 'yes': expected true or false"),
         ({"kind": "hihg"}, "here: kind is 'hihg': did you mean 'high'? allowed: low, high"),

@@ -141,6 +141,28 @@ def test_csv_in_latin_1(tmp_path):
     assert columns["F #1"].tolist() == [2, 4]
 
 
+@pytest.mark.parametrize("sign", ["\x0c", "\x1c", "\x85"])
+def test_a_line_of_csv_ends_where_csv_says(tmp_path, sign):
+    """In Latin-1 of Windows, 0x85 is an ellipsis; Python's splitlines ends a line there."""
+    (tmp_path / "run.csv").write_bytes(f"t;a{sign}b;c\n0,5;1;2\n1,5;3;4\n".encode("latin-1"))
+    columns = read_columns(tmp_path / "run.csv")
+    assert list(columns) == ["t", f"a{sign}b", "c"]
+    assert columns["t"].tolist() == [0.5, 1.5]
+
+
+def test_columns_of_parquet_that_are_no_numbers_leave_the_others(tmp_path):
+    strange = {
+        "lists": [[1.0], [2.0]], "mappings": [{"a": 1}] * 2, "nothing": [None] * 2,
+        "dates": pd.to_datetime([None, None]),
+    }  # fmt: skip
+    pd.DataFrame({"t": [0.0, 1.0], **strange}).to_parquet(tmp_path / "run.parquet")
+    columns = read_columns(tmp_path / "run.parquet")
+    assert list(columns) == ["t"]
+    for name in strange:
+        with pytest.raises(RecordError, match=f"'{name}' cannot be a signal: it (holds|is empty)"):
+            columns[name]
+
+
 def test_csv_keeps_every_digit(tmp_path):
     pd.DataFrame({"x": FORCE}).to_csv(tmp_path / "run.csv", index=False)
     assert np.array_equal(read_columns(tmp_path / "run.csv")["x"], FORCE)

@@ -45,6 +45,7 @@ def test_dotted_names_are_as_good_as_nested_ones(settings):
         ({"guess": float("-inf")}, "M.guess is -inf: must be finite"),
         ({"lower": float("nan")}, "M.lower is nan: must be a number"),
         ({"lower": True}, "M.lower is True: must be a number"),
+        ({"lower": 10**400}, "too large a number"),
     ],
 )
 def test_a_parameter_is_a_number(settings, given, line):
