@@ -11,7 +11,7 @@ from typing import Any
 from hybridid.model.compose import ADJUSTABLE
 from hybridid.records.mapping import RecordMap, SignalMap, TimeMap
 from hybridid.settings import REQUIRED, Declared, declared
-from hybridid.settings.bounds import kind
+from hybridid.settings.bounds import bound, kind
 from hybridid.settings.declare import hints_of
 from hybridid.signals.steps import STEPS
 from hybridid_cli.keys import default_of, groups, meaning_of, typed
@@ -102,7 +102,7 @@ def _allowed(one: Declared) -> str:
     """The type in words, and the bounds."""
     known = one.setting
     bounds = (("≥", known.least), ("≤", known.most), (">", known.above), ("<", known.below))
-    limits = [f"{sign} {bound:g}" for sign, bound in bounds if bound is not None and isfinite(bound)]
+    limits = [f"{sign} {bound(value)}" for sign, value in bounds if value is not None and isfinite(value)]
     words = "any" if one.hint is Any else kind(one.hint)
     return _cell(", ".join([words, *limits]))
 

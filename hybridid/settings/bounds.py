@@ -75,14 +75,20 @@ def allowed(setting: Setting, hint: Any) -> str:
     if above is not None and below is not None:
         return f"must lie between {above:g} and {below:g}{unit}"
     if above is not None and most is not None:
-        return f"must be above {above:g} and at most {most:g}{unit}"
+        return f"must be above {above:g} and at most {bound(most)}{unit}"
     if least is not None and most is not None:
-        return f"must be {number} from {least:g} to {most:g}{unit}"
+        return f"must be {number} from {least:g} to {bound(most)}{unit}"
     if above is not None:
         return f"must be above {above:g}{unit}"
     if least is not None:
         return f"at least {least:g}{unit}"
     return ""
+
+
+def bound(value: float) -> str:
+    """A bound as a person writes it: ``2^63 - 1`` for the largest number of a seed."""
+    power = int(value).bit_length() if isinstance(value, int) else 0
+    return f"2^{power} - 1" if power > 32 and value == 2**power - 1 else f"{value:g}"
 
 
 def _words(hint: Any) -> Iterator[str]:
