@@ -7,10 +7,18 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from hybridid_cli.explain import FAILED, NOT_CONVERGED, WRONG_MODEL, WRONG_REQUEST
+
 Content = str | bytes | Callable[[Path], None]
 """A file's text, its bytes, or what writes it, given its path."""
 LONGEST = 600
 """Characters of a line that a person still reads."""
+LONGEST_MESSAGE = 20_000
+"""Characters of a message before the terminal shortens it."""
+REFUSED = (FAILED, WRONG_REQUEST)
+"""Exit codes of an input that must be refused."""
+BORNE = (0, FAILED, WRONG_REQUEST, NOT_CONVERGED, WRONG_MODEL)
+"""Of one that may be right: a fit, a refusal, or a fit that is told to be no good."""
 UNFINISHED = (".unfinished-", ".replaced-", ".part", ".tmp")
 
 
@@ -26,7 +34,7 @@ class Case:
     name: str
     words: tuple[str, ...]
     says: tuple[str, ...] = ()
-    codes: tuple[int, ...] = (1, 2)
+    codes: tuple[int, ...] = REFUSED
     files: Mapping[str, Content] = field(default_factory=dict)
     seconds: float = 60.0
     """After which it counts as hanging."""
@@ -78,3 +86,15 @@ def _bad_line(line: str) -> Iterator[str]:
     words = line.removeprefix("hybridid: ").split(": ")
     if any(a == b for a, b in itertools.pairwise(words)):
         yield "says a part twice"
+
+
+def check_line(refused: Exception) -> None:
+    """Check that what is refused is refused in a line.
+
+    Raises:
+        AssertionError: if not.
+    """
+    said = str(refused)
+    assert said.strip(), "it says nothing"
+    assert "\n" not in said, said
+    assert len(said) <= LONGEST_MESSAGE, said[:300]

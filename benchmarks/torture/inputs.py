@@ -1,4 +1,4 @@
-"""Bad inputs: recordings that are damaged at random, and wrong values of every key of a config."""
+"""Bad inputs: wrong values of every key of a config, damaged recordings, and tables made by hand."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.torture.bench import HALF, HANGS, TRACEBACK, UNCLEAR, WRONG, Fault, Found, Part
-from benchmarks.torture.case import Case, faults
+from benchmarks.torture.case import BORNE, REFUSED, Case, faults
 from benchmarks.torture.lab import csv, fit, lab, swing
 from benchmarks.torture.play import load, play
+from benchmarks.torture.tables import case_files, own_code, places, recordings, requests
 from hybridid.settings import declared
 from hybridid.settings.bounds import options
-from hybridid_cli.explain import NOT_CONVERGED, WRONG_MODEL
 from pipelines.shared.sections.known import LONE, SECTIONS
 from pipelines.shared.sections.residual import KINDS
 
@@ -28,14 +28,13 @@ VALUES: Mapping[str, tuple[str, ...]] = {
     "text": ("{a: 1}", "[a,b,{}]", "true", "3", "''", "null", "nan", "[]", "ü☃", "../../x", "a:b:c", "${x}"),
 }
 """Wrong or odd values of a key, by what it takes."""
-REFUSED: Mapping[str, tuple[str, ...]] = {
+NEVER: Mapping[str, tuple[str, ...]] = {
     "boolean": ("no", "maybe", "1", "[]", "3.5", "{a: 1}", "yes"),
     "number": ("abc", "{}", "nan", "-1e400"),
     "text": ("{a: 1}", "${x}"),
 }
 """Those that no key of the kind allows."""
-BORNE = (0, 1, 2, NOT_CONVERGED, WRONG_MODEL)
-"""Exit codes of an input that may be right: a fit, a refusal, or a fit that is told to be no good."""
+TABLES = (own_code, case_files, requests, recordings, places)
 _KINDS = {"a traceback": TRACEBACK, "no answer": HANGS, "left behind": HALF, "exit code": WRONG}
 _MAPS = (
     "tune.space",
@@ -63,27 +62,29 @@ class Input:
         load()
         said = play(self.case, lab)
         wrong = tuple(
-            Fault(_kind(what), f"{what}: {said.complaint[:200]}") for what in faults(self.case, said)
+            Fault(kind_of(what), f"{what}: {said.complaint[:200]}") for what in faults(self.case, said)
         )
         return Found(f"exit code {said.code}: {said.complaint[:120]}", wrong, {"bad inputs": 1})
 
 
 def trials(seed: int) -> list[Input]:
-    """All bad inputs: of configs, then of recordings."""
-    return [*_configs(seed), *_records(seed)]
+    """All bad inputs: of configs, of recordings, and those of the tables."""
+    return [*_configs(seed), *_records(seed), *_tables(seed)]
 
 
 PART = Part(
     "inputs",
-    "Recordings are damaged at random, and each key of a config is given wrong values. A command refuses the "
-    "input in one clear line, or bears it where it may be right.",
+    "Recordings are damaged at random, and each key of a config is given wrong values. Plants and effects of "
+    "the user's own, case files, command lines and recordings of every format are wrong in one place each. A "
+    "command refuses the input in one clear line, or bears it where it may be right.",
     (WRONG, HALF, TRACEBACK, UNCLEAR, HANGS),
     trials,
     {"bad inputs": 3000},
 )
 
 
-def _kind(what: str) -> str:
+def kind_of(what: str) -> str:
+    """The kind of a fault that ``case.faults`` has put in words."""
     return next((kind for begin, kind in _KINDS.items() if what.startswith(begin)), UNCLEAR)
 
 
@@ -100,10 +101,10 @@ def _configs(seed: int) -> Iterator[Input]:
 def _values(name: str, hint: object, more: tuple[str, ...], seed: int) -> Iterator[Input]:
     kind = _taken(hint)
     for value in VALUES[kind]:
-        must = value in REFUSED[kind] and not name.startswith(_MAPS)
+        must = value in NEVER[kind] and not name.startswith(_MAPS)
         words = fit(*more, f"{name}={value}", command="preprocess")
         key = f"inputs: {' '.join((*more, name))}={value}, seed {seed}"
-        yield Input(kind, key, seed, Case(key, tuple(words), codes=(1, 2) if must else BORNE))
+        yield Input(kind, key, seed, Case(key, tuple(words), codes=REFUSED if must else BORNE))
 
 
 def _taken(hint: object) -> str:
@@ -122,16 +123,22 @@ def _taken(hint: object) -> str:
 
 
 def _records(seed: int) -> Iterator[Input]:
-    names = list(DAMAGES)
+    names, sound = list(DAMAGES), [line.split(",") for line in csv(swing()).splitlines()]
     for number in range(RECORDS):
         name = names[number % len(names)]
         damage, must = DAMAGES[name]
         drawn = np.random.default_rng([seed, number])
-        content = damage(drawn, [line.split(",") for line in csv(swing()).splitlines()])
+        content = damage(drawn, [list(row) for row in sound])
         key = f"inputs: recording, {name}, seed {seed}.{number}"
         words = fit(command="fit" if number % 8 == 0 else "preprocess")
-        case = Case(key, tuple(words), codes=(1, 2) if must else BORNE, files={RECORD: content})
+        case = Case(key, tuple(words), codes=REFUSED if must else BORNE, files={RECORD: content})
         yield Input(name, key, seed, case)
+
+
+def _tables(seed: int) -> Iterator[Input]:
+    for table in TABLES:
+        for category, case in table.cases():
+            yield Input(category, f"inputs: {case.name}, seed {seed}", seed, case)
 
 
 def _joined(rows: list[list[str]], by: str = ",") -> str:

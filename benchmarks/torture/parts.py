@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from benchmarks.torture import disks, endurance, inputs, kills, secrets, stores
+from benchmarks.torture import disks, endurance, inputs, kills, properties, received, secrets, stores
 from benchmarks.torture.bench import Part
 
-PARTS: tuple[Part, ...] = (inputs.PART, kills.PART, disks.PART, stores.PART, endurance.PART, secrets.PART)
+PARTS: tuple[Part, ...] = (
+    inputs.PART, properties.PART, received.PART, kills.PART, disks.PART, stores.PART, endurance.PART,
+    secrets.PART,
+)  # fmt: skip

@@ -9,8 +9,9 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing import forkserver
 from pathlib import Path
 
 from benchmarks.torture.case import Case, Content, Said
@@ -30,18 +31,25 @@ def load() -> None:
         importlib.import_module(name)
 
 
-def play(case: Case, lab: Callable[[Path], None], keep: Path | None = None) -> Said:
+def play(case: Case, lab: Callable[[Path], None]) -> Said:
     """The answer to ``case``, in a new folder that ``lab`` fills."""
-    folder = Path(tempfile.mkdtemp(prefix="torture-"))
-    try:
+    with new_folder() as folder:
         lab(folder)
         for name, content in case.files.items():
             write(folder / name, content)
-        return _forked(case, folder)
+        return answer(case.words, folder, case.seconds)
+
+
+@contextmanager
+def new_folder(within: Path | None = None) -> Iterator[Path]:
+    """A new folder, which goes whatever its modes are by then."""
+    folder = Path(tempfile.mkdtemp(prefix="torture-", dir=within))
+    try:
+        yield folder
     finally:
         for path in folder.rglob("*"):
             with suppress(OSError):
-                if path.is_dir():
+                if path.is_dir() and not path.is_symlink():
                     path.chmod(0o755)
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -57,19 +65,27 @@ def write(path: Path, content: Content) -> None:
         content(path)
 
 
-def _forked(case: Case, folder: Path) -> Said:
+def answer(
+    words: Sequence[str],
+    folder: Path,
+    seconds: float,
+    environment: Mapping[str, str] | None = None,
+    script: Path | None = None,
+) -> Said:
+    """What ``hybridid`` with ``words`` answers in ``folder``, with more in its environment. ``script`` is
+    ``hybridid`` as it is installed: it starts Python anew."""
     with tempfile.TemporaryDirectory() as own:
         out, err = Path(own) / "out", Path(own) / "err"
         began = time.monotonic()
         sys.stdout.flush(), sys.stderr.flush()
         child = os.fork()
         if child == 0:
-            _child(case.words, folder, out, err)
-        code = _waited(child, case.seconds)
-        seconds = time.monotonic() - began
+            _child(words, folder, out, err, environment or {}, script)
+        code = _waited(child, seconds)
+        took = time.monotonic() - began
         left = tuple(str(p.relative_to(folder)) for p in folder.rglob("*"))
         text = [p.read_text(encoding="utf-8", errors="replace") if p.exists() else "" for p in (out, err)]
-        return Said(code, *text, seconds, left)
+        return Said(code, *text, took, left)
 
 
 def _waited(child: int, seconds: float) -> int:
@@ -83,16 +99,28 @@ def _waited(child: int, seconds: float) -> int:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-def _child(words: Sequence[str], folder: Path, out: Path, err: Path) -> None:
+def _child(
+    words: Sequence[str],
+    folder: Path,
+    out: Path,
+    err: Path,
+    environment: Mapping[str, str],
+    script: Path | None,
+) -> None:
     """Become ``hybridid`` with ``words``; never returns."""
     code = 99
     try:
         os.setpgid(0, 0)
+        # the server of the process that this one was forked from is no child of this one
+        forkserver._forkserver._forkserver_pid = None
         os.chdir(folder)
         os.environ.pop("HYBRIDID_DATA", None)
+        os.environ.update(environment)
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         for number, path in ((1, out), (2, err)):
             os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), number)
+        if script is not None:
+            os.execv(sys.executable, [sys.executable, str(script), *words])
         sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
         sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
         sys.argv = ["hybridid", *words]
