@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from hybridid.declarations import PortKind
 from hybridid.effects.effect import Effect
+from hybridid.effects.over import Over, overs_for
 from hybridid.model import Model
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.learned_effort import learned_effort
-from hybridid.trace.over import Over, overs_for
 from hybridid.trace.path import Path
 from hybridid.trace.refit import (
     FAILURES,

@@ -3,7 +3,7 @@
     F = g sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2))
 
 with s a variable of the port and g = 1; or, for a damping, a dry friction or an inertia that changes with s,
-g = v, sign(v) or the acceleration (``hybridid.trace.over``). At a flow port, F is a learned flow.
+g = v, sign(v) or the acceleration (``hybridid.effects.over``). At a flow port, F is a learned flow.
 
 The bumps lie on a fixed grid over the range that the fitted horizons cover. V holds the combinations of
 bumps that these horizons show (principal components): a bump where the record hardly ever is would take any
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from hybridid.declarations import PortKind
 from hybridid.effects.dimension import ONE, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
-from hybridid.trace.over import BRISTLE, FACTORS, MEMORIES, Over, value_of
+from hybridid.effects.over import BRISTLE, FACTORS, MEMORIES, Over, value_of
 
 Array = NDArray[np.float64]
 FAINT = 1e-4

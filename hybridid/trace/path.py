@@ -13,9 +13,9 @@ from scipy.signal import lfilter
 
 from hybridid.effects.dimension import ONE
 from hybridid.effects.effect import Effect, EffectParameter
+from hybridid.effects.over import BRISTLE, RECENT, Over, Variable
 from hybridid.model import Model
 from hybridid.plants.plant import TOGETHER, Plant
-from hybridid.trace.over import BRISTLE, RECENT, Over, Variable
 from hybridid.trace.refit import Refit
 from hybridid.trace.split import Split
 

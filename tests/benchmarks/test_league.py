@@ -20,8 +20,8 @@ from benchmarks.league.scenario import CATEGORIES, Scenario
 from benchmarks.league.scenarios import all_scenarios
 from benchmarks.league.scoring import EMPTY, Tally, asked, rounds, tallies
 from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.effects.over import RECENT, Over
 from hybridid.trace.ceiling import ceiling
-from hybridid.trace.over import RECENT, Over
 
 ALL = {s.key: s for s in all_scenarios()}
 DRAG = "carriage/carriage.quadratic_drag/large/noise1e-07/seed5"

@@ -8,12 +8,12 @@ from dataclasses import replace
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.effects.over import Over
 from hybridid.estimators import FitSettings
 from hybridid.trace.before_after import AFTER, BEFORE, Validation, before_and_after, scored
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.completeness import WithNetwork, completeness
 from hybridid.trace.context import Context
-from hybridid.trace.over import Over
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import recheck
 from hybridid.trace.split import by_record

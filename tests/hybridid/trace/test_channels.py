@@ -13,13 +13,13 @@ from hybridid.effects.channel_friction import friction_over
 from hybridid.effects.dimension import EFFORT
 from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.effects.library import EFFECTS, effect_named, library_for
+from hybridid.effects.over import OVERS, Over, overs_for
 from hybridid.plants.duffing import Duffing
 from hybridid.plants.emps import EMPS
 from hybridid.plants.esea import ESEA
 from hybridid.plants.servo import Servo
 from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
-from hybridid.trace.over import OVERS, Over, overs_for
 from hybridid.trace.path import Path, is_load
 from hybridid.trace.refit import refit
 from hybridid.trace.split import by_record

@@ -7,13 +7,13 @@ import pytest
 
 from hybridid.declarations import Signal
 from hybridid.effects.library import effect_named
+from hybridid.effects.over import OVERS_OF_A_FLOW, Over, overs_for
 from hybridid.model import compose
 from hybridid.plotting.trace_ceiling import LearnedCurve, ceiling_plot
 from hybridid.plotting.trace_missing_effort import missing_effort_plot
 from hybridid.trace.context import Context
 from hybridid.trace.learned_effort import learned_effort
 from hybridid.trace.missing_effort import missing_effort
-from hybridid.trace.over import OVERS_OF_A_FLOW, Over, overs_for
 from hybridid.trace.split import by_record
 from hybridid.trace.summary import learned_gains
 from hybridid.trace.verdict import conclude

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hybridid.trace.over import BRISTLE, Over
+from hybridid.effects.over import BRISTLE, Over
 from hybridid.trace.path import Path, _deflection
 from hybridid.trace.refit import refit
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.effects.over import OVERS, OVERS_OF_A_FLOW, Over
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace import ceiling as ceiling_module
 from hybridid.trace import stand_in
@@ -16,7 +17,6 @@ from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.learned_effort import learned_effort
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.over import OVERS, OVERS_OF_A_FLOW, Over
 from hybridid.trace.refit import refit
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
