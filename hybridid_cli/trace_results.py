@@ -9,13 +9,20 @@ from rich.text import Text
 
 from hybridid.quantities import NONE, UNKNOWN, change, probability, quantity, r_squared, share
 from hybridid.trace.result import Trace
-from hybridid.trace.words import VERDICTS, completeness_in_words, parameters_in_words
+from hybridid.trace.words import (
+    VERDICTS,
+    completeness_in_words,
+    idle_in_words,
+    parameters_in_words,
+    tried_in_words,
+)
 from hybridid_cli.tables import provenance, table, view
 from pipelines.shared.traced import trace_of
 
 _COLOURS = {
     "effect_found": "green",
     "ambiguous": "yellow",
+    "law_proposed": "yellow",
     "nothing_missing": "green",
     "undecided": "yellow",
     "unexplained": "red",
@@ -31,11 +38,13 @@ def trace_results(tree: Path) -> list[RenderableType]:
     if found.accepted:
         parts.append(_accepted(found))
     parts.append(_before_after(found))
+    if found.idle:
+        parts.append(Text(idle_in_words(found)))
     if found.completeness:
         parts.append(Text(f"completeness: {completeness_in_words(found)}"))
     parts += [
         Text(
-            f"tried {len(found.rejected) + len(found.accepted)} effects in {len(found.steps)} steps, "
+            f"tried {tried_in_words(found)} in {len(found.steps)} steps, "
             f"{found.seconds:.0f} s on {said.processes} processes; {found.stopped}"
         ),
         Text(f"report: {tree / 'trace' / 'report.html'}"),

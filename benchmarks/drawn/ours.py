@@ -39,7 +39,7 @@ def traced(
     """
     began = time.process_time()
     effects = tuple(effect for effect in EFFECTS if ids is None or effect.id in ids)
-    context = Context(split_of(case, records), effects, Rules(most_effects=most_effects))
+    context = Context(split_of(case, records), effects, Rules(most_effects=most_effects), laws=False)
     found = conclude(case.model(), context)
     classes = [[one.name, *_others(one)] for one in found.accepted]
     first = found.accepted[0] if found.accepted else None

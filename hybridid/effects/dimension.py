@@ -34,6 +34,16 @@ class Dimension:
             port.effort_scale**self.effort * port.position_scale**self.position * port.time_scale**self.time
         )
 
+    def times(self, other: Dimension, power: int = 1) -> Dimension:
+        """This dimension times ``other`` to the ``power``; only one of them may have a channel's unit."""
+        return Dimension(
+            self.effort + power * other.effort,
+            self.position + power * other.position,
+            self.time + power * other.time,
+            self.channel + power * other.channel,
+            other.channel_unit if other.channel else self.channel_unit,
+        )
+
     def unit(self, port: Port) -> str:
         """The unit's name at ``port``, such as ``N·s/m``; ``"1"`` if dimensionless.
 

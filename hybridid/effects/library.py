@@ -26,6 +26,7 @@ from hybridid.effects import (
     varying_inertia,
 )
 from hybridid.effects.channel_friction import friction_over
+from hybridid.effects.composed import composed_named
 from hybridid.effects.effect import Effect
 from hybridid.naming import unknown
 
@@ -93,7 +94,8 @@ def library_for(channels: Iterable[Signal]) -> tuple[Effect, ...]:
 
 
 def effect_named(name: str, channels: Iterable[Signal] = ()) -> Effect:
-    """The effect called ``name``: an id of the library, or ``module.path:NAME`` of a user's own effect.
+    """The effect called ``name``: an id of the library or of a composed law, or ``module.path:NAME`` of one's
+    own.
 
     ``channels`` are the inputs and auxiliary channels that the effects of the library may follow.
 
@@ -102,9 +104,11 @@ def effect_named(name: str, channels: Iterable[Signal] = ()) -> Effect:
     """
     if ":" in name:
         return _imported(name)
-    by_id = {effect.id: effect for effect in library_for(channels)}
-    if name in by_id:
-        return by_id[name]
+    known = tuple(channels)
+    by_id = {effect.id: effect for effect in library_for(known)}
+    law = by_id.get(name) or composed_named(name, known)
+    if law is not None:
+        return law
     raise ValueError(unknown("effect", name, [*by_id, "module:NAME of your own"]))
 
 

@@ -57,6 +57,11 @@ class Over:
         return _DIMENSIONS[self.variable]
 
     @property
+    def amplitude(self) -> Dimension:
+        """Of what the factor multiplies."""
+        return FACTORS[self.factor][1]
+
+    @property
     def channels(self) -> tuple[str, ...]:
         """The inputs and channels that it sees."""
         return () if self.signal is None else (self.signal.name,)
@@ -82,6 +87,9 @@ _DIMENSIONS: Mapping[Variable, Dimension] = {
     BRISTLE: ONE,
     "level": POSITION,
 }
+_SYMBOLS: Mapping[Variable, str] = {
+    "velocity": "v", RECENT: "r", "position": "q", "time": "t", "load": "L", BRISTLE: "z", "level": "h",
+}  # fmt: skip
 FACTORS: Mapping[Factor, tuple[str, Dimension]] = {
     "": ("", EFFORT),
     "velocity": ("v ", DAMPING),
@@ -104,14 +112,27 @@ OVERS = (
     Over("position", "acceleration"),
     Over(BRISTLE),
 )
+FLOW_FACTORS: tuple[Factor, ...] = ("",)
 OVERS_OF_A_FLOW = (Over("level"), Over("time"), Over("level", "net flow"))
 
 
 def overs_for(port: Port, inputs: Sequence[Signal]) -> tuple[Over, ...]:
     """All that a learned effort or flow at ``port`` may depend on in a model of these inputs and channels."""
-    overs = OVERS_OF_A_FLOW if port.kind == "flow" else OVERS
-    factors: tuple[Factor, ...] = ("",) if port.kind == "flow" else ("", "sign of velocity")
-    return (*overs, *(Over("input", factor, signal) for signal in inputs for factor in factors))
+    if port.kind == "flow":
+        return (*OVERS_OF_A_FLOW, *over_inputs(inputs, FLOW_FACTORS))
+    return (*OVERS, *over_inputs(inputs))
+
+
+def over_inputs(
+    inputs: Sequence[Signal], factors: Sequence[Factor] = ("", "sign of velocity")
+) -> tuple[Over, ...]:
+    """Each of ``inputs`` as a variable, with each of ``factors``."""
+    return tuple(Over("input", factor, signal) for signal in inputs for factor in factors)
+
+
+def symbol_of(over: Over) -> str:
+    """The variable in an equation; a symbol of the textbooks, or the name of an input."""
+    return over.name.replace(" ", "_") if over.signal else _SYMBOLS[over.variable]
 
 
 def value_of(over: Over, at: Local) -> ca.SX:
@@ -126,6 +147,15 @@ def value_of(over: Over, at: Local) -> ca.SX:
         "load": at.drive - at.load,
     }  # fmt: skip
     return seen[variable]
+
+
+def factor_of(over: Over, at: Local) -> ca.SX | float:
+    """The factor at a port."""
+    factors = {
+        "": 1.0, "velocity": at.velocity, "sign of velocity": at.sign, "acceleration": at.acceleration,
+        "net flow": at.velocity,
+    }  # fmt: skip
+    return factors[over.factor]
 
 
 def _lag_of_speed(at: Local) -> dict[str, ca.SX]:

@@ -22,7 +22,9 @@ class Context:
     """The horizons of a trace, what is tried where, by which rules, and how the refits run.
 
     ``effects`` are tried at every port of their kind, or only at ``ports``. ``mapper`` runs refits one after
-    another or side by side; ``report`` follows them, and ``say`` is told what each step decides.
+    another or side by side; ``report`` follows them, and ``say`` is told what each step decides. ``laws``:
+    where no effect explains what a learned effort finds, laws are composed. ``revise``: each declared effect
+    is left out in turn, and others are sought in its place.
     """
 
     split: Split
@@ -32,6 +34,8 @@ class Context:
     mapper: Mapper = serial
     report: Report = silent
     say: Callable[[str], None] = unheard
+    laws: bool = True
+    revise: bool = False
 
     def equation_ports(self, model: Model) -> list[Port]:
         """The effort and flow ports of ``model`` where this trace tries something."""

@@ -37,7 +37,7 @@ class TriedEffect:
 
     ``gain`` is the relative decrease of the held-out RMSE (-1: it could not be fitted), ``p_value`` the
     adjusted p-value in the ``step``; ``parameters`` are the effect's own. ``class_of`` names the accepted
-    effect that it cannot be told from, if any.
+    effect that it cannot be told from, if any. ``is_law``: a composed law, no effect of the library.
     """
 
     effect: str
@@ -50,6 +50,7 @@ class TriedEffect:
     parameters: Mapping[str, Value]
     seconds: float
     class_of: str | None = None
+    is_law: bool = False
 
     @property
     def name(self) -> str:
@@ -65,7 +66,8 @@ class AcceptedEffect:
     stop), ``at_step`` their values when it was accepted. ``alike`` are the ids of the effects that the
     records cannot tell apart, itself first; ``class_members`` their trials; ``separating_experiments`` say
     what to record so that they come apart. ``gain``, ``p_value`` and ``likelihood_gain`` (the summed
-    log-likelihood ratio) are of its ``step``; ``survivals`` the same under other numerics.
+    log-likelihood ratio) are of its ``step``; ``survivals`` the same under other numerics. ``is_law``: a
+    composed law; ``form_of`` is the effect of the library that has its form, if one has.
     """
 
     effect: str
@@ -85,6 +87,8 @@ class AcceptedEffect:
     likelihood_gain: float
     step: int
     survivals: tuple[Survival, ...]
+    is_law: bool = False
+    form_of: str = ""
 
     @property
     def name(self) -> str:
@@ -95,6 +99,28 @@ class AcceptedEffect:
     def others(self) -> tuple[str, ...]:
         """Ids of the effects that it cannot be told from."""
         return tuple(name for name in self.alike if name != self.effect)
+
+
+@dataclass(frozen=True)
+class ReplacedEffect:
+    """Effects that explain more in the place of a declared one.
+
+    ``effects`` are the names of those accepted without ``left_out``, ``parameters`` all of that model.
+    ``gain`` is the relative decrease of the held-out RMSE against the last model. ``p_value`` is adjusted for
+    all that was tried. ``held_out_rmse`` is by output.
+    """
+
+    left_out: str
+    effects: tuple[str, ...]
+    gain: float
+    p_value: float
+    held_out_rmse: Mapping[str, float]
+    parameters: Mapping[str, Value]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The effects with their ports, as ``effects=[...]`` of a config takes them."""
+        return tuple("@".join(reversed(name.rsplit(".", 1))) for name in self.effects)
 
 
 @dataclass(frozen=True)

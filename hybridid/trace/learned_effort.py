@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from hybridid.declarations import PortKind
 from hybridid.effects.dimension import ONE, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
-from hybridid.effects.over import BRISTLE, FACTORS, MEMORIES, Over, value_of
+from hybridid.effects.over import BRISTLE, FACTORS, MEMORIES, Over, factor_of, value_of
 
 Array = NDArray[np.float64]
 FAINT = 1e-4
@@ -49,11 +49,7 @@ class Bumps:
         s = ca.fmin(ca.fmax(s, low), high)
         bumps = self._heights(((s - low) / (high - low) - 0.5) * (self.bumps - 1))
         effort = ca.dot(ca.vertcat(*bumps), self._amplitudes(at))
-        factors = {
-            "": 1, "velocity": at.velocity, "sign of velocity": at.sign, "acceleration": at.acceleration,
-            "net flow": at.velocity,
-        }  # fmt: skip
-        return effort * factors[self.over.factor]
+        return effort * factor_of(self.over, at)
 
     def _heights(self, s: ca.SX) -> list[ca.SX]:
         """``exp(-(s - c)^2 / 2)`` for centres c one apart, with 0 in the middle. It needs two exponentials:
@@ -108,7 +104,7 @@ def learned_effort(
     weights = [
         EffectParameter(
             f"a{j}",
-            FACTORS[over.factor][1],
+            over.amplitude,
             f"RMS {kind} of combination {j}",
             guess=0.0,
             nests=True,

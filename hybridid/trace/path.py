@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import casadi as ca
@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 
 from hybridid.effects.dimension import ONE
 from hybridid.effects.effect import Effect, EffectParameter
-from hybridid.effects.over import BRISTLE, RECENT, Over, Variable
+from hybridid.effects.over import BRISTLE, RECENT, Over, Variable, factor_of
 from hybridid.model import Model
 from hybridid.plants.plant import TOGETHER, Plant
 from hybridid.trace.refit import Refit
@@ -93,6 +93,13 @@ class Path:
             return self.motion(port, over.variable)
         return self.inputs[:, [s.name for s in self.model.inputs].index(over.signal.name)]
 
+    def factor(self, port: str, over: Over) -> Array:
+        """The factor of a learned effort over ``over`` at ``port``, (n,)."""
+        if not over.factor:
+            return np.ones(len(self.time))
+        probe = replace(LOAD, id="probe_of_factor", needs=(), law=lambda at: at.p.unit * factor_of(over, at))
+        return self._probed(probe, port)
+
     def shows(self, port: str, over: Over) -> bool:
         """Whether ``port`` knows what a learned effort over ``over`` needs, and all of it changes along the
         path; a port may have no velocity. An input that is the load itself says nothing beside it."""
@@ -107,15 +114,22 @@ class Path:
 
     def effort(self, model: Model, values: Mapping[str, float], port: str) -> Array:
         """Sum of the efforts of ``model``'s terms at ``port`` along this path, (n,)."""
+        return np.asarray(self.efforts(model, values, port).sum(axis=0))
+
+    def efforts(self, model: Model, values: Mapping[str, float], port: str) -> Array:
+        """The effort of each of ``model``'s terms at ``port`` along this path, (terms, n)."""
         rows = [k for k, (_, where) in enumerate(model.effort_places) if where == port]
         if not rows:
-            return np.zeros(len(self.time))
-        efforts = self._along(model.efforts, model.values(values))
-        return np.asarray(efforts[rows].sum(axis=0))
+            return np.zeros((0, len(self.time)))
+        return self._along(model.efforts, model.values(values))[rows]
 
     def _load(self, port: str) -> Array:
         """What the two sides of ``port`` press against each other, drive minus load, (n,)."""
-        probed = self.model.plus(LOAD, port)
+        return self._probed(LOAD, port)
+
+    def _probed(self, probe: Effect, port: str) -> Array:
+        """What a probe shows at ``port``, (n,)."""
+        probed = self.model.plus(replace(probe, kind=self.model.plant.port(port).kind), port)
         efforts = self._along(probed.efforts, probed.values(dict(zip(self._names, self.p, strict=True))))
         return np.asarray(efforts[-1])
 

@@ -16,6 +16,7 @@ from hybridid.trace.entries import (
     Floor,
     LearnedGain,
     Level,
+    ReplacedEffect,
     StepTaken,
     TriedEffect,
     UsedRecord,
@@ -73,6 +74,8 @@ class Trace:
     ``times`` is the held-out error over what the sensor's noise and the simulation alone would leave, and
     ``refused`` the gain worth having that a test refused, where that leaves the verdict open.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
+    ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
+    in the place of one, where that was asked.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
     """
 
@@ -101,6 +104,8 @@ class Trace:
     rules: Rules
     records: tuple[UsedRecord, ...]
     steps: tuple[StepTaken, ...]
+    idle: tuple[str, ...] = ()
+    replacements: tuple[ReplacedEffect, ...] = ()
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     @property

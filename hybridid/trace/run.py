@@ -36,6 +36,8 @@ def trace(
     settings: FitSettings | None = None,
     start: Mapping[str, float] | None = None,
     initial_state: str = "estimated",
+    laws: bool = True,
+    revise: bool = False,
     mapper: Mapper = serial,
     report: Report = silent,
     say: Callable[[str], None] = unheard,
@@ -46,8 +48,10 @@ def trace(
     or less where the records are short). ``effects`` (None: the library) are tried at every port of their
     kind, or only at ``ports``, by ``rules``. ``settings`` are those of the fits before and after, and give
     the integrator; ``start`` (values by name; None: by regression) is where the declared model starts.
-    ``initial_state`` ("estimated" or "measured") is that of free runs. ``mapper`` runs the refits, one after
-    another or side by side, and ``report`` follows them. ``say`` is told what each step decides, as it falls.
+    ``initial_state`` ("estimated" or "measured") is that of free runs. With ``laws``, a law is composed where
+    no effect explains what is missing. With ``revise``, each declared effect is left out in turn, and
+    others are sought in its place. ``mapper`` runs the refits, one after another or side by side;
+    ``report`` follows them. ``say`` is told what each step decides, as it falls.
 
     Raises:
         ValueError: if a record does not fit the model, the model diverges on the records, or they give too
@@ -59,7 +63,7 @@ def trace(
     split = divided(fitted, others, seconds)
     tried = library_for(model.channels) if effects is None else tuple(effects)
     where = None if ports is None else tuple(ports)
-    context = Context(split, tried, rules or Rules(), where, mapper, report, say)
+    context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, revise)
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     validation = Validation(fitted, others, settings, seconds, initial_state)
 

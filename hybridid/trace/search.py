@@ -10,6 +10,7 @@ from hybridid.model import Model
 from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
+from hybridid.trace.law_curve import LawOverLearned
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
@@ -26,17 +27,22 @@ from hybridid.trace.trial import (
     look_alikes,
 )
 
+AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
 Otherwise = dict[Numerics, Refit | None]
 """A model's refits under other numerics."""
 
 
 @dataclass(frozen=True)
 class Accepted:
-    """An effect taken into the model, with those the records cannot tell from it."""
+    """An effect taken into the model, with those the records cannot tell from it.
+
+    A composed law is also ``drawn`` over the learned effort that it explains.
+    """
 
     trial: Trial
     alike: tuple[Trial, ...]
     survivals: tuple[Survival, ...]
+    drawn: LawOverLearned | None = None
 
     @property
     def name(self) -> str:
@@ -84,20 +90,25 @@ def search(
 
     ``start`` holds parameter values to start the declared model from; ``floor`` is a loss.
     """
-    rules = context.rules
     base = context.one(refit, model, context.split, start, None, numerics, CONTINUATION)
-    steps: list[Step] = []
-    accepted: list[Accepted] = []
+    return continued(Search((), base, (), ""), context, floor)
+
+
+def continued(found: Search, context: Context, floor: float) -> Search:
+    """Add effects to the last model of ``found``, as ``search`` does."""
+    rules, base = context.rules, found.final
+    steps, accepted = list(found.steps), list(found.accepted)
     while True:
         if base.score.loss <= floor * rules.near_floor:
-            return Search(tuple(steps), base, tuple(accepted), "the residual meets the noise floor")
+            return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=AT_FLOOR)
         if len(accepted) >= rules.most_effects:
             stopped = f"{rules.most_effects} effects accepted, the most allowed"
-            return Search(tuple(steps), base, tuple(accepted), stopped)
+            return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
         step = _step(base, context, len(steps) + 1)
-        context.say(f"step {len(steps) + 1}: {_decided(step)}")
+        context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
-            return Search((*steps, step), base, tuple(accepted), "no further effect passes")
+            ended = (*steps, step)
+            return replace(found, steps=ended, final=base, accepted=tuple(accepted), stopped=NONE_PASSES)
         base, accepted, dropped = _backward(step.accepted.trial.refit, [*accepted, step.accepted], context)
         steps.append(replace(step, dropped=dropped))
 
@@ -108,7 +119,12 @@ def _step(base: Refit, context: Context, number: int) -> Step:
     candidates = list(admissible(base.model, context.effects, context.ports))
     places = [(candidate, base, context.split, rules.worth) for candidate in candidates]
     trials = context.each(f"step {number}", attempt, places, lambda trial: trial.candidate.name)
-    judged = judge(trials, rules)
+    return decided(base, judge(trials, rules), context)
+
+
+def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
+    """Accept the best of the ``judged`` trials beside ``base`` that passes and survives other numerics."""
+    rules = context.rules
     otherwise: Otherwise = {}
     while True:
         passed = [t for t in judged if t.status == PASSED]
@@ -124,7 +140,7 @@ def _step(base: Refit, context: Context, number: int) -> Step:
         judged = [withdrawn if t is best else t for t in judged]
 
 
-def _decided(step: Step) -> str:
+def said_of(step: Step) -> str:
     """What a step decided, in one line."""
     if step.accepted is None:
         return f"none of {len(step.trials)} effects passes"

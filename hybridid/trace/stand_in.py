@@ -31,6 +31,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from hybridid.effects.composed import is_composed
 from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
@@ -78,7 +79,12 @@ def without_mixed_classes(found: Search) -> Search:
 
 
 def _unrelated(one: Accepted) -> list[str]:
-    """The members of the class that no chain of look-alikes joins to the accepted effect."""
+    """The members of the class that no chain of look-alikes joins to the accepted effect.
+
+    A composed law claims nothing physical, and neither do the laws that do as well.
+    """
+    if is_composed(one.trial.candidate.effect):
+        return []
     joined, left = [one.trial], [t for t in one.alike if t is not one.trial]
     while near := [t for t in left if any(_related(t, other) for other in joined)]:
         joined += near

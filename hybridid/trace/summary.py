@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from hybridid.effects.composed import FORMS, is_composed
 from hybridid.estimators import Estimate
 from hybridid.naming import listed
 from hybridid.quantities import Z95
@@ -19,6 +20,7 @@ from hybridid.trace.entries import (
     Floor,
     LearnedGain,
     Level,
+    ReplacedEffect,
     StepTaken,
     TriedEffect,
     UsedRecord,
@@ -26,6 +28,7 @@ from hybridid.trace.entries import (
 )
 from hybridid.trace.refit import Refit
 from hybridid.trace.result import Estimates, Evidence, LearnedGains, Trace
+from hybridid.trace.revision import Replacement, idle_terms
 from hybridid.trace.robustness import Survival
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step
@@ -64,7 +67,25 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         rules=rules,
         records=used_records(validation.fitted, validation.others),
         steps=steps_taken(found.search),
+        idle=idle_terms(evidence.models[0].model, last.estimate),
+        replacements=tuple(map(_replaced, found.replacements)),
         evidence=evidence,
+    )
+
+
+def _replaced(one: Replacement) -> ReplacedEffect:
+    model = one.refit.model
+    return ReplacedEffect(
+        one.left_out,
+        tuple(accepted.name for accepted in one.accepted),
+        one.gain,
+        one.p_value,
+        dict(zip((y.name for y in model.outputs), one.refit.score.rmse.tolist(), strict=True)),
+        {
+            p.name: Value(one.refit.values[p.name], one.refit.std.get(p.name, math.nan), p.unit)
+            for p in model.parameters
+            if not p.fixed
+        },
     )
 
 
@@ -191,6 +212,8 @@ def _accepted(one: Accepted, number: int, estimate: Estimate) -> AcceptedEffect:
         likelihood_gain=trial.comparison.likelihood_gain if trial.comparison else math.nan,
         step=number,
         survivals=tuple(map(_short, one.survivals)),
+        is_law=is_composed(effect),
+        form_of=FORMS.get(effect.id, ""),
     )
 
 
@@ -245,4 +268,5 @@ def _tried(trial: Trial, number: int) -> TriedEffect:
         p_value=trial.p_adjusted if comparison else 1.0,
         parameters=own,
         seconds=trial.seconds,
+        is_law=is_composed(trial.candidate.effect),
     )

@@ -133,14 +133,20 @@ def _attempt(
     return Trial(candidate, found, evidence, fitted_gain, not_shown=not_shown(candidate, found, split))
 
 
-def judge(trials: Sequence[Trial], rules: Rules) -> list[Trial]:
+def judge(trials: Sequence[Trial], rules: Rules, family: int = 0) -> list[Trial]:
     """Give every trial its status and reason.
 
     All tried together are one family, weighted by what each takes from the fitted horizons: what does
     nothing there needs no share of the error allowed. No held-out horizon has a part in the weights.
+
+    If held-out horizons told which to try, all of the ``family`` count that could have been tried, with equal
+    weights (Bonferroni).
     """
     p_values = [t.comparison.p_value if t.comparison else 1.0 for t in trials]
-    adjusted = holm(p_values, [t.fitted_gain for t in trials])
+    if family:
+        adjusted = [min(1.0, p * family) for p in p_values]
+    else:
+        adjusted = holm(p_values, [t.fitted_gain for t in trials])
     return [_decided(replace(t, p_adjusted=p), rules) for t, p in zip(trials, adjusted, strict=True)]
 
 

@@ -14,17 +14,20 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.effects.composed import is_composed
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
 from hybridid.records.sensor_noise import noise_level
 from hybridid.trace.accuracy import simulation_error, times_the_limit
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
+from hybridid.trace.laws import with_law
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import Refit
+from hybridid.trace.revision import Replacement, replacements
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, recheck, search
+from hybridid.trace.search import Accepted, Search, continued, recheck, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import unless_minor, unless_outdone, without_mixed_classes, without_stand_ins
 
@@ -32,7 +35,7 @@ Array = NDArray[np.float64]
 MOST_TOLD = 3
 """Places where structure remains, the strongest, that are looked at and named."""
 Ceilings = tuple[Ceiling, ...]
-Verdict = Literal["effect_found", "ambiguous", "nothing_missing", "undecided", "unexplained"]
+Verdict = Literal["effect_found", "ambiguous", "law_proposed", "nothing_missing", "undecided", "unexplained"]
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,7 @@ class Conclusion:
     is left that no effect of the library explains. ``simulation`` is the error of the simulation of the last
     model, as ``floor``; ``times`` the held-out error over what noise and simulation alone leave.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
+    ``replacements`` do better in the place of a declared effect, where that was asked.
     """
 
     verdict: Verdict
@@ -56,6 +60,7 @@ class Conclusion:
     simulation: Mapping[str, float]
     times: float
     refused: str = ""
+    replacements: tuple[Replacement, ...] = ()
 
     @property
     def model(self) -> Model:
@@ -88,28 +93,56 @@ def conclude(
     floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
     found = search(model, context, starts, floor, Numerics(integrator=integrator))
+    settled = _settled(found, noise, context)
+    if settled.remains and context.laws:
+        lawful = with_law(settled.found, settled.left, context)
+        if lawful is not settled.found:
+            settled = _settled(continued(lawful, context, floor), noise, context)
+    refused = _refused(settled, rules)
+    revised = replacements(model, settled.found, context, floor) if context.revise else ()
+    names = [s.name for s in model.outputs]
+    return Conclusion(
+        verdict=_verdict(settled, refused, rules),
+        search=settled.found,
+        floor=dict(zip(names, noise.tolist(), strict=True)),
+        ceilings=settled.left,
+        ceilings_before=settled.before,
+        remains=settled.remains,
+        simulation=dict(zip(names, settled.simulation.tolist(), strict=True)),
+        times=settled.times,
+        refused=refused,
+        replacements=revised,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Settled:
+    """What is left of a search after every doubt; the fields as ``Conclusion`` has them."""
+
+    found: Search
+    left: Ceilings
+    before: Ceilings
+    simulation: Array
+    times: float
+    remains: tuple[str, ...]
+
+
+def _settled(found: Search, noise: Array, context: Context) -> _Settled:
+    """``found`` with its classes looked at again, and without what stands in for something else."""
     found = without_mixed_classes(recheck(found, context))
     found, left, before = _trusted(found, context)
     simulation, times = _error_left(found.final, noise, context)
-    kept = unless_minor(found, times, rules)
+    kept = unless_minor(found, times, context.rules)
     if kept is not found:
         found, left = kept, _beside_last(kept, before, context)
         simulation, times = _error_left(found.final, noise, context)
-    told = _telling(left, rules)[:MOST_TOLD]
-    remains = tuple(f"at {told[k].place}" for k in surviving([c.refit for c in told], found.final, context))
-    refused = _refused(found, left, times, rules)
-    names = [s.name for s in model.outputs]
-    return Conclusion(
-        verdict=_verdict(found, remains, times, refused, rules),
-        search=found,
-        floor=dict(zip(names, noise.tolist(), strict=True)),
-        ceilings=left,
-        ceilings_before=before,
-        remains=remains,
-        simulation=dict(zip(names, simulation.tolist(), strict=True)),
-        times=times,
-        refused=refused,
-    )
+    return _Settled(found, left, before, simulation, times, _remaining(found, left, context))
+
+
+def _remaining(found: Search, left: Ceilings, context: Context) -> tuple[str, ...]:
+    """The strongest places where a learned effort still finds something that survives other numerics."""
+    told = _telling(left, context.rules)[:MOST_TOLD]
+    return tuple(f"at {told[k].place}" for k in surviving([c.refit for c in told], found.final, context))
 
 
 def regressed(model: Model, split: Split) -> dict[str, float]:
@@ -159,26 +192,29 @@ def _telling(found: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:
     return sorted((c for c in passing if c.gain >= most / 2), key=lambda c: -c.gain)
 
 
-def _verdict(found: Search, remains: Sequence[str], times: float, refused: str, rules: Rules) -> Verdict:
-    """One word: an effect found alone, found in a class, something left unnamed, open, or nothing."""
+def _verdict(settled: _Settled, refused: str, rules: Rules) -> Verdict:
+    """One word: a law, an effect found alone or in a class, something left unnamed, open, or nothing."""
+    found = settled.found
+    if any(is_composed(one.trial.candidate.effect) for one in found.accepted):
+        return "law_proposed"
     if found.accepted:
         return "ambiguous" if any(len(one.alike) > 1 for one in found.accepted) else "effect_found"
-    if remains or found.withdrawn or times > rules.far:
+    if settled.remains or found.withdrawn or settled.times > rules.far:
         return "unexplained"
     return "undecided" if refused else "nothing_missing"
 
 
-def _refused(found: Search, left: Sequence[Ceiling], times: float, rules: Rules) -> str:
+def _refused(settled: _Settled, rules: Rules) -> str:
     """The largest gain worth having that the last model was refused; empty if there is none.
 
     Noise and simulation leave ``1 / times`` of the error. A gain that would take more than the rest took a
     part of the noise or of the simulation's error, and tells nothing of the machine.
     """
-    most = 1.0 - 1.0 / times
+    found, most = settled.found, 1.0 - 1.0 / settled.times
     tried = found.steps[-1].trials if found.steps and found.steps[-1].accepted is None else ()
     gains = [
         *((t.gain, f"{t.candidate.name}, refused: {t.reason}") for t in tried),
-        *((c.gain, f"{c.described}, p = {c.p_value:.2g}") for c in left),
+        *((c.gain, f"{c.described}, p = {c.p_value:.2g}") for c in settled.left),
     ]
     possible = [(gain, what) for gain, what in gains if rules.worth <= gain <= most]
     if not possible:

@@ -12,6 +12,7 @@ from hybridid.trace.trial import UNTRIED
 VERDICTS = {
     "effect_found": "effect found",
     "ambiguous": "ambiguous",
+    "law_proposed": "law proposed",
     "nothing_missing": "nothing missing",
     "undecided": "undecided",
     "unexplained": "unexplained",
@@ -21,7 +22,27 @@ VERDICTS = {
 def sentence(found: Trace) -> str:
     """The verdict in words: what could not be fitted, if anything; then what the model lacked and how far the
     error falls, or what is left."""
-    return _untried(found) + _concluded(found)
+    return _untried(found) + _concluded(found) + _revised(found)
+
+
+def _revised(found: Trace) -> str:
+    """What explains more in the place of a declared effect; empty unless that was asked and found."""
+    if not found.replacements:
+        return ""
+    best = found.replacements[0]
+    return (
+        f" The declared {best.left_out} may be wrong: {listed(best.effects)} in its place "
+        f"{'leave' if len(best.effects) > 1 else 'leaves'} {share(best.gain)} less error "
+        f"(p {probability(best.p_value, '= ')})."
+    )
+
+
+def idle_in_words(found: Trace) -> str:
+    """Which declared effects the records show nothing of; empty if there is none."""
+    if not found.idle:
+        return ""
+    them = "they end" if len(found.idle) > 1 else "it ends"
+    return f"These records show nothing of {listed(found.idle)}, which was declared: {them} at zero."
 
 
 def _concluded(found: Trace) -> str:
@@ -36,13 +57,43 @@ def _concluded(found: Trace) -> str:
     if found.verdict == "unexplained":
         place = f"structure remains {listed(found.remains)}, {where}. " if found.remains else ""
         return (
-            f"Something is missing that none of the {len(found.rejected)} effects tried explains: "
+            f"Something is missing that none of the {named_effects(found)} effects tried explains: "
             f"{place}{error_left(found)}"
         )
     them = "them" if len(found.accepted) > 1 else "it"
-    lacked = listed([_named(entry) for entry in found.accepted])
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
-    return f"The model lacked {lacked}: {fall}.{_rest(found)}"
+    names = [one for one in found.accepted if not one.is_law]
+    laws = [one for one in found.accepted if one.is_law]
+    lacked = f"The model lacked {listed([_named(entry) for entry in names])}"
+    if not laws:
+        return f"{lacked}: {fall}.{_rest(found)}"
+    before, something = (f"{lacked}. ", "Something else") if names else ("", "Something")
+    return (
+        f"{before}{something} is missing that none of the {named_effects(found)} effects tried explains. "
+        f"The law proposed is {listed([_law(one) for one in laws])}: {fall}.{_rest(found)}"
+    )
+
+
+def named_effects(found: Trace) -> int:
+    """How many effects of the library, and of the user's own, were tried; composed laws do not count."""
+    tried = [entry.is_law for entry in found.rejected] + [entry.is_law for entry in found.accepted]
+    return tried.count(False)
+
+
+def tried_in_words(found: Trace) -> str:
+    """``38 effects``, or ``38 effects and 26 laws``."""
+    named = named_effects(found)
+    laws = len(found.rejected) + len(found.accepted) - named
+    return f"{named} effects" + (f" and {laws} laws" if laws else "")
+
+
+def _law(entry: AcceptedEffect) -> str:
+    """A composed law with its parameters and the laws that do as well."""
+    text = f"{entry.equation} at {entry.port} ({', '.join(parameters_in_words(entry))})"
+    if entry.form_of:
+        text += f", which is the form of {entry.form_of}"
+    others = [member.effect for member in entry.class_members if member.effect != entry.effect]
+    return f"{text}; these records cannot tell it from {listed(others)}" if others else text
 
 
 def structure_in_words(found: Trace) -> str:
@@ -118,7 +169,7 @@ def error_left(found: Trace) -> str:
 
 def _untried(found: Trace) -> str:
     """Which effects and learned efforts could not be fitted: the verdict does not speak of these."""
-    names = [entry.name for entry in found.rejected if entry.status == UNTRIED]
+    names = [entry.name for entry in found.rejected if entry.status == UNTRIED and not entry.is_law]
     names += [f"a learned {c.kind} at {c.port} over {c.over}" for c in found.ceilings.after if c.failure]
     them = "them" if len(names) > 1 else "it"
     return f"The verdict leaves out {listed(names)}: no fit could solve {them}. " if names else ""

@@ -11,6 +11,7 @@ from hybridid.plotting.error import error_plot
 from hybridid.plotting.series import Response
 from hybridid.plotting.style import Plot
 from hybridid.plotting.trace_ceiling import LearnedCurve, ceiling_plot
+from hybridid.plotting.trace_law import law_plot
 from hybridid.plotting.trace_missing_effort import missing_effort_plot
 from hybridid.plotting.trace_trials import Tried, trials_plot
 from hybridid.plotting.trace_waterfall import Level, waterfall_plot
@@ -36,6 +37,7 @@ def figures(found: Trace) -> Named:
         yield from _errors(found, record)
     yield from _missing(found)
     yield from _ceilings(found)
+    yield from _laws(found)
 
 
 def waterfalls(found: Trace) -> Named:
@@ -80,6 +82,27 @@ def _ceilings(found: Trace) -> Named:
     for port in dict.fromkeys(port for port, _ in curves):
         own = [curve for at, curve in curves if at == port]
         yield f"{port}.ceiling", partial(ceiling_plot, port, own, found.judged, found.provenance)
+
+
+def _laws(found: Trace) -> Named:
+    """Each proposed law over the learned effort that it explains."""
+    for one in found.shown.conclusion.accepted:
+        if one.drawn is not None:
+            law, learned = one.drawn.curve, one.drawn.learned
+            yield (
+                f"{one.name}.law",
+                partial(
+                    law_plot,
+                    one.drawn.port,
+                    one.trial.candidate.effect.equation,
+                    (law.at, law.value),
+                    (learned.at, learned.value, learned.samples),
+                    (one.drawn.over_unit, one.drawn.unit),
+                    one.drawn.over.name,
+                    f"effort over {one.drawn.over.factor}" if one.drawn.over.factor else "effort",
+                    found.provenance,
+                ),
+            )
 
 
 def _curve(model: str, one: Ceiling) -> LearnedCurve:

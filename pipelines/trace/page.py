@@ -22,6 +22,7 @@ from hybridid.trace.words import (
     VERDICTS,
     completeness_in_words,
     error_left,
+    idle_in_words,
     learned,
     parameters_in_words,
     structure_in_words,
@@ -30,7 +31,7 @@ from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.traced import TraceFile
 from pipelines.trace.scores import score_tables
 
-KINDS = ("waterfall", "trials", "missing_effort", "ceiling", "error")
+KINDS = ("waterfall", "trials", "missing_effort", "ceiling", "error", "law")
 """Kinds of figures, as in the names of their files."""
 _TRIED = (
     "Every effect at every port of its kind was added to the model and all parameters refitted together; the "
@@ -49,8 +50,9 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
     about = {kind: tuple(p for p in pictures if kind in p.path.stem.split(".")) for kind in KINDS}
     sections = (
         Section("Before and after", tables=score_tables(found), pictures=about["waterfall"]),
-        _accepted(found),
+        _accepted(found, about["law"]),
         Section("Parameters", tables=(_parameters(found),)),
+        _declared(found),
         Section("What was tried", (_TRIED,), _refused(found), about["trials"]),
         Section("The residual", (_RESIDUAL,), pictures=(*about["error"], *about["missing_effort"])),
         _remaining(found, about["ceiling"]),
@@ -62,7 +64,7 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
     return Page(f"Trace of {traced.case}", found.sentence, shown, marks)
 
 
-def _accepted(found: Trace) -> Section | None:
+def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
     if not found.accepted:
         return None
     header = ("effect", "port", "estimate ± 95 %", "gain", "p", "cannot be told from", "step")
@@ -80,7 +82,33 @@ def _accepted(found: Trace) -> Section | None:
         for a in found.accepted
         if a.separating_experiments
     ]
-    return Section("What was accepted", tuple(paragraphs), (effects, *map(_survivals, found.accepted)))
+    tables = (effects, *map(_survivals, found.accepted))
+    return Section("What was accepted", tuple(paragraphs), tables, pictures)
+
+
+def _declared(found: Trace) -> Section | None:
+    """What speaks against the declared physics."""
+    if not (found.idle or found.replacements):
+        return None
+    header = ("left out", "in its place", "less error", "p", "effects=[...] of the revised model")
+    rows = tuple(
+        (
+            r.left_out, listed(r.effects), share(r.gain), probability(r.p_value),
+            ", ".join((*(_entry(name) for name in found.declared if name != r.left_out), *r.names)),
+        )
+        for r in found.replacements
+    )  # fmt: skip
+    note = (
+        "Each declared effect was left out in turn, and the search begun anew; p counts all that was tried."
+    )
+    title = f"Declared effects that others replace ({found.provenance})"
+    tables = (Table(title, header, rows, (note,), words=(0, 1, 4)),) if rows else ()
+    idle = (idle_in_words(found),) if found.idle else ()
+    return Section("The declared physics", idle, tables)
+
+
+def _entry(name: str) -> str:
+    return "@".join(reversed(name.rsplit(".", 1)))
 
 
 def _survivals(entry: AcceptedEffect) -> Table:

@@ -25,13 +25,16 @@ from pipelines.shared.sources import Named, chosen
 @dataclass(frozen=True)
 class Request:
     """A trace as configured: ``effects`` to try at ``ports`` (None: all), judged by ``rules``, over horizons
-    of ``horizon`` s, in parallel ``processes``."""
+    of ``horizon`` s, in parallel ``processes``. ``laws`` are composed where no effect explains.
+    ``revise``: each declared effect is left out in turn."""
 
     effects: tuple[Effect, ...]
     ports: tuple[str, ...] | None
     rules: Rules
     horizon: float
     processes: int
+    laws: bool = True
+    revise: bool = False
 
 
 def request_of(settings: Settings) -> Request:
@@ -42,7 +45,7 @@ def request_of(settings: Settings) -> Request:
     """
     section = section_of(settings)
     seen = (*plant_of(settings).inputs, *channels_of(settings))
-    effects = (*_library(section, settings, seen), *_own(section))
+    effects = _without((*_library(section, settings, seen), *_own(section)), section.leave_out)
     for effect in effects:
         if [e.id for e in effects].count(effect.id) > 1:
             raise ConfigError(f"trace.extra_effects: two effects to try are called {effect.id}")
@@ -51,7 +54,8 @@ def request_of(settings: Settings) -> Request:
             if name not in known:
                 raise ConfigError(unknown(f"channel that effect {effect.id} of trace sees", name, known))
     ports = _ports(settings, section, effects)
-    return Request(effects, ports, section.rules, _horizon(settings, section), _processes(settings, section))
+    horizon, processes = _horizon(settings, section), _processes(settings, section)
+    return Request(effects, ports, section.rules, horizon, processes, section.laws, section.revise)
 
 
 def section_of(settings: Settings) -> TraceSection:
@@ -105,6 +109,18 @@ def _library(section: TraceSection, settings: Settings, seen: Sequence[Signal]) 
     if section.effects is None:
         return library_for(channels_of(settings))
     return tuple(_named(name, "trace.effects", seen) for name in section.effects)
+
+
+def _without(effects: tuple[Effect, ...], names: Sequence[str]) -> tuple[Effect, ...]:
+    """The ``effects`` but for those that are left out by their ids."""
+    known = [effect.id for effect in effects]
+    for name in names:
+        if name not in known:
+            raise ConfigError(unknown("effect in trace.leave_out:", name, known))
+    left = tuple(effect for effect in effects if effect.id not in names)
+    if not left:
+        raise ConfigError("trace.leave_out names every effect to try")
+    return left
 
 
 def _own(section: TraceSection) -> list[Effect]:

@@ -1,7 +1,7 @@
 """``trace``: finds the physics that the model lacks by refitting it with each effect, and reports it.
 
 Writes ``trace.json``, ``model.json`` (the augmented model), ``report.html`` and ``report.md`` with their
-figures, and the missing efforts as Parquet.
+figures, the missing efforts as Parquet, and a proposed law as an effect file.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from pipelines.shared.sources import sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
 from pipelines.shared.traced import TraceFile
+from pipelines.trace.law_file import law_files
 from pipelines.trace.missing import write_missing
 from pipelines.trace.page import trace_page
 from pipelines.trace.request import (
@@ -92,6 +93,8 @@ def traced(
             settings=fit_settings(settings),
             start=start,
             initial_state=str(settings["validate.initial_state"]),
+            laws=request.laws,
+            revise=request.revise,
             mapper=keep(mapper),
             report=report,
             say=say,
@@ -126,6 +129,8 @@ def _write(job: Job, found: Trace, processes: int) -> None:
         found=found,
     )
     write_json(job.folder / "trace.json", traced)
+    for name, text in law_files(found, job.settings.case).items():
+        (job.folder / name).write_text(text, encoding="utf-8")
     job.watcher.progress("report", "figures and pages", None)
     trace_page(traced, _drawn(job, found)).write(job.folder, "report")
 

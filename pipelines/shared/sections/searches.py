@@ -42,6 +42,13 @@ class TraceSection:
     extra_effects: tuple[str, ...] = setting(
         (), "effects of your own, tried beside them", shown="[MODULE:NAME,...]"
     )
+    leave_out: tuple[str, ...] = setting((), "ids of effects that are not tried", shown="[ID,...]")
+    laws: bool = setting(
+        True, "compose a law where no effect explains what a learned effort finds (docs/trace.md)"
+    )
+    revise: bool = setting(
+        False, "leave out each declared effect in turn, and seek others in its place (as long again for each)"
+    )
     ports: tuple[str, ...] | None = setting(None, "names of the ports to try", null="all")
     rules: Rules = inlined(Rules())
     processes: int | None = setting(None, "trials side by side", least=1, null=_CORES)

@@ -65,7 +65,7 @@ def test_friction_that_follows_a_channel_is_named_with_the_channel(model, split)
 
 
 def test_a_learned_effort_over_the_channel_finds_it_where_no_effect_names_it(model, split):
-    found = conclude(model, Context(split, OTHERS))
+    found = conclude(model, Context(split, OTHERS, laws=False))
     assert found.verdict == "unexplained"
     assert found.accepted == ()
     assert found.remains[0] == "at carriage over temperature, times sign of velocity"

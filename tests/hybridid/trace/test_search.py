@@ -94,7 +94,7 @@ def test_two_effects_are_found_one_after_the_other(make_model, split_of):
 def test_structure_that_no_effect_explains_is_said_to_remain(make_model, split_of):
     """Friction by direction with nothing in the library that knows direction: unexplained, and where."""
     tried = tuple(map(effect_named, ("stribeck", "input_gain")))
-    found = conclude(make_model(), Context(split_of(df_v=DF_V), tried))
+    found = conclude(make_model(), Context(split_of(df_v=DF_V), tried, laws=False))
     assert found.verdict == "unexplained"
     assert "at carriage over velocity" in found.remains
 

@@ -5,10 +5,18 @@ from dataclasses import replace
 
 import pytest
 
-from hybridid.trace.entries import AcceptedEffect, Floor, LearnedGain, Level, TriedEffect
+from hybridid.trace.entries import (
+    AcceptedEffect,
+    Floor,
+    LearnedGain,
+    Level,
+    ReplacedEffect,
+    TriedEffect,
+    Value,
+)
 from hybridid.trace.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
-from hybridid.trace.words import _members, sentence, structure_in_words
+from hybridid.trace.words import _members, idle_in_words, sentence, structure_in_words, tried_in_words
 
 
 def tried(effect: str, gain: float, reason: str) -> TriedEffect:
@@ -128,3 +136,52 @@ def test_what_is_learned_at_a_level_is_a_flow(nothing):
     stiff = replace(level, failure="too stiff")
     said = sentence(replace(nothing(DRAG), ceilings=LearnedGains((), (stiff,))))
     assert said.startswith("The verdict leaves out a learned flow at upper over level: no fit")
+
+
+def accepted(effect, equation, is_law, alike=(), form_of=""):
+    members = tuple(replace(tried(name, 0.5, ""), is_law=is_law) for name in (effect, *alike))
+    return AcceptedEffect(
+        effect=effect, port="carriage", title="", equation=equation, pattern="", source="",
+        parameters={"k": Value(-36.9, 2.25, "N·s/m")}, known={}, alike=(effect, *alike),
+        class_members=members,
+        separating_experiments=(), p_value=1e-6, gain=0.4, at_step={}, likelihood_gain=1.0, step=1,
+        survivals=(), is_law=is_law, form_of=form_of,
+    )  # fmt: skip
+
+
+def test_a_proposed_law_is_told_as_a_formula_and_no_name(nothing):
+    law = accepted("modulus_of_velocity", "F = k |v|", True, ("square_of_velocity",), "asymmetric_viscous")
+    refused = replace(tried("cube_of_velocity", 0.1, "less"), is_law=True, status="untried")
+    path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
+    found = replace(nothing(DRAG, refused), verdict="law_proposed", accepted=(law,), path=path)
+    assert sentence(found) == (
+        "Something is missing that none of the 1 effects tried explains. The law proposed is F = k |v| at "
+        "carriage (k = −36.9 ± 4.4 N·s/m), which is the form of asymmetric_viscous; these records cannot "
+        "tell it from square_of_velocity: with it the RMSE on held-out horizons of 1 s (simulated) falls "
+        "from 3 µm to 1.5 µm (50 % less) in position."
+    )
+    assert tried_in_words(found) == "1 effects and 2 laws"
+
+
+def test_names_are_told_before_a_law(nothing):
+    law, name = accepted("cube_of_velocity", "F = k v³", True), accepted("stribeck", "F = k", False)
+    path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
+    said = sentence(replace(nothing(DRAG), verdict="law_proposed", accepted=(law, name), path=path))
+    assert said.startswith("The model lacked stribeck at carriage (k = −36.9 ± 4.4 N·s/m). Something else is")
+    assert "The law proposed is F = k v³ at carriage (k = −36.9 ± 4.4 N·s/m): with them the RMSE" in said
+
+
+def test_what_speaks_against_the_declared_physics_is_told(nothing):
+    better = ReplacedEffect(
+        "carriage.viscous", ("carriage.coulomb", "carriage.quadratic_drag"), 0.28, 2e-5, {}, {}
+    )
+    assert better.names == ("coulomb@carriage", "quadratic_drag@carriage")
+    found = replace(nothing(DRAG), replacements=(better,), idle=("carriage.offset",))
+    assert sentence(found).endswith(
+        " The declared carriage.viscous may be wrong: carriage.coulomb and carriage.quadratic_drag in its "
+        "place leave 28.0 % less error (p = 2.00·10⁻⁵)."
+    )
+    assert idle_in_words(found) == (
+        "These records show nothing of carriage.offset, which was declared: it ends at zero."
+    )
+    assert idle_in_words(nothing()) == ""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from hybridid.trace.entries import ReplacedEffect
 from pipelines.shared.page import Picture, Section, Table
 from pipelines.trace.page import trace_page
 
@@ -158,3 +159,23 @@ def test_figures_stand_in_their_sections(stored, tmp_path):
 
 def test_text_of_the_library_is_escaped(stored):
     assert "&lt;against&gt;" in trace_page(stored(), ()).html()
+
+
+def test_what_speaks_against_the_declared_physics_has_a_section(section, stored):
+    better = ReplacedEffect("cart.viscous", ("cart.coulomb", "cart.quadratic_drag"), 0.28, 2e-5, {}, {})
+    shown = section(
+        "The declared physics",
+        replacements=(better,),
+        idle=("cart.offset",),
+        declared=("cart.viscous", "cart.offset"),
+    )
+    (table,) = shown.tables
+    assert table.rows == (
+        (
+            "cart.viscous", "cart.coulomb and cart.quadratic_drag", "28.0 %", "2.00·10⁻⁵",
+            "offset@cart, coulomb@cart, quadratic_drag@cart",
+        ),
+    )  # fmt: skip
+    assert "nothing of cart.offset" in shown.paragraphs[0]
+    titles = [one.title for one in trace_page(stored(), ()).sections]
+    assert "The declared physics" not in titles

@@ -1,4 +1,4 @@
-"""The horizon that a trace judges by, where the config leaves it open."""
+"""What a trace is asked for: effects, and the horizon where the config leaves it open."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from hybridid.effects.library import EFFECTS
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import ENOUGH
 from pipelines.shared.config import Settings
-from pipelines.trace.request import Request, fitting_horizon, imported_effects
+from pipelines.shared.errors import ConfigError
+from pipelines.trace.request import Request, fitting_horizon, imported_effects, request_of
 
 ASKED = 1.0  # s
 
@@ -57,3 +58,27 @@ def test_a_horizon_that_is_given_stays():
 def test_own_effects_are_known_by_their_import_paths_wherever_they_are_named():
     section = {"effects": ["viscous", "lab:CABLE"], "extra_effects": ["lab:WORN"]}
     assert imported_effects(Settings("made", {"trace": section})) == ["lab:CABLE", "lab:WORN"]
+
+
+def asked(**section):
+    return request_of(Settings("emps", {"plant": "hybridid.plants.emps:EMPS", "trace": section}))
+
+
+def test_effects_that_are_left_out_are_not_tried():
+    every = asked()
+    assert every.laws
+    some = asked(leave_out=["cogging", "viscous"], laws=False)
+    assert {e.id for e in every.effects} - {e.id for e in some.effects} == {"cogging", "viscous"}
+    assert not some.laws
+
+
+@pytest.mark.parametrize(
+    ("section", "said"),
+    [
+        ({"leave_out": ["coging"]}, r"unknown effect in trace.leave_out: 'coging': did you mean 'cogging'"),
+        ({"effects": ["viscous"], "leave_out": ["viscous"]}, "trace.leave_out names every effect to try"),
+    ],
+)
+def test_a_wrong_effect_to_leave_out_is_one_line(section, said):
+    with pytest.raises(ConfigError, match=said):
+        asked(**section)

@@ -1,0 +1,224 @@
+"""A composed law: amplitude × f(one variable) × factor, f of ``hybridid.effects.shapes``.
+
+    F = k f(x) g,   x of ``hybridid.effects.over``,   g = 1, v, sign(v) or the acceleration
+
+It is an effect like those of the library, but no physical name: a trace proposes one where no effect of the
+library explains what is missing. Its id says what it is, as ``modulus_of_velocity`` or
+``bump_of_position_times_sign_of_velocity``, and can be written wherever the id of an effect can.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+
+from hybridid.declarations import PortKind, Signal
+from hybridid.effects.dimension import Dimension
+from hybridid.effects.effect import Effect, EffectParameter, Local
+from hybridid.effects.over import (
+    BRISTLE,
+    FACTORS,
+    FLOW_FACTORS,
+    MEMORIES,
+    OVERS,
+    OVERS_OF_A_FLOW,
+    RECENT,
+    Over,
+    Variable,
+    factor_of,
+    over_inputs,
+    symbol_of,
+    value_of,
+)
+from hybridid.effects.shapes import Seen, Shape, shapes_over
+from hybridid.effects.smooth import magnitude
+from hybridid.naming import unknown
+
+WIDE = 1e4
+"""Times its scale, a shape parameter may be, up or down, where no record bounds it."""
+OF, TIMES = "_of_", "_times_"
+FORMS: Mapping[str, str] = {
+    "proportional_of_velocity": "viscous",
+    "sign_of_velocity": "coulomb",
+    "modulus_of_velocity": "asymmetric_viscous",
+    "signed_square_of_velocity": "quadratic_drag",
+    "stribeck_of_velocity": "stribeck",
+    "peak_of_velocity": "eddy_brake",
+    "proportional_of_position": "linear_stiffness",
+    "shifted_of_position": "linear_stiffness",
+    "cube_of_position": "cubic_stiffness",
+    "sine_of_position": "cogging",
+    "bump_of_position": "detent",
+    "modulus_of_load_times_sign_of_velocity": "load_friction",
+    "shifted_of_position_times_sign_of_velocity": "position_friction",
+    "proportional_of_position_times_velocity": "position_damping",
+    "bump_of_position_times_acceleration": "varying_inertia",
+    "proportional_of_bristle_deflection": "dahl",
+    "proportional_of_load": "input_gain",
+}
+"""Effects of the library that have the form of a law, whether a trace tried them or not."""
+SOURCE = "composed of the shapes in hybridid.effects.shapes"
+
+
+_WHERE: Mapping[Variable, str] = {
+    "load": ", L = drive - load",
+    RECENT: ", tau r' = |v| - r",
+    BRISTLE: ", d z' = v - |v| z",
+}
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """Where a shape parameter starts, and its bounds, in SI units."""
+
+    guess: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class ComposedLaw:
+    """``amplitude × f(x) × factor``. Another process finds a class by its name, a shape by its."""
+
+    over: Over
+    name: str
+
+    @property
+    def shape(self) -> Shape:
+        """The function f."""
+        return next(shape for shape in shapes_over(self.over.variable) if shape.name == self.name)
+
+    def __call__(self, at: Local) -> ca.SX:
+        return self.shape.function(_seen(self.over, at), at.p) * factor_of(self.over, at)
+
+    @property
+    def equation(self) -> str:
+        """``F = k |q| sign(v)``."""
+        text = self.shape.equation.format(x=symbol_of(self.over))
+        return f"F = {text} {FACTORS[self.over.factor][0]}".rstrip() + _WHERE.get(self.over.variable, "")
+
+
+def is_composed(effect: Effect) -> bool:
+    """Whether an effect is a composed law, and no effect with a physical name."""
+    return isinstance(effect.law, ComposedLaw)
+
+
+def composed(
+    over: Over, shape: Shape, kind: PortKind = "effort", starts: Mapping[str, Bounded] | None = None
+) -> Effect:
+    """The law ``shape`` over ``over`` as an effect of ``kind``.
+
+    ``starts`` gives guesses and bounds of parameters in SI units, by name; the others are guessed by the
+    port's scales.
+    """
+    law, given = ComposedLaw(over, shape.name), starts or {}
+    x = over.dimension
+    amplitude, name = over.amplitude.times(x, -shape.power), _id(over, shape)
+    own = [_amplitude(key, amplitude, given) for key in shape.amplitudes]
+    own += [_further(key, x, _MEANINGS[role], given, role) for key, role in shape.roles.items()]
+    memory = MEMORIES.get(over.variable)
+    if memory is not None:
+        own.append(_further(memory.name, memory.dimension, memory.meaning, given))
+    return Effect(
+        id=name,
+        kind=kind,
+        title=f"a law over {over}",
+        equation=law.equation,
+        law=law,
+        parameters=tuple(own),
+        states=(memory.state,) if memory else (),
+        dynamics=memory.dynamics if memory else None,
+        needs=over.needs,
+        channels=over.channels,
+        source=SOURCE,
+        pattern=f"it has the form of {FORMS[name]}"
+        if name in FORMS
+        else "no effect of the library has its form",
+    )
+
+
+def composed_named(
+    name: str, signals: Iterable[Signal] = (), starts: Mapping[str, Bounded] | None = None
+) -> Effect | None:
+    """The composed law whose id is ``name``, over the variables of any port and over ``signals``; None if it
+    is none. ``starts`` as ``composed`` has them."""
+    for kind, over in _all_overs(signals):
+        for shape in shapes_over(over.variable):
+            if _id(over, shape) == name:
+                return composed(over, shape, kind, starts)
+    return None
+
+
+def law(name: str, over: tuple[str, str] | None = None, **guesses: float) -> Effect:
+    """The composed law whose id is ``name``, its parameters guessed at ``guesses`` (SI units).
+
+    ``over`` is the name and the unit of the input or channel that it follows, if it follows one.
+
+    Raises:
+        ValueError: if no law has that id, or none of its parameters one of the names.
+    """
+    signals = () if over is None else (Signal(*over),)
+    plain = composed_named(name, signals)
+    if plain is None:
+        raise ValueError(f"{name!r} is the id of no composed law (hybridid.effects.shapes)")
+    allowed = {p.name: p for p in plain.parameters}
+    for key in guesses:
+        if key not in allowed:
+            raise ValueError(f"law {name}: {unknown('parameter', key, allowed)}")
+    bounds = {key: _around(value, bool(allowed[key].lower > 0)) for key, value in guesses.items()}
+    found = composed_named(name, signals, bounds)
+    assert found is not None
+    return found
+
+
+def _around(value: float, positive: bool) -> Bounded:
+    return Bounded(value, value / WIDE, value * WIDE) if positive else Bounded(value, -math.inf, math.inf)
+
+
+def _all_overs(signals: Iterable[Signal]) -> Iterator[tuple[PortKind, Over]]:
+    known = tuple(signals)
+    yield from (("effort", over) for over in (*OVERS, *over_inputs(known)))
+    yield from (("flow", over) for over in (*OVERS_OF_A_FLOW, *over_inputs(known, FLOW_FACTORS)))
+
+
+def _id(over: Over, shape: Shape) -> str:
+    times = f"{TIMES}{over.factor}" if over.factor else ""
+    return f"{shape.name}{OF}{over.name}{times}".replace(" ", "_")
+
+
+def _seen(over: Over, at: Local) -> Seen:
+    x = value_of(over, at)
+    if over.variable == "velocity":
+        return Seen(x, at.speed, at.sign)
+    if over.variable == "load":
+        return Seen(x, magnitude(x, at.load_width), ca.tanh(x / at.load_width))
+    return Seen(x, ca.fabs(x), ca.sign(x))
+
+
+def _amplitude(name: str, dimension: Dimension, given: Mapping[str, Bounded]) -> EffectParameter:
+    if name not in given:
+        return EffectParameter(name, dimension, "amplitude", guess=0.1, nests=True)
+    one = given[name]
+    return EffectParameter(name, dimension, "amplitude", guess=one.guess, absolute=True, nests=True)
+
+
+_MEANINGS = {"place": "where the shape lies", "width": "how wide the shape is", "period": "period"}
+
+
+def _further(
+    name: str, dimension: Dimension, meaning: str, given: Mapping[str, Bounded], role: str = ""
+) -> EffectParameter:
+    """A parameter that is no amplitude: within bounds, if any are given."""
+    sought: Literal["", "period"] = "period" if role == "period" else ""
+    if name in given:
+        one = given[name]
+        return EffectParameter(
+            name, dimension, meaning, one.guess, one.lower, one.upper, absolute=True, sought=sought
+        )
+    if role == "place":
+        return EffectParameter(name, dimension, meaning, guess=0.0)
+    return EffectParameter(name, dimension, meaning, 0.3, 1 / WIDE, WIDE, sought=sought)

@@ -1,0 +1,132 @@
+"""``SHAPES``: functions of one variable x that the textbooks use for efforts and flows.
+
+A law that no effect of the library has is composed of one of them, times an amplitude k, times a factor
+(``hybridid.effects.composed``). Sources: Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), Automatica 30(7)
+(friction); Nayfeh, Mook (1979), Nonlinear Oscillations, ch. 2 and 4 (springs); Merritt (1967), Hydraulic
+Control Systems, ch. 3 (orifices); Wouterse (1991), IEE Proc. B 138(4) (eddy-current brake); Isermann (2005),
+Mechatronic Systems, ch. 6 (limits, backlash, saturation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Literal
+
+import casadi as ca
+
+from hybridid.effects.over import BRISTLE, RECENT, Variable
+
+Role = Literal["place", "width", "period"]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The variable x of a shape, its modulus ``size`` and its ``sign``, smoothed where the port says how."""
+
+    x: ca.SX
+    size: ca.SX
+    sign: ca.SX
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One shape: ``amplitudes`` times functions of x; ``roles`` are those of its shape parameters, by name.
+
+    ``equation`` holds ``{x}`` where the variable stands. An amplitude has the unit of the effort, or of what
+    the factor multiplies, over that of x to the ``power``; a shape parameter has the unit of x. ``suits``
+    names the variables over which textbooks use the shape.
+    """
+
+    name: str
+    equation: str
+    power: int
+    roles: dict[str, Role]
+    function: Callable[[Seen, SimpleNamespace], ca.SX]
+    suits: tuple[Variable, ...]
+    amplitudes: tuple[str, ...] = ("k",)
+
+
+PLACES: tuple[Variable, ...] = ("position", "level")
+SPEEDS: tuple[Variable, ...] = ("velocity", RECENT)
+EFFORTS: tuple[Variable, ...] = ("load", "input")
+
+SHAPES = (
+    Shape(
+        "proportional", "k {x}", 1, {}, lambda at, p: p.k * at.x,
+        ("velocity", *PLACES, "time", *EFFORTS, RECENT, BRISTLE),
+    ),
+    Shape("modulus", "k |{x}|", 1, {}, lambda at, p: p.k * at.size, ("velocity", *PLACES, *EFFORTS)),
+    Shape("sign", "k sign({x})", 0, {}, lambda at, p: p.k * at.sign, ("velocity",)),
+    Shape("square", "k {x}²", 2, {}, lambda at, p: p.k * at.x**2, (*SPEEDS, *PLACES, "time", *EFFORTS)),
+    Shape(
+        "signed_square", "k {x} |{x}|", 2, {}, lambda at, p: p.k * at.x * at.size,
+        ("velocity", *PLACES, *EFFORTS),
+    ),
+    Shape(
+        "cube", "k {x}³", 3, {}, lambda at, p: p.k * at.x**3, ("velocity", *PLACES, *EFFORTS, BRISTLE)
+    ),
+    Shape(
+        "root", "k {x} / √(1 + |{x}|/s)", 1, {"s": "width"},
+        lambda at, p: p.k * at.x / ca.sqrt(1 + at.size / p.s), ("velocity", *PLACES, *EFFORTS),
+    ),
+    Shape(
+        "shifted", "k ({x} - c)", 1, {"c": "place"}, lambda at, p: p.k * (at.x - p.c),
+        (*PLACES, "time", *EFFORTS, RECENT),
+    ),
+    Shape(
+        "parabola", "k ({x} - c)²", 2, {"c": "place"}, lambda at, p: p.k * (at.x - p.c) ** 2,
+        (*PLACES, "time", *EFFORTS),
+    ),
+    Shape(
+        "shifted_cube", "k ({x} - c)³", 3, {"c": "place"}, lambda at, p: p.k * (at.x - p.c) ** 3, PLACES
+    ),
+    Shape(
+        "above", "k max({x} - c, 0)", 1, {"c": "place"}, lambda at, p: p.k * ca.fmax(at.x - p.c, 0),
+        ("velocity", *PLACES, "time", *EFFORTS, RECENT),
+    ),
+    Shape(
+        "below", "k min({x} - c, 0)", 1, {"c": "place"}, lambda at, p: p.k * ca.fmin(at.x - p.c, 0),
+        ("velocity", *PLACES, "time", *EFFORTS),
+    ),
+    Shape(
+        "beyond_gap", "k ({x} - clip({x}, -s, s))", 1, {"s": "width"},
+        lambda at, p: p.k * (at.x - ca.fmin(ca.fmax(at.x, -p.s), p.s)), ("velocity", *PLACES, *EFFORTS),
+    ),
+    Shape(
+        "saturating", "k tanh({x}/s)", 0, {"s": "width"}, lambda at, p: p.k * ca.tanh(at.x / p.s),
+        ("velocity", *PLACES, *EFFORTS, RECENT),
+    ),
+    Shape(
+        "peak", "2 k ({x}/s) / (1 + ({x}/s)²)", 0, {"s": "width"},
+        lambda at, p: 2 * p.k * (at.x / p.s) / (1 + (at.x / p.s) ** 2), ("velocity", *EFFORTS),
+    ),
+    Shape(
+        "stribeck", "k sign({x}) exp(-({x}/s)²)", 0, {"s": "width"},
+        lambda at, p: p.k * at.sign * ca.exp(-((at.x / p.s) ** 2)), ("velocity",),
+    ),
+    Shape(
+        "exponential", "k (1 - exp(-{x}/s))", 0, {"s": "width"},
+        lambda at, p: p.k * (1 - ca.exp(-at.x / p.s)), ("time", RECENT),
+    ),
+    Shape(
+        "bump", "k exp(-(({x} - c)/s)²)", 0, {"c": "place", "s": "width"},
+        lambda at, p: p.k * ca.exp(-(((at.x - p.c) / p.s) ** 2)), (*PLACES, "time"),
+    ),
+    Shape(
+        "step", "k (1 + tanh(({x} - c)/s))/2", 0, {"c": "place", "s": "width"},
+        lambda at, p: p.k * (1 + ca.tanh((at.x - p.c) / p.s)) / 2, (*PLACES, "time", *EFFORTS),
+    ),
+    Shape(
+        "sine", "k_s sin(2π {x}/T) + k_c cos(2π {x}/T)", 0, {"T": "period"},
+        lambda at, p: p.k_s * ca.sin(2 * ca.pi * at.x / p.T) + p.k_c * ca.cos(2 * ca.pi * at.x / p.T),
+        ("position",), ("k_s", "k_c"),
+    ),
+)  # fmt: skip
+"""The shapes, those without a shape parameter first."""
+
+
+def shapes_over(variable: Variable) -> tuple[Shape, ...]:
+    """The shapes that suit a variable."""
+    return tuple(shape for shape in SHAPES if variable in shape.suits)

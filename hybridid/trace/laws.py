@@ -1,0 +1,80 @@
+"""Laws that no effect of the library has: composed where a learned effort finds what no name explains.
+
+A learned effort says over which variable something is missing, and how much any law of that variable could
+take. Every shape that textbooks use over that variable (``hybridid.effects.shapes``) is then an effect like
+those of the library: it joins the model, all parameters are refitted in simulation, and the same rules judge
+it. The learned efforts are held against the same horizons, so the p-values are adjusted for the whole family:
+every shape over every variable that the ports have, tried or not.
+
+The variables are taken in the order of what their learned efforts take. One is left out if its learned effort
+takes less than ``1 - Rules.stands_in`` of what the best law takes already: no law of that variable can take
+more than the learned effort, up to the resolution of its grid. Of laws that the held-out horizons cannot tell
+apart, the one with the fewest parameters is proposed; the others are told beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from hybridid.effects.composed import ComposedLaw, composed
+from hybridid.effects.shapes import Shape, shapes_over
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.ceiling import Ceiling
+from hybridid.trace.context import Context
+from hybridid.trace.law_curve import law_over_learned
+from hybridid.trace.law_starts import law_starts
+from hybridid.trace.refit import Refit
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import Search, decided, said_of
+from hybridid.trace.split import Split
+from hybridid.trace.trial import Trial, attempt, judge
+
+
+def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search:
+    """``found`` with the law that explains best what the learned efforts ``left`` still find; itself if none
+    passes."""
+    base, rules = found.final, context.rules
+    family = sum(len(shapes_over(one.over.variable)) for one in left)
+    trials: list[Trial] = []
+    for learned in sorted((c for c in left if c.passes(rules)), key=lambda c: -c.gain):
+        if _taken(learned, base) < (1 - rules.stands_in) * max((t.taken for t in trials), default=0.0):
+            break
+        given = [
+            (learned, shape, base, context.split, rules.worth) for shape in shapes_over(learned.over.variable)
+        ]
+        stage = f"laws at {learned.place}"
+        trials += context.each(stage, try_law, given, lambda trial: trial.candidate.name)
+    if not trials:
+        return found
+    step = decided(base, judge(trials, rules, family), context)
+    context.say(f"of {family} laws, {len(trials)} tried: {said_of(step)}")
+    law = step.accepted
+    if law is None or law.trial.refit is None:
+        return found
+    (explained,) = (one for one in left if _same_place(one, law.trial))
+    final = law.trial.refit
+    law = replace(law, drawn=law_over_learned(base, final, explained, context.split))
+    return replace(
+        found,
+        steps=(*found.steps, replace(step, accepted=law)),
+        final=final,
+        accepted=(*found.accepted, law),
+        withdrawn="",
+    )
+
+
+def _same_place(learned: Ceiling, trial: Trial) -> bool:
+    law = trial.candidate.effect.law
+    return trial.candidate.port == learned.port and isinstance(law, ComposedLaw) and law.over == learned.over
+
+
+def _taken(learned: Ceiling, base: Refit) -> float:
+    """What the learned effort takes from the held-out squared error."""
+    return base.score.loss**2 - learned.refit.score.loss**2
+
+
+def try_law(learned: Ceiling, shape: Shape, base: Refit, split: Split, worth: float = Rules.worth) -> Trial:
+    """Refit ``base`` with ``shape`` over the variable of a learned effort, in whose likeness it starts."""
+    effect = composed(learned.over, shape, learned.kind, law_starts(learned, shape, base, split))
+    return attempt(Candidate(effect, learned.port), base, split, worth)

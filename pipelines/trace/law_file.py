@@ -1,0 +1,56 @@
+"""A proposed law as an effect file, which ``effects=`` and ``trace.extra_effects=`` take up as it stands."""
+
+from __future__ import annotations
+
+from hybridid.effects.effect import Effect
+from hybridid.quantities import estimated
+from hybridid.trace.entries import AcceptedEffect
+from hybridid.trace.result import Trace
+
+NAME = "proposed_law.py"
+_TEXT = '''"""A law that hybridid trace proposed for the case {case} ({provenance}).
+
+    {equation}   at {port}
+
+{values}
+
+Name it as any effect of your own, with --config-dir FOLDER_OF_THIS_FILE:
+
+    effects=[..., {module}:{constant}@{port}]
+    trace.extra_effects=[{module}:{constant}]
+"""
+
+from hybridid.effects.composed import law
+
+{constant} = law({arguments})
+'''
+
+
+def law_files(found: Trace, case: str) -> dict[str, str]:
+    """The text of a file for each law that ``found`` proposes, by its name; several are numbered."""
+    laws = [entry for entry in found.accepted if entry.is_law]
+    effects = {term.name: term.effect for term in found.model.terms}
+    names = [NAME] if len(laws) == 1 else [f"{NAME[:-3]}_{n}.py" for n in range(1, len(laws) + 1)]
+    return {
+        name: _text(entry, effects[entry.name], name.removesuffix(".py"), case, found)
+        for name, entry in zip(names, laws, strict=True)
+    }
+
+
+def _text(entry: AcceptedEffect, effect: Effect, module: str, case: str, found: Trace) -> str:
+    units = {signal.name: signal.unit for signal in found.model.inputs}
+    signals = "".join(f", over=({name!r}, {units[name]!r})" for name in effect.channels)
+    guesses = "".join(f", {name}={value.value:.9g}" for name, value in entry.parameters.items())
+    return _TEXT.format(
+        case=case,
+        provenance=found.provenance,
+        equation=entry.equation,
+        port=entry.port,
+        values="\n".join(
+            f"    {name} = {estimated(value.value, value.std, value.unit)}"
+            for name, value in entry.parameters.items()
+        ),
+        module=module,
+        constant=entry.effect.upper(),
+        arguments=f"{entry.effect!r}{signals}{guesses}".replace("'", '"'),
+    )

@@ -1,0 +1,126 @@
+"""Composed laws: what each is, at a point, by its name, in another process, and as a file has it."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from types import SimpleNamespace
+
+import casadi as ca
+import pytest
+
+from hybridid.declarations import Signal
+from hybridid.effects.composed import FORMS, composed, composed_named, is_composed, law
+from hybridid.effects.effect import Local
+from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.effects.over import MEMORIES, OVERS, OVERS_OF_A_FLOW, over_inputs
+from hybridid.effects.shapes import SHAPES, shapes_over
+
+FORCE = Signal("force", "N")
+EVERY = [
+    composed(over, shape)
+    for over in (*OVERS, *OVERS_OF_A_FLOW, *over_inputs([FORCE]))
+    for shape in shapes_over(over.variable)
+]
+
+
+def value_at(effect, position=0.3, velocity=0.2, epsilon=1e-6, **parameters):
+    """The law at one point of an effort port, the time 1.5 s, the force -4 N."""
+    p = {q.name: 1.0 for q in effect.parameters} | parameters
+    z = {state.name: 0.25 for state in effect.states}
+    at = Local(
+        p=SimpleNamespace(**p), z=SimpleNamespace(**z), time=ca.SX(1.5), epsilon=epsilon,
+        position=ca.SX(position), velocity=ca.SX(velocity), acceleration=ca.SX(0.7),
+        drive=ca.SX(5.0), load=ca.SX(2.0), load_width=1e-6,
+        channels=SimpleNamespace(force=ca.SX(-4.0)),
+    )  # fmt: skip
+    return float(effect.law(at))
+
+
+@pytest.mark.parametrize("effect", EVERY, ids=lambda effect: effect.id)
+def test_each_vanishes_with_its_amplitudes_and_bears_its_name(effect):
+    amplitudes = {p.name: 0.0 for p in effect.parameters if p.nests}
+    assert value_at(effect, **amplitudes) == 0.0
+    assert math.isfinite(value_at(effect))
+    again = composed_named(effect.id, [FORCE])
+    assert again is not None
+    assert (again.equation, again.parameters) == (effect.equation, effect.parameters)
+    assert is_composed(pickle.loads(pickle.dumps(effect)))
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "value"),
+    [
+        ("modulus_of_velocity", {"k": -40.0}, -8.0),
+        ("signed_square_of_position", {"k": 2.0}, 0.18),
+        ("shifted_cube_of_position", {"k": 2.0, "c": 1.3}, -2.0),
+        ("root_of_position", {"k": 4.0, "s": 0.1}, 0.6),
+        ("above_of_position", {"k": 2.0, "c": 0.1}, 0.4),
+        ("below_of_position", {"k": 2.0, "c": 0.1}, 0.0),
+        ("below_of_position", {"k": 2.0, "c": 0.5}, -0.4),
+        ("beyond_gap_of_position", {"k": 2.0, "s": 0.1}, 0.4),
+        ("beyond_gap_of_position", {"k": 2.0, "s": 0.4}, 0.0),
+        ("peak_of_velocity", {"k": 3.0, "s": 0.2}, 3.0),
+        ("stribeck_of_velocity", {"k": 2.0, "s": 0.2}, 2 * math.exp(-1)),
+        ("bump_of_position", {"k": 2.0, "c": 0.1, "s": 0.2}, 2 * math.exp(-1)),
+        ("step_of_time", {"k": 2.0, "c": 1.5, "s": 0.1}, 1.0),
+        ("sine_of_position", {"k_s": 2.0, "k_c": 1.0, "T": 1.2}, 2.0),
+        ("exponential_of_recent_speed_times_sign_of_velocity", {"k": 2.0, "s": 0.25}, 2 * (1 - math.exp(-1))),
+        ("modulus_of_load_times_sign_of_velocity", {"k": 0.1}, 0.3),
+        ("proportional_of_position_times_velocity", {"k": 2.0}, 0.12),
+        ("bump_of_position_times_acceleration", {"k": 2.0, "c": 0.3, "s": 1.0}, 1.4),
+        ("modulus_of_force_times_sign_of_velocity", {"k": 0.1}, 0.4),
+        ("cube_of_bristle_deflection", {"k": 64.0}, 1.0),
+    ],
+)
+def test_a_law_is_what_its_equation_says(name, parameters, value):
+    effect = effect_named(name, [FORCE])
+    assert value_at(effect, **parameters) == pytest.approx(value, rel=1e-4, abs=1e-9)
+
+
+def test_every_shape_has_an_equation_of_its_own_and_is_used_somewhere():
+    assert len({shape.equation for shape in SHAPES}) == len(SHAPES)
+    assert all(shape.suits for shape in SHAPES)
+    assert {effect.id for effect in EVERY} >= set(FORMS)
+    assert set(FORMS.values()) <= {effect.id for effect in EFFECTS}
+
+
+def test_units_follow_from_the_port(make_model):
+    port = make_model().plant.port("carriage")
+    units = {
+        name: [p.at(port).unit for p in effect_named(name, [FORCE]).parameters]
+        for name in ("modulus_of_velocity", "square_of_load_times_sign_of_velocity", "cube_of_force")
+    }
+    assert units == {
+        "modulus_of_velocity": ["N·s/m"],
+        "square_of_load_times_sign_of_velocity": ["1/N"],
+        "cube_of_force": ["1/N²"],
+    }
+
+
+def test_a_file_names_its_law_and_where_it_starts():
+    effect = law("bump_of_position", k=3.0, c=-0.2, s=0.05)
+    assert [(p.name, p.guess, p.absolute) for p in effect.parameters] == [
+        ("k", 3.0, True), ("c", -0.2, True), ("s", 0.05, True)
+    ]  # fmt: skip
+    follows = law("modulus_of_force", over=("force", "N"), k=0.1)
+    assert follows.channels == ("force",)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("modulus_of_velocty", {}), "'modulus_of_velocty' is the id of no composed law"),
+        (("modulus_of_velocity", {"s": 1.0}), r"law modulus_of_velocity: unknown parameter 's'.*allowed: k"),
+    ],
+)
+def test_a_wrong_law_is_one_line(words, said):
+    name, guesses = words
+    with pytest.raises(ValueError, match=said):
+        law(name, **guesses)
+
+
+def test_a_variable_with_memory_brings_its_state():
+    for over in OVERS:
+        effect = composed(over, shapes_over(over.variable)[0])
+        assert bool(effect.states) == (over.variable in MEMORIES)

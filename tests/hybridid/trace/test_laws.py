@@ -1,0 +1,70 @@
+"""Simulated carriages with a law that no effect tried has: the law is proposed, with its numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.effects.over import Over
+from hybridid.trace.ceiling import ceiling
+from hybridid.trace.context import Context
+from hybridid.trace.law_starts import law_starts
+from hybridid.trace.laws import with_law
+from hybridid.trace.verdict import conclude
+
+DF_V = 80.0
+TRIED = tuple(map(effect_named, ("stribeck", "input_gain")))
+
+
+@pytest.fixture(scope="module")
+def said():
+    return []
+
+
+@pytest.fixture(scope="module")
+def proposed(make_model, split_of, said):
+    """A trace of a carriage whose friction differs by direction, without the effect that names that."""
+    return conclude(make_model(), Context(split_of(df_v=DF_V), TRIED, say=said.append))
+
+
+def test_the_law_is_proposed_with_its_amplitude(proposed):
+    assert proposed.verdict == "law_proposed"
+    (one,) = proposed.accepted
+    assert one.name == "carriage.modulus_of_velocity"
+    assert one.trial.own("values")["k"] == pytest.approx(-DF_V / 2, rel=0.01)
+    assert proposed.search.final.score.rmse == pytest.approx(2e-6, rel=0.1)
+    assert proposed.remains == ()
+
+
+def test_the_whole_family_counts(proposed, said):
+    """Bonferroni over every law over every variable, whether it was tried or not."""
+    (one,) = proposed.accepted
+    (line,) = (line for line in said if "laws" in line)
+    family = int(line.split()[1])
+    assert family > 100
+    assert one.trial.p_adjusted == pytest.approx(min(1.0, family * one.trial.comparison.p_value))
+
+
+def test_it_is_drawn_over_the_learned_effort(proposed):
+    drawn = proposed.accepted[0].drawn
+    assert (drawn.port, str(drawn.over), drawn.unit, drawn.over_unit) == ("carriage", "velocity", "N", "m/s")
+    learned = np.interp(drawn.curve.at, drawn.learned.at, drawn.learned.value)
+    fast = abs(drawn.curve.at) > 0.02
+    assert np.ptp(drawn.curve.value) > 2.0
+    assert drawn.curve.value[fast] == pytest.approx(learned[fast], abs=0.5)
+
+
+def test_a_law_starts_in_the_likeness_of_the_learned_effort(proposed, split_of):
+    split, base = split_of(df_v=DF_V), proposed.search.first
+    learned = ceiling(base, split, "carriage", Over("velocity"))
+    shape = proposed.accepted[0].trial.candidate.effect.law.shape
+    (amplitude,) = law_starts(learned, shape, base, split).values()
+    assert amplitude.guess == pytest.approx(-DF_V / 2, rel=0.2)
+
+
+def test_nothing_is_proposed_where_nothing_is_missing(make_model, split_of):
+    found = conclude(make_model(), Context(split_of(), TRIED))
+    assert found.verdict == "nothing_missing"
+    assert found.accepted == ()
+    assert with_law(found.search, found.ceilings, Context(split_of(), TRIED)) is found.search

@@ -1,0 +1,64 @@
+"""A proposed law as a file: it imports, and is the law with its numbers."""
+
+from __future__ import annotations
+
+import runpy
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.model import compose
+from hybridid.plants.emps import EMPS
+from hybridid.trace.entries import Value
+from pipelines.trace.law_file import law_files
+
+
+@pytest.fixture
+def found(stored):
+    """``found(law, ...)``: what ``law_files`` reads of a trace that proposes these laws on the EMPS."""
+    (accepted,) = stored().found.accepted
+
+    def make(*laws: str, **parameters: float):
+        model = compose(EMPS(), ["viscous", *laws])
+        signals = model.inputs
+        entries = [
+            replace(
+                accepted,
+                effect=name,
+                port="carriage",
+                is_law=True,
+                equation=effect_named(name, signals).equation,
+                parameters={key: Value(value, 0.1, "N") for key, value in parameters.items()},
+            )
+            for name in laws
+        ]
+        return SimpleNamespace(accepted=(accepted, *entries), model=model, provenance="simulated")
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("modulus_of_velocity", {"k": -36.948078}),
+        ("bump_of_position_times_sign_of_velocity", {"k": 3.25, "c": 0.1, "s": 0.02}),
+        ("modulus_of_force_times_sign_of_velocity", {"k": 0.031}),
+    ],
+)
+def test_the_file_holds_the_law_with_its_numbers(found, tmp_path, name, parameters):
+    ((file, text),) = law_files(found(name, **parameters), "emps").items()
+    (tmp_path / file).write_text(text, encoding="utf-8")
+    effect = runpy.run_path(str(tmp_path / file))[name.upper()]
+    assert effect.id == name
+    assert {p.name: p.guess for p in effect.parameters} == parameters
+    assert "emps (simulated)" in text
+    assert f"proposed_law:{name.upper()}@carriage" in text
+
+
+def test_several_laws_have_a_file_each_and_names_none(found):
+    files = law_files(found("modulus_of_velocity", "cube_of_position", k=1.0), "emps")
+    assert list(files) == ["proposed_law_1.py", "proposed_law_2.py"]
+    assert "[proposed_law_2:CUBE_OF_POSITION]" in files["proposed_law_2.py"]
+    assert law_files(found(), "emps") == {}
