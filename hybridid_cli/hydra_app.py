@@ -9,7 +9,6 @@ from contextlib import contextmanager
 
 from hybridid_cli import interrupt
 from hybridid_cli.config_files import conf_folder
-from hybridid_cli.joblib_processes import let_joblib_watch
 from hybridid_cli.main import complain, wants_traceback
 from hybridid_cli.words import prepared
 from pipelines.shared.secrets import typed
@@ -24,8 +23,6 @@ def run(command: str, words: Sequence[str]) -> int:
     traceback = wants_traceback() or "--debug" in words
     if command == "sweep":
         _load_early(ready)
-    if {"-m", "--multirun"} & set(ready):
-        let_joblib_watch()
     import hydra
 
     from hybridid_cli.explain import FAILED, explained

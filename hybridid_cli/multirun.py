@@ -7,6 +7,7 @@ from typing import Any
 from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 
+from hybridid_cli.joblib_processes import let_joblib_watch
 from pipelines.shared.secrets import moved_to_environment
 
 
@@ -19,3 +20,13 @@ class NoPasswordInFiles(Callback):
         clean = moved_to_environment({"mlflow": given})["mlflow"]
         with read_write(config), open_dict(config):
             config.mlflow.tracking_uri = clean["tracking_uri"]
+
+
+class JoblibEndsWithItsCommand(Callback):
+    """Lets the processes of joblib watch the command, however it was told to run several times: by ``-m``,
+    or by ``hydra.mode=MULTIRUN``."""
+
+    def on_multirun_start(self, config: DictConfig, **rest: Any) -> None:
+        """Called before Hydra makes the launcher."""
+        if "joblib" in str(config.hydra.launcher.get("_target_", "")).lower():
+            let_joblib_watch()

@@ -55,3 +55,20 @@ def test_joblib_s_processes_end_when_the_command_is_killed(environment, tmp_path
         for pid in marked(mark):
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
+
+
+@pytest.mark.parametrize("several", ["-m", "hydra.mode=MULTIRUN"])
+@pytest.mark.parametrize(("launcher", "watched"), [("joblib", 1), ("local", 0)])
+def test_joblib_watches_however_several_runs_are_asked_for(
+    say, quick, monkeypatch, several, launcher, watched
+):
+    calls = []
+
+    def no_processes(*given, **more):
+        raise RuntimeError("no processes in a test")
+
+    monkeypatch.setattr("hybridid_cli.multirun.let_joblib_watch", lambda: calls.append(1))
+    monkeypatch.setattr("hydra_plugins.hydra_joblib_launcher._core.Parallel", no_processes)
+    said = say("fit", *quick, several, f"launcher={launcher}", "effects=[nonsense]")
+    assert said.code != 0
+    assert len(calls) == watched
