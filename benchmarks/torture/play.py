@@ -6,6 +6,7 @@ import importlib
 import os
 import resource
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -71,9 +72,11 @@ def answer(
     seconds: float,
     environment: Mapping[str, str] | None = None,
     script: Path | None = None,
+    opens: str = "",
 ) -> Said:
     """What ``hybridid`` with ``words`` answers in ``folder``, with more in its environment. ``script`` is
-    ``hybridid`` as it is installed: it starts Python anew."""
+    ``hybridid`` as it is installed: it starts Python anew. A command that ``opens`` something is told to end
+    when it says so."""
     with tempfile.TemporaryDirectory() as own:
         out, err = Path(own) / "out", Path(own) / "err"
         began = time.monotonic()
@@ -81,11 +84,22 @@ def answer(
         child = os.fork()
         if child == 0:
             _child(words, folder, out, err, environment or {}, script)
+        if opens:
+            _ended_when_open(child, opens, err, began + seconds)
         code = _waited(child, seconds)
         took = time.monotonic() - began
         left = tuple(str(p.relative_to(folder)) for p in folder.rglob("*"))
         text = [p.read_text(encoding="utf-8", errors="replace") if p.exists() else "" for p in (out, err)]
         return Said(code, *text, took, left)
+
+
+def _ended_when_open(child: int, opens: str, err: Path, last: float) -> None:
+    """Press Ctrl-C when the command says ``opens``."""
+    while time.monotonic() < last and not (err.exists() and opens in err.read_text(errors="replace")):
+        if os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+            return
+        time.sleep(0.05)
+    os.kill(child, signal.SIGINT)
 
 
 def _waited(child: int, seconds: float) -> int:

@@ -17,7 +17,7 @@ from benchmarks.torture.inputs import kind_of
 from benchmarks.torture.lab import CASE, OWN, lab
 from benchmarks.torture.play import answer, load, new_folder, write
 from benchmarks.torture.tables.decoys import CANARY, Trap
-from benchmarks.torture.tables.folders import DATA, HERE, RUN_FOLDER
+from benchmarks.torture.tables.folders import DATA, HERE, JOB, RUN_FOLDER
 from benchmarks.torture.tables.received import MODEL, QUICK, TAKE, TRAPS
 
 SECONDS = 120.0
@@ -33,6 +33,8 @@ GO_ON: Mapping[str, Words] = {"validate": HONEST, "plot": (*HONEST, *SVG), "run"
 """Commands that go on in a run folder."""
 RUN = tuple(command for command in TAKE if command != "preprocess")
 """Commands that make the model, and so run its code."""
+OPEN, PORT = "is open on this machine", 5987
+"""What ``ui`` says, and where it opens its page."""
 ANYWHERE: tuple[Words, ...] = (
     *((command, *QUICK, *more) for command, more in TAKE.items()),
     ("sweep", *QUICK, "launcher=joblib", "estimator.horizon=250,500"),
@@ -48,6 +50,7 @@ ANYWHERE: tuple[Words, ...] = (
     ("fit", *QUICK, "--experimental-rerun=.hydra/config.pickle"),
     ("fit", "mlflow.enabled=true", *QUICK[:-2], "out=tree"),
     ("--help",),
+    ("ui", f"port={PORT}"),
 )  # fmt: skip
 
 
@@ -84,7 +87,8 @@ class Opened:
                 answer(line, folder, SECONDS, own)
             for name, content in self.trap.changed.items():
                 write(folder / name, content)
-            said = answer(self.words, folder, SECONDS, own, script if self.anew else None)
+            opens = OPEN if self.words[0] == "ui" else ""
+            said = answer(self.words, folder, SECONDS, own, script if self.anew else None, opens)
         case = Case(self.key, self.words, self.trap.says, self.trap.codes, seconds=SECONDS)
         wrong = [Fault(kind_of(what), f"{what}: {said.complaint[:200]}") for what in faults(case, said)]
         if self.trap.runs and not canary.exists():
@@ -141,6 +145,8 @@ def _opened(seed: int) -> Iterator[Opened]:
     here = Trap("names of libraries where one stands", HERE, codes=BORNE)
     for words in ANYWHERE:
         yield Opened("the folder where one stands", here, words, seed, anew=True)
+    job = Trap("a job file", JOB, codes=BORNE)
+    yield Opened("jobs of a sweep", job, ("sweep", *QUICK, "sweep.job=theirs/job.json"), seed)
     for name, files in DATA.items():
         suffix = Path(next(iter(files))).suffix
         case = {"lab/case/mine.yaml": CASE.replace("swing.csv", f"swing{suffix}")}

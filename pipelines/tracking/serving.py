@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from pathlib import Path
 
 from hybridid.plain import build
 from pipelines.shared.config import Settings
@@ -40,12 +41,19 @@ def serve(settings: Settings, watcher: Watcher) -> None:
     watcher.say(f"starting MLflow's page for {uri}")
     # no job runner: it serves MLflow's language-model tools, with a dozen processes
     environment = {**os.environ, "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
-    environment["MLFLOW_BACKEND_STORE_URI"] = with_password(uri)  # everybody may read the words of a command
+    environment["MLFLOW_BACKEND_STORE_URI"] = _absolute(with_password(uri))  # everybody may read its words
+    environment.setdefault("MLFLOW_ARTIFACTS_DESTINATION", str(Path("mlartifacts").resolve()))
     words = ["server", "--host", HOST, "--port", str(port), "--workers", "1"]
     with tempfile.TemporaryFile("w+") as said:
         command = [sys.executable, "-m", guardian.__name__, sys.executable, "-m", "mlflow", *words]
         server = subprocess.Popen(
-            command, env=environment, process_group=0, stdin=subprocess.PIPE, stdout=said, stderr=said
+            command,
+            env=environment,
+            cwd="/",  # MLflow's server imports from where it stands, whatever PYTHONSAFEPATH says
+            process_group=0,
+            stdin=subprocess.PIPE,
+            stdout=said,
+            stderr=said,
         )
         try:
             while server.poll() is None and not _answers(port):
@@ -57,6 +65,15 @@ def serve(settings: Settings, watcher: Watcher) -> None:
         said.seek(0)
         last = [line for line in said.read().splitlines() if line.strip()][-1:]
         raise ConfigError(f"MLflow's server ended by itself (exit code {code}): {''.join(last)}")
+
+
+def _absolute(uri: str) -> str:
+    """The address of a store, with the path of a file from the root on."""
+    for begin in ("sqlite:///", "file:"):
+        path = uri.removeprefix(begin)
+        if uri.startswith(begin) and not path.startswith("/"):
+            return f"{begin}{Path(path).resolve()}"
+    return uri if ":" in uri else str(Path(uri).resolve())
 
 
 def _answers(port: int) -> bool:

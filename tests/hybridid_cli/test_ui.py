@@ -21,10 +21,13 @@ def free_port() -> int:
 
 @pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="needs /proc to see who listens where")
 @pytest.mark.parametrize(("by", "code"), [(signal.SIGINT, 0), (signal.SIGKILL, -9)])
-def test_page_opens_on_this_machine_alone_and_ends_with_the_command(environment, by, code):
+def test_page_opens_on_this_machine_alone_and_ends_with_the_command(environment, by, code, own_folder):
+    """No code of the folder where one stands runs: MLflow's server once imported its ``yaml.py``."""
+    for name in ("yaml", "alembic", "sqlalchemy"):
+        (own_folder / f"{name}.py").write_text("open('ran', 'w')")
     port = free_port()
     process = subprocess.Popen(
-        [sys.executable, "-m", "hybridid_cli", "ui", f"port={port}"],
+        [sys.executable, "-P", "-m", "hybridid_cli", "ui", f"port={port}", "mlflow.tracking_uri=sqlite:///a.db"],
         env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
     try:
@@ -34,6 +37,8 @@ def test_page_opens_on_this_machine_alone_and_ends_with_the_command(environment,
         with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=30) as page:
             assert page.status == 200
             assert b"MLflow" in page.read()
+        assert not (own_folder / "ran").exists()
+        assert (own_folder / "a.db").exists()
         assert listening(port) == {"0100007F"}, "127.0.0.1, as the kernel writes it"
         process.send_signal(by)
         assert process.wait(30) == code

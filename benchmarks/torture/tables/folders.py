@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 
 from benchmarks.torture.case import Content
@@ -70,3 +71,14 @@ DATA: Mapping[str, Mapping[str, Content]] = {
     "a formula": {"lab/swing.csv": f"t,torque,angle\n0,=cmd|'{SHELL}',1\n"},
 }
 """Recordings that bring code."""
+POINT = {
+    "case": "emps",
+    "config": {"case": {}, "plant": NAMED, "effects": [], "mlflow": {"enabled": False}},
+    "folders": ["theirs"],
+    "at": {},
+}
+JOB: Mapping[str, Content] = {
+    "theirs/theirs_plant.py": DECOY,
+    "theirs/job.json": json.dumps({"name": "j", "points": [POINT], "gray": True, "sweep": "s"}),
+}
+"""What a launcher's process would carry out."""
