@@ -48,11 +48,16 @@ class Mark:
         root.mkdir(parents=True, exist_ok=True)
         new = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=root))
         self._lock = FileLock(str(new / _LOCK), thread_local=False)
-        self._lock.acquire(timeout=0)
-        begun = Begun(key, experiment, store_of(settings, uri), platform.node())
-        write_json(new / _FILE, begun)
-        # named when it is locked: nobody sees a mark without its lock
-        self._place = new.rename(root / new.name.removeprefix(_UNFINISHED))
+        try:
+            self._lock.acquire(timeout=0)
+            begun = Begun(key, experiment, store_of(settings, uri), platform.node())
+            write_json(new / _FILE, begun)
+            # named when it is locked: nobody sees a mark without its lock
+            self._place = new.rename(root / new.name.removeprefix(_UNFINISHED))
+        except BaseException:  # a full disk
+            self._lock.release(force=True)
+            shutil.rmtree(new, ignore_errors=True)
+            raise
 
     def lift(self) -> None:
         """The run is ended, or kept to be sent later."""

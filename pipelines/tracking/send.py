@@ -26,7 +26,7 @@ _PARENT = "mlflow.parentRunId"
 
 
 def send(note: Note, settings: Settings, patience: float | None = None) -> None:
-    """Fill the note's run, made if there is none.
+    """Fill the note's run, made if there is none. What the run holds from a later note stays.
 
     A server may take ``patience`` seconds (None: any time).
 
@@ -102,32 +102,47 @@ def _fill(
 ) -> None:
     from mlflow.entities import Metric, Param, RunTag
 
-    identity = run.info.run_id
+    identity, late = run.info.run_id, _is_late(note, run)
     tags = {**note.tags, "mlflow.runName": note.name}
     if note.parent is not None:  # a parent that is still waiting itself is named and filled when it comes
         parent = _run_of(store, settings, experiment, note.parent, "sweep", note.began)
         tags[_PARENT] = parent.info.run_id
-    for gone in {"error"} & (set(run.data.tags) - set(tags)):
+    if late:
+        tags = {name: tag for name, tag in tags.items() if name not in (*run.data.tags, "error")}
+    for gone in set() if late else {"error"} & (set(run.data.tags) - set(tags)):
         store.delete_tag(identity, gone)
     store.log_batch(identity, tags=[RunTag(k, str(v)) for k, v in tags.items()])
     # a parameter cannot be changed: an earlier attempt's stays
     params = [Param(k, v) for k, v in note.params.items() if k not in run.data.params]
     when = note.began if note.ended is None else note.ended  # the same time again is the same point again
-    points = [Metric(m.name, m.value, when, m.step) for m in note.metrics]
+    points = [
+        Metric(m.name, m.value, when, m.step)
+        for m in note.metrics
+        if not (late and m.name in run.data.metrics)
+    ]
     for some in _parts(params, _PARAMETERS_A_CALL):
         in_time()
         store.log_batch(identity, params=some)
     for part in _parts(points, _METRICS_A_CALL):
         in_time()
         store.log_batch(identity, metrics=part)
-    for artifact in note.artifacts:
+    for artifact in () if late else note.artifacts:
         _upload(store, identity, artifact, in_time)
     in_time()
+    if late:
+        return
     if note.ended is None:
         store.update_run(identity, status=note.status)
     else:
         store.set_terminated(identity, note.status, note.ended)
     store.set_tag(identity, LOGGED, note.digest)
+
+
+def _is_late(note: Note, run: Run) -> bool:
+    """Whether a note waited while the same run was done again, and ended in the store after it."""
+    ended = run.info.end_time
+    said = note.began if note.ended is None else note.ended
+    return run.info.status in ("FINISHED", "FAILED") and ended is not None and ended > said
 
 
 def _parts(items: Sequence[T], size: int) -> Iterator[list[T]]:

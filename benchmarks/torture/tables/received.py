@@ -107,7 +107,7 @@ def _traps() -> Iterator[Trap]:
         files = {f"theirs/{name}.py": DECOY, JSON: model(plant=f"{name}:PLANT")}
         yield Trap(f"a module called {name}", files)
     files = {"theirs/hybridid/decoy.py": DECOY, JSON: model(plant="hybridid.decoy:PLANT")}
-    yield Trap("a part of hybridid that there is not", files)
+    yield Trap("a part of hybridid that there is not", files, codes=BORNE)
     for path in ("os:system", "builtins:exec", "subprocess:run", "antigravity:x", "pip.__main__:main"):
         yield Trap(f"{path} as a plant", {JSON: model(plant=path)})
         yield Trap(f"{path} as an effect", {JSON: model(effects=[path])})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import multiprocessing
+import os
 import platform
 import shutil
 import sqlite3
@@ -15,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from pipelines.shared.config import Settings
+from pipelines.tracking import begun
 from pipelines.tracking import log as tracking
 from pipelines.tracking import send as tracking_send
 from pipelines.tracking import store as store_module
@@ -270,3 +272,15 @@ def test_a_store_whose_making_was_cut_off_is_made_anew(settings, monkeypatch):
             client(settings())
     assert client(settings()).get_experiment_by_name("short") is None
     assert [p.name for p in Path("outputs").iterdir() if p.name.startswith(".mlflow.db")] == []
+
+
+def test_a_mark_that_cannot_be_written_leaves_nothing(settings, monkeypatch):
+    """On a full disk its folder stayed."""
+
+    def full(path, data):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(begun, "write_json", full)
+    with pytest.raises(OSError, match="No space"):
+        Mark("key", "short", settings())
+    assert list(Path("outputs/.mlflow-running").iterdir()) == []

@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
-from pipelines.tracking.note import KEY
+from pipelines.tracking.note import KEY, Metric, Note
 from pipelines.tracking.runs import client, tracked, tracking_uri
+from pipelines.tracking.send import send
 from pipelines.tracking.waiting import waiting
 
 ROOT = Path(__file__).parents[3]
@@ -165,3 +167,24 @@ def test_nothing_is_sent_to_mlflows_maker(settings, monkeypatch):
     client(settings())
     assert os.environ["MLFLOW_DISABLE_TELEMETRY"] == "true"
     assert os.environ["DO_NOT_TRACK"] == "true"
+
+
+@pytest.mark.parametrize(("status", "ended"), [("FAILED", 1000), ("RUNNING", None)])
+def test_a_note_that_waited_undoes_nothing_of_a_later_one(settings, status, ended):
+    """The first attempt failed and waited; the second was sent, and then ``hybridid log`` sent the first."""
+    own = settings()
+    note = Note("one", "fit", "short", None, 500, 2000, "FINISHED", metrics=(Metric("cost", 1.0),))
+    late = replace(
+        note, ended=ended, status=status, metrics=(Metric("cost", 9.0), Metric("n", 3.0)),
+        tags={"error": "full disk", "tree": "here"}, params={"effects": "[]"},
+    )  # fmt: skip
+    for given in (note, late):
+        send(given, own)
+    store = client(own)
+    (run,) = store.search_runs([store.get_experiment_by_name("short").experiment_id])
+    assert (run.info.status, run.info.end_time) == ("FINISHED", 2000)
+    assert "error" not in run.data.tags
+    assert run.data.metrics == {"cost": 1.0, "n": 3.0}
+    assert (run.data.tags["tree"], run.data.params) == ("here", {"effects": "[]"})
+    send(replace(late, ended=3000, status="FAILED"), own)
+    assert store.get_run(run.info.run_id).info.status == "FAILED", "the last word counts"
