@@ -47,6 +47,10 @@ class Shape:
     suits: tuple[Variable, ...]
     amplitudes: tuple[str, ...] = ("k",)
 
+    def __reduce__(self) -> tuple[Callable[[str], Shape], tuple[str]]:
+        """Another process finds it by its name: its function cannot be pickled."""
+        return shape_named, (self.name,)
+
 
 PLACES: tuple[Variable, ...] = ("position", "level")
 SPEEDS: tuple[Variable, ...] = ("velocity", RECENT)
@@ -130,3 +134,8 @@ SHAPES = (
 def shapes_over(variable: Variable) -> tuple[Shape, ...]:
     """The shapes that suit a variable."""
     return tuple(shape for shape in SHAPES if variable in shape.suits)
+
+
+def shape_named(name: str) -> Shape:
+    """The shape called ``name``."""
+    return next(shape for shape in SHAPES if shape.name == name)

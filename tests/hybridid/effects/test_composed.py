@@ -124,3 +124,9 @@ def test_a_variable_with_memory_brings_its_state():
     for over in OVERS:
         effect = composed(over, shapes_over(over.variable)[0])
         assert bool(effect.states) == (over.variable in MEMORIES)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
+def test_another_process_gets_the_same_shape(shape):
+    """A trace hands shapes to its workers; their functions are lambdas."""
+    assert pickle.loads(pickle.dumps(shape)) is shape
