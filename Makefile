@@ -11,14 +11,14 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-blunders study-rebuilt study-servo study-sweep study-slurm league league-drawn torture clean distclean FORCE
+.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-blunders study-rebuilt study-servo study-sweep study-slurm league league-drawn torture clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
 	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
-	@echo "  ARGS=...         for make league, league-drawn, study-rebuilt and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
+	@echo "  ARGS=...         for make league, league-drawn, study-laws, study-rebuilt and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
@@ -61,6 +61,9 @@ study-evidence: $(READY) ## how often does the evidence for a missing effect err
 
 study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters again? (simulated, minutes)
 	$(BIN)/python benchmarks/recovery.py
+
+study-laws: $(READY) ## is the law proposed where the library lacks the effect, and none where nothing is missing? (simulated, hours; goes on)
+	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.laws $(ARGS)
 
 study-blunders: $(READY) ## is a planted blunder (sign, unit, columns, physics, plant) told in words? (simulated, minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.blunders $(ARGS)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from benchmarks.drawn import car
-from benchmarks.drawn.draw import Draw, Wanted, all_draws
+from benchmarks.drawn.draw import Draw, Wanted, draw_of
 from benchmarks.drawn.excitation import between
 from benchmarks.drawn.hidden import Concealed, concealed
 from benchmarks.drawn.machines import bench_of, viscous_at
@@ -75,7 +75,7 @@ def simulated(draw: Draw, hidden: Sequence[Concealed], run: str, noise: float) -
 @cache
 def made(number: int) -> Made:
     """What scenario ``number`` hides."""
-    draw = all_draws()[number]
+    draw = draw_of(number)
     wanted = draw.wanted
     if wanted is None:
         return Made((), 0.0)

@@ -119,6 +119,16 @@ def all_draws() -> tuple[Draw, ...]:
     return tuple(_draw(number, category) for number, category in enumerate(deck))
 
 
+def draw_of(number: int) -> Draw:
+    """The scenario of a number: one of the league, or beyond it one that the league does not play.
+
+    Beyond, even numbers hide an effect of the library, odd ones nothing.
+    """
+    if number < COUNT:
+        return all_draws()[number]
+    return _draw(number, "nothing" if number % 2 else "library")
+
+
 def _draw(number: int, category: str) -> Draw:
     generator = np.random.default_rng([SEED, number])
     machine = str(generator.choice(list(WEIGHTS), p=list(WEIGHTS.values())))
