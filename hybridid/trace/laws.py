@@ -9,7 +9,8 @@ every shape over every variable that the ports have, tried or not.
 The variables are taken in the order of what their learned efforts take. One is left out if its learned effort
 takes less than ``1 - Rules.stands_in`` of what the best law takes already: no law of that variable can take
 more than the learned effort, up to the resolution of its grid. Of laws that the held-out horizons cannot tell
-apart, the one with the fewest parameters is proposed; the others are told beside it.
+apart, the one with the fewest parameters is proposed; the others are told beside it. Effects that the law has
+made needless are removed again.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from hybridid.trace.law_curve import law_over_learned
 from hybridid.trace.law_starts import law_starts
 from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Search, decided, said_of
+from hybridid.trace.search import Search, decided, said_of, without_needless
 from hybridid.trace.split import Split
 from hybridid.trace.trial import Trial, attempt, judge
 
@@ -53,13 +54,14 @@ def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search
     if law is None or law.trial.refit is None:
         return found
     (explained,) = (one for one in left if _same_place(one, law.trial))
-    final = law.trial.refit
-    law = replace(law, drawn=law_over_learned(base, final, explained, context.split))
+    with_it = law.trial.refit
+    law = replace(law, drawn=law_over_learned(base, with_it, explained, context.split))
+    final, accepted, dropped = without_needless(with_it, [*found.accepted, law], context)
     return replace(
         found,
-        steps=(*found.steps, replace(step, accepted=law)),
+        steps=(*found.steps, replace(step, accepted=law, dropped=dropped)),
         final=final,
-        accepted=(*found.accepted, law),
+        accepted=tuple(accepted),
         withdrawn="",
     )
 

@@ -109,7 +109,9 @@ def continued(found: Search, context: Context, floor: float) -> Search:
         if step.accepted is None or step.accepted.trial.refit is None:
             ended = (*steps, step)
             return replace(found, steps=ended, final=base, accepted=tuple(accepted), stopped=NONE_PASSES)
-        base, accepted, dropped = _backward(step.accepted.trial.refit, [*accepted, step.accepted], context)
+        base, accepted, dropped = without_needless(
+            step.accepted.trial.refit, [*accepted, step.accepted], context
+        )
         steps.append(replace(step, dropped=dropped))
 
 
@@ -175,7 +177,7 @@ def _survivals(base: Refit, best: Trial, context: Context, otherwise: Otherwise)
     return tuple(context.mapper(survival, given))
 
 
-def _backward(
+def without_needless(
     refitted: Refit, accepted: list[Accepted], context: Context
 ) -> tuple[Refit, list[Accepted], tuple[str, ...]]:
     """Take out again each accepted effect that the later ones have made needless."""
