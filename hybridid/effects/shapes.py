@@ -47,6 +47,11 @@ class Shape:
     suits: tuple[Variable, ...]
     amplitudes: tuple[str, ...] = ("k",)
 
+    @property
+    def fine(self) -> bool:
+        """Whether it may change faster over x than any learned effort can."""
+        return "period" in self.roles.values()
+
     def __reduce__(self) -> tuple[Callable[[str], Shape], tuple[str]]:
         """Another process finds it by its name: its function cannot be pickled."""
         return shape_named, (self.name,)

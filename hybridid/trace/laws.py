@@ -7,10 +7,12 @@ it. The learned efforts are held against the same horizons, so the p-values are 
 every shape over every variable that the ports have, tried or not.
 
 The variables are taken in the order of what their learned efforts take. One is left out if its learned effort
-takes less than ``1 - Rules.stands_in`` of what the best law takes already: no law of that variable can take
-more than the learned effort, up to the resolution of its grid. Of laws that the held-out horizons cannot tell
-apart, the one with the fewest parameters is proposed; the others are told beside it. Effects that the law has
-made needless are removed again.
+finds nothing, or takes less than ``1 - Rules.stands_in`` of what the best law takes already: no law of that
+variable can take more, up to the resolution of the learned effort's grid. A sine of short period is finer
+than the grid, and is tried all the same.
+
+Of laws that the held-out horizons cannot tell apart, the one with the fewest parameters is proposed; the
+others are told beside it. Effects that the law has made needless are removed again.
 """
 
 from __future__ import annotations
@@ -38,12 +40,11 @@ def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search
     base, rules = found.final, context.rules
     family = sum(len(shapes_over(one.over.variable)) for one in left)
     trials: list[Trial] = []
-    for learned in sorted((c for c in left if c.passes(rules)), key=lambda c: -c.gain):
-        if _taken(learned, base) < (1 - rules.stands_in) * max((t.taken for t in trials), default=0.0):
-            break
-        given = [
-            (learned, shape, base, context.split, rules.worth) for shape in shapes_over(learned.over.variable)
-        ]
+    for learned in sorted((c for c in left if not c.failure), key=lambda c: -c.gain):
+        most = max((t.taken for t in trials), default=0.0)
+        bounds = not learned.passes(rules) or _taken(learned, base) < (1 - rules.stands_in) * most
+        shapes = [shape for shape in shapes_over(learned.over.variable) if shape.fine or not bounds]
+        given = [(learned, shape, base, context.split, rules.worth) for shape in shapes]
         stage = f"laws at {learned.place}"
         trials += context.each(stage, try_law, given, lambda trial: trial.candidate.name)
     if not trials:

@@ -94,7 +94,7 @@ def conclude(
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
     found = search(model, context, starts, floor, Numerics(integrator=integrator))
     settled = _settled(found, noise, context)
-    if settled.remains and context.laws:
+    if context.laws and (settled.remains or settled.times > rules.far):
         lawful = with_law(settled.found, settled.left, context)
         if lawful is not settled.found:
             settled = _settled(continued(lawful, context, floor), noise, context)

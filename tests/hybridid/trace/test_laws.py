@@ -68,3 +68,14 @@ def test_nothing_is_proposed_where_nothing_is_missing(make_model, split_of):
     assert found.verdict == "nothing_missing"
     assert found.accepted == ()
     assert with_law(found.search, found.ceilings, Context(split_of(), TRIED)) is found.search
+
+
+def test_a_sine_finer_than_any_learned_effort_is_found(make_model, split_of):
+    """Twelve bumps over the stroke cannot show a ripple of short pitch, so they do not decide."""
+    found = conclude(make_model(), Context(split_of(ripple=4.0, pitch=0.009), TRIED))
+    assert found.verdict == "law_proposed"
+    (one,) = found.accepted
+    assert one.name == "carriage.sine_of_position"
+    values = one.trial.own("values")
+    assert np.hypot(values["k_s"], values["k_c"]) == pytest.approx(4.0, rel=0.05)
+    assert abs(values["T"]) == pytest.approx(0.009, rel=0.01)
