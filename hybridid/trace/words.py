@@ -30,8 +30,13 @@ def _revised(found: Trace) -> str:
     if not found.replacements:
         return ""
     best = found.replacements[0]
+    alike = [
+        one.left_out
+        for one in found.replacements
+        if set(one.effects) == set(best.effects) and best.gain - one.gain < found.rules.tie
+    ]
     return (
-        f" The declared {best.left_out} may be wrong: {listed(best.effects)} in its place "
+        f" The declared {' or '.join(alike)} may be wrong: {listed(best.effects)} in its place "
         f"{'leave' if len(best.effects) > 1 else 'leaves'} {share(best.gain)} less error "
         f"(p {probability(best.p_value, '= ')})."
     )

@@ -181,6 +181,10 @@ def test_what_speaks_against_the_declared_physics_is_told(nothing):
         " The declared carriage.viscous may be wrong: carriage.coulomb and carriage.quadratic_drag in its "
         "place leave 28.0 % less error (p = 2.00·10⁻⁵)."
     )
+    same = replace(better, left_out="carriage.offset", effects=better.effects[::-1], gain=0.27)
+    worse = replace(better, left_out="carriage.dahl", gain=0.2)
+    said = sentence(replace(found, replacements=(better, same, worse)))
+    assert " The declared carriage.viscous or carriage.offset may be wrong: " in said
     assert idle_in_words(found) == (
         "These records show nothing of carriage.offset, which was declared: it ends at zero."
     )
