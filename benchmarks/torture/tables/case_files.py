@@ -146,7 +146,8 @@ def _of_the_rig(key: str, value: Any, said: str, codes: tuple[int, ...]) -> Case
     files, so what is said of files may be passed over."""
     theirs = key.replace("torque", "force").replace("angle", "position")
     words = ("fit", *OWN, "data=simulated")
-    passed = key.startswith(("records.swing.f", "records.swing.s", TIME)) or key == "signals.resample"
+    passed = key.startswith(("records.swing.f", "records.swing.s", TIME))
+    passed = passed or key in ("signals.resample", f"{TORQUE}.factor")  # which is a column of a file
     codes = BORNE if passed else codes
     return Case(f"case of a rig: {said}", words, (), codes, case({**RIG, theirs: value}))
 
