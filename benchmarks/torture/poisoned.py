@@ -27,7 +27,8 @@ OTHER = 65534
 SECONDS = 300.0
 ENOUGH = 3
 """Results after which a trace is interrupted."""
-FIT = ("fit", *QUICK)
+# a shorter record is simulated without compiling
+FIT = ("fit", *("rig.duration=4" if word.startswith("rig.") else word for word in QUICK))
 TRACE = ("trace", *QUICK, "trace.effects=[stribeck]", "trace.processes=1")
 Poison = Callable[[Path, bytes], None]
 """What is done with a file of the cache, given code that runs when it is loaded."""
@@ -144,7 +145,7 @@ class Poisoned:
             again = (*FIT[:-1], "out=again") if models else TRACE
             said = answer(again, folder, SECONDS, own)
             same = not models or _values(folder / "again") == honest
-        wrong = []
+        wrong = [] if files else [Fault(WRONG, "there was nothing to poison")]
         if self.name == CONTROL:
             if not canary.exists():
                 wrong.append(Fault(WRONG, f"the code in {len(files)} files does not run where it may"))
