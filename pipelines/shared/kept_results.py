@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hybridid.private import cache_folder, content_of_sealed, sealed
+from hybridid.private import cache_folder, content_of_sealed, exposed, sealed
 from hybridid.trace.mapper import Mapper
 from pipelines.shared.tree import write_bytes
 
@@ -35,7 +35,7 @@ def kept_results(key: str, anew: bool, say: Callable[[str], None]) -> Iterator[C
     home = cache_folder("unfinished")
     _prune(home)
     folder = home / key
-    if anew:
+    if anew or (folder.is_dir() and exposed(folder)):  # somebody else may have put results there
         shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(mode=0o700, exist_ok=True)
     if found := sum(1 for file in folder.iterdir() if not file.name.startswith(".")):

@@ -76,6 +76,12 @@ def test_only_what_is_whole_and_ones_own_is_taken(interrupted, home):
     assert interrupted.computed == [0, 1, 2, 4, 5]
 
 
+def test_nothing_is_taken_from_a_folder_that_others_may_write_to(interrupted, home):
+    (home / "key").chmod(0o777)
+    assert interrupted(-1) == [0, 1, 4, 9, 16, 25]
+    assert interrupted.computed == [0, 1, 2, 3, 4, 5]
+
+
 def test_what_nobody_asked_for_in_a_week_is_removed(interrupted, home):
     begun = time.time() - 86400 * DAYS
     os.utime(home / "key", (begun + 60, begun + 60))
