@@ -102,6 +102,15 @@ def _ended_when_open(child: int, opens: str, err: Path, last: float) -> None:
     os.kill(child, signal.SIGINT)
 
 
+def _forget() -> None:
+    """Hold no compiled model and no folder for them, as a process that nobody forked."""
+    from hybridid.private import cache_folder
+    from hybridid.simulation.compiler import forget
+
+    cache_folder.cache_clear()
+    forget()
+
+
 def _waited(child: int, seconds: float) -> int:
     last = time.monotonic() + seconds
     while time.monotonic() < last:
@@ -140,6 +149,7 @@ def _child(
         sys.argv = ["hybridid", *words]
         from hybridid_cli.main import main
 
+        _forget()
         main()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else 1

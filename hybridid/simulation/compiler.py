@@ -42,6 +42,11 @@ def compiled(said: str, source: Callable[[], str]) -> ctypes.CDLL | None:
     return _LIBRARIES[key]
 
 
+def forget() -> None:
+    """Hold no library any more: the next one is looked for in ``libraries`` again, as a new process does."""
+    _LIBRARIES.clear()
+
+
 def _build(compiler: str, source: str, made: Path) -> bool:
     """Compile ``source`` into the file ``made``; False, with a warning, if that fails.
 

@@ -65,6 +65,8 @@ def law_starts(learned: Ceiling, shape: Shape, base: Refit, split: Split) -> dic
     for point in _grid(shape, seen):
         columns = with_amplitudes(point)
         columns = np.column_stack([*columns.T, *terms])
+        if not np.isfinite(columns).all():
+            continue
         share, *_ = np.linalg.lstsq(columns, target, rcond=None)
         error = float(np.sum((target - columns @ share) ** 2))
         if error < least:

@@ -42,8 +42,8 @@ def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search
     trials: list[Trial] = []
     for learned in sorted((c for c in left if not c.failure), key=lambda c: -c.gain):
         most = max((t.taken for t in trials), default=0.0)
-        bounds = not learned.passes(rules) or _taken(learned, base) < (1 - rules.stands_in) * most
-        shapes = [shape for shape in shapes_over(learned.over.variable) if shape.fine or not bounds]
+        excluded = not learned.passes(rules) or _taken(learned, base) < (1 - rules.stands_in) * most
+        shapes = [shape for shape in shapes_over(learned.over.variable) if shape.fine or not excluded]
         given = [(learned, shape, base, context.split, rules.worth) for shape in shapes]
         stage = f"laws at {learned.place}"
         trials += context.each(stage, try_law, given, lambda trial: trial.candidate.name)

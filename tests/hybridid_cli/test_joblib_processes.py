@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import signal
 import subprocess
@@ -68,7 +69,8 @@ def test_joblib_watches_however_several_runs_are_asked_for(
         raise RuntimeError("no processes in a test")
 
     monkeypatch.setattr("hybridid_cli.multirun.let_joblib_watch", lambda: calls.append(1))
-    monkeypatch.setattr("hydra_plugins.hydra_joblib_launcher._core.Parallel", no_processes)
+    core = importlib.import_module("hydra_plugins.hydra_joblib_launcher._core")
+    monkeypatch.setattr(core, "Parallel", no_processes)
     said = say("fit", *quick, several, f"launcher={launcher}", "effects=[nonsense]")
     assert said.code != 0
     assert len(calls) == watched
