@@ -8,10 +8,11 @@ from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
 from pipelines.shared.config import Settings
+from pipelines.shared.held_back import held_back
 from pipelines.tracking.begun import marked
 from pipelines.tracking.note import KEY, Artifact, Note, Status
 from pipelines.tracking.patience import clock
-from pipelines.tracking.store import alone, client, experiment_id, tracking_uri
+from pipelines.tracking.store import alone, client, experiment_id, is_remote, tracking_uri
 
 if TYPE_CHECKING:
     from mlflow.entities import Run
@@ -35,21 +36,26 @@ def send(note: Note, settings: Settings, patience: float | None = None) -> None:
         Exception: whatever MLflow says is wrong.
     """
     uri = note.uri or tracking_uri(settings)
-    remote = uri.startswith("http")
+    remote = is_remote(uri)
     in_time = clock(patience if remote else None)
     store = client(settings, uri)
-    experiment = experiment_id(store, settings, note.experiment, remote)
-    in_time()
-    # the sqlite file takes one writer at a time; a server minds its own
-    one_writer = nullcontext() if remote else alone(settings)
-    with (
-        marked(note.key, note.experiment, settings, uri),
-        one_writer,
-        _killed_if_interrupted(store, experiment, note.key),
-    ):
-        run = _run_of(store, settings, experiment, note.key, note.name, note.began)
-        if run.data.tags.get(LOGGED) != note.digest:
-            _fill(store, settings, experiment, run, note, in_time)
+    with _writing(settings, remote), marked(note.key, note.experiment, settings, uri):
+        experiment = experiment_id(store, settings, note.experiment, remote)
+        in_time()
+        with _killed_if_interrupted(store, experiment, note.key):
+            run = _run_of(store, settings, experiment, note.key, note.name, note.began)
+            if run.data.tags.get(LOGGED) != note.digest:
+                _fill(store, settings, experiment, run, note, in_time)
+
+
+@contextmanager
+def _writing(settings: Settings, remote: bool) -> Iterator[None]:
+    """Hold the sqlite file, which takes one writer at a time; a server minds its own.
+
+    A signal that cuts off a write there leaves the file locked, so that the run cannot even be ended.
+    """
+    with nullcontext() if remote else alone(settings), nullcontext() if remote else held_back():
+        yield
 
 
 @contextmanager
@@ -71,9 +77,10 @@ def end(key: str, experiment: str, settings: Settings, status: Status, reason: s
         Exception: whatever MLflow says is wrong.
     """
     store = client(settings)
-    found = store.get_experiment_by_name(experiment)
-    if found is not None:
-        _end(store, found.experiment_id, key, status, reason)
+    with _writing(settings, is_remote(tracking_uri(settings))):
+        found = store.get_experiment_by_name(experiment)
+        if found is not None:
+            _end(store, found.experiment_id, key, status, reason)
 
 
 def _end(store: MlflowClient, experiment: str, key: str, status: Status, reason: str) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from filelock import FileLock
 
 from pipelines.shared.config import Settings
+from pipelines.shared.held_back import held_back
 from pipelines.shared.secrets import noted, with_password
 from pipelines.tracking import patience
 
@@ -70,7 +71,8 @@ def _client(uri: str, process: int) -> MlflowClient:
     # what they log as an error, with a traceback, they also raise: it is told in one line
     for name in ("mlflow", "alembic", "urllib3"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    return MlflowClient(tracking_uri=with_password(uri))
+    with held_back():  # it makes the tables: cut off there, it reports a broken transaction instead
+        return MlflowClient(tracking_uri=with_password(uri))
 
 
 @contextmanager
@@ -82,9 +84,14 @@ def alone(settings: Settings) -> Iterator[None]:
         yield
 
 
+def is_remote(uri: str) -> bool:
+    """Whether a server keeps the store, and not a file."""
+    return uri.startswith("http")
+
+
 def answers(uri: str) -> bool:
     """Whether the server at ``uri`` says anything at all; a file always does."""
-    if not uri.startswith("http"):
+    if not is_remote(uri):
         return True
     import requests
 

@@ -1,0 +1,36 @@
+"""Holds back the signals that ask a command to end, while it writes what must not be cut off."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+HELD = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
+"""Those that ``hybridid_cli.interrupt`` and the pool's workers turn into an exception."""
+
+
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Let a signal that comes meanwhile act when the context is left; for work of a second or so.
+
+    Python handles signals in the main thread alone: in another there is nothing to hold back.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+
+    before = {n: signal.signal(n, remember) for n in HELD if callable(signal.getsignal(n))}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(came[0])
