@@ -18,6 +18,11 @@ def listed(names: Sequence[str]) -> str:
     return " and ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
 
 
+def as_entry(name: str) -> str:
+    """``viscous@carriage``, as ``effects=[...]`` of a config takes it, for the name ``carriage.viscous``."""
+    return "@".join(reversed(name.rsplit(".", 1)))
+
+
 def unknown(what: str, name: object, known: Iterable[str], allowed: Iterable[str] | None = None) -> str:
     """``unknown <what> '<name>': did you mean '<nearest>'? allowed: ...``
 

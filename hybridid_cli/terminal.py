@@ -5,6 +5,7 @@ Results go to stdout, everything else to stderr.
 
 from __future__ import annotations
 
+import re
 import sys
 import threading
 import time
@@ -17,6 +18,7 @@ from rich.text import Text
 from hybridid_cli import interrupt
 
 _SECONDS_BETWEEN_LINES = 5.0
+_COUNT = re.compile(r"\d+ of \d+")
 _SILENCE = 10.0
 """Seconds without a line after which a log is told that the work goes on."""
 
@@ -74,8 +76,9 @@ class Terminal:
             self._draw(f"{work}: {state}", fraction)
             return
         now, self._doing = time.monotonic(), f"{work}: {state}"
-        if work != self._last[1] or now - self._last[0] > _SECONDS_BETWEEN_LINES:
-            self._last = (now, work)
+        kind = _COUNT.sub("", work)  # a thousand short starts are one work
+        if kind != self._last[1] or now - self._last[0] > _SECONDS_BETWEEN_LINES:
+            self._last = (now, kind)
             self.say(self._doing)
 
     def _break_silence(self) -> None:

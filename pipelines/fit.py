@@ -10,7 +10,7 @@ from hybridid.records.store import load_record
 from pipelines.shared import modelling
 from pipelines.shared.config import Settings
 from pipelines.shared.fitted import Fit, describe_model
-from pipelines.shared.limits import check_demand
+from pipelines.shared.limits import check_and_tell, check_demand
 from pipelines.shared.modelling import fit_settings, model_of
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import chosen, fitted_records, sources_of
@@ -27,7 +27,7 @@ def run(job: Job) -> None:
     fitted = chosen(prepared_records(job.tree), fitted_records(job.settings), "fit.records")
     records = [load_record(record.file) for record in fitted]
     model = model_of(job.settings)
-    check_demand(fit_demand(model, records, fit_settings(job.settings)), job.settings)
+    check_and_tell(fit_demand(model, records, fit_settings(job.settings)), job.settings, job.watcher)
     estimate = fit(model, records, fit_settings(job.settings), lambda report: _show(report, job.watcher))
     quality = judge(model, records, estimate)
     found = Fit(

@@ -47,7 +47,8 @@ def law_plot(
     legend_on_top(figure, [shown, drawn])
     caption = (
         f"The law {equation} proposed at {place} ({provenance}) over the learned effort that it explains, a "
-        "free curve of the same variable. Both hold the changes of the model's own terms, and both were "
-        "fitted in simulation, with all parameters. A dot is as large as the record dwells there long."
+        "free curve of the same variable. Both were fitted in simulation, with all parameters. The learned "
+        "effort is known up to what the model's own terms can take over, as a constant or a stiffness; it "
+        "is shown where it comes nearest to the law. The area of a dot grows with the time spent there."
     )
     return Plot(figure, f"law_{place}", caption, provenance)

@@ -14,11 +14,15 @@ from hybridid.records.channel import Array, RecordError
 @final
 @dataclass(frozen=True)
 class Columns(Mapping[str, Array]):
-    """The columns of numbers in one file, by name; ``unusable`` says why another column is not."""
+    """The columns of numbers in one file, by name; ``unusable`` says why another column is not.
+
+    ``instants`` are the columns of dates or durations: they are in s, and serve as time alone.
+    """
 
     path: Path
     values_by_name: Mapping[str, Array]
     unusable: Mapping[str, str]
+    instants: frozenset[str] = frozenset()
 
     def __getitem__(self, name: str) -> Array:
         """The column ``name``, (n,), or (1,) for a scalar.
@@ -48,23 +52,43 @@ class Columns(Mapping[str, Array]):
 
 
 def find_column(name: str, tables: Sequence[Columns]) -> Array:
-    """The column called ``name``, or ``file:name``, in any of ``tables``.
+    """The column of numbers called ``name``, or ``file:name``, in any of ``tables``.
 
     Raises:
-        RecordError: if none of them has it, or more than one.
+        RecordError: if none of them has it, or more than one, or if it holds dates or durations.
     """
+    table, own = _found(name, tables)
+    if own in table.instants:
+        raise RecordError(
+            f"{table.path}: {own!r} cannot be a signal: it holds dates or durations, as time does"
+        )
+    return table[own]
+
+
+def find_time(name: str, tables: Sequence[Columns]) -> tuple[Array, bool]:
+    """As ``find_column``, also for dates and durations; the second says whether it holds them, in s.
+
+    Raises:
+        RecordError: if no table has it, or more than one.
+    """
+    table, own = _found(name, tables)
+    return table[own], own in table.instants
+
+
+def _found(name: str, tables: Sequence[Columns]) -> tuple[Columns, str]:
+    """The one table that has the column, and its name there."""
     holders = [table for table in tables if name in table]
     if len(holders) == 1:
-        return holders[0][name]
+        return holders[0], name
     if holders:
         among = ", ".join(f"{table.path.stem}:{name}" for table in holders)
         raise RecordError(f"column {name!r} is in {len(holders)} files; say which: {among}")
     file, _, rest = name.partition(":")
     for table in tables:
         if rest and file in (table.path.name, table.path.stem):
-            return table[rest]
+            return table, rest
     for table in tables:
         if name in table.unusable or len(tables) == 1:
-            return table[name]  # raises, and says why
+            return table, name  # whose [] says why it has none
     where = ", ".join(table.path.name for table in tables)
     raise RecordError(f"{where}: {unknown('column', name, [column for table in tables for column in table])}")

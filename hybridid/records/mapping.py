@@ -13,7 +13,7 @@ from hybridid.naming import shortened, unknown
 from hybridid.plain import build
 from hybridid.records.channel import Array, Channel, Hold, RecordError
 from hybridid.records.checks import check_finite
-from hybridid.records.columns import Columns, find_column
+from hybridid.records.columns import Columns, find_column, find_time
 from hybridid.records.readers import read_columns
 from hybridid.records.record import Record
 from hybridid.records.resample import Resample, resampled
@@ -218,9 +218,14 @@ def _stamps(time: TimeMap, tables: Sequence[Columns], n: int) -> Array:
     if time.column is None:
         count = np.arange(n, dtype=float)
         return count * time.dt if time.dt is not None else count / (time.rate or 1.0)
-    stamps = find_column(time.column, tables)
+    stamps, in_seconds = find_time(time.column, tables)
+    if in_seconds and time.unit != "s":
+        raise RecordError(
+            f"time column {time.column!r} holds dates or durations, which are read in s: "
+            f"unit {time.unit!r} is not allowed"
+        )
     for other in time.same:
-        also = find_column(other, tables)
+        also, _ = find_time(other, tables)
         if len(also) != len(stamps) or not np.allclose(also, stamps, rtol=1e-9, atol=1e-9):
             raise RecordError(f"time columns {time.column!r} and {other!r} differ: not recorded together")
     return stamps * SECONDS[time.unit]

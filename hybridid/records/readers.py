@@ -12,6 +12,7 @@ import csv
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -45,17 +46,26 @@ def read_columns(path: Path | str) -> Columns:
     except Exception as wrong:  # each library raises errors of its own for a broken file
         reason = shortened(str(wrong), 200) or type(wrong).__name__
         raise RecordError(f"{path}: not a readable {path.suffix} file: {reason}") from wrong
+    instants = {name: content.seconds for name, content in found if isinstance(content, Instants)}
     columns = Columns(
         path,
-        {name: content for name, content in found if not isinstance(content, str)},
+        {name: content for name, content in found if isinstance(content, np.ndarray)} | instants,
         {name: content for name, content in found if isinstance(content, str)},
+        frozenset(instants),
     )
     if not columns:
         raise RecordError(f"{path}: it holds no column of numbers")
     return columns
 
 
-Found = Iterator[tuple[str, "Array | str"]]  # a column's values, or why it has none
+@dataclass(frozen=True)
+class Instants:
+    """A column of dates, in s since the first of them, or of durations, in s."""
+
+    seconds: Array
+
+
+Found = Iterator[tuple[str, "Array | Instants | str"]]  # a column's values, or why it has none
 
 
 def _read_mat(path: Path) -> Found:
@@ -182,15 +192,17 @@ def _is_number(cell: str, decimal: str) -> bool:
     return True
 
 
-def _numbers(series: Any) -> Array | str:
-    """A pandas column as floats, missing values as NaN, dates as seconds since the first; or why not."""
+def _numbers(series: Any) -> Array | Instants | str:
+    """A pandas column as floats, missing values as NaN; or why not."""
     import pandas as pd
     from pandas.api import types
 
     if len(series) and series.isna().all() and not types.is_numeric_dtype(series):
         return "it is empty"
     if types.is_datetime64_any_dtype(series):
-        return (series - series.dropna().iloc[0]).dt.total_seconds().to_numpy(float)
+        return Instants((series - series.dropna().iloc[0]).dt.total_seconds().to_numpy(float))
+    if types.is_timedelta64_dtype(series):
+        return Instants(series.dt.total_seconds().to_numpy(float))
     if types.is_numeric_dtype(series) and not types.is_complex_dtype(series):
         return series.to_numpy(float, na_value=np.nan)
     try:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from hybridid.declarations import PortKind
+from hybridid.naming import as_entry
 from hybridid.trace.robustness import Survival
 
 
@@ -120,7 +121,7 @@ class ReplacedEffect:
     @property
     def names(self) -> tuple[str, ...]:
         """The effects with their ports, as ``effects=[...]`` of a config takes them."""
-        return tuple("@".join(reversed(name.rsplit(".", 1))) for name in self.effects)
+        return tuple(map(as_entry, self.effects))
 
 
 @dataclass(frozen=True)

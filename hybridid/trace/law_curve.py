@@ -20,10 +20,9 @@ BINS, LEAST = 40, 10
 
 @dataclass(frozen=True)
 class LawCurve:
-    """What a refit adds at a port as a function of one variable: ``value`` (m,) over ``at`` (m,).
+    """An effort at a port, over the factor of an ``Over``, as a function of its variable.
 
-    It is the effort over the factor of ``over``, the changes of the model's own terms included; ``samples``
-    (m,) are those of each bin.
+    ``value`` (m,) over ``at`` (m,); ``samples`` (m,) are those of each bin.
     """
 
     at: Array
@@ -33,7 +32,12 @@ class LawCurve:
 
 @dataclass(frozen=True)
 class LawOverLearned:
-    """A law's ``curve`` over that of the ``learned`` effort, both beside the model without them."""
+    """A law's formula as a ``curve``, and that of the ``learned`` effort that it explains.
+
+    Two fits share one effort differently among the model's own terms and what is added. So ``learned`` is
+    known up to what these can take over: a constant, inertia, damping, stiffness and each declared effect.
+    It is shown where it comes nearest to the law.
+    """
 
     port: str
     over: Over
@@ -45,31 +49,57 @@ class LawOverLearned:
 
 def law_over_learned(base: Refit, law: Refit, learned: Ceiling, split: Split) -> LawOverLearned:
     """The curves of a ``law`` that was refitted beside ``base``, and of the ``learned`` effort there."""
-    port = base.model.plant.port(learned.port)
+    port, over = learned.port, learned.over
+    curve = _law_curve(base, law, port, over, split)
     return LawOverLearned(
-        learned.port,
-        learned.over,
-        learned.over.amplitude.unit(port),
+        port,
+        over,
+        over.amplitude.unit(base.model.plant.port(port)),
         learned.over_unit,
-        _curve(base, law, learned.port, learned.over, split),
-        _curve(base, learned.refit, learned.port, learned.over, split),
+        curve,
+        _learned_curve(base, learned, curve, split),
     )
 
 
-def _curve(base: Refit, richer: Refit, port: str, over: Over, split: Split) -> LawCurve:
-    """In each bin of the variable, the value nearest to effort = value × factor, by least squares."""
+def _law_curve(base: Refit, law: Refit, port: str, over: Over, split: Split) -> LawCurve:
+    """The law alone, without the model's own terms."""
+    path, own = _path(base, law, split)
+    efforts = path.efforts(law.model, law.values, port)
+    added = efforts[len(own.efforts(base.model, base.values, port)) :].sum(axis=0)
+    return _binned(_seen(path, own, port, over), added, own.factor(port, over))
+
+
+def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -> LawCurve:
+    """All that the learned effort changed, less what the model's own terms take over to be near ``law``."""
+    port, over = learned.port, learned.over
+    path, own = _path(base, learned.refit, split)
+    terms = own.efforts(base.model, base.values, port)
+    change = path.effort(learned.refit.model, learned.refit.values, port) - terms.sum(axis=0)
+    motion = [own.motion(port, "position"), own.motion(port, "velocity")]
+    if base.model.plant.port(port).kind == "effort":
+        motion.append(own.factor(port, Over("position", "acceleration")))
+    seen, factor = _seen(path, own, port, over), own.factor(port, over)
+    curve, *own_curves = (
+        _binned(seen, effort, factor) for effort in (change, np.ones_like(change), *motion, *terms)
+    )
+    weight = np.sqrt(curve.samples)
+    columns = np.array([one.value for one in own_curves]).T
+    apart = curve.value - np.interp(curve.at, law.at, law.value)
+    shares, *_ = np.linalg.lstsq(columns * weight[:, None], apart * weight, rcond=1e-9)
+    return replace(curve, value=curve.value - columns @ shares)
+
+
+def _path(base: Refit, richer: Refit, split: Split) -> tuple[Path, Path]:
+    """The path of ``richer``, and the same as the model of ``base`` sees it."""
     path = Path.of(richer, split, (*split.fitted, *split.held_out))
-    own = [state.name for state in richer.model.states]
-    poorer = replace(
-        path,
-        model=base.model,
-        p=base.model.values(base.values),
-        states=path.states[:, [own.index(state.name) for state in base.model.states]],
-    )
-    effort = path.effort(richer.model, richer.values, port) - poorer.effort(base.model, base.values, port)
-    # of a variable with memory, the last state is that of the law or the learned effort itself
-    seen = path.states[:, -1] if over.variable in MEMORIES else poorer.seen(port, over)
-    return _binned(seen, effort, poorer.factor(port, over))
+    names = [state.name for state in richer.model.states]
+    states = path.states[:, [names.index(state.name) for state in base.model.states]]
+    return path, replace(path, model=base.model, p=base.model.values(base.values), states=states)
+
+
+def _seen(path: Path, own: Path, port: str, over: Over) -> Array:
+    """The variable; one with memory is the last state of the richer model."""
+    return path.states[:, -1] if over.variable in MEMORIES else own.seen(port, over)
 
 
 def _binned(seen: Array, effort: Array, factor: Array) -> LawCurve:

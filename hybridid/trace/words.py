@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from hybridid.naming import listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
@@ -75,7 +77,7 @@ def _concluded(found: Trace) -> str:
     before, something = (f"{lacked}. ", "Something else") if names else ("", "Something")
     return (
         f"{before}{something} is missing that none of the {named_effects(found)} effects tried explains. "
-        f"The law proposed is {listed([_law(one) for one in laws])}: {fall}.{_rest(found)}"
+        f"{_proposed(laws)}: {fall}.{_rest(found)}"
     )
 
 
@@ -92,9 +94,15 @@ def tried_in_words(found: Trace) -> str:
     return f"{named} effects" + (f" and {laws} laws" if laws else "")
 
 
+def _proposed(laws: Sequence[AcceptedEffect]) -> str:
+    """``The law proposed at carriage is F = k |v| (k = ...)``."""
+    said = [f"at {one.port} is {_law(one)}" for one in laws]
+    return f"The law proposed {said[0]}" + "".join(f"; the law proposed {more}" for more in said[1:])
+
+
 def _law(entry: AcceptedEffect) -> str:
     """A composed law with its parameters and the laws that do as well."""
-    text = f"{entry.equation} at {entry.port} ({', '.join(parameters_in_words(entry))})"
+    text = f"{entry.equation} ({', '.join(parameters_in_words(entry))})"
     if entry.form_of:
         text += f", which is the form of {entry.form_of}"
     others = [member.effect for member in entry.class_members if member.effect != entry.effect]

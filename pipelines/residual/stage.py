@@ -19,7 +19,7 @@ from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import fitted_model
 from pipelines.shared.hybrids import Residual
-from pipelines.shared.limits import check_demand, check_processes
+from pipelines.shared.limits import check_and_tell, check_demand, check_processes
 from pipelines.shared.modelling import fit_settings, model_of, named_code
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import chosen, fitted_records
@@ -34,7 +34,8 @@ def run(job: Job) -> None:
     """Make the hybrid from the records that the gray box was fitted to."""
     gray = gray_box(job.settings, job.tree)
     request = request_of(job.settings)
-    check_demand(request.demand(gray.model, gray.records, gray.estimate.settings), job.settings)
+    needed = request.demand(gray.model, gray.records, gray.estimate.settings)
+    check_and_tell(needed, job.settings, job.watcher)
     write(job, gray, request.make(gray, job.watcher))
 
 

@@ -12,12 +12,15 @@ from hybridid.demand import Demand
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.sections.stages import LimitsSection
+from pipelines.shared.watch import Watcher
 
 GB = 1e9
 _PROCESS = 1.5e8
 """Bytes of a worker of its own, beside what it shares with others."""
 _POINT, _POINT_SECONDS = 5e4, 0.1
 """Bytes and seconds that each point of a sweep takes at least."""
+_LONG = 120.0
+"""Seconds above which it is told how long a stage takes at least."""
 _CGROUP = Path("/sys/fs/cgroup")
 
 
@@ -28,6 +31,18 @@ def check_demand(demand: Demand, settings: Settings, cores: int = 1) -> None:
         ConfigError: if not; says what is needed, what there is, and which keys change it.
     """
     _check(demand, settings.section("limits", LimitsSection), cores)
+
+
+def check_and_tell(demand: Demand, settings: Settings, watcher: Watcher) -> None:
+    """As ``check_demand``; tells how long it takes at least, and which keys make it shorter, if that is long.
+
+    Raises:
+        ConfigError: if ``limits`` do not allow it.
+    """
+    check_demand(demand, settings)
+    if demand.seconds > _LONG:
+        keys = " or ".join(demand.keys)
+        watcher.say(f"{demand.what} takes at least {_time(demand.seconds)}: lower {keys} to make it shorter")
 
 
 def check_processes(processes: int | None, key: str, settings: Settings) -> None:
@@ -97,6 +112,10 @@ def _of_machine() -> float:
 def _line(demand: Demand, needed: str, offered: str, key: str) -> str:
     keys = " or ".join(demand.keys)
     return f"{demand.what} would take {needed}, and {offered}: lower {keys}, or raise {key}"
+
+
+def _time(seconds: float) -> str:
+    return f"{_shown(seconds / 3600)} h" if seconds >= 3600 else f"{_shown(seconds / 60)} min"
 
 
 def _shown(value: float) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from hybridid.naming import listed
+from hybridid.naming import as_entry, listed
 from hybridid.quantities import (
     DIVERGES,
     NONE,
@@ -94,7 +94,7 @@ def _declared(found: Trace) -> Section | None:
     rows = tuple(
         (
             r.left_out, listed(r.effects), share(r.gain), probability(r.p_value),
-            ", ".join((*(_entry(name) for name in found.declared if name != r.left_out), *r.names)),
+            ", ".join((*(as_entry(name) for name in found.declared if name != r.left_out), *r.names)),
         )
         for r in found.replacements
     )  # fmt: skip
@@ -105,10 +105,6 @@ def _declared(found: Trace) -> Section | None:
     tables = (Table(title, header, rows, (note,), words=(0, 1, 4)),) if rows else ()
     idle = (idle_in_words(found),) if found.idle else ()
     return Section("The declared physics", idle, tables)
-
-
-def _entry(name: str) -> str:
-    return "@".join(reversed(name.rsplit(".", 1)))
 
 
 def _survivals(entry: AcceptedEffect) -> Table:

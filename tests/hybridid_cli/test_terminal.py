@@ -21,3 +21,12 @@ def test_a_log_is_told_that_the_work_goes_on_until_it_ends(monkeypatch, capsys):
     assert 2 <= len(more) <= 6
     time.sleep(0.1)
     assert capsys.readouterr().err == ""
+
+
+def test_a_thousand_short_starts_are_a_few_lines(capsys):
+    with Terminal() as shown:
+        for k in range(1000):
+            shown.progress(f"start {k + 1} of 1000", "iteration 1", None)
+        shown.progress("standard errors", "1 of 4", None)
+    lines = [line.split(" ", 1)[1] for line in capsys.readouterr().err.splitlines()]
+    assert lines == ["start 1 of 1000: iteration 1", "standard errors: 1 of 4"]

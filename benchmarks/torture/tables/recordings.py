@@ -114,6 +114,8 @@ PARQUET: Mapping[str, Content] = {
     "mappings": _parquet([{"a": 1}] * N),
     "nothing": _parquet([None] * N),
     "a gap": _parquet([None, *TORQUE[1:]]),
+    "dates": _parquet([datetime.datetime(2024, 1, 1, tzinfo=datetime.UTC)] * N),
+    "durations": _parquet([datetime.timedelta(seconds=1)] * N),
 }
 JSON: Mapping[str, Content] = {
     name: json.dumps(content)
@@ -133,7 +135,6 @@ JSON: Mapping[str, Content] = {
     }.items()
 } | {"100,000 lists in each other": "[" * 100_000 + "]" * 100_000}
 ODD_PARQUET: Mapping[str, Content] = {
-    "dates": _parquet([datetime.datetime(2024, 1, 1, tzinfo=datetime.UTC)] * N),
     "bytes": _parquet([b"1"] * N),
 }
 WHOLE: Mapping[str, Content] = {

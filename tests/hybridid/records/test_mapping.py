@@ -73,6 +73,15 @@ def test_time_from_a_column_a_step_or_a_rate(root, time, expected):
     np.testing.assert_allclose(read(root, time=time).time, expected, rtol=1e-14)
 
 
+def test_dates_are_in_seconds_whatever_the_unit_says(root):
+    dates = pd.Timestamp("2026-03-01") + pd.to_timedelta(T, unit="s")
+    pd.DataFrame({"t": dates, "vir": T, "qm": T}).to_parquet(root / "emps/run.parquet")
+    changes = {"files": ["emps/run.parquet"], "inputs": [], "outputs": {"q": {"unit": "m", "column": "qm"}}}
+    np.testing.assert_allclose(read(root, **changes, auxiliary=[], time={"column": "t"}).time, T, atol=1e-9)
+    with pytest.raises(RecordError, match="'t' holds dates or durations, which are read in s: unit 'ms'"):
+        read(root, **changes, auxiliary=[], time={"column": "t", "unit": "ms"})
+
+
 @pytest.mark.parametrize(
     ("time", "said"),
     [

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 import scipy.io
 
-from hybridid.records.columns import find_column
+from hybridid.records.columns import find_column, find_time
 from hybridid.records.readers import read_columns
 from hybridid.records.record import RecordError
 
@@ -241,3 +241,17 @@ def test_a_column_among_several_files(tmp_path):
         find_column("x_tow", tables)
     with pytest.raises(RecordError, match=r"two.csv: unknown column 'x'"):
         find_column("two:x", tables)
+
+
+@pytest.mark.parametrize("instants", ["clock", "elapsed"])
+def test_dates_and_durations_are_time_and_never_a_signal(tmp_path, instants):
+    """A column of dates was read as a torque of seconds, one of durations as a torque of nanoseconds."""
+    elapsed = pd.to_timedelta(TIME, unit="s")
+    frame = pd.DataFrame({"F": FORCE, "clock": pd.Timestamp("2026-03-01") + elapsed, "elapsed": elapsed})
+    frame.to_parquet(tmp_path / "run.parquet")
+    tables = [read_columns(tmp_path / "run.parquet")]
+    stamps, in_seconds = find_time(instants, tables)
+    assert in_seconds
+    np.testing.assert_allclose(stamps, TIME, atol=1e-9)
+    with pytest.raises(RecordError, match=f"'{instants}' cannot be a signal: it holds dates or durations"):
+        find_column(instants, tables)

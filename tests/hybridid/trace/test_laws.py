@@ -53,6 +53,8 @@ def test_it_is_drawn_over_the_learned_effort(proposed):
     fast = abs(drawn.curve.at) > 0.02
     assert np.ptp(drawn.curve.value) > 2.0
     assert drawn.curve.value[fast] == pytest.approx(learned[fast], abs=0.5)
+    k = proposed.accepted[0].trial.own("values")["k"]
+    assert drawn.curve.value == pytest.approx(k * abs(drawn.curve.at), abs=abs(k) * 0.01)
 
 
 def test_a_law_starts_in_the_likeness_of_the_learned_effort(proposed, split_of):

@@ -155,8 +155,8 @@ def test_a_proposed_law_is_told_as_a_formula_and_no_name(nothing):
     path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
     found = replace(nothing(DRAG, refused), verdict="law_proposed", accepted=(law,), path=path)
     assert sentence(found) == (
-        "Something is missing that none of the 1 effects tried explains. The law proposed is F = k |v| at "
-        "carriage (k = −36.9 ± 4.4 N·s/m), which is the form of asymmetric_viscous; these records cannot "
+        "Something is missing that none of the 1 effects tried explains. The law proposed at carriage is "
+        "F = k |v| (k = −36.9 ± 4.4 N·s/m), which is the form of asymmetric_viscous; these records cannot "
         "tell it from square_of_velocity: with it the RMSE on held-out horizons of 1 s (simulated) falls "
         "from 3 µm to 1.5 µm (50 % less) in position."
     )
@@ -168,7 +168,7 @@ def test_names_are_told_before_a_law(nothing):
     path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
     said = sentence(replace(nothing(DRAG), verdict="law_proposed", accepted=(law, name), path=path))
     assert said.startswith("The model lacked stribeck at carriage (k = −36.9 ± 4.4 N·s/m). Something else is")
-    assert "The law proposed is F = k v³ at carriage (k = −36.9 ± 4.4 N·s/m): with them the RMSE" in said
+    assert "The law proposed at carriage is F = k v³ (k = −36.9 ± 4.4 N·s/m): with them the RMSE" in said
 
 
 def test_what_speaks_against_the_declared_physics_is_told(nothing):

@@ -8,7 +8,7 @@ from hybridid.demand import Demand
 from pipelines.runner import check_stages
 from pipelines.shared import limits
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.limits import available, check_demand, check_points, check_processes
+from pipelines.shared.limits import available, check_and_tell, check_demand, check_points, check_processes
 from pipelines.shared.sections.stages import LimitsSection
 
 
@@ -32,6 +32,17 @@ def test_limits_of_the_config_take_its_place(settings):
     check_demand(large, settings({"limits.memory": 4.0, "limits.hours": 2.0}), cores=2)
     with pytest.raises(ConfigError, match=r"limits\.memory is 0"):
         settings({"limits.memory": 0})
+
+
+def test_a_long_task_says_so_before_it_begins(settings, heard):
+    check_and_tell(Demand("the fit", 1e6, 60.0, ("k",)), settings(), heard)
+    assert heard.said == []
+    check_and_tell(Demand("the fit", 1e6, 380.0, ("estimator.substeps (1000000)",)), settings(), heard)
+    check_and_tell(Demand("the fit", 1e6, 7200.0, ("k",)), settings(), heard)
+    assert heard.said == [
+        "the fit takes at least 6.3 min: lower estimator.substeps (1000000) to make it shorter",
+        "the fit takes at least 2 h: lower k to make it shorter",
+    ]
 
 
 def test_what_is_available_is_a_sound_number():
