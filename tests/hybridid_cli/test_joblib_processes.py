@@ -58,6 +58,30 @@ def test_joblib_s_processes_end_when_the_command_is_killed(environment, tmp_path
                 os.kill(pid, signal.SIGKILL)
 
 
+TRACKER = """
+import os, signal, time
+from joblib.externals.loky.backend import resource_tracker
+from hybridid_cli.joblib_processes import let_joblib_watch
+
+let_joblib_watch()
+tracker = resource_tracker._resource_tracker
+first = tracker._pid
+os.kill(first, signal.SIGHUP)
+time.sleep(0.5)
+tracker.register("/dev/shm/none", "file")
+tracker.unregister("/dev/shm/none", "file")
+assert tracker._pid == first
+signal.raise_signal(signal.SIGHUP)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="signals of a terminal")
+def test_a_closed_terminal_leaves_the_process_that_cleans_up(environment):
+    """A second tracker took its place, and printed a traceback for each resource that it did not know."""
+    done = subprocess.run([sys.executable, "-c", TRACKER], env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (-signal.SIGHUP, "")
+
+
 @pytest.mark.parametrize("several", ["-m", "hydra.mode=MULTIRUN"])
 @pytest.mark.parametrize(("launcher", "watched"), [("joblib", 1), ("local", 0)])
 def test_joblib_watches_however_several_runs_are_asked_for(
