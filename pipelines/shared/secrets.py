@@ -7,7 +7,6 @@ later inherit it; no file ever holds it.
 
 from __future__ import annotations
 
-import functools
 import os
 import re
 import sys
@@ -140,17 +139,12 @@ def mask_streams() -> None:
             setattr(sys, name, cast(TextIO, _MaskedStream(stream)))
 
 
-def _of_environment() -> tuple[str, ...]:
-    return _collected(len(os.environ), *(os.environ.get(name, "") for name in _OF_THE_STORE))
-
-
-@functools.lru_cache
-def _collected(number: int, *of_the_store: str) -> tuple[str, ...]:
-    """The secrets that the environment holds, as they stand there and as they stand in an address; looked for
-    again when its ``number`` of variables has changed, or one that matters."""
-    named = {value for name, value in os.environ.items() if _NAMES.search(name) and len(value) >= _LONG}
-    values = named | {value for value in of_the_store if len(value) > 3}
-    return tuple(sorted(values | {quote(value, safe="") for value in values}, key=len, reverse=True))
+def _of_environment() -> list[str]:
+    """The secrets that the environment holds, as they stand there and as they stand in an address; the longest
+    first, for one may be part of another."""
+    values = {value for name, value in os.environ.items() if _NAMES.search(name) and len(value) >= _LONG}
+    values |= {value for name in _OF_THE_STORE if len(value := os.environ.get(name, "")) > 3}
+    return sorted(values | {quote(value, safe="") for value in values}, key=len, reverse=True)
 
 
 def _alone(secret: str) -> re.Pattern[str]:

@@ -62,6 +62,14 @@ def test_values_of_the_environment_are_masked(monkeypatch):
     )
 
 
+def test_a_secret_that_takes_the_place_of_another_is_masked(monkeypatch):
+    """As many variables as before were taken for the same ones."""
+    monkeypatch.setenv("SOME_TOKEN", "first-secret")
+    assert masked("first-secret") == "***"
+    monkeypatch.setenv("SOME_TOKEN", "second-secret")
+    assert masked("second-secret") == "***"
+
+
 def test_a_short_password_is_masked_where_it_stands_alone(monkeypatch):
     monkeypatch.setenv(secrets.PASSWORD, "emps")
     assert masked("alice:emps, tempsteps") == "alice:***, tempsteps"
