@@ -140,7 +140,7 @@ def mask_streams() -> None:
 
 
 def _of_environment() -> list[str]:
-    """The secrets that the environment holds, as they stand there and as they stand in an address; the longest
+    """The secrets of the environment, as they stand there and as they stand in an address; the longest
     first, for one may be part of another."""
     values = {value for name, value in os.environ.items() if _NAMES.search(name) and len(value) >= _LONG}
     values |= {value for name in _OF_THE_STORE if len(value := os.environ.get(name, "")) > 3}
