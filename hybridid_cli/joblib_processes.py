@@ -8,6 +8,7 @@ import signal
 import sys
 
 from pipelines.shared.parent_process import adopted, end_with
+from pipelines.shared.pool_server import OF_THE_TERMINAL
 
 
 def let_joblib_watch() -> None:
@@ -38,5 +39,8 @@ def _start_tracker() -> None:
 
 
 def end_with_command(command: int) -> None:
-    """End this process when the process ``command`` is gone."""
+    """End this process when the process ``command`` is gone, and leave the signals of the terminal to that
+    one: here they may strike a library's callback, where Python can only print them."""
+    for number in OF_THE_TERMINAL:
+        signal.signal(number, signal.SIG_IGN)
     end_with(functools.partial(adopted, command))

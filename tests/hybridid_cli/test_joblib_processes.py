@@ -82,6 +82,28 @@ def test_a_closed_terminal_leaves_the_process_that_cleans_up(environment):
     assert (done.returncode, done.stderr) == (-signal.SIGHUP, "")
 
 
+WORKERS = """
+import os, signal, time
+from joblib import Parallel, delayed
+from hybridid_cli.joblib_processes import let_joblib_watch
+
+def struck(number):
+    os.kill(os.getpid(), number)
+    time.sleep(0.2)
+    return "goes on"
+
+let_joblib_watch()
+print(Parallel(n_jobs=2, backend="loky")([delayed(struck)(n) for n in (signal.SIGINT, signal.SIGHUP)]))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="signals of a terminal")
+def test_joblib_s_processes_leave_the_signals_of_the_terminal_to_the_command(environment):
+    """Ctrl-C struck a library's callback there, which Python can only print."""
+    done = subprocess.run([sys.executable, "-c", WORKERS], env=environment, capture_output=True, text=True)
+    assert done.stdout == "['goes on', 'goes on']\n"
+
+
 @pytest.mark.parametrize("several", ["-m", "hydra.mode=MULTIRUN"])
 @pytest.mark.parametrize(("launcher", "watched"), [("joblib", 1), ("local", 0)])
 def test_joblib_watches_however_several_runs_are_asked_for(
