@@ -11,14 +11,14 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-blunders study-rebuilt study-servo study-sweep study-slurm league league-drawn torture clean distclean FORCE
+.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-blunders study-rebuilt study-servo study-sweep study-slurm league league-drawn league-measured torture clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
 	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
-	@echo "  ARGS=...         for make league, league-drawn, study-laws, study-rebuilt and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
+	@echo "  ARGS=...         for make league, league-drawn, league-measured, study-laws, study-rebuilt and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
@@ -88,6 +88,9 @@ league: $(READY) ## which of ours and two rivals names what simulated machines h
 
 league-drawn: $(READY) ## does our trace hold on 120 scenarios that nobody rigged? (hours; goes on where it stopped)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.drawn $(ARGS)
+
+league-measured: $(READY) ## what does trace say of every measured record, also with each declared effect left out? (goes on)
+	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.measured $(ARGS)
 
 torture: $(READY) ## bad inputs, kills, full disks, many writers, long records: is anything lost? (simulated, hours; goes on)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.torture $(ARGS)
