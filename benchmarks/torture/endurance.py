@@ -48,6 +48,7 @@ records:
   long: {files: long.parquet, role: identification}
 """
 ROUNDS = {"fits": 200, "pools": 60}
+HOUR = 3600.0
 WARM = 0.25
 """The share of the rounds after which memory is expected to stay."""
 MORE = 0.05
@@ -82,6 +83,7 @@ def trials(seed: int) -> list[Long]:
         Long("2.5 million samples are fitted", "samples fitted", _long_record, seed),
         Long("a loop of fits", "fits in one process", partial(_apart, "fits"), seed),
         Long("a loop of pools", "pools in one process", partial(_apart, "pools"), seed),
+        Long("an hour of fits", "hours of fits in one process", partial(_apart, "fits", seconds=HOUR), seed),
     ]
 
 
@@ -133,10 +135,10 @@ def _record(n: int, seed: int) -> dict[str, np.ndarray]:
     return {"t": t, "force": force, "position": position + NOISE * generator.standard_normal(n)}
 
 
-def _apart(what: str, folder: Path, seed: int) -> Found:
-    """Loop in a process of its own, whose memory is its own."""
+def _apart(what: str, folder: Path, seed: int, seconds: float = 0.0) -> Found:
+    """Loop in a process of its own, whose memory is its own, for so many rounds and ``seconds`` at least."""
     ours, theirs = multiprocessing.Pipe()
-    child = multiprocessing.get_context("fork").Process(target=_looped, args=(what, folder, theirs))
+    child = multiprocessing.get_context("fork").Process(target=_looped, args=(what, folder, theirs, seconds))
     child.start()
     theirs.close()
     try:
@@ -154,18 +156,20 @@ def _apart(what: str, folder: Path, seed: int) -> Found:
         before, after = handles[warm], handles[-1]
         faults.append(Fault(GROWS, f"processes, threads and files from {before} to {after}"))
     said = f"{early:.0f} MB after {warm} rounds, {late:.0f} MB after {len(memory)}; {handles[-1]} at the end"
-    return Found(said, tuple(faults), {f"{what} in one process": float(len(memory))})
+    counted = {f"hours of {what} in one process": seconds / HOUR} if seconds else {}
+    return Found(said, tuple(faults), {f"{what} in one process": float(len(memory)), **counted})
 
 
-def _looped(what: str, folder: Path, pipe: multiprocessing.connection.Connection) -> None:
+def _looped(what: str, folder: Path, pipe: multiprocessing.connection.Connection, seconds: float) -> None:
     """Do the rounds and send the memory in MB, and the processes, threads and open files after each."""
     os.chdir(folder)
     gc.freeze()  # what was there before is no garbage of the rounds
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     one = {"fits": _fit, "pools": _pool}[what]
     memory, handles = [], []
-    for n in range(ROUNDS[what]):
-        one(n)
+    last = time.monotonic() + seconds
+    while len(memory) < ROUNDS[what] or time.monotonic() < last:
+        one(len(memory))
         gc.collect()
         resident = int(Path("/proc/self/statm").read_text().split()[1])
         memory.append(resident * os.sysconf("SC_PAGESIZE") / 1e6)
