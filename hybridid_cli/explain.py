@@ -138,4 +138,4 @@ def _unknown_key(key: str, command: str, words: Sequence[str]) -> str:
         above = above.rpartition(".")[0]
     depth = above.count(".") + 2 if above else 1
     siblings = {".".join(k.split(".")[:depth]) for k in known if not above or k.startswith(f"{above}.")}
-    return unknown("config key", key, known, allowed=siblings)
+    return unknown("config key", key, sorted(known), allowed=sorted(siblings))

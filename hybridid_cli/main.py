@@ -83,10 +83,12 @@ def dispatch(words: Sequence[str]) -> int:
     try:
         return int(getattr(importlib.import_module(module), function)(command.name, list(words[1:])))
     except ConfigError as error:
+        interrupt.check()
         if wants_traceback():
             raise
         return complain(str(error))
     except Exception as error:
+        interrupt.check()  # a signal may have struck a library that reports something else instead
         if wants_traceback() or isinstance(error, BrokenPipeError):
             raise
         from hybridid_cli.explain import explained  # imports Hydra, which takes a while

@@ -22,3 +22,11 @@ def test_memory_that_does_not_suffice_costs_one_line():
         "the memory of this machine does not suffice: Unable to allocate 374. GiB; make the task smaller"
     )
     assert code == FAILED
+
+
+def test_keys_are_listed_in_one_order(say):
+    """They came in another order each time."""
+    said = say("trace", "case=emps", "trace.network=false")
+    listed = said.err.partition("allowed: ")[2].strip().split(", ")
+    assert listed == sorted(listed)
+    assert "trace.worth" in listed

@@ -145,3 +145,28 @@ def test_a_signal_where_python_would_swallow_and_print_it(environment, program, 
     done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith(says)
+
+
+DISGUISED = """
+import os, signal, sys
+from hybridid_cli import listing
+from hybridid_cli.main import main
+
+def struck(*given):
+    try:
+        os.kill(os.getpid(), signal.SIGTERM)
+    except KeyboardInterrupt:
+        raise AttributeError("'NoneType' object has no attribute '_invalidate_flags_cache'")
+
+listing.cases = struck
+sys.argv = ["hybridid", "cases"]
+main()
+"""
+
+
+def test_a_signal_that_a_library_reports_as_something_else(environment):
+    """OmegaConf, struck in the midst of a config, complained of an attribute, and the exit code was 2."""
+    done = subprocess.run([sys.executable, "-c", DISGUISED], env=environment, capture_output=True, text=True)
+    assert done.returncode == 143
+    assert done.stderr.startswith("hybridid: told to end (SIGTERM); what was unfinished")
+    assert done.stderr.count("\n") == 1
