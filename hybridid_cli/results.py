@@ -90,7 +90,7 @@ def _scores(tree: Path) -> list[RenderableType]:
     rows = metric_rows(tree)
     several = len({row.model for row in rows}) > 1
     names = (*(("model",) if several else ()), "record", "output", "view")
-    columns = (*names, "RMSE", "MSE", "R²", "fit %", "n", "data")
+    columns = (*names, "RMSE", "MAE", "MSE", "R²", "fit %", "n", "data")
     made = table("Scores", columns, words=(*range(len(names)), len(columns) - 1))
     for row in rows:
         made.add_row(
@@ -99,6 +99,7 @@ def _scores(tree: Path) -> list[RenderableType]:
             row.output,
             view(row.horizon),
             quantity(row.rmse, row.unit),
+            quantity(row.mae, row.unit),
             mean_square(row.mse, row.unit),
             r_squared(row.r2),
             fixed(row.fit_percent, 2, missing=""),

@@ -19,8 +19,9 @@ Array = NDArray[np.float64]
 class Metrics:
     """Error measures of one output of one record in one view, in SI units.
 
-    ``mse = mean (y - y_hat)^2``, ``rmse = sqrt(mse)``, ``r2 = 1 - sum (y - y_hat)^2 /
-    sum (y - mean y)^2``, ``fit_percent = 100 (1 - ||y - y_hat|| / ||y - mean y||)``.
+    ``mse = mean (y - y_hat)^2``, ``rmse = sqrt(mse)``, ``mae = mean |y - y_hat|``,
+    ``r2 = 1 - sum (y - y_hat)^2 / sum (y - mean y)^2``,
+    ``fit_percent = 100 (1 - ||y - y_hat|| / ||y - mean y||)``.
     ``provenance`` is "measured" or "simulated"; ``horizon`` is in s, None in free run. The scores
     are nan where the model diverged; then ``remark`` says so.
     """
@@ -38,6 +39,7 @@ class Metrics:
     provenance: str
     horizon: float | None = None
     remark: str = ""
+    mae: float = np.nan
 
 
 def metrics(prediction: Prediction, model_name: str, horizon: float | None = None) -> list[Metrics]:
@@ -53,9 +55,10 @@ def diverged(
 ) -> list[Metrics]:
     """One row without scores for each of ``outputs``; ``remark`` says why the model cannot be simulated."""
     nan = float("nan")
-    about = {"model": model_name, "record": record.name, "provenance": record.provenance, "remark": remark}
     return [
         Metrics(
+            model=model_name,
+            record=record.name,
             output=output.name,
             view="free_run" if horizon is None else "horizon",
             mse=nan,
@@ -64,8 +67,9 @@ def diverged(
             fit_percent=nan,
             n=record.n,
             unit=output.unit,
+            provenance=record.provenance,
             horizon=horizon,
-            **about,
+            remark=remark,
         )
         for output in outputs
     ]
@@ -73,7 +77,8 @@ def diverged(
 
 def _row(prediction: Prediction, model_name: str, column: int, output: str, unit: str) -> Metrics:
     y = prediction.measured[:, column]
-    squares = float(np.sum((y - prediction.predicted[:, column]) ** 2))
+    error = y - prediction.predicted[:, column]
+    squares = float(np.sum(error**2))
     spread = float(np.sum((y - y.mean()) ** 2))
     ratio = squares / spread if spread > 0 else (np.inf if squares > 0 else 0.0)
     mse = squares / len(y)
@@ -89,4 +94,5 @@ def _row(prediction: Prediction, model_name: str, column: int, output: str, unit
         n=len(y),
         unit=unit,
         provenance=prediction.provenance,
+        mae=float(np.mean(np.abs(error))),
     )

@@ -57,7 +57,8 @@ def _means(caption: str, rows: Sequence[ScoreRow]) -> Table:
 def _each(caption: str, rows: Sequence[ScoreRow], folded: bool) -> Table:
     """A row for each model, grouped by record and view; with what its data are, where records differ."""
     mixed = len({row.provenance for row in rows}) > 1
-    header = ("record", "", "view", "model", "RMSE", "change", "MSE", "R²", *(("data",) if mixed else ()))
+    measures = ("RMSE", "change", "MAE", "MSE", "R²")
+    header = ("record", "", "view", "model", *measures, *(("data",) if mixed else ()))
     cells = []
     for group in _grouped(rows, lambda row: (row.record, row.role, row.horizon)):
         for row in group:
@@ -68,12 +69,13 @@ def _each(caption: str, rows: Sequence[ScoreRow], folded: bool) -> Table:
                     row.model,
                     quantity(row.rmse, row.unit),
                     "" if leading else change(group[0].rmse, row.rmse),
+                    quantity(row.mae, row.unit),
                     mean_square(row.mse, row.unit),
                     r_squared(row.r2),
                     *((row.provenance,) if mixed else ()),
                 )
             )
-    return Table(caption, header, tuple(cells), words=(0, 1, 2, 3, 8), folded=folded)
+    return Table(caption, header, tuple(cells), words=(0, 1, 2, 3, 9), folded=folded)
 
 
 def _grouped(rows: Sequence[ScoreRow], key: Callable[[ScoreRow], object]) -> list[list[ScoreRow]]:

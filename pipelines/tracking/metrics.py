@@ -8,6 +8,7 @@ from pathlib import Path
 
 from hybridid.hybrid.report import RBFReport
 from hybridid.trace.result import Trace
+from hybridid.validation import Metrics
 from pipelines.shared.fitted import ESTIMATE, fit_of
 from pipelines.shared.hybrids import Residual, residual_of
 from pipelines.shared.predictions import metric_rows
@@ -29,8 +30,7 @@ def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
         for row in metric_rows(tree):
             where = f"{row.record}.{row.output}.{row.view}"
             where = where if row.model == gray else f"hybrid.{where}"
-            found |= {f"{where}.mse": row.mse, f"{where}.rmse": row.rmse, f"{where}.r2": row.r2}
-            found[f"{where}.fit_percent"] = row.fit_percent
+            found |= _measures(where, row) | {f"{where}.fit_percent": row.fit_percent}
     if "residual" in stages:
         found |= _residual_metrics(residual_of(tree))
     if "trace" in stages:
@@ -64,12 +64,16 @@ def _trace_metrics(found: Trace) -> dict[str, float | None]:
     for when, rows in (("before", found.before), ("after", found.after)):
         for row in rows:
             where = f"trace.{when}.{row.record}.{row.output}.{row.view}"
-            numbers |= {f"{where}.mse": row.mse, f"{where}.rmse": row.rmse, f"{where}.r2": row.r2}
+            numbers |= _measures(where, row)
     for entry in found.accepted:
         name = f"trace.{entry.name}"
         numbers |= {f"{name}.gain": entry.gain, f"{name}.p_value": entry.p_value}
         numbers |= {f"{name}.{p}": parameter.value for p, parameter in entry.parameters.items()}
     return numbers
+
+
+def _measures(where: str, row: Metrics) -> dict[str, float]:
+    return {f"{where}.{name}": getattr(row, name) for name in ("mse", "rmse", "mae", "r2")}
 
 
 def cost_history(tree: Path) -> list[float]:

@@ -32,6 +32,7 @@ def test_thesis_equations_3_15_to_3_17():
     # errors -0.5, 0, 1, -0.5: squares 0.25 + 0 + 1 + 0.25 = 1.5; mean 3: spread 4 + 1 + 1 + 4 = 10
     assert row.mse == pytest.approx(0.375)
     assert row.rmse == pytest.approx(0.375**0.5)
+    assert row.mae == pytest.approx(0.5)
     assert row.r2 == pytest.approx(0.85)
     assert row.fit_percent == pytest.approx(100 * (1 - 0.15**0.5))
     assert (row.model, row.record, row.output, row.view, row.n) == ("gray", "by_hand", "y0", "free_run", 4)

@@ -34,7 +34,7 @@ def _row(model: str, role: str, horizon: float | None, rmse: float, **more: Any)
     view = "free_run" if horizon is None else "horizon"
     row = ScoreRow(
         model, role, "position", view, rmse**2, rmse, 0.99, 90.0, 100, "m", "simulated", horizon,
-        role=role, network=False,
+        role=role, network=False, mae=0.8 * rmse,
     )  # fmt: skip
     return replace(row, **more)
 
