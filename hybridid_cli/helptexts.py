@@ -101,8 +101,8 @@ and leaves the others; the same command again does what is missing, and so does 
 """
 
 VALIDATE = """\
-Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, R2 and fit percentage
-by record, output and view, and tests of the residual.
+Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, MAE, R2 and fit
+percentage by record, output and view, and tests of the residual.
 
   hybridid validate case=emps validate.horizon=0.5
 """

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import yaml
 
@@ -17,11 +18,12 @@ HERE = Path(__file__).parent
 
 @dataclass(frozen=True)
 class Judge:
-    """The free run that is reported: the RMSE of ``output``, the mean over ``records`` (None: all that are
+    """The free run that is reported: ``measure`` of ``output``, the mean over ``records`` (None: all that are
     held out)."""
 
     output: str
     records: tuple[str, ...] | None = None
+    measure: Literal["rmse", "mae"] = "rmse"
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ class Outcome:
 
     @property
     def free_run(self) -> tuple[float, float]:
-        """RMSE of the judge's free run, before and after; the mean over its records."""
+        """The judge's measure of the free run, before and after; the mean over its records."""
         return self._mean(_of(self).before), self._mean(_of(self).after)
 
     @property
@@ -59,7 +59,7 @@ class Outcome:
     def _mean(self, rows: Iterable[ScoreRow]) -> float:
         records = self.asked.entry.judge.records
         taken = [
-            row.rmse
+            getattr(row, self.asked.entry.judge.measure)
             for row in rows
             if row.output == self._output and row.view == "free_run" and not row.network
             and (row.role == HELD_OUT if records is None else row.record in records)

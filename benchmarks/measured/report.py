@@ -68,7 +68,10 @@ def _section(entry: Entry, own: Sequence[Outcome]) -> Section:
             f"The best published free run leaves {told} ({entry.published.of}; {entry.published.source})."
         )
     marks = " and ".join(sorted({one.found.provenance for one in own if one.found}))
-    caption = f"RMSE of {entry.judge.output} ({marks}); known to be missing where all is declared: "
+    caption = (
+        f"Held-out errors of {entry.judge.output} ({marks}): RMSE over horizons, "
+        f"{entry.judge.measure.upper()} in free run. Known to be missing where all is declared: "
+    )
     tables = (Table(caption + " or ".join(entry.lacks), HEADER, rows, words=WORDS),) if rows else ()
     return Section(entry.title, (*about, *failures), tables)
 
