@@ -16,6 +16,8 @@ from hybridid.trace.split import Split
 Array = NDArray[np.float64]
 BINS, LEAST = 40, 10
 """Of the variable, and the samples that a bin must hold."""
+BINS_A_TERM = 3
+"""So many bins at least for each of the model's own terms, or these would meet any curve."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class LawOverLearned:
 
     Two fits share one effort differently among the model's own terms and what is added. So ``learned`` is
     known up to what these can take over: a constant, inertia, damping, stiffness and each declared effect.
-    It is shown where it comes nearest to the law.
+    It is shown where it comes nearest to the law, or as it was fitted if the variable takes few values only.
     """
 
     port: str
@@ -82,8 +84,10 @@ def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -
     curve, *own_curves = (
         _binned(seen, effort, factor) for effort in (change, np.ones_like(change), *motion, *terms)
     )
-    weight = np.sqrt(curve.samples)
     columns = np.array([one.value for one in own_curves]).T
+    if len(columns) < BINS_A_TERM * columns.shape[1]:
+        return curve
+    weight = np.sqrt(curve.samples)
     apart = curve.value - np.interp(curve.at, law.at, law.value)
     shares, *_ = np.linalg.lstsq(columns * weight[:, None], apart * weight, rcond=1e-9)
     return replace(curve, value=curve.value - columns @ shares)
