@@ -22,12 +22,15 @@ def held_back() -> Iterator[None]:
         yield
         return
     came: list[int] = []
+    before = {}
 
     def remember(number: int, frame: FrameType | None) -> None:
         came.append(number)
 
-    before = {n: signal.signal(n, remember) for n in HELD if callable(signal.getsignal(n))}
-    try:
+    try:  # a signal may come while only some are held
+        for number in HELD:
+            if callable(signal.getsignal(number)):
+                before[number] = signal.signal(number, remember)
         yield
     finally:
         for number, handler in before.items():
