@@ -18,6 +18,11 @@ def listed(names: Sequence[str]) -> str:
     return " and ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
 
 
+def counted(number: int, what: str, ending: str = "s") -> str:
+    """``1 step``, ``2 steps``: a count, and ``what`` with the ``ending`` of its plural."""
+    return f"{number} {what}" + ("" if number == 1 else ending)
+
+
 def as_entry(name: str) -> str:
     """``viscous@carriage``, as ``effects=[...]`` of a config takes it, for the name ``carriage.viscous``."""
     return "@".join(reversed(name.rsplit(".", 1)))

@@ -7,6 +7,7 @@ from pathlib import Path
 from rich.console import RenderableType
 from rich.text import Text
 
+from hybridid.naming import counted
 from hybridid.quantities import NONE, UNKNOWN, change, probability, quantity, r_squared, share
 from hybridid.trace.result import Trace
 from hybridid.trace.words import (
@@ -44,8 +45,8 @@ def trace_results(tree: Path) -> list[RenderableType]:
         parts.append(Text(f"completeness: {completeness_in_words(found)}"))
     parts += [
         Text(
-            f"tried {tried_in_words(found)} in {len(found.steps)} steps, "
-            f"{found.seconds:.0f} s on {said.processes} processes; {found.stopped}"
+            f"tried {tried_in_words(found)} in {counted(len(found.steps), 'step')}, "
+            f"{found.seconds:.0f} s on {counted(said.processes, 'process', 'es')}; {found.stopped}"
         ),
         Text(f"report: {tree / 'trace' / 'report.html'}"),
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hybridid.naming import listed
+from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.entries import AcceptedEffect
@@ -64,8 +64,7 @@ def _concluded(found: Trace) -> str:
     if found.verdict == "unexplained":
         place = f"structure remains {listed(found.remains)}, {where}. " if found.remains else ""
         return (
-            f"Something is missing that none of the {named_effects(found)} effects tried explains: "
-            f"{place}{error_left(found)}"
+            f"Something is missing that {_none(named_effects(found), 'explain')}: {place}{error_left(found)}"
         )
     them = "them" if len(found.accepted) > 1 else "it"
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
@@ -76,7 +75,7 @@ def _concluded(found: Trace) -> str:
         return f"{lacked}: {fall}.{_rest(found)}"
     before, something = (f"{lacked}. ", "Something else") if names else ("", "Something")
     return (
-        f"{before}{something} is missing that none of the {named_effects(found)} effects tried explains. "
+        f"{before}{something} is missing that {_none(named_effects(found), 'explain')}. "
         f"{_proposed(laws)}: {fall}.{_rest(found)}"
     )
 
@@ -91,7 +90,14 @@ def tried_in_words(found: Trace) -> str:
     """``38 effects``, or ``38 effects and 26 laws``."""
     named = named_effects(found)
     laws = len(found.rejected) + len(found.accepted) - named
-    return f"{named} effects" + (f" and {laws} laws" if laws else "")
+    return counted(named, "effect") + (f" and {counted(laws, 'law')}" if laws else "")
+
+
+def _none(tried: int, does: str) -> str:
+    """``none of the 38 effects tried explains``, with ``does`` the verb."""
+    if tried == 1:
+        return f"the one effect tried does not {does}"
+    return f"none of the {tried} effects tried {does}s"
 
 
 def _proposed(laws: Sequence[AcceptedEffect]) -> str:
@@ -160,12 +166,13 @@ def _none_passes(found: Trace, where: str) -> str:
     tried, worth = found.rejected, found.rules.worth
     if not tried:
         return f"{found.stopped} {where}."
-    fails = f"none of the {len(tried)} effects tried lowers the error {where} by {percent(worth)}"
+    fails = f"{_none(len(tried), 'lower')} the error {where} by {percent(worth)}"
     most = max(tried, key=lambda entry: entry.gain)
     if most.gain < worth:
         return f"{fails}."
+    survives = "pass" if len(tried) == 1 else "passes"
     return (
-        f"{fails} and passes every test. The largest gain, {share(most.gain)} with {most.effect} at "
+        f"{fails} and {survives} every test. The largest gain, {share(most.gain)} with {most.effect} at "
         f"{most.port}, is refused: {most.reason}."
     )
 

@@ -66,7 +66,8 @@ def nothing():
 def test_nothing_gains(nothing):
     said = sentence(nothing(DRAG))
     assert (
-        "none of the 1 effects tried lowers the error on held-out horizons of 1 s (simulated) by 5 %." in said
+        "the one effect tried does not lower the error on held-out horizons of 1 s (simulated) by 5 %."
+        in said
     )
     assert said.endswith(
         "The error left is 3 µm of position (noise of the sensor 2 µm, error of the simulation 1 µm): "
@@ -101,7 +102,7 @@ def test_a_learned_effort_that_could_not_be_solved_is_named(nothing):
 
 def test_an_error_far_above_the_noise_is_unexplained_also_where_no_place_is_known(nothing):
     said = sentence(replace(nothing(DRAG), verdict="unexplained", times=12.3))
-    assert said.startswith("Something is missing that none of the 1 effects tried explains: The error left")
+    assert said.startswith("Something is missing that the one effect tried does not explain: The error left")
     assert said.endswith("12.3 times what noise and simulation alone leave.")
 
 
@@ -155,12 +156,12 @@ def test_a_proposed_law_is_told_as_a_formula_and_no_name(nothing):
     path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
     found = replace(nothing(DRAG, refused), verdict="law_proposed", accepted=(law,), path=path)
     assert sentence(found) == (
-        "Something is missing that none of the 1 effects tried explains. The law proposed at carriage is "
+        "Something is missing that the one effect tried does not explain. The law proposed at carriage is "
         "F = k |v| (k = −36.9 ± 4.4 N·s/m), which is the form of asymmetric_viscous; these records cannot "
         "tell it from square_of_velocity: with it the RMSE on held-out horizons of 1 s (simulated) falls "
         "from 3 µm to 1.5 µm (50 % less) in position."
     )
-    assert tried_in_words(found) == "1 effects and 2 laws"
+    assert tried_in_words(found) == "1 effect and 2 laws"
 
 
 def test_names_are_told_before_a_law(nothing):

@@ -41,6 +41,6 @@ def test_the_terminal_prints_it(tree):
     text = rendered(trace_results(tree))
     for part in (
         "ambiguous: The model lacked a friction.", "f_c = 2.000 ± 0.098 N", "2 of 3 variations", "diverges",
-        "simulated", "tried 3 effects in 1 steps", "go on:  hybridid run case=cart",
+        "simulated", "tried 3 effects in 1 step,", "go on:  hybridid run case=cart",
     ):  # fmt: skip
         assert part in text, part
