@@ -18,6 +18,8 @@ BINS, LEAST = 40, 10
 """Of the variable, and the samples that a bin must hold."""
 BINS_A_TERM = 3
 """So many bins at least for each of the model's own terms, or these would meet any curve."""
+ONE_CURVE = 0.9
+"""The least share of an effort's mean square that its own curve must explain for it to be one."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,9 @@ class LawOverLearned:
     """A law's formula as a ``curve``, and that of the ``learned`` effort that it explains.
 
     Two fits share one effort differently among the model's own terms and what is added. So ``learned`` is
-    known up to what these can take over: a constant, inertia, damping, stiffness and each declared effect.
-    It is shown where it comes nearest to the law, or as it was fitted if the variable takes few values only.
+    known up to what these can take over: a constant, inertia, damping, stiffness and each declared effect, as
+    far as each is a curve over the same variable. It is shown where it comes nearest to the law, or as it was
+    fitted if the variable takes few values only.
     """
 
     port: str
@@ -81,16 +84,23 @@ def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -
     if base.model.plant.port(port).kind == "effort":
         motion.append(own.factor(port, Over("position", "acceleration")))
     seen, factor = _seen(path, own, port, over), own.factor(port, over)
-    curve, *own_curves = (
-        _binned(seen, effort, factor) for effort in (change, np.ones_like(change), *motion, *terms)
-    )
-    columns = np.array([one.value for one in own_curves]).T
+    curve = _binned(seen, change, factor)
+    efforts = (np.ones_like(change), *motion, *terms)
+    own_curves = ((effort, _binned(seen, effort, factor)) for effort in efforts)
+    kept = [one.value for effort, one in own_curves if _is_curve(effort, one, seen, factor)]
+    columns = np.array(kept).reshape(-1, len(curve.at)).T
     if len(columns) < BINS_A_TERM * columns.shape[1]:
         return curve
     weight = np.sqrt(curve.samples)
     apart = curve.value - np.interp(curve.at, law.at, law.value)
     shares, *_ = np.linalg.lstsq(columns * weight[:, None], apart * weight, rcond=1e-9)
     return replace(curve, value=curve.value - columns @ shares)
+
+
+def _is_curve(effort: Array, curve: LawCurve, seen: Array, factor: Array) -> bool:
+    """Whether ``effort`` (n,) follows from the variable and the factor alone."""
+    rest = effort - np.interp(seen, curve.at, curve.value) * factor
+    return float(rest @ rest) <= (1 - ONE_CURVE) * float(effort @ effort)
 
 
 def _path(base: Refit, richer: Refit, split: Split) -> tuple[Path, Path]:
