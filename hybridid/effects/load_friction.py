@@ -62,8 +62,11 @@ LOAD_STRIBECK = Effect(
         ),
     ),
     source=f"{_DUCLUSAUD}, model M4",
-    pattern="friction falls with speed just after break-away, and the more so the larger the load is there",
-    look_alikes=("stribeck", "load_friction", "lugre", "input_dead_zone"),
+    pattern=(
+        "friction falls with speed just after break-away, and the more so the larger the load is there. "
+        "Below v_s and at one size of the load it is Coulomb friction"
+    ),
+    look_alikes=("stribeck", "load_friction", "coulomb", "lugre", "input_dead_zone"),
     separating_experiment=(
         "constant-velocity runs at ten speeds, logarithmically spaced, with and without a weight to hold: "
         "the falling branch grows with the weight"

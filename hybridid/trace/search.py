@@ -15,7 +15,6 @@ from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
-from hybridid.trace.split import Split
 from hybridid.trace.trial import (
     PASSED,
     REJECTED,
@@ -24,7 +23,6 @@ from hybridid.trace.trial import (
     equivalents,
     indistinguishable,
     judge,
-    look_alikes,
 )
 
 AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
@@ -193,41 +191,6 @@ def without_needless(
             refitted = poorer
             dropped.append(one.name)
     return refitted, [one for one in accepted if one.name not in dropped], tuple(dropped)
-
-
-def recheck(found: Search, context: Context) -> Search:
-    """Look again, in the last model, at each class of effects that were alike when accepted.
-
-    What came later may tell them apart: every rival takes the accepted effect's place and
-    everything is refitted. A rival that then explains less leaves the class.
-    """
-    rivals = [(one, rival) for one in found.accepted for rival in one.alike if rival is not one.trial]
-    given = [(found.final, one, rival, context.split, context.rules) for one, rival in rivals]
-    verdicts = zip(rivals, context.mapper(_still_alike, given), strict=True)
-    left = [rival for (_, rival), alike in verdicts if alike]
-    kept = (
-        replace(one, alike=(one.trial, *(t for t in one.alike if any(t is rival for rival in left))))
-        for one in found.accepted
-    )
-    return replace(found, accepted=tuple(kept))
-
-
-def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules: Rules) -> bool:
-    if rival.candidate.name in {term.name for term in final.model.terms}:
-        return False
-    model = rival.candidate.added_to(final.model.without(one.name))
-    others = values_without(final, one.name)
-    lent = rival.refit.values if rival.refit else {}
-    own = {key: value for key, value in lent.items() if key.startswith(f"{rival.candidate.name}.")}
-    starts = [*rival.candidate.starts(model, others)[:-1], {**others, **own}]
-    other = refit_if_possible(model, split, starts, final, final.numerics)
-    if other is None:
-        return False
-    advantage = compare(other.score, final.score)
-    if advantage.gain < rules.tie or advantage.p_value > rules.alpha:
-        return True
-    more = other.score.loss**2 - final.score.loss**2
-    return look_alikes(one.trial, rival) and more < rules.tie * one.trial.taken
 
 
 def values_without(refitted: Refit, name: str) -> dict[str, float]:

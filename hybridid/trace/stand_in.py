@@ -73,7 +73,7 @@ def without_mixed_classes(found: Search) -> Search:
             continue
         strangers = _unrelated(next(one for one in found.accepted if one.name == step.accepted.name))
         if strangers:
-            why = f"{listed(strangers)} explain these records as well, and are physically unrelated to it"
+            why = f"these records cannot tell it from {listed(strangers)}, physically unrelated to it"
             return _ended_at(found, number, why)
     return found
 
@@ -178,12 +178,14 @@ def _ended_at(found: Search, number: int, why: str) -> Search:
         replace(t, status=REJECTED, reason=reason) if t.candidate.name == name else t for t in step.trials
     )
     ended: Step = replace(step, trials=trials, accepted=None)
-    kept = tuple(one for one in found.accepted if one.name in {t.name for t in step.base.model.terms})
+    present = {term.name for term in step.base.model.terms}  # with what this step or a later one took out
+    before = [one.accepted for one in found.steps[:number] if one.accepted]
+    kept = {one.name: one for one in (*before, *found.accepted) if one.name in present}
     return replace(
         found,
         steps=(*found.steps[:number], ended),
         final=step.base,
-        accepted=kept,
+        accepted=tuple(kept.values()),
         stopped=f"{name} {reason}",
         withdrawn=reason,
     )

@@ -23,11 +23,12 @@ from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.laws import with_law
 from hybridid.trace.numerics import Numerics
+from hybridid.trace.recheck import recheck
 from hybridid.trace.refit import Refit
 from hybridid.trace.revision import Replacement, replacements
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, continued, recheck, search
+from hybridid.trace.search import Accepted, Search, continued, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import unless_minor, unless_outdone, without_mixed_classes, without_stand_ins
 
@@ -129,14 +130,22 @@ class _Settled:
 
 def _settled(found: Search, noise: Array, context: Context) -> _Settled:
     """``found`` with its classes looked at again, and without what stands in for something else."""
-    found = without_mixed_classes(recheck(found, context))
-    found, left, before = _trusted(found, context)
+    found, left, before = _trusted(_with_sound_classes(found, context), context)
     simulation, times = _error_left(found.final, noise, context)
     kept = unless_minor(found, times, context.rules)
     if kept is not found:
         found, left = kept, _beside_last(kept, before, context)
         simulation, times = _error_left(found.final, noise, context)
     return _Settled(found, left, before, simulation, times, _remaining(found, left, context))
+
+
+def _with_sound_classes(found: Search, context: Context) -> Search:
+    """``found`` with its classes looked at again, also those that a withdrawal brings back."""
+    looked_at = recheck(found, context)
+    kept = without_mixed_classes(looked_at)
+    if kept is looked_at or not kept.accepted:
+        return kept
+    return _with_sound_classes(kept, context)
 
 
 def _remaining(found: Search, left: Ceilings, context: Context) -> tuple[str, ...]:

@@ -15,7 +15,6 @@ from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.completeness import WithNetwork, completeness
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import recheck
 from hybridid.trace.split import by_record
 from hybridid.trace.verdict import conclude
 
@@ -66,15 +65,6 @@ def test_a_model_that_diverges_has_no_scores_but_says_why(found, validation):
     assert bad
     assert all(row.remark and math.isnan(row.mse) and math.isnan(row.r2) for row in bad)
     assert len(predictions) == len(rows) - len(bad)
-
-
-def test_a_rival_that_explains_less_in_the_last_model_leaves_the_class(found, context):
-    """As if the drag had been alike when the asymmetry was accepted: in the last model it is not."""
-    (one,) = found.accepted
-    drag = next(t for t in found.search.steps[0].trials if t.candidate.effect.id == "quadratic_drag")
-    doubtful = replace(found.search, accepted=(replace(one, alike=(one.trial, drag)),))
-    (kept,) = recheck(doubtful, context).accepted
-    assert kept.alike == (one.trial,)
 
 
 @pytest.mark.parametrize(

@@ -226,7 +226,20 @@ def test_a_class_that_shares_nothing_physical_is_no_finding(worn):
         found = stand_in.without_mixed_classes(searched)
         assert bool(found.accepted) is trusted, other
         assert (found.withdrawn == "") is trusted
-    assert "carriage.cubic_stiffness explain these records as well" in found.withdrawn
+    assert "these records cannot tell it from carriage.cubic_stiffness, physically" in found.withdrawn
+
+
+def test_what_a_withdrawn_effect_had_made_needless_is_back(worn):
+    """As if a first effect had been taken out when the second was accepted, which is then withdrawn."""
+    (first,), (step, *_) = worn.accepted, worn.search.steps
+    drag = next(t for t in step.trials if t.candidate.effect.id == "quadratic_drag")
+    spring = next(t for t in step.trials if t.candidate.effect.id == "cubic_stiffness")
+    second = replace(first, trial=drag, alike=(drag, spring))
+    later = replace(step, base=worn.search.final, accepted=second, dropped=(first.name,))
+    searched = replace(worn.search, steps=(step, later), accepted=(second,), final=drag.refit)
+    found = stand_in.without_mixed_classes(searched)
+    assert [one.name for one in found.accepted] == [first.name]
+    assert found.final is worn.search.final
 
 
 @pytest.mark.parametrize(("share", "trusted"), [(0.05, True), (0.3, False)])

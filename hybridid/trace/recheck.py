@@ -1,0 +1,96 @@
+"""Looks again, in the last model, at what each accepted effect cannot be told from.
+
+A forward search judges an effect beside the model of its step. What is accepted or taken out later changes
+that model, and with it the answer:
+
+- later effects may tell apart what was alike, so every rival takes the accepted effect's place once more;
+- an effect of that step's model may have been taken out since. Then all trials of the step were judged beside
+  a model that is no longer believed. So those that passed in any step are tried in the accepted one's place.
+
+Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2nd ed., Chapman & Hall, ch. 3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
+from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import Accepted, Search, values_without
+from hybridid.trace.split import Split
+from hybridid.trace.trial import PASSED, Trial, attempt, equivalents, judge, look_alikes
+
+
+def recheck(found: Search, context: Context) -> Search:
+    """``found`` with the classes of its accepted effects as its last model shows them."""
+    kept = _without_worse(found, context)
+    return replace(kept, accepted=tuple(_with_passed_before(kept, one, context) for one in kept.accepted))
+
+
+def _without_worse(found: Search, context: Context) -> Search:
+    """Every rival takes the accepted effect's place; one that then explains less leaves the class."""
+    rivals = [(one, rival) for one in found.accepted for rival in one.alike if rival is not one.trial]
+    given = [(found.final, one, rival, context.split, context.rules) for one, rival in rivals]
+    verdicts = zip(rivals, context.mapper(_still_alike, given), strict=True)
+    left = [rival for (_, rival), alike in verdicts if alike]
+    kept = (
+        replace(one, alike=(one.trial, *(t for t in one.alike if any(t is rival for rival in left))))
+        for one in found.accepted
+    )
+    return replace(found, accepted=tuple(kept))
+
+
+def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules: Rules) -> bool:
+    if rival.candidate.name in {term.name for term in final.model.terms}:
+        return False
+    model = rival.candidate.added_to(final.model.without(one.name))
+    others = values_without(final, one.name)
+    lent = rival.refit.values if rival.refit else {}
+    own = {key: value for key, value in lent.items() if key.startswith(f"{rival.candidate.name}.")}
+    starts = [*rival.candidate.starts(model, others)[:-1], {**others, **own}]
+    other = refit_if_possible(model, split, starts, final, final.numerics)
+    if other is None:
+        return False
+    advantage = compare(other.score, final.score)
+    if advantage.gain < rules.tie or advantage.p_value > rules.alpha:
+        return True
+    more = other.score.loss**2 - final.score.loss**2
+    return look_alikes(one.trial, rival) and more < rules.tie * one.trial.taken
+
+
+def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accepted:
+    """``one`` with those that do as well in its place, if it was judged beside an effect that is gone.
+
+    Held-out horizons chose which are tried, so p counts all that the first step tried.
+    """
+    rivals = _passed_before(found, one, context) if _judged_beside_others(found, one) else []
+    if not rivals:
+        return one
+    rules, final = context.rules, found.final
+    model, values = final.model.without(one.name), values_without(final, one.name)
+    poorer = context.one(refit_if_possible, model, context.split, [values], final, final.numerics)
+    if poorer is None:
+        return one
+    here = replace(one.trial, refit=final, comparison=compare(poorer.score, final.score))
+    given = [(rival, poorer, context.split, rules.worth) for rival in rivals]
+    trials = context.each(f"in place of {one.name}", attempt, given, lambda t: t.candidate.name)
+    _, *as_good = equivalents(here, judge(trials, rules, len(found.steps[0].trials)), rules)
+    return replace(one, alike=(*one.alike, *as_good))
+
+
+def _judged_beside_others(found: Search, one: Accepted) -> bool:
+    """Whether the model that ``one`` was judged beside held an effect that the last model lacks."""
+    left = {term.name for term in found.final.model.terms}
+    judged = [step.base for step in found.steps if step.accepted and step.accepted.name == one.name]
+    return bool(judged) and not {term.name for term in judged[-1].model.terms} <= left
+
+
+def _passed_before(found: Search, one: Accepted, context: Context) -> list[Candidate]:
+    """What passed in any step and could take the place of ``one``, each once."""
+    passed = {t.candidate.name for step in found.steps for t in step.trials if t.status == PASSED}
+    wanted = passed - {t.candidate.name for t in one.alike}
+    possible = admissible(found.final.model.without(one.name), context.effects, context.ports)
+    return [candidate for candidate in possible if candidate.name in wanted]
