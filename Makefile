@@ -23,7 +23,7 @@ help: ## say what can be made
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
 test: $(READY) ## run the tests
-	$(BIN)/python -m pytest -n $(JOBS) --durations=15 --durations-min=1 $(TESTS)
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --durations=15 --durations-min=1 $(TESTS)
 
 lint: $(READY) ## check style and types
 	$(BIN)/ruff check .
