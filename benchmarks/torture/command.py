@@ -83,7 +83,7 @@ class Running:
             with suppress(OSError):
                 _, _, rest = (place / "stat").read_text().rpartition(")")
                 state, _, _, session = rest.split()[:4]
-                marked = f"{MARK}={self.mark}".encode() in (place / "environ").read_bytes().split(b"\0")
+                marked = f"{MARK}={self.mark}".encode() in _environment(place).split(b"\0")
                 if state not in "ZX" and (int(session) == self.pid or marked):
                     found[int(place.name)] = (place / "cmdline").read_bytes().replace(b"\0", b" ").decode()
         return {pid: said for pid, said in found.items() if pid not in (self.pid, os.getpid())}
@@ -91,6 +91,20 @@ class Running:
     def complaint(self) -> str:
         """All that it said on stderr."""
         return self.err.read_text(encoding="utf-8", errors="replace")
+
+
+def _environment(process: Path) -> bytes:
+    """What stands in its ``environ``, read again for one second while it is empty: a process that executes a
+    new program has none for a moment.
+
+    Raises:
+        OSError: the process has no program: a thread of the kernel, or one that has ended.
+    """
+    (process / "exe").readlink()
+    until = time.monotonic() + 1
+    while not (found := (process / "environ").read_bytes()) and time.monotonic() < until:
+        time.sleep(0.01)
+    return found
 
 
 @cache
