@@ -39,6 +39,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("fetch", "download a case's public records", helptexts.FETCH, _STAGES),
     Command("tune", "search for the network, adaptively", helptexts.TUNE, _STAGES),
     Command("trust", "let code in a folder run", helptexts.TRUST, "hybridid_cli.trusting:command", False),
+    Command("new", "a case from a recording", helptexts.NEW, "hybridid_cli.creating:command", False),
     Command("log", "send the runs that MLflow did not take", helptexts.LOG, _STAGES),
     Command("ui", "open the page of all runs (MLflow)", helptexts.UI, _STAGES),
     Command(

@@ -188,6 +188,24 @@ you name by --config-dir needs no trust. SECURITY.md says more.
   hybridid trust                          list what is trusted
 """
 
+NEW = """\
+Reads your recordings and writes a folder: a plant from a template, a case that says which column is which
+signal, and a README. It finds out what the files tell: the time axis, units in the header, signals by their
+names, typical magnitudes. What it cannot find out it asks; without a terminal it says what to give.
+
+  hybridid new                                    list the templates
+  hybridid new my_rig --from swing.csv --template rotary
+  hybridid new my_rig --from a.csv b.csv --template carriage --signal force=cur --scale force=2.1
+
+--signal SIGNAL=COLUMN   which column a signal is
+--scale SIGNAL=NUMBER    the signal's unit over the column's, as N·m per A
+--hold INPUT=HOLD        how an input runs between two samples: zoh (held), foh (linear) or bandlimited
+--time COLUMN            the column of time stamps; or --rate HZ where there is none
+
+Of several recordings the last one judges, and the others are fitted. Of a single one, the first 70 % are
+fitted. The recordings stay where they are. Nothing is overwritten.
+"""
+
 LOG = """\
 A run whose tracking server is down, slow or dies is complete, and kept in outputs/mlflow-waiting. This sends
 every run that waits there to where it was to go, and says what it sent; whatever cuts it off, nothing is lost

@@ -125,11 +125,11 @@ def test_wheel_carries_conf_and_editable_does_not(tmp_path):
         contents[version] = set(zipfile.ZipFile(wheel).namelist())
     configs = {path.relative_to(ROOT / "conf").as_posix() for path in (ROOT / "conf").rglob("*.yaml")}
     assert configs
-    assert configs == {
-        name.removeprefix("hybridid_cli/conf/") for name in contents["standard"] if name.endswith(".yaml")
-    }
+    conf = "hybridid_cli/conf/"
+    assert configs == {name.removeprefix(conf) for name in contents["standard"] if name.startswith(conf)}
     assert "hybridid_cli/main.py" in contents["standard"]
-    templates = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pipelines").rglob("templates/*")}
+    beside = (path for path in (ROOT / "pipelines").rglob("templates/*") if path.is_file())
+    templates = {path.relative_to(ROOT).as_posix() for path in beside}
     assert templates
     assert templates <= contents["standard"]
     assert not any("conf/" in name for name in contents["editable"])

@@ -41,6 +41,7 @@ NEVER_BELOW_RIGS = ("casadi", "hybridid.simulation", "hybridid.effects", "hybrid
 BY_NAME = {
     "hybridid.blame": "plant, effect and rig of the user's own",
     "hybridid.effects.pickling": "functions that came through a pickle",
+    "pipelines.new.template": "a template's plant, by the template's name",
     "pipelines.shared.imports": "their code counts for freshness",
     "hybridid_cli.main": "the command's own module, so that a command starts fast",
 }

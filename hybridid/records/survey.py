@@ -1,0 +1,142 @@
+"""What a recording tells of itself: its time axis, and the unit of each column and how it is held."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from hybridid.records.channel import Array, RecordError
+from hybridid.records.checks import check_even, check_increasing
+from hybridid.records.columns import Columns
+from hybridid.records.mapping import SECONDS
+from hybridid.records.units import factor, is_unit
+
+TIME_NAMES = ("t", "time", "timestamp", "stamp", "stamps", "seconds", "zeit", "temps", "tempo")
+HELD = 0.5
+"""Share of the steps without a change from which on a signal is taken to be held between its changes."""
+_BRACKETS = re.compile(r"^(?P<label>.+?)\s*[\[(](?P<unit>[^\[\]()]+)[\])]$")
+_UNIT_AT_END = (
+    _BRACKETS,
+    re.compile(r"^(?P<label>.+?)\s+in\s+(?P<unit>\S+)$"),
+    re.compile(r"^(?P<label>.+)_(?P<unit>[^_]+)$"),
+)
+
+
+class Labelled(NamedTuple):
+    """The name of a column without the unit in it; ``unit`` is empty where it names none."""
+
+    label: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class TimeFound:
+    """The time axis: its ``column``, in a ``unit`` of ``SECONDS`` (``assumed`` where nothing told it), the
+    usual ``step`` in s, and whether the stamps are ``even``. Without a column they are 0, ``step``, ..."""
+
+    column: str | None
+    unit: str
+    assumed: bool
+    step: float
+    even: bool
+
+
+@dataclass(frozen=True)
+class ColumnFound:
+    """A column of numbers: its ``name`` in the file, ``label`` and ``unit`` therein, and its values (n,)."""
+
+    name: str
+    label: str
+    unit: str
+    values: Array
+
+    @property
+    def constant(self) -> bool:
+        """Whether it never changes."""
+        return bool(np.ptp(self.values) == 0) if len(self.values) else True
+
+    @property
+    def held(self) -> bool:
+        """Whether it keeps its value over most steps, as the command of a slower controller does."""
+        return bool(np.mean(np.diff(self.values) == 0) >= HELD) and not self.constant
+
+
+def labelled(name: str) -> Labelled:
+    """``angle [deg]``, ``angle (deg)``, ``angle in deg`` and ``angle_deg`` as (``angle``, ``deg``)."""
+    for pattern in _UNIT_AT_END:
+        match = pattern.match(name)
+        if match and not match["unit"].isdigit() and (pattern is _BRACKETS or is_unit(match["unit"])):
+            return Labelled(match["label"], match["unit"])
+    return Labelled(name, "")
+
+
+def columns_found(columns: Columns) -> tuple[ColumnFound, ...]:
+    """The columns that may be signals: as many samples as the longest, no dates."""
+    longest = max(len(values) for values in columns.values())
+    return tuple(
+        ColumnFound(name, *labelled(name), values)
+        for name, values in columns.items()
+        if len(values) == longest and name not in columns.instants
+    )
+
+
+def time_found(columns: Columns, column: str | None = None, step: float | None = None) -> TimeFound:
+    """The time axis of a file: ``column`` where it is given, else ``step`` in s, else what looks like one.
+
+    A column looks like time if its name says so and it increases, or if it alone holds dates.
+
+    Raises:
+        RecordError: if nothing looks like time, if several columns do, or if the stamps do not increase.
+    """
+    if column is None and step is not None:
+        return TimeFound(None, "s", False, step, True)
+    name = column if column is not None else _looks_like_time(columns)
+    stamps = columns[name]
+    told = _unit_of_time(name, columns)
+    unit = told or "s"
+    seconds = stamps * SECONDS[unit]
+    where = f"{columns.path}: {name}"
+    if len(seconds) < 2 or not np.isfinite(seconds).all():
+        raise RecordError(f"{where} cannot be time: stamps are missing")
+    check_increasing(seconds, where)
+    try:
+        check_even(seconds, where)
+        even = True
+    except RecordError:
+        even = False
+    return TimeFound(name, unit, not told, float(np.median(np.diff(seconds))), even)
+
+
+def _looks_like_time(columns: Columns) -> str:
+    longest = max(len(values) for values in columns.values())
+    whole = [name for name, values in columns.items() if len(values) == longest]
+    named = [name for name in whole if _plain(labelled(name).label) in TIME_NAMES]
+    found = named or [name for name in whole if name in columns.instants]
+    if len(found) == 1:
+        return found[0]
+    listed = ", ".join(found or whole)
+    said = "several columns look like time" if found else "no column looks like time"
+    raise RecordError(f"{columns.path}: {said}: {listed}; say which, or the sampling rate")
+
+
+def _unit_of_time(name: str, columns: Columns) -> str:
+    """The unit that a name or dates tell, as a key of ``SECONDS``; empty if neither does."""
+    if name in columns.instants:
+        return "s"
+    unit = labelled(name).unit
+    in_seconds = factor(unit, "s") if unit else None
+    return next((known for known, value in SECONDS.items() if value == in_seconds), "")
+
+
+def _plain(label: str) -> str:
+    return re.sub(r"\W+", "", label).lower()
+
+
+def words_of(label: str) -> Iterator[str]:
+    """The words of a name: ``motorCurrent_1`` as motor, current, 1."""
+    apart = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", label)
+    yield from (word.lower() for word in re.split(r"[\W_]+", apart) if word)

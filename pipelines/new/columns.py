@@ -1,0 +1,144 @@
+"""Which column of a recording is which signal of a template, in which unit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from hybridid.declarations import Signal
+from hybridid.naming import nearest
+from hybridid.records.channel import Hold
+from hybridid.records.survey import ColumnFound, words_of
+from hybridid.records.units import factor
+from pipelines.new.template import Template
+from pipelines.shared.errors import ConfigError
+
+Ask = Callable[[str, Sequence[str]], str | None]
+"""Puts a question with its possible answers to the user; None where nobody is there to answer."""
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A signal and its column: ``signal = scale · column``. ``told`` says how the scale is known: from the
+    ``user``, from the unit in the ``header``, or from ``nothing``: then the signal's own unit is assumed.
+    ``hold`` is the course of an input between its samples, None where nothing tells it."""
+
+    signal: Signal
+    column: ColumnFound
+    scale: float
+    told: str
+    hold: Hold | None = None
+
+
+def chosen(
+    template: Template,
+    columns: Sequence[ColumnFound],
+    given: Mapping[str, str],
+    scales: Mapping[str, float],
+    ask: Ask,
+) -> tuple[Chosen, ...]:
+    """A column for each signal: the one ``given``, else the only one whose name says it, else the only one
+    whose unit fits, else the only one that is left, else the one that the user answers.
+
+    Raises:
+        ConfigError: if a signal has no column, or a unit that no factor turns into the signal's.
+    """
+    signals = (*template.inputs, *template.outputs)
+    found = _given(columns, given)
+    while len(found) < len(signals):
+        _settle(template, columns, found)
+        left = next((signal for signal in signals if signal.name not in found), None)
+        if left is not None:
+            free = [one for one in columns if one not in found.values()]
+            found[left.name] = _answered(left, free, ask)
+    return tuple(_in_unit(signal, found[signal.name], scales) for signal in signals)
+
+
+def _given(columns: Sequence[ColumnFound], given: Mapping[str, str]) -> dict[str, ColumnFound]:
+    """The columns that the user named, by signal."""
+    by_name = {column.name: column for column in columns}
+    found: dict[str, ColumnFound] = {}
+    for name, column in given.items():
+        if column not in by_name:
+            raise ConfigError(
+                f"signal {name}: there is no column {column!r}{nearest(column, by_name)}; "
+                f"columns: {', '.join(by_name)}"
+            )
+        taken = next((other for other, one in found.items() if one.name == column), None)
+        if taken is not None:
+            raise ConfigError(f"column {column!r} is given for {taken} and {name}: a column is one signal")
+        found[name] = by_name[column]
+    return found
+
+
+def _settle(template: Template, columns: Sequence[ColumnFound], found: dict[str, ColumnFound]) -> None:
+    """Add to ``found`` what one rule after the other leaves no doubt about."""
+    signals = (*template.inputs, *template.outputs)
+    for rule in (_by_name(template), _by_unit, _last_one):
+        for signal in signals:
+            free = [one for one in columns if one not in found.values() and not one.constant]
+            left = [one for one in signals if one.name not in found]
+            fits = rule(signal, free, left) if signal in left else []
+            if len(fits) == 1:
+                found[signal.name] = fits[0]
+
+
+_Rule = Callable[[Signal, Sequence[ColumnFound], Sequence[Signal]], list[ColumnFound]]
+
+
+def _by_name(template: Template) -> _Rule:
+    """Columns with the signal's name; without one, those with the first of its other names that any has."""
+
+    def fitting(signal: Signal, free: Sequence[ColumnFound], left: Sequence[Signal]) -> list[ColumnFound]:
+        fits = [one for one in free if _may_be(signal, one, signal in template.inputs)]
+        for name in (signal.name, *template.about.signals[signal.name]):
+            found = [one for one in fits if name.split("_") == list(words_of(one.label))]
+            found = found or [one for one in fits if name in words_of(one.label)]
+            if found:
+                return found
+        return []
+
+    return fitting
+
+
+def _by_unit(signal: Signal, free: Sequence[ColumnFound], left: Sequence[Signal]) -> list[ColumnFound]:
+    """Columns whose header names a unit of the signal's quantity, where no other signal is of it."""
+    if any(factor(other.unit, signal.unit) is not None for other in left if other != signal):
+        return []
+    return [column for column in free if column.unit and factor(column.unit, signal.unit) is not None]
+
+
+def _last_one(signal: Signal, free: Sequence[ColumnFound], left: Sequence[Signal]) -> list[ColumnFound]:
+    """What is left, where one signal and one column are."""
+    return [column for column in free if len(left) == 1 and len(free) == 1]
+
+
+def _may_be(signal: Signal, column: ColumnFound, driven: bool) -> bool:
+    """Whether the unit in the header allows it. A drive's effort may be recorded as the current or voltage
+    that makes it, and the user then gives the scale."""
+    return not column.unit or driven or factor(column.unit, signal.unit) is not None
+
+
+def _answered(signal: Signal, free: Sequence[ColumnFound], ask: Ask) -> ColumnFound:
+    by_name = {column.name: column for column in free}
+    answer = ask(f"Which column is {signal.name}, the {signal.meaning} [{signal.unit}]?", list(by_name))
+    if answer is None:
+        raise ConfigError(
+            f"which column is {signal.name}, the {signal.meaning}? Give --signal {signal.name}=COLUMN; "
+            f"columns left: {', '.join(by_name) or 'none'}"
+        )
+    return by_name[answer]
+
+
+def _in_unit(signal: Signal, column: ColumnFound, scales: Mapping[str, float]) -> Chosen:
+    if signal.name in scales:
+        return Chosen(signal, column, scales[signal.name], "user")
+    if not column.unit:
+        return Chosen(signal, column, 1.0, "nothing")
+    scale = factor(column.unit, signal.unit)
+    if scale is None:
+        raise ConfigError(
+            f"signal {signal.name} is in {signal.unit}, column {column.name!r} in {column.unit}: give "
+            f"--scale {signal.name}=NUMBER, in {signal.unit} per {column.unit}"
+        )
+    return Chosen(signal, column, scale, "header")

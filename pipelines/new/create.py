@@ -1,0 +1,132 @@
+"""``new``: from recordings and a template to a folder with a case, a plant and a README."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from hybridid.records.channel import Hold, RecordError
+from hybridid.records.columns import Columns
+from hybridid.records.mapping import SignalMap, TimeMap, build_record
+from hybridid.records.readers import read_columns
+from hybridid.records.record import Record
+from hybridid.records.survey import TimeFound, columns_found, time_found
+from pipelines.new.columns import Ask, Chosen, chosen
+from pipelines.new.machine import Machine, Recording
+from pipelines.new.pages import case_file, readme
+from pipelines.new.scales import scales
+from pipelines.new.template import Template, template
+from pipelines.shared.errors import ConfigError
+from pipelines.shared.tree import replacing, write_text
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user asks for: columns, scales and holds by signal, and the column of ``time`` or the ``rate``
+    in Hz, where the files do not tell it."""
+
+    folder: Path
+    recordings: tuple[Path, ...]
+    template: str
+    signals: Mapping[str, str] = field(default_factory=dict)
+    scales: Mapping[str, float] = field(default_factory=dict)
+    holds: Mapping[str, Hold] = field(default_factory=dict)
+    time: str | None = None
+    rate: float | None = None
+
+
+def new(request: Request, ask: Ask) -> Machine:
+    """Write the folder ``request.folder``. Whatever is wrong, nothing is written.
+
+    Raises:
+        ConfigError: if the folder exists, its name cannot be a plant's, or a signal has no column.
+        RecordError: if a recording cannot be read, has no time axis, or fails the checks of a record.
+    """
+    name = _name_of(request.folder)
+    plan = template(request.template)
+    _check_signals(plan, request)
+    tables = [read_columns(path) for path in request.recordings]
+    step = 1 / request.rate if request.rate else None
+    times = [time_found(table, request.time, step) for table in tables]
+    apart = {(time.column, time.unit) for time in times}
+    if len(apart) > 1:
+        raise RecordError(f"the recordings have different time columns: {sorted(map(str, apart))}")
+    found = [one for one in columns_found(tables[0]) if one.name != times[0].column]
+    picked = chosen(plan, found, request.signals, request.scales, ask)
+    picked = tuple(_with_hold(one, plan, request) for one in picked)
+    names = _record_names(request.recordings)
+    here = request.folder.resolve()
+    recordings = tuple(
+        Recording(record, os.path.relpath(path.resolve(), here), time)
+        for record, path, time in zip(names, request.recordings, times, strict=True)
+    )
+    records = tuple(
+        _read(name, table, time, plan, picked) for name, table, time in zip(names, tables, times, strict=True)
+    )
+    machine = Machine(name, request.folder, plan, picked, recordings, records)
+    _write(machine)
+    return machine
+
+
+def _name_of(folder: Path) -> str:
+    """The machine's name, which its Python module and its case have too."""
+    name = folder.name
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise ConfigError(f"{name!r} is no name of a machine: small letters, digits and _, a letter first")
+    if folder.exists():
+        raise ConfigError(f"{folder} exists already: give another name; nothing is overwritten")
+    if not folder.absolute().parent.is_dir():
+        raise ConfigError(f"{folder.parent}: no such folder")
+    if importlib.util.find_spec(name) is not None:
+        raise ConfigError(f"{name} is already the name of a Python library: give another one")
+    return name
+
+
+def _check_signals(plan: Template, request: Request) -> None:
+    known = [signal.name for signal in (*plan.inputs, *plan.outputs)]
+    for given in request.holds:
+        if given not in [signal.name for signal in plan.inputs]:
+            raise ConfigError(f"{given!r} is no input of template {plan.kind}, so it has no hold")
+    for given in (*request.signals, *request.scales):
+        if given not in known:
+            raise ConfigError(f"template {plan.kind} has no signal {given!r}; it has {', '.join(known)}")
+
+
+def _with_hold(one: Chosen, plan: Template, request: Request) -> Chosen:
+    """An input with the hold that the user gave, or that its samples show."""
+    if one.signal not in plan.inputs:
+        return one
+    return replace(one, hold=request.holds.get(one.signal.name, "zoh" if one.column.held else None))
+
+
+def _record_names(paths: tuple[Path, ...]) -> list[str]:
+    """A name for each recording, after its file."""
+    names = [re.sub(r"\W+", "_", path.stem).strip("_").lower() or "record" for path in paths]
+    return [n if names.count(n) == 1 else f"{n}_{i}" for i, n in enumerate(names, 1)]
+
+
+def _read(name: str, table: Columns, time: TimeFound, plan: Template, picked: tuple[Chosen, ...]) -> Record:
+    """The recording as the case will read it, so that what is written works."""
+    signals = {
+        one.signal.name: SignalMap(
+            one.signal.name, one.signal.unit, one.column.name, one.scale, hold=one.hold
+        )
+        for one in picked
+    }
+    axis = TimeMap(time.column, time.unit) if time.column is not None else TimeMap(dt=time.step)
+    inputs, outputs = ([signals[one.name] for one in ours] for ours in (plan.inputs, plan.outputs))
+    return build_record(name, [table.path], axis, inputs, outputs, resample=None if time.even else time.step)
+
+
+def _write(machine: Machine) -> None:
+    code = machine.template.code(machine.name, scales(machine.template.about.scales, machine.records))
+    case, about = case_file(machine), readme(machine)
+    with replacing(machine.folder) as folder:
+        (folder / "case").mkdir()
+        write_text(folder / "case" / f"{machine.name}.yaml", case)
+        write_text(folder / f"{machine.name}.py", code)
+        write_text(folder / "README.md", about)

@@ -1,0 +1,30 @@
+"""The case file and the README of a new machine, as text."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from pipelines.new.machine import Machine
+
+_TEMPLATES = Path(__file__).parent / "templates"
+
+
+def case_file(machine: Machine) -> str:
+    """``case/NAME.yaml``."""
+    return _rendered("case.yaml.j2", machine)
+
+
+def readme(machine: Machine) -> str:
+    """``README.md``."""
+    return _rendered("README.md.j2", machine)
+
+
+def _rendered(file: str, machine: Machine) -> str:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(  # noqa: S701 - no HTML
+        loader=FileSystemLoader(_TEMPLATES), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["quoted"] = lambda text: json.dumps(text, ensure_ascii=False)
+    return environment.get_template(file).render(machine=machine).rstrip() + "\n"

@@ -1,0 +1,50 @@
+"""How large the signals of a recording are: the typical magnitudes at the head of a plant's file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.records.record import Record
+from pipelines.new.template import Scale
+from pipelines.shared.errors import ConfigError
+
+Array = NDArray[np.float64]
+EXCEEDED = 5.0  # % of the time
+_WINDOWS = (7, 51)
+_SHARE = 0.005  # of the record: over that much a derivative is smoothed, within _WINDOWS samples
+
+
+def scales(wanted: Mapping[str, Scale], records: Sequence[Record]) -> dict[str, float]:
+    """The number of each scale over all ``records``, to two digits.
+
+    Raises:
+        ConfigError: if one is zero, because its signal never changes.
+    """
+    return {name: _rounded(name, scale, records) for name, scale in wanted.items()}
+
+
+def _rounded(name: str, scale: Scale, records: Sequence[Record]) -> float:
+    found = max(_magnitude(scale, record) for record in records)
+    if not found > 0:
+        raise ConfigError(f"signal {scale.of} never changes: its {scale.kind.replace('_', ' ')} is zero")
+    return float(f"{found:.2g}")
+
+
+def _magnitude(scale: Scale, record: Record) -> float:
+    signal = record.signal(scale.of) - (record.signal(scale.less) if scale.less else 0.0)
+    if scale.kind == "half_range":
+        return float(np.ptp(signal)) / 2
+    of = _derivative(signal, record.dt) if scale.kind == "speed" else signal
+    return float(np.percentile(np.abs(of), 100 - EXCEEDED)) or float(np.max(np.abs(of)))
+
+
+def _derivative(signal: Array, dt: float) -> Array:
+    from scipy.signal import savgol_filter
+
+    window = int(np.clip(_SHARE * len(signal), *_WINDOWS)) | 1
+    return np.asarray(
+        savgol_filter(signal, min(window, len(signal) - 1 + len(signal) % 2), 2, deriv=1, delta=dt)
+    )

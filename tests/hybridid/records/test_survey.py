@@ -1,0 +1,93 @@
+"""What a recording tells of itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hybridid.records.columns import Columns
+from hybridid.records.record import RecordError
+from hybridid.records.survey import columns_found, labelled, time_found, words_of
+
+T = 0.002 * np.arange(200)
+
+
+def columns(**found) -> Columns:
+    return Columns(Path("run.csv"), found, {})
+
+
+@pytest.mark.parametrize(
+    ("name", "label", "unit"),
+    [
+        ("angle [deg]", "angle", "deg"),
+        ("Position (mm)", "Position", "mm"),
+        ("Winkel[°]", "Winkel", "°"),
+        ("speed in rpm", "speed", "rpm"),
+        ("t_ms", "t", "ms"),
+        ("pos [counts]", "pos", "counts"),
+        ("F [a.u.]", "F", "a.u."),  # in brackets stands a unit, whether we know it or not
+        ("motor_current", "motor_current", ""),
+        ("x_1", "x_1", ""),
+        ("data_vm[1]", "data_vm[1]", ""),  # a part of a matrix
+        ("u", "u", ""),
+    ],
+)
+def test_a_unit_stands_at_the_end_of_a_name(name, label, unit):
+    assert labelled(name) == (label, unit)
+
+
+def test_words_of_a_name():
+    assert list(words_of("motorCurrent_1 raw")) == ["motor", "current", "1", "raw"]
+
+
+@pytest.mark.parametrize(
+    ("name", "stamps", "unit", "assumed"),
+    [("t_ms", T * 1e3, "ms", False), ("Time [us]", T * 1e6, "us", False), ("timestamp", T, "s", True)],
+)
+def test_time_is_found_by_its_name(name, stamps, unit, assumed):
+    found = time_found(columns(**{"q": T, name: stamps}))
+    assert (found.column, found.unit, found.assumed, found.even) == (name, unit, assumed, True)
+    assert found.step == pytest.approx(0.002)
+
+
+def test_uneven_stamps_are_told():
+    jitter = np.where(np.arange(200) % 3, 0.0, 4e-4)
+    found = time_found(columns(t=T + jitter))
+    assert not found.even
+    assert found.step == pytest.approx(0.002, rel=0.3)
+
+
+def test_dates_are_time_where_no_name_says_so():
+    table = Columns(Path("run.csv"), {"when": T, "q": T**2}, {}, frozenset({"when"}))
+    assert time_found(table).column == "when"
+    assert [one.name for one in columns_found(table)] == ["q"]
+
+
+@pytest.mark.parametrize(
+    ("table", "line"),
+    [
+        ({"q": T, "u": T}, "no column looks like time: q, u; say which, or the sampling rate"),
+        ({"t": T, "time": T}, "several columns look like time: t, time"),
+        ({"t": T[::-1].copy()}, "time runs backward"),
+        ({"t": np.where(T[5] == T, np.nan, T)}, "cannot be time: stamps are missing"),
+    ],
+)
+def test_what_cannot_be_time_is_one_line(table, line):
+    with pytest.raises(RecordError, match=line):
+        time_found(columns(**table))
+
+
+def test_a_rate_needs_no_column():
+    found = time_found(columns(q=T), step=0.01)
+    assert (found.column, found.step, found.even) == (None, 0.01, True)
+
+
+def test_constants_and_held_signals_are_told_apart():
+    found = {one.name: one for one in columns_found(columns(
+        still=np.ones(200), held=np.repeat(np.arange(20.0), 10), free=np.sin(T), short=np.ones(3),
+    ))}  # fmt: skip
+    assert set(found) == {"still", "held", "free"}
+    assert [found[name].constant for name in ("still", "held", "free")] == [True, False, False]
+    assert [found[name].held for name in ("still", "held", "free")] == [False, True, False]

@@ -1,0 +1,154 @@
+"""What ``hybridid new`` finds out, asks and refuses. Whatever is wrong costs one line and writes nothing."""
+
+from __future__ import annotations
+
+import io
+import sys
+
+import numpy as np
+import pytest
+import yaml
+
+from hybridid_cli.creating import _request
+from pipelines.new.template import kinds
+
+
+def signals_of(folder, rig):
+    return yaml.safe_load((folder / f"{rig}/case/{rig}.yaml").read_text())["signals"]
+
+
+def test_without_words_the_templates_are_listed(say):
+    said = say("new")
+    assert said.code == 0
+    assert all(kind in said.out for kind in kinds())
+
+
+def test_units_signals_time_and_decimal_commas_are_found(recorded, say, own_folder, rig):
+    said = say("new", rig, *recorded("rotary"))
+    assert said.code == 0
+    found = signals_of(own_folder, rig)
+    assert found["time"] == {"column": "Zeit", "unit": "s"}
+    torque, angle = found["inputs"]["torque"], found["outputs"]["angle"]
+    assert (torque["column"], torque["scale"]) == ("Drehmoment_mNm", 1e-3)
+    assert (angle["column"], angle["unit"]) == ("Winkel [°]", "rad")
+    assert angle["scale"] == pytest.approx(np.pi / 180)
+    assert f"hybridid trace --config-dir {rig} case={rig}" in said.out
+
+
+def test_a_unit_that_nothing_tells_is_called_assumed(recorded, say, own_folder, rig):
+    said = say("new", rig, *recorded("servo"))
+    assert "assumed: the header names no unit" in said.out
+    assert "set them to what your controller" in said.out
+    assert "recorded in" not in (own_folder / f"{rig}/case/{rig}.yaml").read_text()
+
+
+def test_a_held_input_is_declared_held(recorded, say, own_folder, rig):
+    say("new", rig, *recorded("tank"))
+    assert signals_of(own_folder, rig)["inputs"]["inflow"]["hold"] == "zoh"
+
+
+def test_what_is_not_known_to_be_held_is_left_open(recorded, say, own_folder, rig):
+    words = [word for word in recorded("carriage") if word not in ("--hold", "force=foh")]
+    assert "not told: taken as held" in say("new", rig, *words).out
+    assert "hold" not in signals_of(own_folder, rig)["inputs"]["force"]
+
+
+def test_slow_sampling_gets_a_horizon_of_its_own(recorded, say, own_folder, rig):
+    say("new", rig, *recorded("tank"))
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert case["validate"] == {"horizon": 50.0}
+
+
+def test_uneven_stamps_are_resampled(say, own_folder, rig):
+    t = 0.01 * np.arange(400) + 0.002 * (np.arange(400) % 3)
+    rows = "\n".join(f"{a:.4f},{np.sin(a):.6f}" for a in t)
+    (own_folder / "swing.csv").write_text(f"t,angle\n{rows}\n")
+    said = say("new", rig, "--from", "swing.csv", "--template", "pendulum")
+    assert "uneven: resampled to" in said.out
+    assert signals_of(own_folder, rig)["resample"] == pytest.approx(0.01, rel=0.3)
+    assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
+
+
+TABLE = "t,a,b,still\n" + "\n".join(
+    f"{0.01 * k},{np.sin(0.1 * k):.5f},{np.cos(0.3 * k):.5f},1" for k in range(200)
+)
+REFUSED = {
+    "template": (["--template", "rotari"], "unknown template 'rotari': did you mean 'rotary'?"),
+    "unknown signal": (["--signal", "angel=a"], "template rotary has no signal 'angel'; it has"),
+    "unknown column": (["--signal", "angle=A1"], "there is no column 'A1'"),
+    "column twice": (["--signal", "angle=a", "--signal", "torque=a"], "'a' is given for angle and torque"),
+    "which column": ([], "which column is torque, the torque of the drive? Give --signal"),
+    "no number": (["--scale", "torque=much"], "--scale torque=much: it must be a number"),
+    "zero": (["--scale", "torque=0"], "it must be a number, finite and not 0"),
+    "no pair": (["--signal", "torque"], "--signal torque: write --signal SIGNAL=COLUMN"),
+    "hold": (["--hold", "torque=steps"], "allowed: zoh, foh, bandlimited"),
+    "hold of an output": (["--hold", "angle=zoh"], "'angle' is no input of template rotary"),
+    "rate": (["--rate", "0"], "--rate is 0, it must be positive"),
+    "flag": (["--signals", "torque=a"], "unrecognized arguments"),
+    "constant": (["--signal", "torque=a", "--signal", "angle=still"], "signal angle never changes"),
+    "time": (["--time", "b", "--signal", "torque=a", "--signal", "angle=t"], "do not advance"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("wrong", REFUSED)
+def test_what_is_wrong_costs_one_line_and_writes_nothing(wrong, say, own_folder, rig):
+    (own_folder / "run.csv").write_text(TABLE)
+    words, line = REFUSED[wrong]
+    template = [] if "--template" in words else ["--template", "rotary"]
+    said = say("new", rig, "--from", "run.csv", *template, *words)
+    assert said.code == 2
+    assert line in said.complaint
+    assert len(said.err.strip().splitlines()) == 1
+    assert [path.name for path in own_folder.iterdir()] == ["run.csv"]
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("Rig", "small letters, digits and _"),
+        ("json", "is already the name of a Python library"),
+        ("emps", "is already the name of a case"),
+        ("there", "exists already"),
+        ("no/rig", "no: no such folder"),
+    ],
+)
+def test_a_name_that_cannot_be_is_refused(name, line, recorded, say, own_folder):
+    words = recorded("carriage")
+    (own_folder / "there").mkdir()
+    said = say("new", name, *words)
+    assert said.code == 2
+    assert line in said.complaint
+
+
+def test_a_unit_of_another_quantity_needs_a_scale(recorded, say, rig):
+    words = recorded("carriage")
+    said = say("new", rig, *words[:4])
+    assert said.complaint.endswith("column 'motor current [A]' in A: give --scale force=NUMBER, in N per A")
+
+
+def test_a_missing_recording_is_one_line(say, rig):
+    assert (
+        "nowhere.csv: no such file"
+        in say("new", rig, "--from", "nowhere.csv", "--template", "tank").complaint
+    )
+
+
+@pytest.mark.parametrize(("typed", "column"), [("2\n", "b"), ("b\n", "b"), ("1\n", "a")])
+def test_on_a_terminal_it_asks(typed, column, say, own_folder, monkeypatch, rig):
+    class Screen(io.StringIO):
+        def isatty(self):
+            return True
+
+    (own_folder / "run.csv").write_text(TABLE)
+    monkeypatch.setattr(sys, "stdin", Screen(typed))
+    screen = Screen()
+    monkeypatch.setattr(sys, "stderr", screen)
+    assert say("new", rig, "--from", "run.csv", "--template", "rotary").code == 0
+    assert "Which column is torque" in screen.getvalue()
+    assert signals_of(own_folder, rig)["inputs"]["torque"]["column"] == column
+
+
+def test_words_become_a_request():
+    asked = _request(["rig", "--from", "a.csv", "b.csv", "--template", "tank", "--rate", "2"])
+    assert [path.name for path in asked.recordings] == ["a.csv", "b.csv"]
+    assert asked.rate == 2.0

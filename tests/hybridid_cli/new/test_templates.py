@@ -1,0 +1,77 @@
+"""Every template, from a recording to what was planted in it (simulated), without a line of Python."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+import yaml
+
+from pipelines.new.template import kinds, template
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_a_recording_is_fitted_as_it_was_simulated(kind, recorded, machine, say, own_folder, rig):
+    said = say("new", rig, *recorded(kind))
+    assert said.code == 0, said.complaint
+    words = (
+        "--config-dir",
+        rig,
+        f"case={rig}",
+        "out=result",
+        "mlflow.enabled=false",
+        *machine(kind).settings,
+    )
+    assert say("fit", *words).code == 0
+    found = json.loads((own_folder / "result/fit/estimate.json").read_text())["parameters"]
+    assert {name: found[name]["value"] for name in machine(kind).truth} == pytest.approx(
+        machine(kind).truth, rel=0.02
+    )
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_a_template_describes_its_plant(kind):
+    plan = template(kind)
+    assert plan.about.signals.keys() == {signal.name for signal in (*plan.inputs, *plan.outputs)}
+    assert plan.plant.name == kind
+    for name, scale in plan.about.scales.items():
+        assert f"\n{name} = " in plan.source
+        assert {scale.of, scale.less or scale.of} <= plan.about.signals.keys()
+    assert plan.plant.__doc__
+
+
+def test_the_plant_gets_the_name_and_the_magnitudes(recorded, say, own_folder):
+    say("new", "slide", *recorded("carriage"))
+    code = (own_folder / "slide/slide.py").read_text()
+    assert 'name = "slide"' in code
+    values = {
+        line.split(" = ")[0]: line.split("#")[0].split(" = ")[1]
+        for line in code.splitlines()
+        if "  # " in line
+    }
+    assert float(values["STROKE"]) == pytest.approx(0.3, rel=0.5)
+    assert float(values["SPEED"]) == pytest.approx(0.9, rel=0.3)
+    assert float(values["FORCE"]) == pytest.approx(9.0, rel=0.1)
+
+
+def test_a_trace_runs_in_the_folder(recorded, say, rig):
+    say("new", rig, *recorded("pendulum"))
+    said = say(
+        "trace", "--config-dir", rig, f"case={rig}", "trace.effects=[coulomb]", "trace.laws=false",
+        "trace.processes=1", "mlflow.enabled=false",
+    )  # fmt: skip
+    assert said.code == 0, said.complaint
+    assert said.out.startswith("nothing missing")
+
+
+def test_several_recordings_the_last_one_judges(recorded, say, own_folder, rig):
+    words = recorded("rotary")
+    for name in ("night run", "2nd"):
+        (own_folder / f"{name}.csv").write_text((own_folder / "rotary.csv").read_text())
+    assert say("new", rig, "--from", "night run.csv", "2nd.csv", *words[2:]).code == 0
+    records = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())["records"]
+    assert records == {
+        "night_run": {"files": "../night run.csv", "role": "identification"},
+        "2nd": {"files": "../2nd.csv", "role": "validation"},
+    }
+    assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
