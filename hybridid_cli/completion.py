@@ -60,6 +60,8 @@ def _offered(before: Sequence[str], current: str) -> Iterator[str]:
         yield from _folders(current)
     elif name == "completion":
         yield "bash"
+    elif name == "new":
+        yield from _of_new(words)
     elif name == "effects":
         yield from _effects()
     elif name in ("cases", "fetch") and "=" not in current:
@@ -68,6 +70,19 @@ def _offered(before: Sequence[str], current: str) -> Iterator[str]:
         yield from _overrides(name, words, current, folders)
     if current.startswith("-"):
         yield from [*(flag for flag in FLAGS if flag.startswith("--") or flag == "-m"), "--help"]
+
+
+_VALUED = ("--from", "--signal", "--scale", "--hold", "--time", "--rate")
+
+
+def _of_new(words: Sequence[str]) -> Iterator[str]:
+    """The flags of ``new``, and the templates after ``--template``."""
+    if words and words[-1] == "--template":
+        from pipelines.new.template import kinds
+
+        yield from kinds()
+    elif not words or words[-1] not in _VALUED:  # after --from the shell completes files
+        yield from (*_VALUED, "--template")
 
 
 def _overrides(name: str, words: Sequence[str], current: str, folders: Sequence[Path]) -> Iterator[str]:

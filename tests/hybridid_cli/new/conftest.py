@@ -181,9 +181,19 @@ def blank() -> Simulated:
     )
 
 
+def slide() -> Simulated:
+    """A carriage whose viscous friction differs by direction, which the template does not declare."""
+    t = _time(20.0)
+    force = lambda s: _push(s, 10.0)  # noqa: E731
+    friction = lambda v: 3.0 * v + 0.4 * abs(v) + 1.5 * _sign(v, 0.9)  # noqa: E731
+    q, _ = _run(lambda s, x: [x[1], (force(s) - friction(x[1])) / 2.0], [0.0, 0.0], t)
+    text = _table("t_ms,motor current [A],Position (mm)", t * 1000, force(t) / 2.5, _noisy(q) * 1000)
+    return Simulated(text, {"guide.asymmetric_viscous.df_v": 0.4})
+
+
 MACHINES: Mapping[str, Callable[[], Simulated]] = {
     one.__name__: one
-    for one in (carriage, rotary, pendulum, oscillator, two_inertias, quarter_car, tank, servo, blank)
+    for one in (slide, carriage, rotary, pendulum, oscillator, two_inertias, quarter_car, tank, servo, blank)
 }
 
 
