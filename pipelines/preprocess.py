@@ -14,21 +14,24 @@ from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.limits import check_demand
+from pipelines.shared.modelling import given_of
 from pipelines.shared.prepared import NamedUnit, Prepared
 from pipelines.shared.sources import Simulated, Source, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
 
-KEYS = (*sources.KEYS, "preprocess", "channels")
+KEYS = (*sources.KEYS, "preprocess", "channels", "plant")
 
 
 def run(job: Job) -> None:
     """Read every record of the case, apply its own steps and then ``preprocess.steps``, make inputs of its
-    ``channels``, store samples and description."""
+    ``channels`` and of the parameters that it gives, store samples and description."""
     rows, channels = [], [signal.name for signal in channels_of(job.settings)]
+    units = {signal.name: signal.unit for signal in given_of(job.settings)}
     for source in sources_of(job.settings).found:
         steps = [*source.steps, *_common_steps(job.settings)]
         record = apply_steps(source.record(), steps).with_channels(channels)
+        record = record.with_constants({name: source.constants[name] for name in units}, units)
         for warning in record.warnings:
             job.watcher.warn(warning)
         save_record(record, job.folder / f"{source.name}.parquet")
@@ -66,6 +69,7 @@ def check(settings: Settings) -> None:
         RecordNotFoundError: if a record is not found and the case has no rig to simulate it.
     """
     channels_of(settings)
+    given_of(settings)
     found = sources_of(settings).found
     try:
         for source in found:

@@ -34,7 +34,8 @@ def assemble(
     """A model's ``f``, ``h``, ``efforts`` and ``motions``, as functions of (t, x, u, p).
 
     ``states`` (n_x) and ``parameters`` (n_p) are those of the plant and of the terms, under their
-    qualified names, in the order of x and p. ``inputs`` (n_u) are those of the plant, then the channels.
+    qualified names, in the order of x and p. ``inputs`` (n_u) are those of the plant, the channels, and
+    the plant's parameters that each record gives.
 
     Raises:
         OwnCodeError: if code of the plant or of an effect fails, or gives something else than equations.
@@ -44,6 +45,7 @@ def assemble(
     x, x_by = _symbols([s.name for s in states])
     u, u_by = _symbols([s.name for s in inputs])
     p, p_by = _symbols([q.name for q in parameters])
+    p_by |= {q.name: u_by.pop(q.name) for q in plant.parameters if q.name not in p_by}
     plant_p = Named("parameter", {q.name: p_by[q.name] for q in plant.parameters})
     plant_x = Named("state", {s.name: x_by[s.name] for s in plant.states})
     local = _Locals(terms, t, x_by, u_by, p_by)

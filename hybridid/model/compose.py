@@ -20,10 +20,12 @@ def compose(
     effects: Iterable[str | Effect] = (),
     adjustments: Mapping[str, Mapping[str, float]] | None = None,
     channels: Iterable[Signal] = (),
+    by_record: Iterable[str] = (),
 ) -> Model:
     """A model from names: ``"viscous"``, ``"viscous@carriage"``, ``"module:NAME@port"``.
 
-    ``channels`` are the auxiliary channels of the records that effects may see.
+    ``channels`` are the auxiliary channels of the records that effects may see, ``by_record`` the parameters
+    of the plant that each record gives.
 
     Raises:
         OwnCodeError: if the plant lacks a declaration.
@@ -31,7 +33,9 @@ def compose(
             of the model or gives something else than guess, lower, upper, fixed.
     """
     check_plant(plant)
-    model = Model(plant, adjustments=dict(adjustments or {}), channels=tuple(channels))
+    model = Model(
+        plant, adjustments=dict(adjustments or {}), channels=tuple(channels), by_record=tuple(by_record)
+    )
     for entry in effects:
         if isinstance(entry, Effect):
             model = model.plus(entry)
@@ -41,7 +45,7 @@ def compose(
             raise ValueError(
                 f"effect {entry!r} names no port; ports: {listed([p.name for p in plant.ports])}"
             )
-        model = model.plus(effect_named(name, model.inputs), port or None)
+        model = model.plus(effect_named(name, model.signals), port or None)
     known = [p.name for p in model.parameters]
     for name, changes in model.adjustments.items():
         if name not in known:

@@ -30,19 +30,24 @@ class Model:
     ``channels`` are auxiliary channels of the records (a temperature, a supply voltage). The plant does not
     know them; its effects may see them. In u they follow the plant's inputs.
 
+    ``by_record`` names parameters of the plant that are known, and differ from record to record (the gain of
+    a controller, a load that is changed). Each record gives its own value, so they are no parameters of the
+    model: in u they come last.
+
     ``plus`` and ``without`` return new models. With its nesting parameters at zero, a term changes
     nothing, so ``model`` is a special case of ``model.plus(effect)``.
 
     Raises:
         ValueError: if a term occurs twice, its port does not exist, is of another kind, or does not know the
-            load that the effect needs; if the effect sees a channel that the model lacks, or two channels or
-            inputs share a name.
+            load that the effect needs; if the effect sees a channel that the model lacks, two channels or
+            inputs share a name, or ``by_record`` names no parameter of the plant.
     """
 
     plant: Plant
     terms: tuple[Term, ...] = ()
     adjustments: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     channels: tuple[Signal, ...] = ()
+    by_record: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         names = [term.name for term in self.terms]
@@ -61,6 +66,10 @@ class Model:
                         f"effect {term.effect.id} needs {_asked(term.effect)}; {one.name} {_lacks(one)}"
                     )
         self._check_channels()
+        known = [p.name for p in self.plant.parameters]
+        for name in self.by_record:
+            if name not in known:
+                raise ValueError(unknown("parameter of the plant, given by the records:", name, known))
 
     def _check_channels(self) -> None:
         names = [signal.name for signal in self.inputs]
@@ -76,7 +85,8 @@ class Model:
         """The declaration of the model only: the CasADi functions are built again after unpickling."""
         adjustments = dict(self.adjustments)
         return {
-            "plant": self.plant, "terms": self.terms, "adjustments": adjustments, "channels": self.channels
+            "plant": self.plant, "terms": self.terms, "adjustments": adjustments, "channels": self.channels,
+            "by_record": self.by_record,
         }  # fmt: skip
 
     def plus(self, effect: Effect, port: str | None = None) -> Model:
@@ -98,7 +108,7 @@ class Model:
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Every constant under its qualified name, with the adjustments; the ports' epsilons come last."""
-        own = list(self.plant.parameters)
+        own = [p for p in self.plant.parameters if p.name not in self.by_record]
         for term in self.terms:
             port = self.plant.port(term.port)
             own += [p.at(port).renamed(f"{term.name}.{p.name}") for p in term.effect.parameters]
@@ -124,8 +134,20 @@ class Model:
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
-        """The plant's inputs, then the channels, in the order of u (n_u,)."""
+        """The plant's inputs, the channels and what each record gives, in the order of u (n_u,)."""
+        return (*self.signals, *self.given)
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The plant's inputs, then the channels: what runs in time, and what effects may see."""
         return (*self.plant.inputs, *self.channels)
+
+    @property
+    def given(self) -> tuple[Signal, ...]:
+        """The parameters ``by_record``."""
+        return tuple(
+            Signal(p.name, p.unit, p.meaning) for p in self.plant.parameters if p.name in self.by_record
+        )
 
     @property
     def outputs(self) -> tuple[Signal, ...]:

@@ -23,7 +23,8 @@ class Channel:
 
     ``hold`` is the course of the signal between its samples: ``zoh`` constant (the command of a
     digital controller), ``foh`` linear, ``bandlimited`` (measured through an anti-alias filter).
-    Only inputs use it. ``assumed``: the hold is not declared, so that a trace varies it.
+    Only inputs use it. ``assumed``: the hold is not declared, so that a trace varies it. ``constant``: it is
+    a number that belongs to the record, declared with it.
 
     Raises:
         RecordError: if ``hold`` is none of these.
@@ -34,6 +35,7 @@ class Channel:
     hold: Hold = "zoh"
     meaning: str = ""
     assumed: bool = False
+    constant: bool = False
 
     def __post_init__(self) -> None:
         if self.hold not in HOLDS:

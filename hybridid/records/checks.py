@@ -149,7 +149,7 @@ def _each(signals: Sequence[Signals]) -> Iterator[tuple[str, Channel, Array]]:
 
 def _warnings(time: Array, signals: Sequence[Signals], where: str) -> Iterator[str]:
     for role, channel, values in _each(signals):
-        if role == "auxiliary":  # no model uses it
+        if role == "auxiliary" or channel.constant:  # no model uses it; it is meant
             continue
         if values.min() == values.max():
             yield f"{where}: {role} {channel.name!r} is constant ({values[0]:g} {channel.unit})"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -143,6 +143,19 @@ class Record:
             input_channels=(*self.input_channels, *channels),
             auxiliary=self.auxiliary[:, left] if left else None,
             auxiliary_channels=tuple(self.auxiliary_channels[k] for k in left),
+        )
+
+    def with_constants(self, values: Mapping[str, float], units: Mapping[str, str]) -> Record:
+        """The record with further inputs that keep the same value from its first sample to its last: what the
+        parameters were that a model takes from each record."""
+        if not values:
+            return self
+        columns = np.tile(np.array(list(values.values()), dtype=float), (self.n, 1))
+        channels = tuple(Channel(name, units[name], "zoh", constant=True) for name in values)
+        return replace(
+            self,
+            inputs=np.hstack([self.inputs, columns]),
+            input_channels=(*self.input_channels, *channels),
         )
 
     def part(self, start: int, stop: int, name: str | None = None) -> Record:

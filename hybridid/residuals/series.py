@@ -49,12 +49,13 @@ class ErrorSeries:
 def surroundings(prediction: Prediction, record: Record, output: str) -> Surroundings:
     """The signals for a network on ``output`` along a gray box' prediction of ``record``."""
     column = prediction.output_names.index(output)
+    running = [k for k, channel in enumerate(record.input_channels) if not channel.constant]
     return Surroundings(
         output=output,
         unit=prediction.output_units[column],
         dt=record.dt,
-        inputs=record.inputs[: len(prediction.time)],
-        input_names=tuple(channel.name for channel in record.input_channels),
+        inputs=record.inputs[: len(prediction.time), running],
+        input_names=tuple(record.input_channels[k].name for k in running),
         gray=prediction.predicted[:, column],
         breaks=prediction.breaks,
     )

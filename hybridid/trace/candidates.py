@@ -66,7 +66,7 @@ def admissible(
     At ports alike only effects without states are tried, and only where none of the ports has them.
     """
     present = {(term.effect.id, name) for term in model.terms for name in term.ports}
-    seen = {signal.name for signal in model.inputs}
+    seen = {signal.name for signal in model.signals}
     for effect in effects:
         if not seen.issuperset(effect.channels):
             continue

@@ -86,7 +86,7 @@ def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Cei
     places = [
         (base, context.split, port.name, over, least_of(context.rules.worth))
         for port in context.equation_ports(base.model)
-        for over in overs_for(port, base.model.inputs)
+        for over in overs_for(port, base.model.signals)
         if path.shows(port.name, over)
     ]
     return tuple(context.each(stage, ceiling, places, lambda found: found.place))

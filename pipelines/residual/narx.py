@@ -65,7 +65,7 @@ class NARXRequest(NARXSection, Request):
         Raises:
             ValueError: if an order or a size is not allowed.
         """
-        given, inputs = self.orders, [signal.name for signal in model.inputs]
+        given, inputs = self.orders, [signal.name for signal in model.signals]
         orders: Orders = orders_of(given.error, given.inputs, given.gray, inputs)
         return [
             Architecture(orders, depth, width, self.every, self.increment)

@@ -10,6 +10,7 @@ from typing import Any
 from hybridid.estimators.estimate import Estimate
 from hybridid.model import Model
 from hybridid.quality import Quality
+from pipelines.shared.by_record import MARK
 from pipelines.shared.config import Settings
 from pipelines.shared.modelling import model_of
 from pipelines.shared.own_code import importable, make_importable
@@ -75,7 +76,10 @@ def describe_model(settings: Settings, model: Model, provenance: str) -> Describ
     """The content of ``model.json`` for a ``model`` that ``settings`` configure."""
     return DescribedModel(
         case=settings.case,
-        config={key: settings.get(key) for key in MAKES_A_MODEL},
+        config={
+            **{key: settings.get(key) for key in MAKES_A_MODEL},
+            "parameters": _parameters(settings, model),
+        },
         python_folders=tuple(dict.fromkeys(f.resolve() for f in (*settings.folders, *importable()))),
         states=NamedUnit.each(model.states),
         inputs=NamedUnit.each(model.inputs),
@@ -83,6 +87,12 @@ def describe_model(settings: Settings, model: Model, provenance: str) -> Describ
         terms=tuple(TermEquation(t.name, t.effect.equation, t.effect.source) for t in model.terms),
         provenance=provenance,
     )
+
+
+def _parameters(settings: Settings, model: Model) -> Mapping[str, Any] | None:
+    """``parameters`` of the config, with a mark at those that the records give."""
+    given: Mapping[str, Any] | None = settings.get("parameters")
+    return {**(given or {}), **{name: {MARK: True} for name in model.by_record}} if model.by_record else given
 
 
 def load(tree: Path, folders: Sequence[Path] = ()) -> tuple[Model, Estimate]:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from hybridid.blame import OwnCodeError, blamed_on
+from hybridid.declarations import Signal
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import library_for
 from hybridid.model import Model, compose
@@ -16,6 +17,7 @@ from hybridid.model.compose import ADJUSTABLE
 from hybridid.naming import shortened
 from hybridid.plants.plant import Plant
 from hybridid.settings.fit import FitSettings
+from pipelines.shared.by_record import MARK, parameters_by_record
 from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
@@ -56,26 +58,53 @@ def model_of(settings: Settings) -> Model:
     Raises:
         ConfigError: if an effect, port or parameter is unknown, or a number is not allowed.
     """
-    plant, channels = plant_of(settings), channels_of(settings)
+    plant, channels, by_record = plant_of(settings), channels_of(settings), _by_record(settings)
     entries = effect_entries(settings)
     for entry in entries:
         if ":" in entry:
             named(entry.partition("@")[0], "effect")
     try:
-        bare = compose(plant, entries, channels=channels)
+        bare = compose(plant, entries, channels=channels, by_record=by_record)
         names = {p.name for p in bare.parameters}
         given = adjustments(parameters_of(settings))
+        for name in by_record:
+            if name in given:
+                raise ConfigError(f"parameters.{name} is set, but every record gives {name}: leave one out")
         ownable = names | _ownable(plant, [*library_for(channels), *(term.effect for term in bare.terms)])
         for name in given:
             if name not in ownable:
                 raise ConfigError(unknown("parameter", name, ownable, allowed=names))
-        model = compose(plant, entries, {name: given[name] for name in given if name in names}, channels)
+        own = {name: given[name] for name in given if name in names}
+        model = compose(plant, entries, own, channels, by_record)
         _ = model.parameters  # raises if bounds contradict each other
     except ConfigError:
         raise
     except ValueError as error:
         raise ConfigError(str(error)) from error
     return model
+
+
+def given_of(settings: Settings) -> tuple[Signal, ...]:
+    """The plant's parameters that every record gives, with their units, in the order of the model's inputs.
+
+    Raises:
+        ConfigError: if the plant has no parameter of a name, or the config is wrong.
+    """
+    by_record = parameters_by_record(settings)
+    if not by_record:
+        return ()
+    try:
+        return Model(plant_of(settings), by_record=by_record).given
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+
+
+def _by_record(settings: Settings) -> tuple[str, ...]:
+    """The same names, also of a model that was stored without its records."""
+    marked = [
+        str(n) for n, one in parameters_of(settings).items() if isinstance(one, Mapping) and one.get(MARK)
+    ]
+    return tuple(dict.fromkeys([*marked, *parameters_by_record(settings)]))
 
 
 def named_code(settings: Settings) -> dict[str, str]:
@@ -149,6 +178,8 @@ def fit_settings(settings: Settings) -> FitSettings:
 
 
 def _leaves(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, dict[str, float]]]:
+    if path and MARK in node:
+        return
     if path and any(key in ADJUSTABLE for key in node):
         for key in node:
             if key not in ADJUSTABLE:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -15,6 +15,7 @@ from hybridid.records.record import Record, RecordError
 from hybridid.records.sources import DataRoot, RecordNotFoundError, data_roots, digest_of, locate
 from hybridid.rigs.rig import Rig
 from hybridid.signals.step import StepError, as_steps
+from pipelines.shared.by_record import parameters_by_record
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import code_digests
@@ -23,19 +24,20 @@ from pipelines.shared.sections.stages import ArchiveSection, FitSection, RigSect
 
 KEYS = ("data", "records", "signals", "rig", "paths.data")
 ROLES = ("identification", "validation")
-_OWN = ("role", "run", "steps")
+_OWN = ("role", "run", "steps", "parameters")
 _STANDS_IN = "no measured record found; the virtual rig simulates them, so all results are SIMULATED"
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured record whose files were found."""
+    """A measured record whose files were found. ``constants`` are the parameters that it gives."""
 
     name: str
     role: str
     plan: RecordMap
     files: tuple[Path, ...]
     steps: tuple[Any, ...] = ()
+    constants: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def digest(self) -> str:
@@ -52,7 +54,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Simulated:
-    """A record that the case's virtual rig makes."""
+    """A record that the case's virtual rig makes. ``constants`` are the parameters that it gives."""
 
     name: str
     role: str
@@ -61,6 +63,7 @@ class Simulated:
     seed: int
     duration: float | None
     steps: tuple[Any, ...] = ()
+    constants: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def digest(self) -> str:
@@ -123,6 +126,7 @@ def sources_of(settings: Settings) -> Sources:
     """
     choice = settings.lone.data
     records = _records(settings)
+    parameters_by_record(settings)
     if choice == "simulated":
         return Sources(_simulated(settings, records), ("simulated records, as data=simulated asks",))
     roots = roots_of(settings)
@@ -199,7 +203,7 @@ def _measured(
 ) -> Measured:
     plan = _plan(settings, name, entry)
     files = tuple(locate(file, roots) for file in plan.files)
-    return Measured(name, entry["role"], plan, files, _steps(name, entry))
+    return Measured(name, entry["role"], plan, files, _steps(name, entry), _constants(entry))
 
 
 def _plan(settings: Settings, name: str, entry: Mapping[str, Any]) -> RecordMap:
@@ -212,6 +216,11 @@ def _plan(settings: Settings, name: str, entry: Mapping[str, Any]) -> RecordMap:
         return record_map({**signals, **own}, f"record {name}")
     except RecordError as error:
         raise ConfigError(str(error)) from error
+
+
+def _constants(entry: Mapping[str, Any]) -> dict[str, float]:
+    """The parameters that a record gives; ``by_record`` has checked them."""
+    return {str(name): float(value) for name, value in (entry.get("parameters") or {}).items()}
 
 
 def _steps(name: str, entry: Mapping[str, Any]) -> tuple[Any, ...]:
@@ -233,7 +242,8 @@ def _simulated(settings: Settings, records: Mapping[str, Mapping[str, Any]]) -> 
         if "files" in entry or settings.get("signals") is not None:
             _rehearsed(_plan(settings, name, entry), name, rig)
         own = _steps(name, entry)
-        made.append(Simulated(name, entry["role"], rig, run, section.seed or 0, section.duration, own))
+        given = _constants(entry)
+        made.append(Simulated(name, entry["role"], rig, run, section.seed or 0, section.duration, own, given))
     return tuple(made)
 
 

@@ -38,7 +38,7 @@ def law_files(found: Trace, case: str) -> dict[str, str]:
 
 
 def _text(entry: AcceptedEffect, effect: Effect, module: str, case: str, found: Trace) -> str:
-    units = {signal.name: signal.unit for signal in found.model.inputs}
+    units = {signal.name: signal.unit for signal in found.model.signals}
     signals = "".join(f", over=({name!r}, {units[name]!r})" for name in effect.channels)
     guesses = "".join(f", {name}={value.value:.9g}" for name, value in entry.parameters.items())
     return _TEXT.format(

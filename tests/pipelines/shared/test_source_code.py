@@ -164,12 +164,14 @@ def test_every_import_is_read():
 
 
 def test_every_file_that_is_no_python_is_named_by_a_module_above_it():
-    """Otherwise nothing would notice that it changed."""
+    """Otherwise nothing would notice that it changed. ``new`` writes no results that could be stale."""
     others = {
         path.relative_to(ROOT).as_posix()
         for package in ("hybridid", "pipelines")
         for path in (ROOT / package).rglob("*")
-        if path.is_file() and path.suffix not in (".py", ".pyc", ".nbi", ".nbc")
+        if path.is_file()
+        and path.suffix not in (".py", ".pyc", ".nbi", ".nbc")
+        and not path.is_relative_to(ROOT / "pipelines" / "new")
     }
     assert others <= set(with_imports(path.relative_to(ROOT).as_posix() for path in SOURCES))
     assert "hybridid/simulation/shoot.c" in others
