@@ -54,6 +54,7 @@ def _request(words: Sequence[str]) -> Request:
     parser.add_argument("--signal", action="append", default=[], metavar="SIGNAL=COLUMN")
     parser.add_argument("--scale", action="append", default=[], metavar="SIGNAL=NUMBER")
     parser.add_argument("--hold", action="append", default=[], metavar="SIGNAL=HOLD")
+    parser.add_argument("--constant", action="append", default=[], metavar="PARAMETER=COLUMN")
     axis = parser.add_mutually_exclusive_group()
     axis.add_argument("--time", metavar="COLUMN")
     axis.add_argument("--rate", type=float, metavar="HZ")
@@ -67,12 +68,13 @@ def _request(words: Sequence[str]) -> Request:
         signals=_pairs("--signal", given.signal),
         scales={signal: _number(signal, text) for signal, text in _pairs("--scale", given.scale).items()},
         holds={signal: _hold(signal, text) for signal, text in _pairs("--hold", given.hold).items()},
+        constants=_pairs("--constant", given.constant),
         time=given.time,
         rate=given.rate,
     )
 
 
-_VALUES = {"--signal": "COLUMN", "--scale": "NUMBER", "--hold": "HOLD"}
+_VALUES = {"--signal": "COLUMN", "--scale": "NUMBER", "--hold": "HOLD", "--constant": "COLUMN"}
 
 
 def _pairs(flag: str, words: Sequence[str]) -> dict[str, str]:
@@ -140,11 +142,11 @@ def _told(machine: Machine) -> list[RenderableType]:
         f"time: {axis}{' (assumed)' if time.assumed else ''}, {machine.records[0].dt:.4g} s a sample"
         + ("" if machine.resample is None else f", uneven: resampled to {machine.resample:g} s")
     ]
-    for record in machine.records:
-        lines += [
-            f"{record.name}: {record.n} samples, {record.time[-1] - record.time[0]:.4g} s",
-            *record.warnings,
-        ]
+    for recording, record in zip(machine.recordings, machine.records, strict=True):
+        given = "".join(f", {name} {value:g}" for name, value in recording.constants.items())
+        seconds = record.time[-1] - record.time[0]
+        lines += [f"{record.name}: {record.n} samples, {seconds:.4g} s{given}"]
+        lines += [line for line in record.warnings if ": resampled onto" not in line]
     lines += machine.template.about.remarks
     where = f"--config-dir {machine.folder} case={machine.name}"
     lines += [

@@ -200,6 +200,7 @@ names, typical magnitudes. What it cannot find out it asks; without a terminal i
 --signal SIGNAL=COLUMN   which column a signal is
 --scale SIGNAL=NUMBER    the signal's unit over the column's, as N·m per A
 --hold INPUT=HOLD        how an input runs between two samples: zoh (held), foh (linear) or bandlimited
+--constant PARAMETER=COLUMN   a column with one number in each recording, as a gain: a parameter of the plant
 --time COLUMN            the column of time stamps; or --rate HZ where there is none
 
 Of several recordings the last one judges, and the others are fitted. Of a single one, the first 70 % are

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
+
 from hybridid.records.channel import Hold, RecordError
 from hybridid.records.columns import Columns
 from hybridid.records.mapping import SignalMap, TimeMap, build_record
@@ -20,14 +22,15 @@ from pipelines.new.machine import Machine, Recording
 from pipelines.new.pages import case_file, readme
 from pipelines.new.scales import scales
 from pipelines.new.template import Template, template
-from pipelines.shared.errors import ConfigError
+from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.tree import replacing, write_text
 
 
 @dataclass(frozen=True)
 class Request:
     """What the user asks for: columns, scales and holds by signal, and the column of ``time`` or the ``rate``
-    in Hz, where the files do not tell it."""
+    in Hz, where the files do not tell it. ``constants`` are columns that hold one number, by the parameter
+    that it is."""
 
     folder: Path
     recordings: tuple[Path, ...]
@@ -35,6 +38,7 @@ class Request:
     signals: Mapping[str, str] = field(default_factory=dict)
     scales: Mapping[str, float] = field(default_factory=dict)
     holds: Mapping[str, Hold] = field(default_factory=dict)
+    constants: Mapping[str, str] = field(default_factory=dict)
     time: str | None = None
     rate: float | None = None
 
@@ -61,8 +65,8 @@ def new(request: Request, ask: Ask) -> Machine:
     names = _record_names(request.recordings)
     here = request.folder.resolve()
     recordings = tuple(
-        Recording(record, os.path.relpath(path.resolve(), here), time)
-        for record, path, time in zip(names, request.recordings, times, strict=True)
+        Recording(record, _address(path.resolve(), here), time, _constants(table, request))
+        for record, path, time, table in zip(names, request.recordings, times, tables, strict=True)
     )
     records = tuple(
         _read(name, table, time, plan, picked) for name, table, time in zip(names, tables, times, strict=True)
@@ -70,6 +74,11 @@ def new(request: Request, ask: Ask) -> Machine:
     machine = Machine(name, request.folder, plan, picked, recordings, records)
     _write(machine)
     return machine
+
+
+def _address(path: Path, folder: Path) -> str:
+    """The file as the case in ``folder`` names it: from there, if they may move together."""
+    return os.path.relpath(path, folder) if path.is_relative_to(folder.parent) else str(path)
 
 
 def _name_of(folder: Path) -> str:
@@ -88,12 +97,30 @@ def _name_of(folder: Path) -> str:
 
 def _check_signals(plan: Template, request: Request) -> None:
     known = [signal.name for signal in (*plan.inputs, *plan.outputs)]
+    parameters = [parameter.name for parameter in plan.plant.parameters]
+    for given in request.constants:
+        if given not in parameters:
+            raise ConfigError(unknown(f"parameter of template {plan.kind}", given, parameters))
     for given in request.holds:
         if given not in [signal.name for signal in plan.inputs]:
             raise ConfigError(f"{given!r} is no input of template {plan.kind}, so it has no hold")
     for given in (*request.signals, *request.scales):
-        if given not in known:
+        if given not in known and given not in request.constants:
             raise ConfigError(f"template {plan.kind} has no signal {given!r}; it has {', '.join(known)}")
+
+
+def _constants(table: Columns, request: Request) -> dict[str, float]:
+    """The parameters that a recording gives, in the parameters' units."""
+    found = {}
+    for parameter, column in request.constants.items():
+        values = table[column]
+        if np.ptp(values) > 0:
+            raise ConfigError(
+                f"--constant {parameter}={column}: {table.path} has {np.min(values):g} to {np.max(values):g} "
+                "there, no constant"
+            )
+        found[parameter] = float(f"{values[0] * request.scales.get(parameter, 1.0):.9g}")
+    return found
 
 
 def _with_hold(one: Chosen, plan: Template, request: Request) -> Chosen:

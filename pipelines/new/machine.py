@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,11 +20,13 @@ STEPS = 50
 
 @dataclass(frozen=True)
 class Recording:
-    """One recording: its record's name, its file as the case names it, and its time axis."""
+    """One recording: its record's name, its file as the case names it, its time axis, and the parameters that
+    it gives."""
 
     name: str
     file: str
     time: TimeFound
+    constants: Mapping[str, float]
 
 
 @dataclass(frozen=True)

@@ -7,20 +7,22 @@ from hybridid.plants.plant import Load, Motion, Plant
 
 SWING = 1.0  # rad, half the range of the angle
 SPEED = 3.0  # rad/s, exceeded 5 % of the time
-GAIN = 50.0  # V/rad, of the controller: set it
-SUPPLY = 12.0  # V, the clamp of the controller: set it
+GAIN = 4.0  # 1/rad, of the controller: share of the supply per rad of error; set it
+SUPPLY = 12.0  # V; set it
 RESISTANCE = 2.0  # Ω, of the winding: supply over stall current
 CONSTANT = 0.5  # N·m/A, at the output: stall torque over stall current
 TORQUE = CONSTANT * SUPPLY / RESISTANCE  # N·m, at stall
 INERTIA = TORQUE * SWING / SPEED**2  # kg·m², the order of magnitude of J
-ROUNDING = 1e-3  # of the clamp's corners, as a share of SUPPLY
+ROUNDING = 1e-3  # of the corners of the clamp, as a share of the supply
 
 
 class Servo(Plant):
-    """``J q'' = k_t (voltage - k_t q')/R - G sin(q) - F``, ``voltage = clamp(k_p (goal - q), ±SUPPLY)``.
+    """``J q'' = k_t (U duty - k_t q') / (R - R_s (1 - duty²)) - G sin(q) - F``, with
+    ``duty = clamp(k_p (goal - q), ±1)``.
 
     q is zero where the pendulum hangs; fix G at 0 where there is none. No torque is measured, and the
-    back-EMF acts as a viscous friction does: so all torques share one scale, and k_t and R are known.
+    back-EMF acts as a viscous friction does: so all torques share one scale, and k_t and R are known. R_s
+    is the part of R before the bridge (leads, battery): it carries the current for a share of the time only.
     """
 
     name = "servo"
@@ -38,7 +40,18 @@ class Servo(Plant):
         ),
         Parameter("k_t", "N·m/A", guess=CONSTANT, fixed=True, meaning="torque constant at the output"),
         Parameter("R", "Ω", guess=RESISTANCE, fixed=True, meaning="resistance of the winding"),
-        Parameter("k_p", "V/rad", guess=GAIN, fixed=True, meaning="gain of the controller"),
+        Parameter(
+            "R_s",
+            "Ω",
+            guess=0.0,
+            lower=0.0,
+            upper=RESISTANCE,
+            scale=RESISTANCE,
+            fixed=True,
+            meaning="of the supply",
+        ),
+        Parameter("k_p", "1/rad", guess=GAIN, fixed=True, meaning="gain of the controller"),
+        Parameter("U", "V", guess=SUPPLY, fixed=True, meaning="supply voltage"),
         Parameter("G", "N·m", guess=TORQUE / 10, lower=0.0, upper=10 * TORQUE, meaning="m g l"),
     )
     ports = (
@@ -60,8 +73,8 @@ class Servo(Plant):
     )
 
     def motor(self, x, u, p):
-        voltage = clamped(p.k_p * (u.goal - x.q) / SUPPLY) * SUPPLY
-        return p.k_t * (voltage - p.k_t * x.w) / p.R
+        duty = clamped(p.k_p * (u.goal - x.q))
+        return p.k_t * (p.U * duty - p.k_t * x.w) / (p.R - p.R_s * (1 - duty**2))
 
     def motion(self, x, u, p):
         return {"joint": Motion(position=x.q, velocity=x.w)}

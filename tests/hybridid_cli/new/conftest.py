@@ -158,7 +158,7 @@ def servo() -> Simulated:
     held = lambda s: goal[min(int(s * 500 + 1e-9), len(goal) - 1)]  # noqa: E731
 
     def rates(s: float, x: np.ndarray) -> list[float]:
-        voltage = np.clip(50.0 * (held(s) - x[0]), -12, 12)
+        voltage = np.clip(48.0 * (held(s) - x[0]), -12, 12)
         torque = 0.8 * (voltage - 0.8 * x[1]) / 2.0 - 0.5 * np.sin(x[0])
         return [x[1], (torque - 0.1 * x[1] - 0.15 * _sign(x[1], 3.0)) / 0.03]
 

@@ -75,3 +75,21 @@ def test_several_recordings_the_last_one_judges(recorded, say, own_folder, rig):
         "2nd": {"files": "../2nd.csv", "role": "validation"},
     }
     assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
+
+
+def test_constants_of_the_recordings_become_parameters(recorded, machine, say, rig, own_folder):
+    """Two servos with other gains: the column that holds the gain gives it to each record."""
+    words = recorded("servo")
+    for name, gain in (("low", 400), ("high", 800)):
+        lines = machine("servo").text.splitlines()[:3000]
+        (own_folder / f"{name}.csv").write_text(
+            "\n".join([f"{lines[0]},kp", *(f"{x},{gain}" for x in lines[1:])])
+        )
+    from_both = ("--from", "low.csv", "high.csv", *words[2:])
+    said = say("new", rig, *from_both, "--constant", "k_p=kp", "--scale", "k_p=0.01")
+    assert said.code == 0, said.complaint
+    assert "low: 2999 samples, 5.996 s, k_p 4" in said.out
+    records = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())["records"]
+    assert [one["parameters"] for one in records.values()] == [{"k_p": 4.0}, {"k_p": 8.0}]
+    assert say("fit", "--config-dir", rig, f"case={rig}", "out=fit", "mlflow.enabled=false").code in (0, 3, 4)
+    assert "k_p" not in json.loads((own_folder / "fit/fit/estimate.json").read_text())["parameters"]
