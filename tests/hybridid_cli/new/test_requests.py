@@ -84,7 +84,7 @@ REFUSED = {
     "hold": (["--hold", "torque=steps"], "allowed: zoh, foh, bandlimited"),
     "hold of an output": (["--hold", "angle=zoh"], "'angle' is no input of template rotary"),
     "parameter": (["--constant", "K=still"], "unknown parameter of template rotary 'K'"),
-    "no constant": (["--constant", "J=a", "--signal", "torque=b", "--signal", "angle=a"], "there, no constant"),
+    "no constant": (["--constant", "J=a", "--signal", "torque=b", "--signal", "angle=a"], "no constant"),
     "rate": (["--rate", "0"], "--rate is 0, it must be positive"),
     "flag": (["--signals", "torque=a"], "unrecognized arguments"),
     "constant": (["--signal", "torque=a", "--signal", "angle=still"], "signal angle never changes"),
