@@ -28,10 +28,14 @@ def motion_of(plant: Plant, at: Symbols) -> dict[str, Motion]:
     for name, moved in given.items():
         if not isinstance(moved, Motion):
             blame(plant.motion, f"gives {_kind(moved)} for port {name}, expected Motion(position, velocity)")
-    return {
-        name: Motion(*(_scalar(value, name, plant.motion) for value in (moved.position, moved.velocity)))
-        for name, moved in given.items()
-    }
+    return {name: _motion(plant, name, moved) for name, moved in given.items()}
+
+
+def _motion(plant: Plant, name: str, moved: Motion) -> Motion:
+    position, velocity = (_scalar(value, name, plant.motion) for value in (moved.position, moved.velocity))
+    if moved.acceleration is None:
+        return Motion(position, velocity)
+    return Motion(position, velocity, _scalar(moved.acceleration, name, plant.motion))
 
 
 def rates_of(plant: Plant, at: Symbols, efforts: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
@@ -39,9 +43,14 @@ def rates_of(plant: Plant, at: Symbols, efforts: Mapping[str, ca.SX]) -> dict[st
     return _scalars(plant.derivative, [state.name for state in plant.states], "state", *at, dict(efforts))
 
 
-def outputs_of(plant: Plant, at: Symbols) -> dict[str, ca.SX]:
-    """Every output of the plant."""
-    return _scalars(plant.output, [signal.name for signal in plant.outputs], "output", *at)
+def outputs_of(plant: Plant, at: Symbols, efforts: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+    """Every output of the plant; ``efforts`` are the sums at its ports."""
+    names = [signal.name for signal in plant.outputs]
+    with blamed_on(plant.sensed):
+        sensed = plant.sensed(*at, dict(efforts))
+    apart = [name for name in names if isinstance(sensed, Mapping) and name in sensed]
+    found = _scalars(plant.sensed, apart, "output", *at, dict(efforts))
+    return found | _scalars(plant.output, [name for name in names if name not in apart], "output", *at)
 
 
 def loads_of(plant: Plant, at: Symbols) -> dict[str, Load]:

@@ -54,7 +54,10 @@ def assemble(
     at = (plant_x, Named("input", inputs_there), plant_p)
     motion = motion_of(plant, at)
     efforts, effort_rates, rates = _resolve_acceleration(plant, local, motion, at)
-    measured, output_rates = local.through("output", outputs_of(plant, at))
+    total = {port.name: ca.SX(0) for port in plant.equation_ports}
+    for (_, port), effort in efforts.items():
+        total[port] += effort
+    measured, output_rates = local.through("output", outputs_of(plant, at, total))
 
     term_rates = {**input_rates, **effort_rates, **output_rates}
     x_dot = ca.vertcat(*[rates[s.name] if s.name in rates else term_rates[s.name] for s in states])
@@ -66,11 +69,11 @@ def assemble(
     with blamed_on(plant):  # a symbol of its own that is none of the arguments
         f = ca.Function("f", args, [x_dot], names, ["x_dot"], {"cse": True})
         h = ca.Function("h", args, [y], names, ["y"], {"cse": True})
-        effort = ca.Function("efforts", args, [ca.vertcat(*efforts.values())], names, ["effort"])
+        effort_function = ca.Function("efforts", args, [ca.vertcat(*efforts.values())], names, ["effort"])
         motions = ca.Function("motions", args, [moved], names, ["motion"])
     for function in (f, h):
         check_numbers(function, plant)
-    return f, h, effort, motions
+    return f, h, effort_function, motions
 
 
 def _symbols(names: Sequence[str]) -> tuple[ca.SX, dict[str, ca.SX]]:
@@ -152,7 +155,8 @@ def _resolve_acceleration(
     """Efforts by term and port, term rates and plant rates, with port accelerations eliminated.
 
     An effect may use the port's acceleration a (added inertia). The equations of motion are
-    affine in the efforts and therefore in a: one Newton step solves ``a = g(a)`` exactly.
+    affine in the efforts and therefore in a: one Newton step solves ``a = g(a)`` exactly. Where a rig
+    prescribes the motion, a is given.
 
     Raises:
         ValueError: if an effect is not linear in the acceleration, or uses one at a flow port.
@@ -179,7 +183,9 @@ def _resolve_acceleration(
     names = [s.name for s in plant.states]
     state = ca.vertcat(*[getattr(plant_at[0], name) for name in names])
     velocity = ca.vertcat(*[motion[name].velocity for name in moving])
-    gap = a - ca.jtimes(velocity, state, ca.vertcat(*[rates[name] for name in names]))
+    follows = ca.jtimes(velocity, state, ca.vertcat(*[rates[name] for name in names]))
+    given = [motion[name].acceleration for name in moving]
+    gap = a - ca.vertcat(*[follows[k] if one is None else one for k, one in enumerate(given)])
     if not ca.is_linear(gap, a):
         bent = [name for (name, _), value in efforts.items() if not ca.is_linear(ca.SX(value), a)]
         raise ValueError(f"{', '.join(bent) or plant.name}: the acceleration must enter linearly")

@@ -36,11 +36,13 @@ class Motion:
     """Position and velocity (CasADi scalars) of a port, in the port's units.
 
     At a flow port they are the level, and the net flow of the plant as the rate of the level, before the
-    effects.
+    effects. ``acceleration`` is given only where a test rig prescribes the motion, so that it is an input;
+    else it follows from the equations of motion.
     """
 
     position: ca.SX
     velocity: ca.SX
+    acceleration: ca.SX | None = None
 
 
 class Plant(abc.ABC):
@@ -51,7 +53,8 @@ class Plant(abc.ABC):
     name (``x.q``, ``u.force``, ``p.M``). ``effort`` maps the name of each effort port to the sum
     of the efforts of the effects there, which *resists* the port's motion, and the name of each flow port to
     the sum of their flows, which *lowers* its level. A plant whose ports say
-    what they carry (``Port.drive``, ``load`` or ``level``) writes ``loads`` too.
+    what they carry (``Port.drive``, ``load`` or ``level``) writes ``loads`` too. A plant with an output that
+    efforts are part of, as a load cell or an accelerometer measures it, writes ``sensed``.
 
     ``alike`` groups effort ports, or flow ports, that are built alike (front and rear, left and right). What
     one of them lacks, the others most likely lack too, so a search also tries an effect at all ports of a
@@ -80,7 +83,14 @@ class Plant(abc.ABC):
 
     @abc.abstractmethod
     def output(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, ca.SX]:
-        """Every output, by its name, in its declared unit."""
+        """Every output, by its name, in its declared unit; those of ``sensed`` are left out."""
+
+    def sensed(
+        self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace, effort: Mapping[str, ca.SX]
+    ) -> Mapping[str, ca.SX]:
+        """The outputs that efforts are part of, by name: the force that a load cell measures while a rig
+        prescribes the motion, the acceleration of a body."""
+        return {}
 
     def loads(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, Load]:
         """What the contact carries at every port that declares it, by the port's name.

@@ -11,7 +11,7 @@ import numpy as np
 
 from hybridid.records.record import Array, Channel, Record
 
-Role = Literal["output", "auxiliary"]
+Role = Literal["output", "input", "auxiliary"]
 
 
 class StepError(ValueError):
@@ -61,7 +61,8 @@ class Step(abc.ABC):
 class Target:
     """The place of a signal that a step makes from ``source``.
 
-    A signal with a new ``name`` is appended in ``role``. With the source's own name, it replaces the
+    A signal with a new ``name`` is appended in ``role``; a new input runs straight from sample to sample
+    (``foh``), as what was measured does. With the source's own name, it replaces the
     source. With ``demote``, the source becomes auxiliary and the new signal takes its place.
     """
 
@@ -81,7 +82,8 @@ class Target:
             return edited(record, {self.name: values}, self.unit)
         if self.name in {channel.name for channel in record.channels}:
             raise StepError(f"record {record.name} already has a signal {self.name!r}; choose another name")
-        appended = _appended(record, Channel(self.name, self.unit), values, self.role)
+        channel = Channel(self.name, self.unit, "foh" if self.role == "input" else "zoh")
+        appended = _appended(record, channel, values, self.role)
         return _demoted(appended, self.source, self.role == "output") if self.demote else appended
 
 
@@ -127,6 +129,12 @@ def _appended(record: Record, channel: Channel, values: Array, role: Role) -> Re
             record,
             outputs=np.column_stack([record.outputs, values]),
             output_channels=(*record.output_channels, channel),
+        )
+    if role == "input":
+        return replace(
+            record,
+            inputs=np.column_stack([record.inputs, values]),
+            input_channels=(*record.input_channels, channel),
         )
     return replace(
         record,

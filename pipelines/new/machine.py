@@ -9,10 +9,13 @@ from pathlib import Path
 from hybridid.records.record import Record
 from hybridid.records.survey import TimeFound
 from pipelines.new.columns import Chosen
-from pipelines.new.template import Template
+from pipelines.new.scales import cutoff
+from pipelines.new.template import Derivative, Template
 
 FITTED_SHARE = 0.7
 """Of the only recording: what is fitted; the rest judges."""
+EDGE = 2.0
+"""Periods of the cutoff at each end of a record over which a low-pass settles."""
 LONG_STEP = 0.05  # s; with a longer one, 1 s holds too few samples for a horizon
 STEPS = 50
 """Samples of a horizon, where the sampling is slow."""
@@ -27,6 +30,19 @@ class Recording:
     file: str
     time: TimeFound
     constants: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A record of the case: the samples of a recording from ``start`` to ``stop`` in s (None: its own end);
+    ``cut`` says whether they are not all."""
+
+    name: str
+    recording: Recording
+    role: str
+    start: float | None
+    stop: float | None
+    cut: bool
 
 
 @dataclass(frozen=True)
@@ -52,12 +68,42 @@ class Machine:
         return float(f"{min(uneven):.2g}") if uneven else None
 
     @property
+    def parts(self) -> tuple[Part, ...]:
+        """What each record of the case takes of which recording."""
+        whole = [self._usable(record) for record in self.records]
+        if self.split is None:
+            roles = ["identification"] * (len(whole) - 1) + ["validation"]
+            pairs = zip(self.recordings, whole, roles, strict=True)
+            return tuple(Part(one.name, one, role, *span, self._trims) for one, span, role in pairs)
+        only, (start, stop) = self.recordings[0], whole[0]
+        return (
+            Part("fitted", only, "identification", start, self.split, True),
+            Part("judging", only, "validation", self.split, stop, True),
+        )
+
+    @property
+    def _trims(self) -> bool:
+        """Whether derivatives are taken, whose first and last samples are no good."""
+        return bool(self.template.made)
+
+    def _usable(self, record: Record) -> tuple[float | None, float | None]:
+        """The times in s between which the derivatives of a record are good; None: the record's own end."""
+        if not self._trims:
+            return None, None
+        margin = EDGE / min(self.cutoff(derivative) for _, derivative in self.template.made)
+        return float(f"{record.time[0] + margin:.4g}"), float(f"{record.time[-1] - margin:.4g}")
+
+    @property
     def split(self) -> float | None:
         """The time in s up to which the only recording is fitted; None where there are several."""
         record = self.records[0]
         if len(self.records) > 1:
             return None
         return float(f"{record.time[0] + FITTED_SHARE * (record.time[-1] - record.time[0]):.4g}")
+
+    def cutoff(self, derivative: Derivative) -> float:
+        """Of the low-pass, in Hz, under which a derivative is taken."""
+        return min(cutoff(record.signal(derivative.of), record.dt) for record in self.records)
 
     @property
     def horizon(self) -> float | None:

@@ -27,5 +27,8 @@ def _rendered(file: str, machine: Machine) -> str:
         loader=FileSystemLoader(_TEMPLATES), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters["quoted"] = lambda text: json.dumps(text, ensure_ascii=False)
+    environment.filters["span"] = lambda part: ", ".join(
+        f"{key}: {at}" for key, at in (("start", part.start), ("stop", part.stop)) if at is not None
+    )
     environment.filters["flow"] = lambda numbers: f"{{{', '.join(f'{k}: {v}' for k, v in numbers.items())}}}"
     return environment.get_template(file).render(machine=machine).rstrip() + "\n"

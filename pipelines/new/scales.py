@@ -13,6 +13,7 @@ from pipelines.shared.errors import ConfigError
 
 Array = NDArray[np.float64]
 EXCEEDED = 5.0  # % of the time
+POWER = 0.9999  # of a signal; what lies above is little, and mostly noise
 _WINDOWS = (7, 51)
 _SHARE = 0.005  # of the record: over that much a derivative is smoothed, within _WINDOWS samples
 
@@ -39,6 +40,16 @@ def _magnitude(scale: Scale, record: Record) -> float:
         return float(np.ptp(signal)) / 2
     of = _derivative(signal, record.dt) if scale.kind == "speed" else signal
     return float(np.percentile(np.abs(of), 100 - EXCEEDED)) or float(np.max(np.abs(of)))
+
+
+def cutoff(signal: Array, dt: float) -> float:
+    """Five times the frequency in Hz below which nearly all power of a signal lies, at most a fifth of the
+    sampling rate: a derivative above it would be noise."""
+    from scipy.signal import periodogram
+
+    frequency, power = periodogram(signal, 1 / dt, detrend="linear", window="hann")
+    shares = np.cumsum(power) / np.sum(power)
+    return float(f"{min(5 * frequency[np.searchsorted(shares, POWER)], 0.2 / dt):.2g}")
 
 
 def _derivative(signal: Array, dt: float) -> Array:

@@ -6,7 +6,7 @@ import importlib
 import inspect
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TypeGuard
 
@@ -31,12 +31,21 @@ class Scale:
 
 
 @dataclass(frozen=True)
+class Derivative:
+    """An input that is made of the output ``of``: its ``order``-th time derivative."""
+
+    of: str
+    order: Literal[1, 2]
+
+
+@dataclass(frozen=True)
 class _Described:
     """A template's YAML file: other names of each signal, and ``remarks`` on what the user is to set."""
 
     meaning: str
     signals: Mapping[str, tuple[str, ...]]
     scales: Mapping[str, Scale]
+    derivatives: Mapping[str, Derivative] = field(default_factory=dict)
     effects: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
@@ -52,8 +61,14 @@ class Template:
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
-        """The signals that drive the plant."""
-        return self.plant.inputs
+        """The recorded signals that drive the plant."""
+        return tuple(signal for signal in self.plant.inputs if signal.name not in self.about.derivatives)
+
+    @property
+    def made(self) -> tuple[tuple[Signal, Derivative], ...]:
+        """The inputs that are made of an output."""
+        by_name = {signal.name: signal for signal in self.plant.inputs}
+        return tuple((by_name[name], derivative) for name, derivative in self.about.derivatives.items())
 
     @property
     def outputs(self) -> tuple[Signal, ...]:

@@ -67,6 +67,9 @@ def test_where_the_new_signal_goes(record_of):
     assert [c.name for c in instead.output_channels] == ["absement"]
     assert [c.name for c in instead.auxiliary_channels] == ["reference", "position"]
     assert np.array_equal(instead.signal("position"), record.output("position"))
+    driving = Differentiate("position", "speed", "m/s", cutoff=50.0, role="input").apply(record)
+    assert [(c.name, c.hold) for c in driving.input_channels][-1] == ("speed", "foh")
+    assert driving.output_channels == record.output_channels
     over = Integrate("position", "position", "m·s").apply(record)
     assert [(c.name, c.unit) for c in over.output_channels] == [("position", "m·s")]
     with pytest.raises(StepError, match="already has a signal 'reference'"):

@@ -172,6 +172,17 @@ def servo() -> Simulated:
     )
 
 
+def test_rig() -> Simulated:
+    """A rubber bushing: stiff, and viscous."""
+    t = _time()
+    w = 2 * np.pi * np.array([0.7, 1.9, 3.1])
+    angle, size = w * t[:, None] + np.array([0.3, 1.0, 2.0]), 8e-3 * np.array([1.0, 0.5, 0.3])
+    q, v = (size * np.sin(angle)).sum(axis=1), (size * w * np.cos(angle)).sum(axis=1)
+    force = 2.0 * -(size * w**2 * np.sin(angle)).sum(axis=1) + 5e3 * q + 60.0 * v
+    text = _table("time [s],LVDT [mm],load cell [kN]", t, _noisy(q) * 1e3, _noisy(force, 1e-3) / 1e3)
+    return Simulated(text, {"M": 2.0, "K": 5e3, "specimen.viscous.f_v": 60.0})
+
+
 def blank() -> Simulated:
     t = _time()
     drive = lambda s: _push(s, 1.0)  # noqa: E731
@@ -193,7 +204,19 @@ def slide() -> Simulated:
 
 MACHINES: Mapping[str, Callable[[], Simulated]] = {
     one.__name__: one
-    for one in (slide, carriage, rotary, pendulum, oscillator, two_inertias, quarter_car, tank, servo, blank)
+    for one in (
+        slide,
+        carriage,
+        rotary,
+        pendulum,
+        oscillator,
+        two_inertias,
+        quarter_car,
+        tank,
+        servo,
+        test_rig,
+        blank,
+    )
 }
 
 

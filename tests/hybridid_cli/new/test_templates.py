@@ -33,6 +33,7 @@ def test_a_recording_is_fitted_as_it_was_simulated(kind, recorded, machine, say,
 def test_a_template_describes_its_plant(kind):
     plan = template(kind)
     assert plan.about.signals.keys() == {signal.name for signal in (*plan.inputs, *plan.outputs)}
+    assert plan.about.derivatives.keys() == {signal.name for signal, _ in plan.made}
     assert plan.plant.name == kind
     for name, scale in plan.about.scales.items():
         assert f"\n{name} = " in plan.source
