@@ -6,6 +6,8 @@ Three shapes are read. ``entries`` may have any name:
     [{"t": 0.0, "q": 0.1}, {"t": 0.1, "q": 0.2}]                            samples
     {"kp": 100, "t": [0.0, 0.1], "q": [0.1, 0.2]}                           constants and columns
 
+JSON lines hold the same samples, an object in each line.
+
 A constant becomes a column that repeats it, so that it can be a signal: a gain that differs from one
 recording to the next is an input of the model. ``true`` is 1, ``false`` is 0, ``null`` is a missing value.
 """
@@ -54,6 +56,29 @@ def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
     return _with_constants(
         columns, {name: value for name, value in content.items() if not isinstance(value, list)}
     )
+
+
+def read_json_lines(path: Path) -> Iterator[tuple[str, Array | str]]:
+    """The columns of a file with a sample in each line.
+
+    Raises:
+        RecordError: if a line is no JSON object; a logger that was cut off leaves half a line at the end.
+    """
+    samples = []
+    for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
+        if line.strip():
+            samples.append(_sample(line, f"{path}: line {number}"))
+    yield from _of_samples(samples).items()
+
+
+def _sample(line: str, where: str) -> Mapping[str, Any]:
+    try:
+        found = json.loads(line)
+    except ValueError as wrong:
+        raise RecordError(f"{where} is no JSON: {line[:40]!r}") from wrong
+    if not isinstance(found, Mapping):
+        raise RecordError(f"{where} holds {_kind(found)}, expected an object of numbers")
+    return found
 
 
 def _of_samples(samples: Sequence[Mapping[str, Any]]) -> dict[str, Array | str]:

@@ -1,9 +1,10 @@
-"""Reads named columns of numbers from a file: MATLAB (v5 and v7.3), CSV, JSON and Parquet.
+"""Reads named columns of numbers from a file: MATLAB (v5 and v7.3), HDF5, CSV, JSON and Parquet.
 
 Everything numeric in a file is a column: a vector (n,), or a scalar as (1,). The samples of a matrix
 lie along its longer axis. Names address the parts of a file: ``data_theta[2]`` (counted from zero) is
-MATLAB's ``data_theta(:,3)``, ``run.position`` is a field of a structure, and ``[0]``, ``[1]`` are the columns
-of a CSV file without a header.
+MATLAB's ``data_theta(:,3)``, ``run.position`` is a field of a structure, ``run/position`` a dataset in a
+group of HDF5, and ``[0]``, ``[1]`` are the columns of a CSV file without a header. Two columns of one name
+``a`` are ``a[0]`` and ``a[1]``. A row of units below the header of a CSV file joins it: ``angle [deg]``.
 """
 
 from __future__ import annotations
@@ -11,9 +12,9 @@ from __future__ import annotations
 import csv
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import islice, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,8 @@ import numpy as np
 from hybridid.naming import shortened
 from hybridid.records.channel import Array, RecordError
 from hybridid.records.columns import Columns
-from hybridid.records.json_columns import read_json
+from hybridid.records.json_columns import read_json, read_json_lines
+from hybridid.records.units import is_unit
 
 
 def read_columns(path: Path | str) -> Columns:
@@ -106,6 +108,21 @@ def _cut(name: str, array: np.ndarray) -> Found:
         yield name, f"it has {array.ndim} dimensions, at most 2 are read"
 
 
+def _read_hdf5(path: Path) -> Found:
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        found: list[tuple[str, Any]] = []
+        file.visititems(lambda name, item: found.append((name, item[()])) if hasattr(item, "dtype") else None)
+    for name, content in found:
+        fields = getattr(getattr(content, "dtype", None), "names", None)
+        if fields:  # a table: an array of samples with named fields
+            for field in fields:
+                yield from _cut(f"{name}/{field}", np.asarray(content[field]))
+        else:
+            yield from _cut(name, np.asarray(content))
+
+
 _KINDS = {"c": "complex numbers", "U": "text", "S": "text", "O": "objects", "M": "dates", "m": "durations"}
 
 
@@ -122,6 +139,7 @@ def _read_csv(path: Path) -> Found:
     decimal = "," if separator != "," and re.search(r"\d,\d", sample) else "."
     cells = next(csv.reader([first], delimiter=separator), [])
     has_header = any(not _is_number(cell, decimal) for cell in cells)
+    units = _units(lines[preamble + 1 : preamble + 3], separator, decimal) if has_header else []
 
     def read() -> pd.DataFrame:
         return pd.read_csv(
@@ -129,7 +147,7 @@ def _read_csv(path: Path) -> Found:
             sep=separator,
             decimal=decimal,
             header=0 if has_header else None,
-            skiprows=preamble,
+            skiprows=[*range(preamble), preamble + 1] if units else preamble,
             skipinitialspace=True,
             encoding=encoding,
             index_col=False,
@@ -144,13 +162,37 @@ def _read_csv(path: Path) -> Found:
             _check_cells(path, encoding, separator, preamble, len(cells))
             warnings.simplefilter("ignore", pd.errors.ParserWarning)
             table = read()
-    for j, label in enumerate(table.columns):
-        series = table[label]
-        if series.isna().all():
-            if has_header and not str(label).startswith("Unnamed:"):
-                yield str(label).strip(), "it is empty"
-            continue  # a trailing separator makes one more, empty column
-        yield (str(label).strip() if has_header else f"[{j}]"), _numbers(series)
+    names = _labels(cells, units) if has_header else [f"[{j}]" for j in range(len(table.columns))]
+    for j, name in enumerate(names):
+        series = table.iloc[:, j]
+        if not series.isna().all():
+            yield name, _numbers(series)
+        elif has_header and name:  # a trailing separator makes one more, empty column
+            yield name, "it is empty"
+
+
+def _units(below: Sequence[str], separator: str, decimal: str) -> list[str]:
+    """The cells of the line below a header if they are units: no number is among them, one is in the next."""
+    rows = [next(csv.reader([line], delimiter=separator), []) for line in below]
+    if len(rows) < 2 or not rows[0]:
+        return []
+    filled = [cell.strip() for cell in rows[0]]
+    if any(cell and _is_number(cell, decimal) for cell in filled) or not any(filled):
+        return []
+    numbers = any(cell.strip() and _is_number(cell, decimal) for cell in rows[1])
+    units = [cell.strip("[]() ") for cell in filled]
+    return units if numbers and any(is_unit(unit) for unit in units) else []
+
+
+def _labels(cells: Sequence[str], units: Sequence[str]) -> list[str]:
+    """The names of the columns: with the unit, where a row of units names it, and numbered, where one name
+    stands over several columns."""
+    names = [cell.strip() for cell in cells]
+    names = [f"{n} [{u}]" if n and u else n for n, u in zip_longest(names, units[: len(names)], fillvalue="")]
+    return [
+        f"{name}[{names[:j].count(name)}]" if name and names.count(name) > 1 else name
+        for j, name in enumerate(names)
+    ]
 
 
 def _check_cells(path: Path, encoding: str, separator: str, preamble: int, columns: int) -> None:
@@ -231,5 +273,9 @@ READERS: Mapping[str, Callable[[Path], Found]] = {
     ".mat": _read_mat,
     ".csv": _read_csv,
     ".json": read_json,
+    ".jsonl": read_json_lines,
+    ".ndjson": read_json_lines,
+    ".h5": _read_hdf5,
+    ".hdf5": _read_hdf5,
     ".parquet": _read_parquet,
 }

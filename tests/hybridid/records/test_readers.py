@@ -224,7 +224,9 @@ def test_a_broken_file_is_one_line(tmp_path, suffix, content):
 def test_a_missing_file_and_a_strange_suffix(tmp_path):
     with pytest.raises(RecordError, match=r"run.mat: no such file"):
         read_columns(tmp_path / "run.mat")
-    with pytest.raises(RecordError, match=r"\.xlsx is not read; allowed: \.mat, \.csv, \.json, \.parquet"):
+    with pytest.raises(
+        RecordError, match=r"\.xlsx is not read; allowed: \.mat, \.csv, \.json, \.jsonl, .*\.parquet"
+    ):
         read_columns(tmp_path / "run.xlsx")
 
 
