@@ -114,7 +114,7 @@ def _constants(table: Columns, request: Request) -> dict[str, float]:
     found = {}
     for parameter, column in request.constants.items():
         values = table[column]
-        if np.ptp(values) > 0:
+        if not np.ptp(values) == 0:  # nan is no constant either
             raise ConfigError(
                 f"--constant {parameter}={column}: {table.path} has {np.min(values):g} to {np.max(values):g} "
                 "there, no constant"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -91,7 +92,7 @@ class Machine:
         if not self._trims:
             return None, None
         margin = EDGE / min(self.cutoff(derivative) for _, derivative in self.template.made)
-        return float(f"{record.time[0] + margin:.4g}"), float(f"{record.time[-1] - margin:.4g}")
+        return _instant(record.time[0] + margin, record), _instant(record.time[-1] - margin, record)
 
     @property
     def split(self) -> float | None:
@@ -99,7 +100,7 @@ class Machine:
         record = self.records[0]
         if len(self.records) > 1:
             return None
-        return float(f"{record.time[0] + FITTED_SHARE * (record.time[-1] - record.time[0]):.4g}")
+        return _instant(record.time[0] + FITTED_SHARE * (record.time[-1] - record.time[0]), record)
 
     def cutoff(self, derivative: Derivative) -> float:
         """Of the low-pass, in Hz, under which a derivative is taken."""
@@ -110,3 +111,8 @@ class Machine:
         """The horizon in s to judge by, where 1 s holds too few samples."""
         step = max(record.dt for record in self.records)
         return float(f"{STEPS * step:.2g}") if step > LONG_STEP else None
+
+
+def _instant(time: float, record: Record) -> float:
+    """A time in s, with as many decimals as the sampling time needs: stamps may count from 1970."""
+    return round(float(time), max(0, math.ceil(-math.log10(record.dt))))

@@ -69,6 +69,18 @@ def test_uneven_stamps_are_resampled(say, own_folder, rig):
     assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
 
 
+def test_stamps_may_count_from_1970(say, rig, own_folder):
+    t = 1.7e9 + 0.01 * np.arange(400)
+    rows = "\n".join(f"{a:.2f},{np.sin(a):.6f}" for a in t)
+    (own_folder / "swing.csv").write_text(f"t,angle\n{rows}\n")
+    assert say("new", rig, "--from", "swing.csv", "--template", "pendulum").code == 0
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert case["records"]["fitted"]["steps"] == [
+        {"step": "crop", "stop": pytest.approx(1.7e9 + 2.79, abs=0.02)}
+    ]
+    assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
+
+
 TABLE = "t,a,b,still\n" + "\n".join(
     f"{0.01 * k},{np.sin(0.1 * k):.5f},{np.cos(0.3 * k):.5f},1" for k in range(200)
 )
