@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import sys
 
@@ -166,3 +167,18 @@ def test_words_become_a_request():
     asked = _request(["rig", "--from", "a.csv", "b.csv", "--template", "tank", "--rate", "2"])
     assert [path.name for path in asked.recordings] == ["a.csv", "b.csv"]
     assert asked.rate == 2.0
+
+
+def test_a_disk_that_is_full_leaves_nothing(recorded, say, rig, own_folder, monkeypatch):
+    def write(path, text):
+        if path.name == "README.md":
+            raise OSError(errno.ENOSPC, "No space left on device", str(path))
+        path.write_text(text)
+
+    words = recorded("carriage")
+    monkeypatch.setattr("pipelines.new.create.write_text", write)
+    said = say("new", rig, *words)
+    assert said.code in (1, 2)
+    assert "no space left on device" in said.complaint
+    assert len(said.err.strip().splitlines()) == 1
+    assert [path.name for path in own_folder.iterdir()] == ["carriage.csv"]
