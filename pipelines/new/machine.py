@@ -107,10 +107,18 @@ class Machine:
         return min(cutoff(record.signal(derivative.of), record.dt) for record in self.records)
 
     @property
-    def horizon(self) -> float | None:
-        """The horizon in s to judge by, where 1 s holds too few samples."""
+    def horizon(self) -> float:
+        """The horizon in s to fit and to judge by: 1 s, or ``STEPS`` samples where sampling is slow. It is
+        at most a tenth of the shortest recording, so that there are some to judge by."""
         step = max(record.dt for record in self.records)
-        return float(f"{STEPS * step:.2g}") if step > LONG_STEP else None
+        shortest = min(record.time[-1] - record.time[0] for record in self.records)
+        return float(f"{min(max(1.0, STEPS * step if step > LONG_STEP else 0.0), shortest / 10):.2g}")
+
+    @property
+    def horizon_samples(self) -> int:
+        """The same in samples of the records as the case makes them."""
+        step = self.resample or max(record.dt for record in self.records)
+        return max(2, round(self.horizon / step))
 
 
 def _instant(time: float, record: Record) -> float:

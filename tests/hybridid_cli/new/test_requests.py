@@ -58,6 +58,17 @@ def test_slow_sampling_gets_a_horizon_of_its_own(recorded, say, own_folder, rig)
     say("new", rig, *recorded("tank"))
     case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
     assert case["validate"] == {"horizon": 50.0}
+    assert case["estimator"] == {"horizon": 50}
+
+
+def test_horizons_fit_into_a_short_recording(say, rig, own_folder):
+    (own_folder / "run.csv").write_text(TABLE)
+    say(
+        "new", rig, "--from", "run.csv", "--template", "rotary", "--signal", "torque=b", "--signal", "angle=a"
+    )
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert case["validate"] == {"horizon": 0.2}  # of 2 s
+    assert case["estimator"] == {"horizon": 20}
 
 
 def test_uneven_stamps_are_resampled(say, own_folder, rig):
