@@ -44,8 +44,9 @@ These keys hold names that the case chooses.
   `parameters={{M: {{lower: 30, upper: 150}}, carriage.viscous.f_v: {{guess: 200}}}}`. Those that it does not
   name stay as the case has them.
 - `records`: by the name of a record, `role` (identification or validation), `run` (of the virtual rig;
-  default: the record's name), `steps` (of this record alone, before `preprocess.steps`), and the keys of the
-  first table below.
+  default: the record's name), `steps` (of this record alone, before `preprocess.steps`), `parameters`
+  (of the plant, known and given by every record, as in `parameters: {{J: 0.02}}`), and the keys of the first
+  table below.
 - `signals`: the same keys, for all records. They are checked even where a virtual rig stands in, and the rig
   must give the inputs and outputs that they declare.
 """
