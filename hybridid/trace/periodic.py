@@ -3,7 +3,9 @@
 Over less than one period, a sine of free amplitude, phase and period bends like a cubic polynomial. So an
 effect that is periodic in position or time counts only where the records cover ``LEAST`` periods: then its
 form repeats at least twice. A frequency above half the sampling frequency cannot be told from a lower
-one (Nyquist). Source: Bretthorst (1988), Bayesian Spectrum Analysis and Parameter Estimation, ch. 6.
+one (Nyquist). A resonance (an effect with states) claims no repetition, but must swing: far above its
+frequency the load stands still, and its spring pulls as one to the ground would. So one period must fit into
+a record. Source: Bretthorst (1988), Bayesian Spectrum Analysis and Parameter Estimation, ch. 6.
 """
 
 from __future__ import annotations
@@ -19,11 +21,13 @@ from hybridid.trace.split import Split
 
 LEAST = 3
 """Periods that the fitted horizons of one record must cover."""
+OF_A_RESONANCE = 1
+"""Periods of a resonance that the longest record must cover."""
 
 
 def not_shown(candidate: Candidate, found: Refit, split: Split) -> str:
     """Why the records do not show the fitted period or frequency of the effect; empty if they do."""
-    if candidate.effect.kind == "input" or candidate.effect.states:  # a resonance claims no repetition
+    if candidate.effect.kind == "input":
         return ""
     for parameter in candidate.effect.parameters:
         name = f"{candidate.name}.{parameter.name}"
@@ -31,7 +35,8 @@ def not_shown(candidate: Candidate, found: Refit, split: Split) -> str:
         if free and parameter.sought == "period":
             return _too_long(parameter, candidate, found, split)
         if free and parameter.sought == "frequency":
-            return _not_sampled(abs(found.values[name]), split)
+            judged = _too_slow if candidate.effect.states else _not_sampled
+            return judged(abs(found.values[name]), split)
     return ""
 
 
@@ -49,7 +54,7 @@ def _too_long(parameter: EffectParameter, candidate: Candidate, found: Refit, sp
 
 def _not_sampled(frequency: float, split: Split) -> str:
     dt = max(record.dt for record in split.records)
-    longest = max(record.n * record.dt for record in split.records)
+    longest = _longest(split)
     if frequency > 0.5 / dt:
         return f"its frequency of {frequency:.3g} Hz is above half the sampling frequency, {0.5 / dt:.3g} Hz"
     if frequency * longest < LEAST:
@@ -58,3 +63,18 @@ def _not_sampled(frequency: float, split: Split) -> str:
             f"{frequency:.3g} Hz; {LEAST} are needed to show that it repeats"
         )
     return ""
+
+
+def _too_slow(frequency: float, split: Split) -> str:
+    longest = _longest(split)
+    if frequency * longest < OF_A_RESONANCE:
+        return (
+            f"the longest record of {longest:.3g} s is shorter than one period of its {frequency:.3g} Hz: "
+            "a load so slow stands still, and pulls as a spring to the ground would"
+        )
+    return ""
+
+
+def _longest(split: Split) -> float:
+    """The duration of the longest record in s."""
+    return max(record.n * record.dt for record in split.records)

@@ -73,6 +73,7 @@ class Servo(Plant):
     )
 
     def motor(self, x, u, p):
+        """Torque of the motor at the output."""
         duty = clamped(p.k_p * (u.goal - x.q))
         return p.k_t * (p.U * duty - p.k_t * x.w) / (p.R - p.R_s * (1 - duty**2))
 

@@ -41,6 +41,7 @@ class Tank(Plant):
     )
 
     def net_flow(self, x, u, p):
+        """What the pump brings less what the outlet takes."""
         return u.inflow - p.c * ca.sqrt(ca.fmax(x.h, 1e-6 * LEVEL))
 
     def motion(self, x, u, p):

@@ -57,4 +57,12 @@ def test_a_frequency_lies_between_three_periods_and_nyquist(fitted, hertz, why):
 
 def test_other_effects_need_no_period(fitted):
     assert not_shown(*fitted("quadratic_drag")) == ""
-    assert not_shown(*fitted("flexible_mode", **{name_of("flexible_mode", "frequency"): 0.01})) == ""
+
+
+@pytest.mark.parametrize(("periods", "shown"), [(0.9, False), (1.1, True)])
+def test_a_resonance_swings_once_in_a_record(fitted, split_of, periods, shown):
+    longest = max(record.n * record.dt for record in split_of().records)
+    frequency = name_of("flexible_mode", "frequency")
+    why = not_shown(*fitted("flexible_mode", **{frequency: periods / longest}))
+    assert (why == "") is shown
+    assert shown or "shorter than one period" in why
