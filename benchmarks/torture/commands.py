@@ -33,6 +33,7 @@ class Command:
     ``draws``: it draws random numbers in an order that depends on when it was struck, so that only the number
     of its results is compared. ``opens``: it ends when it is told to, and is ready when it says this.
     ``around`` holds what must be there while it runs. ``alone``: it must run in a process of this one.
+    ``makes``: a folder that it makes, and refuses to make again.
     ``kills``: how often it is struck; less often if it takes long.
     """
 
@@ -43,6 +44,7 @@ class Command:
     opens: str = ""
     around: Callable[[], AbstractContextManager[object]] = nullcontext
     alone: bool = False
+    makes: str = ""
     kills: int = OFTEN
 
 
@@ -82,6 +84,12 @@ COMMANDS: tuple[Command, ...] = (
     ),
     Command("fetch", ("fetch", "emps", "paths.data=raw", "mlflow.enabled=false"), around=mirror, alone=True),
     Command("log", ("log", *QUICK, _STORE), ((*_FIT, DOWN), (*_VALIDATE, DOWN))),
+    Command(
+        "new",
+        ("new", "rig", "--from", "outputs/first/preprocess/identification.parquet", "--template", "carriage"),
+        ((*_PREPROCESS, "out=outputs/first"),),
+        makes="rig",
+    ),
     Command("ui", ("ui", *QUICK, "port={port}"), (_PREPROCESS,), opens="is open on this machine", kills=LESS),
     Command("cases", ("cases",), kills=LESS),
     Command("effects", ("effects",), kills=LESS),

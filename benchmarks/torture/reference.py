@@ -33,7 +33,8 @@ class Disturbed(RuntimeError):
 @dataclass(frozen=True)
 class Reference:
     """``before`` is a copy of the folder before the command. ``lab`` is where each trial happens: always the
-    same path, so that files that name it are the same."""
+    same path, so that files that name it are the same. ``made`` are the files of the folder that the command
+    makes."""
 
     command: Command
     words: Words
@@ -41,6 +42,7 @@ class Reference:
     before: Path
     seconds: float
     numbers: Mapping[str, str]
+    made: Mapping[str, str]
 
     def restored(self, cold: bool = False) -> None:
         """Make the folder as it was before the command; ``cold``: without compiled models."""
@@ -64,6 +66,8 @@ class Reference:
 
     def again(self) -> Iterator[Fault]:
         """What is wrong after the same command again, undisturbed, and ``log`` where runs wait to be sent."""
+        if self.command.makes:
+            yield from self._whole_or_absent()
         try:
             in_peace(self.words, self.lab, self.command.opens)
             if any((self.lab / "outputs" / WAITING).glob("[0-9]*")):
@@ -72,8 +76,17 @@ class Reference:
             yield Fault(LOST, f"the same command again: {wrong}")
             return
         yield from self.differences()
+        if self.command.makes and whole.contents(self.lab / self.command.makes) != self.made:
+            yield Fault(WRONG, f"{self.command.makes} differs from that of the undisturbed command")
         yield from (Fault(HALF, f"left behind: {name}") for name in whole.left_behind(self.lab))
         yield from (Fault(LOST, f"MLflow: {name} is still RUNNING") for name in whole.running_runs(self.lab))
+
+    def _whole_or_absent(self) -> Iterator[Fault]:
+        """The folder that the command makes holds all its files, or is not there. Then it is removed."""
+        folder = self.lab / self.command.makes
+        if folder.exists() and whole.contents(folder) != self.made:
+            yield Fault(HALF, f"{self.command.makes} is not whole")
+        shutil.rmtree(folder, ignore_errors=True)
 
     def differences(self) -> Iterator[Fault]:
         """Results that differ from those of the undisturbed command."""
@@ -98,7 +111,8 @@ def reference(command: Command, bench: Path) -> Reference:
     shutil.rmtree(before, ignore_errors=True)
     shutil.copytree(lab, before, symlinks=True)
     seconds = in_peace(words, lab, command.opens)
-    return Reference(command, words, lab, before, seconds, whole.numbers(lab))
+    made = whole.contents(lab / command.makes) if command.makes else {}
+    return Reference(command, words, lab, before, seconds, whole.numbers(lab), made)
 
 
 def prepared(command: Command, lab: Path) -> Words:

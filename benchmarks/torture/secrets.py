@@ -17,7 +17,7 @@ from benchmarks.torture.command import Running, load
 from benchmarks.torture.commands import COMMANDS, Command
 from benchmarks.torture.reference import LONGEST, prepared, started
 
-WITH_CONFIG = tuple(c for c in COMMANDS if c.name not in ("ui", "cases", "effects", "completion"))
+WITH_CONFIG = tuple(c for c in COMMANDS if c.name not in ("ui", "new", "cases", "effects", "completion"))
 USER = "torture"
 PLACES = ("the address of a tracking server", "MLFLOW_TRACKING_TOKEN", "AWS_SECRET_ACCESS_KEY")
 """Where a secret is planted."""

@@ -28,7 +28,7 @@ from pipelines.tracking.waiting import send_waiting, waiting
 
 EACH = 2
 """Pairs of each command, the second begun at a moment that the seed draws."""
-AT_ONCE = tuple(c for c in COMMANDS if c.name not in ("ui", "cases", "effects", "completion"))
+AT_ONCE = tuple(c for c in COMMANDS if c.name not in ("ui", "new", "cases", "effects", "completion"))
 WRITERS, RUNS_EACH, STRUCK = 16, 8, 4
 """Processes that write to one store, runs of each, and how many of them are killed meanwhile."""
 RUNS, PART_OF_RUNS, SLOWER = 2000, 200, 2.0

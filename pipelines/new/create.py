@@ -23,7 +23,7 @@ from pipelines.new.pages import case_file, readme
 from pipelines.new.scales import scales
 from pipelines.new.template import Template, template
 from pipelines.shared.errors import ConfigError, unknown
-from pipelines.shared.tree import replacing, write_text
+from pipelines.shared.tree import discard_unfinished, replacing, write_text
 
 
 @dataclass(frozen=True)
@@ -152,6 +152,7 @@ def _read(name: str, table: Columns, time: TimeFound, plan: Template, picked: tu
 def _write(machine: Machine) -> None:
     code = machine.template.code(machine.name, scales(machine.template.about.scales, machine.records))
     case, about = case_file(machine), readme(machine)
+    discard_unfinished(machine.folder)
     with replacing(machine.folder) as folder:
         (folder / "case").mkdir()
         write_text(folder / "case" / f"{machine.name}.yaml", case)

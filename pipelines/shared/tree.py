@@ -60,7 +60,7 @@ def _clear(root: Path) -> None:
 @contextmanager
 def replacing(folder: Path) -> Iterator[Path]:
     """A new folder to write in. It replaces ``folder`` at the end, or is removed after an exception."""
-    new = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=folder.parent))
+    new = Path(tempfile.mkdtemp(prefix=f"{_UNFINISHED}{folder.name}-", dir=folder.parent))
     new.chmod(0o755)
     try:
         yield new
@@ -68,6 +68,12 @@ def replacing(folder: Path) -> Iterator[Path]:
         new.rename(folder)
     finally:
         shutil.rmtree(new, ignore_errors=True)
+
+
+def discard_unfinished(folder: Path) -> None:
+    """Remove what a command that was killed left of its attempt at ``folder``."""
+    for left in folder.parent.glob(f"{_UNFINISHED}{folder.name}-*"):
+        shutil.rmtree(left, ignore_errors=True)
 
 
 def remove(folder: Path) -> bool:
