@@ -54,10 +54,7 @@ def assemble(
     at = (plant_x, Named("input", inputs_there), plant_p)
     motion = motion_of(plant, at)
     efforts, effort_rates, rates = _resolve_acceleration(plant, local, motion, at)
-    total = {port.name: ca.SX(0) for port in plant.equation_ports}
-    for (_, port), effort in efforts.items():
-        total[port] += effort
-    measured, output_rates = local.through("output", outputs_of(plant, at, total))
+    measured, output_rates = local.through("output", outputs_of(plant, at, _sums(plant, efforts)))
 
     term_rates = {**input_rates, **effort_rates, **output_rates}
     x_dot = ca.vertcat(*[rates[s.name] if s.name in rates else term_rates[s.name] for s in states])
@@ -69,11 +66,11 @@ def assemble(
     with blamed_on(plant):  # a symbol of its own that is none of the arguments
         f = ca.Function("f", args, [x_dot], names, ["x_dot"], {"cse": True})
         h = ca.Function("h", args, [y], names, ["y"], {"cse": True})
-        effort_function = ca.Function("efforts", args, [ca.vertcat(*efforts.values())], names, ["effort"])
+        effort = ca.Function("efforts", args, [ca.vertcat(*efforts.values())], names, ["effort"])
         motions = ca.Function("motions", args, [moved], names, ["motion"])
     for function in (f, h):
         check_numbers(function, plant)
-    return f, h, effort_function, motions
+    return f, h, effort, motions
 
 
 def _symbols(names: Sequence[str]) -> tuple[ca.SX, dict[str, ca.SX]]:
@@ -146,6 +143,14 @@ class _Locals:
         return passed, rates
 
 
+def _sums(plant: Plant, efforts: Mapping[tuple[str, str], ca.SX]) -> dict[str, ca.SX]:
+    """The sum of the efforts, or of the flows, at each port."""
+    total = {port.name: ca.SX(0) for port in plant.equation_ports}
+    for (_, port), effort in efforts.items():
+        total[port] += effort
+    return total
+
+
 def _resolve_acceleration(
     plant: Plant,
     local: _Locals,
@@ -166,7 +171,6 @@ def _resolve_acceleration(
     loads = loads_of(plant, plant_at)
     efforts: dict[tuple[str, str], ca.SX] = {}
     term_rates: dict[str, ca.SX] = {}
-    total = {port.name: ca.SX(0) for port in plant.equation_ports}
     acting = [(term, name) for term in local.terms if term.effect.in_equations for name in term.ports]
     for term, name in acting:
         if name in moving:
@@ -175,8 +179,7 @@ def _resolve_acceleration(
             seen = local.at_flow_port(term, name, motion[name])
         efforts[term.name, name] = law_of(term.effect, seen)
         term_rates.update(local.rates(term, seen))
-        total[name] += efforts[term.name, name]
-    rates = rates_of(plant, plant_at, total)
+    rates = rates_of(plant, plant_at, _sums(plant, efforts))
     used = ca.vertcat(*efforts.values(), *term_rates.values())
     if not moving or not ca.depends_on(used, a):
         return efforts, term_rates, rates

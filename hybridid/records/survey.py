@@ -90,7 +90,8 @@ def time_found(columns: Columns, column: str | None = None, step: float | None =
     A column looks like time if its name says so and it increases, or if it alone holds dates.
 
     Raises:
-        RecordError: if nothing looks like time, if several columns do, or if the stamps do not increase.
+        RecordError: if nothing looks like time, if several columns do, if its unit is none of time, or if the
+            stamps do not increase.
     """
     if column is None and step is not None:
         return TimeFound(None, "s", False, step, True)
@@ -128,8 +129,16 @@ def _unit_of_time(name: str, columns: Columns) -> str:
     if name in columns.instants:
         return "s"
     unit = labelled(name).unit
-    in_seconds = factor(unit, "s") if unit else None
-    return next((known for known, value in SECONDS.items() if value == in_seconds), "")
+    if not unit:
+        return ""
+    in_seconds = factor(unit, "s")
+    found = next((known for known, value in SECONDS.items() if value == in_seconds), "")
+    if not found:
+        raise RecordError(
+            f"{columns.path}: time column {name!r} is in {unit}; allowed: {', '.join(SECONDS)}; give the "
+            "sampling rate if it counts samples"
+        )
+    return found
 
 
 def _plain(label: str) -> str:

@@ -70,6 +70,10 @@ def test_dates_are_time_where_no_name_says_so():
     [
         ({"q": T, "u": T}, "no column looks like time: q, u; say which, or the sampling rate"),
         ({"t": T, "time": T}, "several columns look like time: t, time"),
+        (
+            {"time [samples]": np.arange(200.0)},
+            r"time column 'time \[samples\]' is in samples; allowed: s",
+        ),
         ({"t": T[::-1].copy()}, "time runs backward"),
         ({"t": np.where(T[5] == T, np.nan, T)}, "cannot be time: stamps are missing"),
     ],

@@ -1,6 +1,6 @@
 """Simulated recordings of the machines that the templates describe, by scipy alone, as a logger writes them.
 
-Each is 10 s at 500 Hz (the tank: 1,000 s at 1 Hz), with the noise of a good sensor. Units, names and
+Each is 5 s at 500 Hz (the tank: 1,000 s at 1 Hz), with the noise of a good sensor. Units, names and
 separators differ from one to the next.
 """
 
@@ -28,7 +28,7 @@ class Simulated:
     settings: tuple[str, ...] = ()
 
 
-def _time(duration: float = 10.0, rate: float = 500.0) -> np.ndarray:
+def _time(duration: float = 5.0, rate: float = 500.0) -> np.ndarray:
     return np.arange(0, duration, 1 / rate)
 
 

@@ -1,4 +1,4 @@
-"""Every template, from a recording to what was planted in it (simulated), without a line of Python."""
+"""The templates, and what ``new`` makes of them; ``test_page.py`` fits and traces each."""
 
 from __future__ import annotations
 
@@ -8,25 +8,6 @@ import pytest
 import yaml
 
 from pipelines.new.template import kinds, template
-
-
-@pytest.mark.parametrize("kind", kinds())
-def test_a_recording_is_fitted_as_it_was_simulated(kind, recorded, machine, say, own_folder, rig):
-    said = say("new", rig, *recorded(kind))
-    assert said.code == 0, said.complaint
-    words = (
-        "--config-dir",
-        rig,
-        f"case={rig}",
-        "out=result",
-        "mlflow.enabled=false",
-        *machine(kind).settings,
-    )
-    assert say("fit", *words).code == 0
-    found = json.loads((own_folder / "result/fit/estimate.json").read_text())["parameters"]
-    assert {name: found[name]["value"] for name in machine(kind).truth} == pytest.approx(
-        machine(kind).truth, rel=0.02
-    )
 
 
 @pytest.mark.parametrize("kind", kinds())
@@ -55,16 +36,6 @@ def test_the_plant_gets_the_name_and_the_magnitudes(recorded, say, own_folder):
     assert float(values["FORCE"]) == pytest.approx(9.0, rel=0.1)
 
 
-def test_a_trace_runs_in_the_folder(recorded, say, rig):
-    say("new", rig, *recorded("pendulum"))
-    said = say(
-        "trace", "--config-dir", rig, f"case={rig}", "trace.effects=[coulomb]", "trace.laws=false",
-        "trace.processes=1", "mlflow.enabled=false",
-    )  # fmt: skip
-    assert said.code == 0, said.complaint
-    assert said.out.startswith("nothing missing")
-
-
 def test_several_recordings_the_last_one_judges(recorded, say, own_folder, rig):
     words = recorded("rotary")
     for name in ("night run", "2nd"):
@@ -82,15 +53,15 @@ def test_constants_of_the_recordings_become_parameters(recorded, machine, say, r
     """Two servos with other gains: the column that holds the gain gives it to each record."""
     words = recorded("servo")
     for name, gain in (("low", 400), ("high", 800)):
-        lines = machine("servo").text.splitlines()[:3000]
+        lines = machine("servo").text.splitlines()[:2001]
         (own_folder / f"{name}.csv").write_text(
             "\n".join([f"{lines[0]},kp", *(f"{x},{gain}" for x in lines[1:])])
         )
     from_both = ("--from", "low.csv", "high.csv", *words[2:])
     said = say("new", rig, *from_both, "--constant", "k_p=kp", "--scale", "k_p=0.01")
     assert said.code == 0, said.complaint
-    assert "low: 2999 samples, 5.996 s, k_p 4" in said.out
+    assert "low: 2000 samples, 3.998 s, k_p 4" in said.out
     records = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())["records"]
     assert [one["parameters"] for one in records.values()] == [{"k_p": 4.0}, {"k_p": 8.0}]
-    assert say("fit", "--config-dir", rig, f"case={rig}", "out=fit", "mlflow.enabled=false").code in (0, 3, 4)
+    assert say("fit", "--config-dir", rig, f"case={rig}", "out=fit", "mlflow.enabled=false").code == 0
     assert "k_p" not in json.loads((own_folder / "fit/fit/estimate.json").read_text())["parameters"]
