@@ -22,10 +22,10 @@ def test_a_template_describes_its_plant(kind):
     assert plan.plant.__doc__
 
 
-def test_the_plant_gets_the_name_and_the_magnitudes(recorded, say, own_folder):
-    say("new", "slide", *recorded("carriage"))
-    code = (own_folder / "slide/slide.py").read_text()
-    assert 'name = "slide"' in code
+def test_the_plant_gets_the_name_and_the_magnitudes(recorded, say, own_folder, rig):
+    say("new", rig, *recorded("carriage"))
+    code = (own_folder / f"{rig}/{rig}.py").read_text()
+    assert f'name = "{rig}"' in code
     values = {
         line.split(" = ")[0]: line.split("#")[0].split(" = ")[1]
         for line in code.splitlines()
