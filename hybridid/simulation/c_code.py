@@ -137,8 +137,17 @@ class _Writer:
             values = [self.literal.get(one, one) for one in given]
             self.prepare.append(f"const double {name} = {_of_one(code).format(*values)};")
             self.shared.add(name)
+        elif code == ca.OP_DIV and given[1] in self.shared:
+            self._operation(name, ca.OP_MUL, [given[0], self._inverse(given[1])])
         else:
             self.run.append(f"const Lanes {name} = {_of_lanes(code).format(*map(self.lanes, given))};")
+
+    def _inverse(self, name: str) -> str:
+        """1 over ``name``, which is the same in all lanes: a division takes as long as ten products."""
+        inverse = f"{name}_inverse"
+        if inverse not in self.shared:
+            self._operation(inverse, ca.OP_INV, [name])
+        return inverse
 
     def lanes(self, name: str) -> str:
         """What stands for ``name`` in a line on lanes."""
@@ -150,7 +159,7 @@ class _Writer:
 
 
 def c_of(function: ca.Function, arguments: tuple[str, ...]) -> str:
-    """C that defines ``Part NAME`` with NAME the name of ``function``.
+    """C that defines ``NAME_constants``, ``NAME_prepare`` and ``NAME_run``, NAME the name of ``function``.
 
     ``arguments`` say which of x, s, t, h, u, p each argument of the function is. Its results, one or two, are
     written to ``value`` and ``slope``.
@@ -173,8 +182,7 @@ def c_of(function: ca.Function, arguments: tuple[str, ...]) -> str:
             f"static void {name}_run(const Lanes *x, const Lanes *s, const Lanes *t, double h,",
             "const Lanes *u, const double *p, const double *c, Lanes *value, Lanes *slope) {",
             *writer.run,
-            "}",
-            f"static const Part {name} = {{{name}_constants, {name}_prepare, {name}_run}};\n",
+            "}\n",
         )
     )
 

@@ -68,11 +68,23 @@ def _build(compiler: str, source: str, made: Path) -> bool:
     return done.returncode == 0
 
 
+def widest() -> int:
+    """Numbers that a register of this processor holds; 4 where two or more make up for one."""
+    return 8 if {"avx512f", "avx512dq"} <= _features() else 4
+
+
 @functools.cache
 def _flags() -> tuple[str, ...]:
-    """Of the compiler on this machine: four lanes fit a register where the processor has AVX2."""
+    """Of the compiler on this machine: four lanes, or eight, fit a register where the processor has them."""
+    wide = ("avx2", "avx512f", "avx512dq") if widest() == 8 else ("avx2",)
+    return (*FLAGS, *(f"-m{one}" for one in wide if one in _features()))
+
+
+@functools.cache
+def _features() -> frozenset[str]:
+    """What this processor can do, in the words of Linux."""
     try:
-        has_avx2 = " avx2 " in Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+        said = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:
-        has_avx2 = False
-    return (*FLAGS, "-mavx2") if has_avx2 else FLAGS
+        return frozenset()
+    return frozenset(next((line.split() for line in said.splitlines() if line.startswith("flags")), ()))

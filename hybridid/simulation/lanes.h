@@ -1,5 +1,5 @@
-/* Numbers side by side: lane k belongs to horizon k of a group of LANES horizons, 4 or 1. Four make a vector, of
-   which the compiler makes what the processor has (AVX2, SSE2, NEON). Each lane obeys IEEE arithmetic, so all
+/* Numbers side by side: lane k belongs to horizon k of a group of LANES horizons, 8, 4 or 1. Several make a vector, of
+   which the compiler makes what the processor has (AVX-512, AVX2, SSE2, NEON). Each lane obeys IEEE arithmetic, so all
    processors give the same numbers. */
 #include <math.h>
 
@@ -29,7 +29,7 @@ typedef long long Bits;
 
 typedef double Lanes __attribute__((vector_size(8 * LANES)));
 typedef long long Bits __attribute__((vector_size(8 * LANES)));
-#define FILL(a) ((Lanes){a, a, a, a})
+#define FILL(a) ((Lanes)OF_ALL(a))
 #define TRUTH(a) ((Lanes)((a) & (Bits)FILL(1.0)))
 #define WHERE(chosen, a, b) where(chosen, a, b)
 #define ONLY_IF(a, b) ((Lanes)(((a) != FILL(0.0)) & (Bits)(b)))
@@ -41,9 +41,23 @@ typedef long long Bits __attribute__((vector_size(8 * LANES)));
 #define POWER power
 #define SINE(a) wave(a, 0, sin)
 #define COSINE(a) wave(a, 1, cos)
-#define EACH(f, a) ((Lanes){f(AT(a, 0)), f(AT(a, 1)), f(AT(a, 2)), f(AT(a, 3))})
-#define EACH_OF_TWO(f, a, b) \
-  ((Lanes){f(AT(a, 0), AT(b, 0)), f(AT(a, 1), AT(b, 1)), f(AT(a, 2), AT(b, 2)), f(AT(a, 3), AT(b, 3))})
+#define EACH(f, a) each(f, a)
+#define EACH_OF_TWO(f, a, b) each_of_two(f, a, b)
+#if LANES == 8
+#define OF_ALL(a) {a, a, a, a, a, a, a, a}
+#else
+#define OF_ALL(a) {a, a, a, a}
+#endif
+
+static inline Lanes each(double (*f)(double), Lanes a) {
+  for (int l = 0; l < LANES; ++l) AT(a, l) = f(AT(a, l));
+  return a;
+}
+
+static inline Lanes each_of_two(double (*f)(double, double), Lanes a, Lanes b) {
+  for (int l = 0; l < LANES; ++l) AT(a, l) = f(AT(a, l), AT(b, l));
+  return a;
+}
 
 static inline Lanes where(Bits chosen, Lanes a, Lanes b) { return (Lanes)((chosen & (Bits)a) | (~chosen & (Bits)b)); }
 
@@ -88,7 +102,11 @@ static inline Lanes hyperbolic_tangent(Lanes x) {
   return signed_as(where(small, z, FILL(0.0)) + ratio, x);
 }
 
-static inline int everywhere(Bits a) { return (a[0] & a[1] & a[2] & a[3]) != 0; }
+static inline int everywhere(Bits a) {
+  long long all = -1;
+  for (int l = 0; l < LANES; ++l) all &= a[l];
+  return all != 0;
+}
 
 /* x = 2^n m, sqrt(1/2) <= m < sqrt(2), y = m - 1, log(m) = y - y^2 / 2 + y^3 P(y) / Q(y); x is normal and positive.
    Adding `shift` makes a small integer a number. Relative error 3e-16. Source: Moshier (1992), Cephes, log.c. */
@@ -145,11 +163,18 @@ static Lanes wave(Lanes x, long long quarter, double (*exact)(double)) {
 #define LARGER(a, b) WHERE(((a) >= (b)) | ((b) != (b)), a, b)
 #define SIGN(a) (TRUTH((a) > 0.0) - TRUTH((a) < 0.0) + 0.0 * (a))
 
-/* One step of a model, or its outputs, and the sensitivities of either. `prepare` computes what depends on the
-   parameters and on the step h alone, `constants` numbers of it. Matrices lie column by column. */
+/* Where a part of a model is to be computed for one group: states, their sensitivities, time and inputs; and where its
+   value and the value's sensitivities go. Matrices lie column by column. */
+typedef struct {
+  const Lanes *x, *s, *u;
+  Lanes t, *value, *slope;
+} Place;
+
+/* A step of a model, or its outputs, at `groups` places, with the first `columns` of the sensitivities. One stage of a
+   step waits for the one before; so the stages of the groups take turns. `prepare` computes what depends on the
+   parameters and on the step h alone, `constants` numbers of it. */
 typedef struct {
   long long constants;
   void (*prepare)(double h, const double *p, double *c);
-  void (*run)(const Lanes *x, const Lanes *s, const Lanes *t, double h, const Lanes *u, const double *p, const double *c,
-              Lanes *value, Lanes *slope);
+  void (*run)(const Place *at, int groups, double h, const double *p, const double *c, long long columns);
 } Part;

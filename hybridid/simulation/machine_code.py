@@ -2,7 +2,7 @@
 
 CasADi interprets a model seven to forty times slower than compiled code simulates it. So what will cost
 more to interpret than to compile is compiled: ``c_parts`` writes C of one step, of the outputs and of
-their sensitivities, for four horizons side by side (``lanes.h``). ``shoot.c``, compiled once for all
+their sensitivities, for several horizons side by side (``lanes.h``). ``shoot.c``, compiled once for all
 models, drives it over all horizons. The interpreter gives the same numbers to rounding.
 
 Without a compiler everything is interpreted.
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from hybridid.model import Model
 from hybridid.simulation.c_code import Unwritten
 from hybridid.simulation.c_parts import c_of_parts
-from hybridid.simulation.compiler import c_compiler, compiled
+from hybridid.simulation.compiler import c_compiler, compiled, widest
 from hybridid.simulation.sensitivities import Part, output_part, step_part
 from hybridid.simulation.windows import Windows
 
@@ -35,7 +35,9 @@ WORTH = 3e6
 """Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.2 s, pays: a
 fit simulates some thirty times, and the code is kept."""
 LANES = 4
-"""Horizons side by side, where there are as many."""
+"""Horizons side by side, where there are as many; of more, as many as a register of the processor holds."""
+TURNS = 2
+"""Groups of horizons that take turns, as in lanes.h."""
 ONLY = "_only"
 """Behind the names of the functions without sensitivities."""
 
@@ -43,8 +45,8 @@ ONLY = "_only"
 @dataclass(frozen=True, eq=False)
 class Code:
     """Steps of ``integrator``, differentiated by initial states and ``free``, for simulations of ``steps``
-    such steps, with ``lanes`` horizons side by side: 1 or ``LANES``. The length of a step is left open:
-    models of one structure share their code."""
+    such steps, with ``lanes`` horizons side by side: 1, 4 or 8. The length of a step is left open: models of
+    one structure share their code. So do derivatives by all parameters and by none (``free`` empty)."""
 
     model: Model
     free: tuple[str, ...]
@@ -74,16 +76,16 @@ class Code:
         n_s = n_x + len(self.free) if sensitivities else 0
         hop = 0 if self.held else 2 * n_u
         follows = windows.follows if carried else (-1,) * w
-        groups = _groups(follows, self.lanes)
+        blocks = _blocks(follows, self.lanes)
         shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y), (w, 1 + n_s, n_x)]
         final, states, outputs, slopes, ends = results = [np.empty(shape) for shape in shapes]
         marks = [k in carried for k in range(n_x)]
-        integers = [np.array(a, dtype=np.int64) for a in (groups, follows, windows.lengths, marks)]
+        integers = [np.array(a, dtype=np.int64) for a in (blocks, follows, windows.lengths, marks)]
         numbers = [
             np.ascontiguousarray(a, dtype=float)
             for a in (windows.time, windows.stages, windows.inputs, p, x0)
         ]
-        sizes = (len(groups), length, windows.substeps, n_x, n_s, n_u, n_stage, hop, n_y)
+        sizes = (len(blocks), length, windows.substeps, n_x, n_s, n_u, n_stage, hop, n_y)
         h = windows.dt / windows.substeps
         task = _Task(*sizes, *map(_address, integers), h, *map(_address, numbers))
         parts = (ctypes.c_void_p * 4).in_dll(model, "parts")
@@ -94,15 +96,20 @@ class Code:
         return states, outputs, final, slopes, ends[:, 1:]
 
     @property
+    def _by(self) -> tuple[str, ...]:
+        """The parameters of the columns that are compiled; of these, the first are used."""
+        return self.free or tuple(p.name for p in self.model.free)
+
+    @property
     def parts(self) -> tuple[Part, ...]:
         """Step and outputs, with sensitivities and without."""
-        return self._derived(("parts", self.free, self.integrator, self.held), self._differentiated)
+        return self._derived(("parts", self._by, self.integrator, self.held), self._differentiated)
 
     def _differentiated(self) -> tuple[Part, ...]:
         step, outputs = "model_advance", "model_observe"
         return (
-            step_part(step, self.model, self.integrator, self.held, self.free),
-            output_part(outputs, self.model, self.free),
+            step_part(step, self.model, self.integrator, self.held, self._by),
+            output_part(outputs, self.model, self._by),
             step_part(step + ONLY, self.model, self.integrator, self.held, None),
             output_part(outputs + ONLY, self.model, None),
         )
@@ -110,13 +117,13 @@ class Code:
     @property
     def _library(self) -> ctypes.CDLL | None:
         return self._derived(
-            ("library", self.free, self.integrator, self.held, self.lanes), self._make_library
+            ("library", self._by, self.integrator, self.held, self.lanes), self._make_library
         )
 
     def _make_library(self) -> ctypes.CDLL | None:
         """The library, or None if the compiler fails or an operation has no C. It is known by what CasADi
         tells of the functions: that costs a sixth of writing their C."""
-        said = "".join(function.serialize() for part in self.parts for function in part.functions)
+        said = "".join(part.said for part in self.parts)
         try:
             return compiled(
                 _text("c_code.py") + _text("c_parts.py") + _side_by_side(self.lanes) + said, self._written
@@ -144,7 +151,7 @@ class _Task(ctypes.Structure):
     """``Task`` of shoot.c."""
 
     _fields_ = (
-        *_typed(ctypes.c_longlong, "groups", "length", "steps", "n_x", "n_s", "n_u", "n_stage", "hop", "n_y"),
+        *_typed(ctypes.c_longlong, "blocks", "length", "steps", "n_x", "n_s", "n_u", "n_stage", "hop", "n_y"),
         *_typed(ctypes.c_void_p, "members", "follows", "lengths", "carried"),
         *_typed(ctypes.c_double, "h"),
         *_typed(ctypes.c_void_p, "time", "stages", "inputs", "p", "x0"),
@@ -170,7 +177,7 @@ def _driver(lanes: int) -> Callable[..., int] | None:
 
 
 def _side_by_side(lanes: int) -> str:
-    return f"#define LANES {lanes}\n" + _text("lanes.h")
+    return f"#define LANES {lanes}\n#define TURNS {TURNS}\n" + _text("lanes.h")
 
 
 @functools.cache
@@ -178,16 +185,23 @@ def _text(name: str) -> str:
     return (resources.files("hybridid.simulation") / name).read_text(encoding="utf-8")
 
 
+def lanes_for(horizons: int) -> int:
+    """How many of so many ``horizons`` to simulate side by side."""
+    if horizons <= LANES // 2:
+        return 1
+    return LANES if horizons <= LANES else widest()
+
+
 @functools.lru_cache
-def _groups(follows: tuple[int, ...], lanes: int) -> NDArray[np.int64]:
-    """Horizons side by side, (groups, ``lanes``), -1 where a lane is left over: those that follow none first,
-    then those that follow these, and so on."""
+def _blocks(follows: tuple[int, ...], lanes: int) -> NDArray[np.int64]:
+    """Horizons simulated together, (blocks, ``TURNS lanes``), -1 where a lane is left over: those that follow
+    none first, then those that follow these, and so on."""
     depth: list[int] = []
     for before in follows:
         depth.append(0 if before < 0 else depth[before] + 1)
-    groups = []
+    size, blocks = TURNS * lanes, []
     for level in range(max(depth, default=-1) + 1):
         members = [k for k, own in enumerate(depth) if own == level]
-        members += [-1] * (-len(members) % lanes)
-        groups += [members[k : k + lanes] for k in range(0, len(members), lanes)]
-    return np.array(groups, dtype=np.int64)
+        members += [-1] * (-len(members) % size)
+        blocks += [members[k : k + size] for k in range(0, len(members), size)]
+    return np.array(blocks, dtype=np.int64)

@@ -1,15 +1,14 @@
-/* Simulates horizons, LANES at a time, by two parts of a model: `advance`, one step of the state and its
-   sensitivities, and `observe`, the outputs and theirs (it ignores h). Without sensitivities they give the first of
-   their results only. */
+/* Simulates horizons, LANES a group and TURNS groups at a time, by two parts of a model: `advance`, one step of the
+   state and its sensitivities, and `observe`, the outputs and theirs (it ignores h). */
 #include <stdlib.h>
 #include <string.h>
 
-/* What is to be simulated. Horizons, their `length`, steps a sample, states, columns of sensitivities (0: none),
+/* What is to be simulated. Blocks of groups, the horizons' `length`, steps a sample, states, columns of sensitivities (0: none),
    inputs, stage inputs a sample, stage inputs from one step to the next, outputs. `members`: the horizons of each
-   group, -1 where a lane is left over; a group comes after those of the horizons that its own follow. `follows`: the
+   block, -1 where a lane is left over; a block comes after those of the horizons that its own follow. `follows`: the
    horizon before each, or -1; `lengths`: samples of each that are its own. */
 typedef struct {
-  long long groups, length, steps, n_x, n_s, n_u, n_stage, hop, n_y;
+  long long blocks, length, steps, n_x, n_s, n_u, n_stage, hop, n_y;
   const long long *members, *follows, *lengths, *carried;
   double h;
   const double *time, *stages, *inputs, *p, *x0;
@@ -51,12 +50,12 @@ static void put(Lanes *to, const Group *g, const Task *task, const double *from,
 }
 
 /* Each horizon begins at its x0. Of one that follows another, the states marked in `carried` are what they were where
-   that one ended, if it did not leave the numbers. */
-static void begin(Group *g, const Task *task, const Result *found, const long long *members) {
+   that one ended, if it did not leave the numbers. A lane that is left over does what `spare` does. */
+static void begin(Group *g, const Task *task, const Result *found, const long long *members, long long spare) {
   const long long n_x = task->n_x, n = n_x * (1 + task->n_s);
   for (long long k = 0; k < n; ++k) g->now[k] = FILL(0.0);
   for (int l = 0; l < LANES; ++l) {
-    const long long w = members[l] >= 0 ? members[l] : members[0], before = task->follows[w];
+    const long long w = members[l] >= 0 ? members[l] : spare, before = task->follows[w];
     const double *end = found->ends + before * n;
     const int handed_on = before >= 0 && is_finite(end, n_x);
     for (long long i = 0; i < n_x; ++i)
@@ -99,47 +98,78 @@ static void store(const Group *g, const Task *task, const Result *found, long lo
   }
 }
 
-static void run(Group *g, const Task *task, const Result *found, const Part *advance, const Part *observe,
+/* The sample k of each lane's record, and the outputs there. */
+static void observed(Group *g, const Task *task, const Result *found, Place *at, long long k) {
+  put(&at->t, g, task, task->time, k, 1);
+  put(g->u, g, task, task->inputs, k, task->n_u);
+  put(g->stage, g, task, task->stages, k, task->n_stage);
+  at->x = g->now, at->s = g->now + task->n_x, at->u = g->u, at->value = g->y, at->slope = g->y + task->n_y;
+}
+
+/* From `now` to `next`, step i of the sample. */
+static void stepped(Group *g, const Task *task, Place *at, long long i) {
+  Lanes *swap = g->now;
+  at->x = g->now, at->s = g->now + task->n_x, at->u = g->stage + i * task->hop;
+  at->value = g->next, at->slope = g->next + task->n_x;
+  g->now = g->next, g->next = swap;
+}
+
+static void run(Group *g, int groups, const Task *task, const Result *found, const Part *advance, const Part *observe,
                 const double *known) {
   const long long n_x = task->n_x, n = n_x * (1 + task->n_s);
-  for (long long k = 0; k < task->length && still_alive(g, task, found, k); ++k) {
-    Lanes t;
-    put(&t, g, task, task->time, k, 1);
-    put(g->u, g, task, task->inputs, k, task->n_u);
-    put(g->stage, g, task, task->stages, k, task->n_stage);
-    observe->run(g->now, g->now + n_x, &t, task->h, g->u, task->p, known + advance->constants, g->y, g->y + task->n_y);
-    store(g, task, found, k);
+  Place at[TURNS];
+  for (long long k = 0; k < task->length; ++k) {
+    int any = 0;
+    for (int a = 0; a < groups; ++a) any |= still_alive(g + a, task, found, k);
+    if (!any) break;
+    for (int a = 0; a < groups; ++a) observed(g + a, task, found, at + a, k);
+    observe->run(at, groups, task->h, task->p, known + advance->constants, task->n_s);
+    for (int a = 0; a < groups; ++a) store(g + a, task, found, k);
     for (long long i = 0; i < task->steps; ++i) {
-      const Lanes there = t + i * task->h;
-      Lanes *swap = g->now;
-      advance->run(g->now, g->now + n_x, &there, task->h, g->stage + i * task->hop, task->p, known, g->next,
-                   g->next + n_x);
-      g->now = g->next, g->next = swap;
+      for (int a = 0; a < groups; ++a) stepped(g + a, task, at + a, i);
+      advance->run(at, groups, task->h, task->p, known, task->n_s);
+      for (int a = 0; a < groups; ++a) at[a].t += task->h;
     }
-    for (int l = 0; l < LANES; ++l)
-      if (g->alive[l] && k + 1 == task->lengths[g->own[l]]) take(found->ends + g->own[l] * n, g->now, l, n);
+    for (int a = 0; a < groups; ++a)
+      for (int l = 0; l < LANES; ++l)
+        if (g[a].alive[l] && k + 1 == task->lengths[g[a].own[l]]) take(found->ends + g[a].own[l] * n, g[a].now, l, n);
   }
-  for (int l = 0; l < LANES; ++l)
-    if (g->alive[l]) take(found->final + g->own[l] * n_x, g->now, l, n_x);
+  for (int a = 0; a < groups; ++a)
+    for (int l = 0; l < LANES; ++l)
+      if (g[a].alive[l]) take(found->final + g[a].own[l] * n_x, g[a].now, l, n_x);
 }
 
 static Lanes *room(long long n) { return aligned_alloc(sizeof(Lanes), (n + 1) * sizeof(Lanes)); }
 
+/* Groups of a block that have a horizon: the first ones. */
+static int groups_of(const long long *members) {
+  int groups = 1;
+  while (groups < TURNS && members[groups * LANES] >= 0) ++groups;
+  return groups;
+}
+
 /* Returns 0, or 1 without memory. */
 int shoot(const Part *advance, const Part *observe, const Task *task, const Result *found) {
   const long long n = task->n_x * (1 + task->n_s);
-  Group g = {.now = room(n), .next = room(n), .y = room(task->n_y * (1 + task->n_s)), .u = room(task->n_u),
-             .stage = room(task->n_stage)};
+  Group g[TURNS];
   double *known = malloc((advance->constants + observe->constants + 1) * sizeof *known);
-  const int ready = g.now && g.next && g.y && g.u && g.stage && known;
+  int ready = known != NULL;
+  for (int a = 0; a < TURNS; ++a) {
+    g[a] = (Group){.now = room(n), .next = room(n), .y = room(task->n_y * (1 + task->n_s)), .u = room(task->n_u),
+                   .stage = room(task->n_stage)};
+    ready = ready && g[a].now && g[a].next && g[a].y && g[a].u && g[a].stage;
+  }
   if (ready) {
     advance->prepare(task->h, task->p, known);
     observe->prepare(task->h, task->p, known + advance->constants);
   }
-  for (long long k = 0; ready && k < task->groups; ++k) {
-    begin(&g, task, found, task->members + k * LANES);
-    run(&g, task, found, advance, observe, known);
+  for (long long k = 0; ready && k < task->blocks; ++k) {
+    const long long *members = task->members + k * TURNS * LANES;
+    const int groups = groups_of(members);
+    for (int a = 0; a < groups; ++a) begin(g + a, task, found, members + a * LANES, members[0]);
+    run(g, groups, task, found, advance, observe, known);
   }
-  free(g.now), free(g.next), free(g.y), free(g.u), free(g.stage), free(known);
+  for (int a = 0; a < TURNS; ++a) free(g[a].now), free(g[a].next), free(g[a].y), free(g[a].u), free(g[a].stage);
+  free(known);
   return !ready;
 }

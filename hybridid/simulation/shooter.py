@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from hybridid.model import Model
 from hybridid.simulation.buffers import call
 from hybridid.simulation.integrators import sample_step
-from hybridid.simulation.machine_code import LANES, Code
+from hybridid.simulation.machine_code import Code, lanes_for
 from hybridid.simulation.sensitivities import total_derivative
 from hybridid.simulation.windows import Windows
 
@@ -104,8 +104,7 @@ class Shooter:
     @property
     def _lanes(self) -> int:
         """Horizons to run side by side: of those that hand inner states on, one of each record."""
-        at_once = self.windows.follows.count(-1) if self.carried else self.windows.count
-        return LANES if at_once > 2 else 1
+        return lanes_for(self.windows.follows.count(-1) if self.carried else self.windows.count)
 
     @property
     def _hands_on(self) -> bool:

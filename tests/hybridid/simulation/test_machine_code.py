@@ -116,13 +116,13 @@ def test_one_lane_and_four_give_the_same_numbers(carriage, make_model):
 
 
 @pytest.mark.parametrize("lanes", [1, 4])
-def test_a_group_comes_after_those_that_its_horizons_follow(lanes):
+def test_a_block_comes_after_those_that_its_horizons_follow(lanes):
     follows = (-1, 0, 1, -1, 3, -1, -1, -1, 7)
-    groups = machine_code._groups(follows, lanes)
-    place = {int(k): g for g, row in enumerate(groups) for k in row if k >= 0}
+    blocks = machine_code._blocks(follows, lanes)
+    place = {int(k): g for g, row in enumerate(blocks) for k in row if k >= 0}
     assert sorted(place) == list(range(9))
     assert all(place[k] > place[before] for k, before in enumerate(follows) if before >= 0)
-    assert (groups[:, 0] >= 0).all()
+    assert (blocks[:, 0] >= 0).all()
 
 
 @compiled

@@ -6,22 +6,37 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from hybridid.simulation.integrators import INTEGRATORS
+from hybridid.simulation.integrators import INTEGRATORS, RK4_TIMES
 from hybridid.simulation.sensitivities import Part, output_part, step_part, total_derivative
 
 FREE = ("M", "carriage.coulomb.f_c", "carriage.dahl.s")
 EFFECTS = ("viscous", "coulomb", "dahl", "sensor_lag")
 
 
+def evaluated(part: Part, given) -> tuple[np.ndarray, np.ndarray]:
+    """The value (n,), and the derivatives of all stages, one after another, as the C computes them."""
+    x, t, h, u, p = given
+    if part.stages == 1:
+        value, *d = (np.array(one).ravel() for one in part.forward(*given))
+        return value, np.concatenate(d)
+    rates, d, hops = [], [], np.array([0, part.hop, part.hop, 2 * part.hop])
+    for share, hop in zip(RK4_TIMES, hops, strict=True):
+        there = x + share * h * rates[-1] if rates else x
+        inputs = u[hop : hop + (part.hop or len(u))]
+        rate, *slope = (np.array(one).ravel() for one in part.forward(there, t + share * h, h, inputs, p))
+        rates.append(rate)
+        d += slope
+    return x + h / 6 * (np.array([1, 2, 2, 1]) @ np.array(rates)), np.concatenate(d)
+
+
 def columns(part: Part, given, s) -> np.ndarray:
     """The value's sensitivities (n, columns), one column after another."""
     assert part.column is not None
-    entries = part.column.size1_in(1)
-    d = np.array(part.forward(*given)[1]).ravel()
-    own = [np.zeros(part.width)] * s.shape[0] + list(d[entries:].reshape(-1, part.width))
-    return np.hstack(
-        [np.array(part.column(s[:, j], d[:entries], own[j], given[2])) for j in range(s.shape[1])]
-    )
+    _, d = evaluated(part, given)
+    size, n_x = part.column.size1_in(2), len(s)
+    places = [part.entries + k * part.rows for k in range(s.shape[1] - n_x)]
+    own = [np.zeros(size)] * n_x + [d[place : place + size] for place in places]
+    return np.hstack([np.array(part.column(s[:, j], d, own[j], given[2])) for j in range(s.shape[1])])
 
 
 def expected(model, step, given, s) -> np.ndarray:
@@ -51,9 +66,8 @@ def test_a_step(make_model, integrator, held):
     given, s = at_random(model, 1 if held else 3)
     part = step_part("step", model, integrator, held, FREE)
     step = INTEGRATORS[integrator](model, ca.SX.sym("h"), held)
-    np.testing.assert_allclose(
-        np.array(part.forward(*given)[0]), np.array(step(given[1], given[0], given[3], given[4], given[2]))
-    )
+    x, t, h, u, p = given
+    np.testing.assert_allclose(evaluated(part, given)[0], np.array(step(t, x, u, p, h)).ravel())
     np.testing.assert_allclose(
         columns(part, given, s), expected(model, step, given, s), rtol=1e-10, atol=1e-13
     )
