@@ -20,6 +20,7 @@ from hybridid.estimators.estimate import Solution
 from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import LeastSquares, Reduced
+from hybridid.estimators.separate import is_separate, solve_separately
 from hybridid.estimators.stop import Stop, Watch
 
 Array = NDArray[np.float64]
@@ -30,8 +31,6 @@ SLOW_STEPS, SLOW_SHARE, SLOW_GAIN = 10, 1e3, 1e-3
 """Stick and slip make the cost of long horizons rough: descent then creeps from kink to kink. It
 ends when ten steps gain less than a thousand times the tolerance, and less than a thousandth."""
 ROUGH = "converged (slowly: rough cost)"
-EXACT = 1e-10
-"""Residual over the output's standard deviation that is the arithmetic's own."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +58,8 @@ class LevenbergMarquardt:
     ) -> Solution:
         """Minimise the cost from ``p`` (n_p,), ``x0`` (w, n_x); one descent for each of ``factors``."""
         variables = transcription.least_squares(problem)
+        if is_separate(problem):
+            return solve_separately(variables, problem.smoothed(p, factors[-1]), x0, stop)
         begun = 0
         for factor in factors[:-1] if problem.widths else ():
             coarse, smoothed = replace(stop, tolerance=LOOSE), problem.smoothed(p, factor)
@@ -82,7 +83,6 @@ def _descend(variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Wa
     if not np.isfinite(cost):
         return Solution(p, x0, np.inf, "the simulation diverges at the start", False, 0)
     damping, growth, history = 1e-4, 2.0, [cost]
-    rounding = 0.5 * EXACT**2 * problem.windows.samples * len(problem.scale)
     slow = min(SLOW_SHARE * tolerance, SLOW_GAIN)
     eager = True  # the last step was taken at its first trial: so may the next be, and then slopes are needed
     for iteration in range(1, stop.iterations + 1):
@@ -92,7 +92,7 @@ def _descend(variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Wa
             return Solution(p, x0, cost, blown, False, iteration, tuple(history))
         held = variables.held(p, normal.gp)
         normal = normal.holding(variables.held_states(x0, normal.gx))
-        if cost <= rounding or _promises_little(normal, held, cost, tolerance):
+        if cost <= problem.rounding or _promises_little(normal, held, cost, tolerance):
             return Solution(p, x0, cost, "converged", True, iteration - 1, tuple(history))
         while True:
             dp, dx = normal.step(damping, held)

@@ -52,10 +52,10 @@ class Normal:
     def step(self, damping: float, fixed: NDArray[np.bool_]) -> tuple[Array, Array]:
         """The damped step (dp, dx), with the parameters in ``fixed`` held."""
         n = len(self.gp)
-        xx = _damped(self.xx, damping, STATE_RIDGE)
+        xx = damped(self.xx, damping, STATE_RIDGE)
         solved = np.linalg.solve(xx, np.concatenate([self.xp, self.gx[..., None]], axis=2))
         inner_p, inner_g = solved[..., :n], solved[..., n]
-        pp = _damped(self.pp, damping, RIDGE)
+        pp = damped(self.pp, damping, RIDGE)
         reduced = pp - np.einsum("wmi,wmj->ij", self.xp, inner_p)
         right = self.gp - np.einsum("wmi,wm->i", self.xp, inner_g)
         dp = np.zeros(n)
@@ -79,7 +79,9 @@ def small(*blocks: Array) -> bool:
     return all(bool((np.abs(block) < LARGEST).all()) for block in blocks)
 
 
-def _damped(matrix: Array, damping: float, ridge: float) -> Array:
+def damped(matrix: Array, damping: float | Array, ridge: float) -> Array:
+    """``matrix`` (..., n, n) plus ``damping`` times its diagonal and the share ``ridge`` of the largest entry
+    there; a zero diagonal becomes one."""
     diagonal = np.einsum("...ii->...i", matrix)
     floor = ridge * diagonal.max(axis=-1, keepdims=True, initial=0.0)
     floor = np.where(floor > 0, floor, 1.0)

@@ -21,7 +21,8 @@ from hybridid.simulation.shooter import Shooter, Shot
 from hybridid.simulation.windows import Windows, cut
 
 Array = NDArray[np.float64]
-"""States as a record shows them, by the outputs that show them and their derivatives."""
+EXACT = 1e-10
+"""Residual over the output's standard deviation that is the arithmetic's own."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,11 @@ class Problem:
         with np.errstate(over="ignore", invalid="ignore"):
             total = 0.5 * float(np.sum(r * r))
         return total if np.isfinite(total) else np.inf
+
+    @property
+    def rounding(self) -> float:
+        """A cost that the arithmetic alone leaves."""
+        return 0.5 * EXACT**2 * self.windows.samples * len(self.scale)
 
     def smoothed(self, p: Array, factor: float) -> Array:
         """``p`` with every declared smoothing width (``epsilon``, not estimated) times ``factor``."""
