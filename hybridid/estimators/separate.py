@@ -31,6 +31,9 @@ FULL = 1e-10
 """Damping of a full Gauss-Newton step."""
 TRIALS = 2
 """Simulations for each iteration that is allowed: a step that does not lower the cost takes one, too."""
+SLOW_TRIALS, SLOW_SHARE, SLOW_GAIN = 10, 1e3, 1e-3
+"""A horizon rests whose cost is rough: ten trials gain less than its share of a thousand times the tolerance,
+and of a thousandth, of the whole cost."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ def solve_separately(variables: LeastSquares, p: Array, x0: Array, stop: Stop) -
     """Minimise the cost of each horizon from ``x0`` (w, n_x) at the parameters ``p`` (n_p,).
 
     It has converged when a full Gauss-Newton step of no horizon promises more than its share of
-    ``stop.tolerance`` times the whole cost, or when only rounding is left.
+    ``stop.tolerance`` times the whole cost, when only rounding is left, or when the others' cost is rough.
     """
     problem = variables.problem
     p, x0 = variables.inside(p, x0)
@@ -82,14 +85,18 @@ def solve_separately(variables: LeastSquares, p: Array, x0: Array, stop: Stop) -
     w = problem.windows.count
     if not np.isfinite(now.cost).all():
         return Solution(p, x0, np.inf, "the simulation diverges at the start", False, 0)
-    damping, growth, history = np.full(w, FIRST), np.full(w, 2.0), [float(now.cost.sum())]
+    damping, growth, history = np.full(w, FIRST), np.full(w, 2.0), [now.cost]
+    slow = min(SLOW_SHARE * stop.tolerance, SLOW_GAIN)
     for count in range(TRIALS * stop.iterations):
-        little = max(stop.tolerance * now.cost.sum(), problem.rounding) / w
+        whole = now.cost.sum()
+        little = max(stop.tolerance * whole, problem.rounding) / w
         unfinished = now.promised(now.step(np.full(w, FULL))) > little
+        if count >= SLOW_TRIALS:
+            unfinished &= history[-SLOW_TRIALS - 1] - now.cost > slow * whole / w
         rows = np.flatnonzero(unfinished & (damping < MOST))
         if not len(rows):
             status = "stalled: no step lowers the cost" if unfinished.any() else "converged"
-            return Solution(p, now.x, history[-1], status, not unfinished.any(), count, tuple(history))
+            return _solution(p, now, status, not unfinished.any(), count, history)
         here = now.only(rows)
         _, there = variables.moved(p, here.x, np.zeros(0), here.step(damping[rows]))
         promised = here.promised((there - here.x) / variables.x)
@@ -102,9 +109,16 @@ def solve_separately(variables: LeastSquares, p: Array, x0: Array, stop: Stop) -
         damping = np.maximum(damping, LEAST)
         growth[rows] = np.where(better, 2.0, 2 * growth[rows])
         now = now.taking(rows[better], tried.only(np.flatnonzero(better)))
-        history.append(float(now.cost.sum()))
+        history.append(now.cost)
     most = TRIALS * stop.iterations
-    return Solution(p, now.x, history[-1], f"stopped after {most} trials", False, most, tuple(history))
+    return _solution(p, now, f"stopped after {most} trials", False, most, history)
+
+
+def _solution(
+    p: Array, now: _Point, status: str, converged: bool, count: int, history: list[Array]
+) -> Solution:
+    costs = tuple(float(one.sum()) for one in history)
+    return Solution(p, now.x, costs[-1], status, converged, count, costs)
 
 
 def _at(problem: Problem, p: Array, x: Array) -> _Point:

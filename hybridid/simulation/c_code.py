@@ -6,7 +6,7 @@ on four. What depends on the parameters and on the step alone is computed once a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -96,10 +96,14 @@ class _Writer:
 
     ``now`` names what each place of CasADi's work vector holds. ``shared`` are the names of what is the same
     in all lanes: some stand for a ``literal``, others are ``known`` from ``prepare``, each at its own place.
+    ``slopes`` are the arguments that hold sensitivities, then also the names of what is made of them.
+    ``places`` say where in an argument, or in ``slope``, a number lies.
     """
 
     function: ca.Function
     arguments: tuple[str, ...]
+    slopes: set[str]
+    places: Mapping[str, Callable[[int], int]]
     now: dict[int, str] = field(default_factory=dict)
     shared: set[str] = field(default_factory=set)
     literal: dict[str, str] = field(default_factory=dict)
@@ -112,8 +116,10 @@ class _Writer:
         code, given = self.function.instruction_id(k), self.function.instruction_input(k)
         made = self.function.instruction_output(k)
         if code == ca.OP_OUTPUT:
-            array = ("value", "slope")[made[0]]
-            self.run.append(f"{array}[{made[1]}] = {self.lanes(self.now[given[0]])};")
+            array, what = ("value", "slope")[made[0]], self.now[given[0]]
+            spread = array in self.slopes and what not in self.slopes
+            written = f"SPREAD({self.lanes(what)})" if spread else self.lanes(what)
+            self.run.append(f"{array}[{self._place(array, made[1])}] = {written};")
             return
         name = f"v{k}"
         if code == ca.OP_CONST:
@@ -121,7 +127,7 @@ class _Writer:
         elif code == ca.OP_INPUT:
             argument = self.arguments[given[0]]
             if argument in VARYING:
-                self.run.append(f"const Lanes {name} = {argument}[{given[1]}];")
+                self._line(name, f"{argument}[{self._place(argument, given[1])}]", argument in self.slopes)
             else:
                 self._alike(name, "h" if argument == "h" else f"p[{given[1]}]")
         else:
@@ -140,7 +146,18 @@ class _Writer:
         elif code == ca.OP_DIV and given[1] in self.shared:
             self._operation(name, ca.OP_MUL, [given[0], self._inverse(given[1])])
         else:
-            self.run.append(f"const Lanes {name} = {_of_lanes(code).format(*map(self.lanes, given))};")
+            slope = not self.slopes.isdisjoint(given)
+            if slope and code not in ARITHMETIC:
+                raise Unwritten(f"operation {code} of CasADi has no C for sensitivities")
+            self._line(name, _of_lanes(code).format(*map(self.lanes, given)), slope)
+
+    def _line(self, name: str, value: str, slope: bool) -> None:
+        self.run.append(f"const {'Slope' if slope else 'Lanes'} {name} = {value};")
+        if slope:
+            self.slopes.add(name)
+
+    def _place(self, array: str, index: int) -> int:
+        return self.places[array](index) if array in self.places else index
 
     def _inverse(self, name: str) -> str:
         """1 over ``name``, which is the same in all lanes: a division takes as long as ten products."""
@@ -158,16 +175,24 @@ class _Writer:
         return f"FILL(c[{self.known.setdefault(name, len(self.known))}])"
 
 
-def c_of(function: ca.Function, arguments: tuple[str, ...]) -> str:
+def c_of(
+    function: ca.Function,
+    arguments: tuple[str, ...],
+    slopes: Collection[str] = (),
+    places: Mapping[str, Callable[[int], int]] | None = None,
+) -> str:
     """C that defines ``NAME_constants``, ``NAME_prepare`` and ``NAME_run``, NAME the name of ``function``.
 
     ``arguments`` say which of x, s, t, h, u, p each argument of the function is. Its results, one or two, are
-    written to ``value`` and ``slope``.
+    written to ``value`` and ``slope``. ``slopes`` and ``places`` as in ``_Writer``.
 
     Raises:
         Unwritten: if the function has an operation that has no C here.
     """
-    writer = _Writer(function, arguments)
+    writer = _Writer(function, arguments, set(slopes), places or {})
+    x, s, t, value, slope = (
+        f"{'Slope' if one in slopes else 'Lanes'} *{one}" for one in ("x", "s", "t", "value", "slope")
+    )
     for k in range(function.n_instructions()):
         writer.write(k)
     name = function.name()
@@ -179,8 +204,8 @@ def c_of(function: ca.Function, arguments: tuple[str, ...]) -> str:
             *writer.prepare,
             *kept,
             "}",
-            f"static void {name}_run(const Lanes *x, const Lanes *s, const Lanes *t, double h,",
-            "const Lanes *u, const double *p, const double *c, Lanes *value, Lanes *slope) {",
+            f"static void {name}_run(const {x}, const {s}, const {t}, double h,",
+            f"const Lanes *u, const double *p, const double *c, {value}, {slope}) {{",
             *writer.run,
             "}\n",
         )

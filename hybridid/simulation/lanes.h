@@ -163,11 +163,26 @@ static Lanes wave(Lanes x, long long quarter, double (*exact)(double)) {
 #define LARGER(a, b) WHERE(((a) >= (b)) | ((b) != (b)), a, b)
 #define SIGN(a) (TRUTH((a) > 0.0) - TRUTH((a) < 0.0) + 0.0 * (a))
 
-/* Where a part of a model is to be computed for one group: states, their sensitivities, time and inputs; and where its
+/* Sensitivities: those of several horizons in one column, or of one horizon in COLUMNS columns. */
+#if LANES == 1
+#define BESIDE COLUMNS
+typedef double Slope __attribute__((vector_size(8 * COLUMNS)));
+#define SPREAD(a) ((Slope){0.0} + (a))
+#else
+#define BESIDE 1
+typedef Lanes Slope;
+#define SPREAD(a) (a)
+#endif
+/* Column j of row r, of a matrix of so many rows. */
+#define SLOPE(a, rows, r, j, lane) AT((a)[(j) / BESIDE * (rows) + (r)], BESIDE == 1 ? (lane) : (j) % BESIDE)
+
+/* Where a part of a model is to be computed for one group: states, their sensitivities, inputs and time; and where its
    value and the value's sensitivities go. Matrices lie column by column. */
 typedef struct {
-  const Lanes *x, *s, *u;
-  Lanes t, *value, *slope;
+  const Lanes *x, *u;
+  const Slope *s;
+  Lanes t, *value;
+  Slope *slope;
 } Place;
 
 /* A step of a model, or its outputs, at `groups` places, with the first `columns` of the sensitivities. One stage of a

@@ -133,7 +133,7 @@ class Code:
             return None
 
     def _written(self) -> str:
-        return _side_by_side(self.lanes) + c_of_parts(self.parts)
+        return _side_by_side(self.lanes) + c_of_parts(self.parts, widest() if self.lanes == 1 else 1)
 
     def _derived(self, key: tuple[object, ...], make: Callable[[], T]) -> T:
         """What ``make`` makes, kept with the model: many problems of a fit share it."""
@@ -177,7 +177,8 @@ def _driver(lanes: int) -> Callable[..., int] | None:
 
 
 def _side_by_side(lanes: int) -> str:
-    return f"#define LANES {lanes}\n#define TURNS {TURNS}\n" + _text("lanes.h")
+    sizes = {"LANES": lanes, "TURNS": TURNS, "COLUMNS": widest()}
+    return "".join(f"#define {name} {size}\n" for name, size in sizes.items()) + _text("lanes.h")
 
 
 @functools.cache

@@ -20,11 +20,13 @@ typedef struct {
   double *final, *states, *outputs, *slopes, *ends;
 } Result;
 
-/* A group under way: the horizon of each lane, and which lanes still have one within the numbers. */
+/* A group under way: the horizon of each lane, and which lanes still have one within the numbers. `by`: the
+   sensitivities of `now`. */
 typedef struct {
   long long own[LANES];
   int alive[LANES];
   Lanes *now, *next, *y, *u, *stage;
+  Slope *by, *next_by, *y_by;
 } Group;
 
 static void blank(double *a, long long n) {
@@ -41,6 +43,17 @@ static void take(double *to, const Lanes *from, int lane, long long n) {
   for (long long k = 0; k < n; ++k) to[k] = AT(from[k], lane);
 }
 
+/* Of a matrix of n rows, one column after another. */
+static void take_slopes(double *to, const Slope *from, int lane, long long n, long long columns) {
+  for (long long j = 0; j < columns; ++j)
+    for (long long r = 0; r < n; ++r) *to++ = SLOPE(from, n, r, j, lane);
+}
+
+static void take_end(double *to, const Group *g, const Task *task, int lane) {
+  take(to, g->now, lane, task->n_x);
+  take_slopes(to + task->n_x, g->by, lane, task->n_x, task->n_s);
+}
+
 /* The numbers of sample `at` of each lane, n of `from` a sample. */
 static void put(Lanes *to, const Group *g, const Task *task, const double *from, long long sample, long long n) {
   for (int l = 0; l < LANES; ++l) {
@@ -49,18 +62,21 @@ static void put(Lanes *to, const Group *g, const Task *task, const double *from,
   }
 }
 
+/* Room that so many columns of n rows take. */
+static long long slopes(long long n, long long columns) { return (columns + BESIDE - 1) / BESIDE * n; }
+
 /* Each horizon begins at its x0. Of one that follows another, the states marked in `carried` are what they were where
    that one ended, if it did not leave the numbers. A lane that is left over does what `spare` does. */
 static void begin(Group *g, const Task *task, const Result *found, const long long *members, long long spare) {
   const long long n_x = task->n_x, n = n_x * (1 + task->n_s);
-  for (long long k = 0; k < n; ++k) g->now[k] = FILL(0.0);
+  memset(g->by, 0, slopes(n_x, task->n_s) * sizeof(Slope));
   for (int l = 0; l < LANES; ++l) {
     const long long w = members[l] >= 0 ? members[l] : spare, before = task->follows[w];
     const double *end = found->ends + before * n;
     const int handed_on = before >= 0 && is_finite(end, n_x);
     for (long long i = 0; i < n_x; ++i)
       AT(g->now[i], l) = handed_on && task->carried[i] ? end[i] : task->x0[w * n_x + i];
-    for (long long j = 0; j < n_x && j < task->n_s; ++j) AT(g->now[n_x + j * n_x + j], l) = 1.0;
+    for (long long j = 0; j < n_x && j < task->n_s; ++j) SLOPE(g->by, n_x, j, j, l) = 1.0;
     g->own[l] = w;
     g->alive[l] = members[l] >= 0;
     if (g->alive[l]) blank(found->ends + w * n, n);
@@ -94,7 +110,7 @@ static void store(const Group *g, const Task *task, const Result *found, long lo
     if (!g->alive[l]) continue;
     take(found->states + at * task->n_x, g->now, l, task->n_x);
     take(found->outputs + at * task->n_y, g->y, l, task->n_y);
-    take(found->slopes + at * n_slopes, g->y + task->n_y, l, n_slopes);
+    take_slopes(found->slopes + at * n_slopes, g->y_by, l, task->n_y, task->n_s);
   }
 }
 
@@ -103,21 +119,22 @@ static void observed(Group *g, const Task *task, const Result *found, Place *at,
   put(&at->t, g, task, task->time, k, 1);
   put(g->u, g, task, task->inputs, k, task->n_u);
   put(g->stage, g, task, task->stages, k, task->n_stage);
-  at->x = g->now, at->s = g->now + task->n_x, at->u = g->u, at->value = g->y, at->slope = g->y + task->n_y;
+  at->x = g->now, at->s = g->by, at->u = g->u, at->value = g->y, at->slope = g->y_by;
 }
 
 /* From `now` to `next`, step i of the sample. */
 static void stepped(Group *g, const Task *task, Place *at, long long i) {
-  Lanes *swap = g->now;
-  at->x = g->now, at->s = g->now + task->n_x, at->u = g->stage + i * task->hop;
-  at->value = g->next, at->slope = g->next + task->n_x;
-  g->now = g->next, g->next = swap;
+  Lanes *now = g->now;
+  Slope *by = g->by;
+  at->x = now, at->s = by, at->u = g->stage + i * task->hop, at->value = g->next, at->slope = g->next_by;
+  g->now = g->next, g->next = now;
+  g->by = g->next_by, g->next_by = by;
 }
 
 static void run(Group *g, int groups, const Task *task, const Result *found, const Part *advance, const Part *observe,
                 const double *known) {
   const long long n_x = task->n_x, n = n_x * (1 + task->n_s);
-  Place at[TURNS];
+  Place at[TURNS] = {0};
   for (long long k = 0; k < task->length; ++k) {
     int any = 0;
     for (int a = 0; a < groups; ++a) any |= still_alive(g + a, task, found, k);
@@ -132,14 +149,15 @@ static void run(Group *g, int groups, const Task *task, const Result *found, con
     }
     for (int a = 0; a < groups; ++a)
       for (int l = 0; l < LANES; ++l)
-        if (g[a].alive[l] && k + 1 == task->lengths[g[a].own[l]]) take(found->ends + g[a].own[l] * n, g[a].now, l, n);
+        if (g[a].alive[l] && k + 1 == task->lengths[g[a].own[l]])
+          take_end(found->ends + g[a].own[l] * n, g + a, task, l);
   }
   for (int a = 0; a < groups; ++a)
     for (int l = 0; l < LANES; ++l)
       if (g[a].alive[l]) take(found->final + g[a].own[l] * n_x, g[a].now, l, n_x);
 }
 
-static Lanes *room(long long n) { return aligned_alloc(sizeof(Lanes), (n + 1) * sizeof(Lanes)); }
+static void *room(long long n, size_t each) { return aligned_alloc(each < 64 ? 64 : each, (n * each / 64 + 2) * 64); }
 
 /* Groups of a block that have a horizon: the first ones. */
 static int groups_of(const long long *members) {
@@ -150,14 +168,16 @@ static int groups_of(const long long *members) {
 
 /* Returns 0, or 1 without memory. */
 int shoot(const Part *advance, const Part *observe, const Task *task, const Result *found) {
-  const long long n = task->n_x * (1 + task->n_s);
+  const long long by = slopes(task->n_x, task->n_s);
   Group g[TURNS];
   double *known = malloc((advance->constants + observe->constants + 1) * sizeof *known);
   int ready = known != NULL;
   for (int a = 0; a < TURNS; ++a) {
-    g[a] = (Group){.now = room(n), .next = room(n), .y = room(task->n_y * (1 + task->n_s)), .u = room(task->n_u),
-                   .stage = room(task->n_stage)};
-    ready = ready && g[a].now && g[a].next && g[a].y && g[a].u && g[a].stage;
+    g[a] = (Group){.now = room(task->n_x, sizeof(Lanes)), .next = room(task->n_x, sizeof(Lanes)),
+                   .y = room(task->n_y, sizeof(Lanes)), .u = room(task->n_u, sizeof(Lanes)),
+                   .stage = room(task->n_stage, sizeof(Lanes)), .by = room(by, sizeof(Slope)),
+                   .next_by = room(by, sizeof(Slope)), .y_by = room(slopes(task->n_y, task->n_s), sizeof(Slope))};
+    ready = ready && g[a].now && g[a].next && g[a].y && g[a].u && g[a].stage && g[a].by && g[a].next_by && g[a].y_by;
   }
   if (ready) {
     advance->prepare(task->h, task->p, known);
@@ -169,7 +189,10 @@ int shoot(const Part *advance, const Part *observe, const Task *task, const Resu
     for (int a = 0; a < groups; ++a) begin(g + a, task, found, members + a * LANES, members[0]);
     run(g, groups, task, found, advance, observe, known);
   }
-  for (int a = 0; a < TURNS; ++a) free(g[a].now), free(g[a].next), free(g[a].y), free(g[a].u), free(g[a].stage);
+  for (int a = 0; a < TURNS; ++a) {
+    free(g[a].now), free(g[a].next), free(g[a].y), free(g[a].u), free(g[a].stage);
+    free(g[a].by), free(g[a].next_by), free(g[a].y_by);
+  }
   free(known);
   return !ready;
 }
