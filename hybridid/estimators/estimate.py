@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +74,31 @@ class Left:
 
 
 @dataclass(frozen=True)
+class Difference:
+    """How the values of one ``parameter`` differ between ``groups`` of records, in ``unit``.
+
+    ``spread`` is their standard deviation, that of a sample. ``chi_square`` has ``degrees`` of freedom if all
+    groups have one value, and ``p_value`` is the probability of as much or more then; both are nan where the
+    fit states no standard errors.
+    """
+
+    parameter: str
+    unit: str
+    groups: tuple[str, ...]
+    mean: float
+    lowest: float
+    highest: float
+    spread: float
+    chi_square: float
+    degrees: int
+    p_value: float
+
+    def untested(self) -> Difference:
+        """The same without the test."""
+        return replace(self, chi_square=math.nan, p_value=math.nan)
+
+
+@dataclass(frozen=True)
 class Solution:
     """Where an optimiser stopped: parameters (n_p,), initial states (w, n_x), half sum of squares."""
 
@@ -94,7 +119,8 @@ class Estimate:
     deviation. ``correlation`` (n, n) is of the estimated ``parameters`` in their order;
     ``known`` holds the values that were not estimated. ``initial_states`` (w, n_x) belong
     to the horizons in ``origin``, rows of (record index, first sample, end sample). ``left`` is what it
-    leaves of each output, ``starts`` the costs at which the descents from several starts ended.
+    leaves of each output, ``starts`` the costs at which the descents from several starts ended,
+    ``differences`` how parameters with a value for each group of records differ.
     """
 
     parameters: tuple[EstimatedParameter, ...] = field(metadata={"by": "name"})
@@ -113,6 +139,7 @@ class Estimate:
     starts: tuple[float, ...] = ()
     warnings: tuple[str, ...] = ()
     left: tuple[Left, ...] = field(default=(), metadata={"by": "output"})
+    differences: tuple[Difference, ...] = field(default=(), metadata={"by": "parameter"})
 
     @property
     def values(self) -> dict[str, float]:

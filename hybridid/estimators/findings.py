@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from hybridid.declarations import Parameter
-from hybridid.estimators.estimate import Estimate, EstimatedParameter, Left, Solution
+from hybridid.estimators.differences import differences
+from hybridid.estimators.estimate import Difference, Estimate, EstimatedParameter, Left, Solution
 from hybridid.estimators.floor import Floor
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.uncertainty import Uncertainty
@@ -62,7 +63,14 @@ def estimate_of(
         starts=starts,
         warnings=_warnings(problem, solution, parameters, starts),
         left=_left(problem, floor),
+        differences=_differences(problem, solution, doubt),
     )
+
+
+def _differences(problem: Problem, solution: Solution, doubt: Uncertainty) -> tuple[Difference, ...]:
+    values = dict(zip([q.name for q in problem.model.parameters], solution.p.tolist(), strict=True))
+    found = differences(problem.model, problem.free, values, doubt.covariance)
+    return found if solution.converged else tuple(one.untested() for one in found)
 
 
 def _left(problem: Problem, floor: Floor) -> tuple[Left, ...]:

@@ -20,6 +20,7 @@ from hybridid.model.asked import (
     outputs_of,
     rates_of,
 )
+from hybridid.model.groups import Groups, weighted
 from hybridid.model.term import Term
 from hybridid.plants.plant import Load, Motion, Plant
 
@@ -30,12 +31,13 @@ def assemble(
     states: Sequence[State],
     inputs: Sequence[Signal],
     parameters: Sequence[Parameter],
+    groups: Groups,
 ) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
     """A model's ``f``, ``h``, ``efforts`` and ``motions``, as functions of (t, x, u, p).
 
     ``states`` (n_x) and ``parameters`` (n_p) are those of the plant and of the terms, under their
-    qualified names, in the order of x and p. ``inputs`` (n_u) are those of the plant, the channels, and
-    the plant's parameters that each record gives.
+    qualified names, in the order of x and p. ``inputs`` (n_u) are those of the plant, the channels,
+    the plant's parameters that each record gives, and the weights of the ``groups``.
 
     Raises:
         OwnCodeError: if code of the plant or of an effect fails, or gives something else than equations.
@@ -45,6 +47,7 @@ def assemble(
     x, x_by = _symbols([s.name for s in states])
     u, u_by = _symbols([s.name for s in inputs])
     p, p_by = _symbols([q.name for q in parameters])
+    p_by |= weighted(groups, u_by, p_by)
     p_by |= {q.name: u_by.pop(q.name) for q in plant.parameters if q.name not in p_by}
     plant_p = Named("parameter", {q.name: p_by[q.name] for q in plant.parameters})
     plant_x = Named("state", {s.name: x_by[s.name] for s in plant.states})

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from hybridid.declarations import Signal
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named
+from hybridid.model.groups import Groups, check_groups
 from hybridid.model.model import Model
 from hybridid.naming import listed, unknown
 from hybridid.plants.complete import check_plant
@@ -21,20 +23,28 @@ def compose(
     adjustments: Mapping[str, Mapping[str, float]] | None = None,
     channels: Iterable[Signal] = (),
     by_record: Iterable[str] = (),
+    groups: Groups | None = None,
 ) -> Model:
     """A model from names: ``"viscous"``, ``"viscous@carriage"``, ``"module:NAME@port"``.
 
     ``channels`` are the auxiliary channels of the records that effects may see, ``by_record`` the parameters
-    of the plant that each record gives.
+    of the plant that each record gives, ``groups`` the parameters that are estimated for each group of
+    records.
 
     Raises:
         OwnCodeError: if the plant lacks a declaration.
         ValueError: if an effect or port is unknown, or an adjustment names no parameter
-            of the model or gives something else than guess, lower, upper, fixed.
+            of the model or gives something else than guess, lower, upper, fixed; if ``groups`` names
+            no parameter that can be estimated.
     """
     check_plant(plant)
+    groups = dict(groups or {})
     model = Model(
-        plant, adjustments=dict(adjustments or {}), channels=tuple(channels), by_record=tuple(by_record)
+        plant,
+        adjustments=dict(adjustments or {}),
+        channels=tuple(channels),
+        by_record=tuple(by_record),
+        groups=groups,
     )
     for entry in effects:
         if isinstance(entry, Effect):
@@ -46,7 +56,9 @@ def compose(
                 f"effect {entry!r} names no port; ports: {listed([p.name for p in plant.ports])}"
             )
         model = model.plus(effect_named(name, model.signals), port or None)
-    known = [p.name for p in model.parameters]
+    whole = replace(model, groups={}).parameters
+    check_groups(groups, whole)
+    known = [p.name for p in whole]
     for name, changes in model.adjustments.items():
         if name not in known:
             raise ValueError(unknown("parameter", name, known))

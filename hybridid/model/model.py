@@ -18,6 +18,7 @@ import numpy as np
 from hybridid.declarations import Need, Parameter, Port, Signal, State
 from hybridid.effects.effect import Effect
 from hybridid.model.assembly import assemble
+from hybridid.model.groups import Groups, by_group, names_of, weights_of
 from hybridid.model.term import Term
 from hybridid.naming import unknown
 from hybridid.plants.plant import Plant
@@ -32,7 +33,11 @@ class Model:
 
     ``by_record`` names parameters of the plant that are known, and differ from record to record (the gain of
     a controller, a load that is changed). Each record gives its own value, so they are no parameters of the
-    model: in u they come last.
+    model: in u they follow the channels.
+
+    ``groups`` names parameters that a fit estimates once for each group of records, with the names of the
+    groups: ``{"carriage.coulomb.f_c": ("cold", "warm")}``. The records give the weights (``model.groups``),
+    which come last in u. A parameter of a term that is left out keeps its weights there.
 
     ``plus`` and ``without`` return new models. With its nesting parameters at zero, a term changes
     nothing, so ``model`` is a special case of ``model.plus(effect)``.
@@ -48,6 +53,7 @@ class Model:
     adjustments: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     channels: tuple[Signal, ...] = ()
     by_record: tuple[str, ...] = ()
+    groups: Groups = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         names = [term.name for term in self.terms]
@@ -86,7 +92,7 @@ class Model:
         adjustments = dict(self.adjustments)
         return {
             "plant": self.plant, "terms": self.terms, "adjustments": adjustments, "channels": self.channels,
-            "by_record": self.by_record,
+            "by_record": self.by_record, "groups": dict(self.groups),
         }  # fmt: skip
 
     def plus(self, effect: Effect, port: str | None = None) -> Model:
@@ -117,11 +123,24 @@ class Model:
             for port in self.plant.ports
             if port.kind == "effort" and any(port.name in t.ports for t in self.terms)
         ]
-        adjusted = tuple(_adjusted(p, self.adjustments.get(p.name, {})) for p in (*own, *smooth))
+        adjusted = tuple(self._adjusted(p) for p in (*own, *smooth))
         for p in adjusted[len(own) :]:
             if not p.guess > 0:
                 raise ValueError(f"{p.name} is {p.guess:g} {p.unit}: a smoothing velocity must be positive")
-        return adjusted
+        if not self.groups:
+            return adjusted
+        return tuple(
+            self._adjusted(each) if p.name in self.groups else each
+            for p in adjusted
+            for each in by_group(p, self.groups)
+        )
+
+    def _adjusted(self, parameter: Parameter) -> Parameter:
+        return _adjusted(parameter, self.adjustments.get(parameter.name, {}))
+
+    def names_of(self, name: str) -> tuple[str, ...]:
+        """The qualified names of the values that parameter ``name`` takes: its own, or one for each group."""
+        return names_of(name, self.groups)
 
     @cached_property
     def states(self) -> tuple[State, ...]:
@@ -144,10 +163,9 @@ class Model:
 
     @property
     def given(self) -> tuple[Signal, ...]:
-        """The parameters ``by_record``."""
-        return tuple(
-            Signal(p.name, p.unit, p.meaning) for p in self.plant.parameters if p.name in self.by_record
-        )
+        """The parameters ``by_record``, then the weights of the ``groups``."""
+        known = (p for p in self.plant.parameters if p.name in self.by_record)
+        return (*(Signal(p.name, p.unit, p.meaning) for p in known), *weights_of(self.groups))
 
     @property
     def outputs(self) -> tuple[Signal, ...]:
@@ -219,7 +237,7 @@ class Model:
 
     @cached_property
     def _functions(self) -> tuple[ca.Function, ca.Function, ca.Function, ca.Function]:
-        return assemble(self.plant, self.terms, self.states, self.inputs, self.parameters)
+        return assemble(self.plant, self.terms, self.states, self.inputs, self.parameters, self.groups)
 
 
 def first_port(plant: Plant, effect: Effect) -> Port:

@@ -76,4 +76,8 @@ class Quality:
         """``estimate`` without its standard errors, unless they mean something: they are nan then."""
         if self.trusted:
             return estimate
-        return replace(estimate, parameters=tuple(replace(p, std=math.nan) for p in estimate.parameters))
+        return replace(
+            estimate,
+            parameters=tuple(replace(p, std=math.nan) for p in estimate.parameters),
+            differences=tuple(one.untested() for one in estimate.differences),
+        )

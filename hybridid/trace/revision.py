@@ -86,7 +86,8 @@ def idle_terms(model: Model, estimate: Estimate, sure: float = 2.0) -> tuple[str
     found = {p.name: p for p in estimate.parameters}
 
     def idle(term: Term) -> bool:
-        names = [f"{term.name}.{p.name}" for p in term.effect.parameters if p.nests]
+        nesting = [f"{term.name}.{p.name}" for p in term.effect.parameters if p.nests]
+        names = [each for name in nesting for each in model.names_of(name)]
         amplitudes = [found[name] for name in names if name in found]
         return bool(amplitudes) and all(abs(p.value) <= sure * p.std for p in amplitudes)
 
