@@ -42,7 +42,9 @@ These keys hold names that the case chooses.
   `parameters.M.lower=30`, or `parameters.carriage.viscous.f_v.guess=200` of an effect at a port. `fixed`: the
   value is known and is not estimated. null: as the plant or the effect has it. Several at once are
   `parameters={{M: {{lower: 30, upper: 150}}, carriage.viscous.f_v: {{guess: 200}}}}`. Those that it does not
-  name stay as the case has them.
+  name stay as the case has them. `by`: the parameter is estimated for each record that is fitted
+  (`parameters.M.by=record`), or for each group of records, as in
+  `parameters.M.by={{light: [first, second], heavy: [third]}}`; null: one value for all.
 - `records`: by the name of a record, `role` (identification or validation), `run` (of the virtual rig;
   default: the record's name), `steps` (of this record alone, before `preprocess.steps`), `parameters`
   (of the plant, known and given by every record, as in `parameters: {{J: 0.02}}`), and the keys of the first

@@ -28,7 +28,7 @@ _hybridid_complete() {
 complete -F _hybridid_complete hybridid
 """.strip()
 
-_SETTINGS = ("guess", "lower", "upper", "fixed")
+_SETTINGS = ("guess", "lower", "upper", "fixed", "by")
 
 
 def command(name: str, words: Sequence[str]) -> int:

@@ -24,7 +24,8 @@ Keys that every stage knows (hybridid {name} --cfg job prints them all)
   case=NAME                the machine and its records (hybridid cases); default: emps
   effects=[a,b@port,...]   the physics at its ports (hybridid effects)
   model=FILE               model.json of fit or trace, in place of plant, effects and parameters
-  parameters.NAME.KEY=X    guess, lower, upper or fixed of one parameter, as in parameters.M.lower=30
+  parameters.NAME.KEY=X    guess, lower, upper or fixed of one parameter, as in parameters.M.lower=30;
+                           by=record estimates one value for each record
   data=measured|simulated  insist on measured records, or on the case's virtual rig; default: auto
   paths.data=DIR           where measured records lie; default: $HYBRIDID_DATA, else data/raw
   out=DIR                  {out}

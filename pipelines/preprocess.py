@@ -14,7 +14,7 @@ from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.limits import check_demand
-from pipelines.shared.modelling import given_of
+from pipelines.shared.modelling import given_of, weights_of
 from pipelines.shared.prepared import NamedUnit, Prepared
 from pipelines.shared.sources import Simulated, Source, sources_of
 from pipelines.shared.stage import Job, Stage
@@ -25,13 +25,16 @@ KEYS = (*sources.KEYS, "preprocess", "channels", "plant")
 
 def run(job: Job) -> None:
     """Read every record of the case, apply its own steps and then ``preprocess.steps``, make inputs of its
-    ``channels`` and of the parameters that it gives, store samples and description."""
+    ``channels``, of the parameters that it gives and of the weights of its groups, store samples and
+    description."""
     rows, channels = [], [signal.name for signal in channels_of(job.settings)]
     units = {signal.name: signal.unit for signal in given_of(job.settings)}
+    weights = weights_of(job.settings)
     for source in sources_of(job.settings).found:
         steps = [*source.steps, *_common_steps(job.settings)]
         record = apply_steps(source.record(), steps).with_channels(channels)
-        record = record.with_constants({name: source.constants[name] for name in units}, units)
+        constants = {**source.constants, **weights.get(source.name, {})}
+        record = record.with_constants({name: constants[name] for name in units}, units)
         for warning in record.warnings:
             job.watcher.warn(warning)
         save_record(record, job.folder / f"{source.name}.parquet")
@@ -82,4 +85,10 @@ def check(settings: Settings) -> None:
             check_demand(source.demand, settings)
 
 
-PREPROCESS = Stage("preprocess", KEYS, (), run, inputs=sources.digests, check=check)
+def _digests(settings: Settings) -> dict[str, str]:
+    """Those of the records, and the weights of their groups."""
+    weights = {f"groups of record {name}": repr(own) for name, own in weights_of(settings).items()}
+    return sources.digests(settings) | weights
+
+
+PREPROCESS = Stage("preprocess", KEYS, (), run, inputs=_digests, check=check)

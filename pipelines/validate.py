@@ -15,9 +15,9 @@ from hybridid.simulation.stability import TooStiff
 from hybridid.validation import Metrics, Prediction, diverged, free_run, horizon_run, metrics, residual_tests
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.fitted import fit_of, fitted_model
+from pipelines.shared.fitted import fit_of, fitted_model, without_own
 from pipelines.shared.hybrids import hybrid_of
-from pipelines.shared.modelling import named_code
+from pipelines.shared.modelling import groupings_of, named_code
 from pipelines.shared.predictions import HYBRID, RESIDUALS, Tested, write_prediction
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sections.stages import ValidateSection
@@ -45,8 +45,11 @@ def run(job: Job) -> None:
     rows: list[Metrics] = []
     tests: list[Tested] = []
     section = _section(settings)
+    groups = groupings_of(settings, model)
     for prepared in chosen(prepared_records(job.tree), section.records, "validate.records"):
         record = load_record(prepared.file)
+        for line in without_own(groups, record.name, estimate):
+            job.watcher.warn(line)
         for candidate in candidates:
             for view in section.views:
                 what = f"{candidate.name}, record {record.name}, {view.replace('_', ' ')}"

@@ -74,6 +74,8 @@ def _panels(record: Record) -> list[list[_Signal]]:
     panels: list[list[_Signal]] = []
     for role, channels, values in roles:
         for column, channel in enumerate(channels):
+            if channel.constant:  # a number of the record, no signal
+                continue
             signal = _Signal(role, channel, values[:, column])
             home = next((p for p in panels if _belongs(signal, p)), None)
             if home is None:
@@ -98,7 +100,7 @@ def _common(signals: list[_Signal]) -> str:
 
 
 def _caption(record: Record) -> str:
-    signals = [c.name for c in (*record.input_channels, *record.output_channels, *record.auxiliary_channels)]
+    signals = [channel.name for channel in record.channels if not channel.constant]
     listed = ", ".join(name.replace("_", " ") for name in signals)
     return (
         f"Record {record.name} ({record.provenance}): {listed}; {record.n:,} samples at "

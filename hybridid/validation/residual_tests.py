@@ -47,9 +47,11 @@ class ResidualTests:
 def residual_tests(prediction: Prediction, record: Record, lags: int = 50) -> list[ResidualTests]:
     """Tests of each output's residual up to ``lags`` samples."""
     lags = min(lags, len(prediction.time) // 4)
-    inputs = record.inputs[: len(prediction.time)]
+    running = [k for k, channel in enumerate(record.input_channels) if not channel.constant]
+    inputs = record.inputs[: len(prediction.time), running]
+    names = [record.input_channels[k].name for k in running]
     return [
-        _tests(prediction, column, inputs, [c.name for c in record.input_channels], record.dt, lags)
+        _tests(prediction, column, inputs, names, record.dt, lags)
         for column in range(prediction.measured.shape[1])
     ]
 

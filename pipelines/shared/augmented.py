@@ -13,7 +13,8 @@ from hybridid.model import Term
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import MAKES_A_MODEL, DescribedModel
-from pipelines.shared.modelling import effect_entries, parameters_of
+from pipelines.shared.modelling import effect_entries
+from pipelines.shared.parameters import BY, parameters_of
 from pipelines.shared.storage import read_as
 from pipelines.shared.trust import admit, paths_in
 
@@ -57,7 +58,8 @@ def augmented(
         own = parameters.setdefault(term.port, {}).setdefault(term.effect.id, {})
         for p in term.effect.parameters:
             setting = "fixed" if p.fixed else "guess"
-            own[p.name] = {**(own.get(p.name) or {}), setting: values[f"{term.name}.{p.name}"]}
+            before = {key: value for key, value in (own.get(p.name) or {}).items() if key != BY}
+            own[p.name] = {**before, setting: values[f"{term.name}.{p.name}"]}
     config = {**settings.config, "effects": [*effect_entries(settings), *names], "parameters": parameters}
     return replace(settings, config=config)
 

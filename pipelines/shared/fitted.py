@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import functools
+import operator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from hybridid.estimators.estimate import Estimate
 from hybridid.model import Model
+from hybridid.naming import listed
 from hybridid.quality import Quality
+from hybridid.quantities import quantity
+from pipelines.shared.by_group import Grouping
 from pipelines.shared.by_record import MARK
 from pipelines.shared.config import Settings
-from pipelines.shared.modelling import model_of
+from pipelines.shared.modelling import groupings_of, model_of
 from pipelines.shared.own_code import importable, make_importable
+from pipelines.shared.parameters import BY, parameters_of
 from pipelines.shared.prepared import NamedUnit
 from pipelines.shared.storage import read_as
 from pipelines.shared.trust import admit, paths_in
@@ -90,8 +96,15 @@ def describe_model(settings: Settings, model: Model, provenance: str) -> Describ
 
 
 def _parameters(settings: Settings, model: Model) -> Mapping[str, Any] | None:
-    """``parameters`` of the config, with a mark at those that the records give."""
+    """``parameters`` of the config, with a mark at those that the records give, and with the names of the
+    groups at those that differ between groups of records."""
     given: Mapping[str, Any] | None = settings.get("parameters")
+    if model.groups:
+        given = parameters_of(settings)
+        for one in groupings_of(settings, model):
+            *path, last = one.parameter.split(".")
+            node = functools.reduce(operator.getitem, path, given)
+            node[last][BY] = one.setting
     return {**(given or {}), **{name: {MARK: True} for name in model.by_record}} if model.by_record else given
 
 
@@ -114,3 +127,15 @@ def load(tree: Path, folders: Sequence[Path] = ()) -> tuple[Model, Estimate]:
 def fitted_model(settings: Settings, tree: Path) -> tuple[Model, Estimate]:
     """The same for a stage: the model as ``settings`` configure it, whatever code the tree's files name."""
     return model_of(settings), fit_of(tree).estimate
+
+
+def without_own(groups: Iterable[Grouping], record: str, estimate: Estimate) -> Iterator[str]:
+    """Of each parameter of ``groups`` that has no value of its own in ``record``, what is taken, in words."""
+    found = {one.parameter: one for one in estimate.differences}
+    for one in groups:
+        if not one.has(record):
+            mean = quantity(found[one.parameter].mean, found[one.parameter].unit)
+            yield (
+                f"record {record} is not fitted, so {one.parameter} has no value of its own there: "
+                f"the mean of {listed(one.names)} is taken, {mean}"
+            )

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import inspect
-import math
-import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from hybridid.blame import OwnCodeError, blamed_on
@@ -13,15 +11,15 @@ from hybridid.declarations import Signal
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import library_for
 from hybridid.model import Model, compose
-from hybridid.model.compose import ADJUSTABLE
-from hybridid.naming import shortened
 from hybridid.plants.plant import Plant
 from hybridid.settings.fit import FitSettings
+from pipelines.shared.by_group import Grouping, groupings
 from pipelines.shared.by_record import MARK, parameters_by_record
 from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import code_digests, named
+from pipelines.shared.parameters import adjustments, asked_in, parameters_of
 
 KEYS = ("plant", "channels", "effects", "parameters")
 
@@ -66,16 +64,18 @@ def model_of(settings: Settings) -> Model:
     try:
         bare = compose(plant, entries, channels=channels, by_record=by_record)
         names = {p.name for p in bare.parameters}
-        given = adjustments(parameters_of(settings))
+        parameters = parameters_of(settings)
+        given, differing = adjustments(parameters), dict(asked_in(parameters))
         for name in by_record:
-            if name in given:
+            if name in given or name in differing:
                 raise ConfigError(f"parameters.{name} is set, but every record gives {name}: leave one out")
         ownable = names | _ownable(plant, [*library_for(channels), *(term.effect for term in bare.terms)])
-        for name in given:
+        for name in (*given, *differing):
             if name not in ownable:
                 raise ConfigError(unknown("parameter", name, ownable, allowed=names))
         own = {name: given[name] for name in given if name in names}
-        model = compose(plant, entries, own, channels, by_record)
+        groups = {name: one.names for name, one in groupings(settings, differing).items() if name in names}
+        model = compose(plant, entries, own, channels, by_record, groups)
         _ = model.parameters  # raises if bounds contradict each other
     except ConfigError:
         raise
@@ -85,18 +85,49 @@ def model_of(settings: Settings) -> Model:
 
 
 def given_of(settings: Settings) -> tuple[Signal, ...]:
-    """The plant's parameters that every record gives, with their units, in the order of the model's inputs.
+    """What every record gives, with its unit, in the order of the model's inputs: parameters of the plant,
+    and the weights of parameters that are estimated for each group of records.
 
     Raises:
         ConfigError: if the plant has no parameter of a name, or the config is wrong.
     """
     by_record = parameters_by_record(settings)
+    if _differing(settings):
+        return model_of(settings).given
     if not by_record:
         return ()
     try:
         return Model(plant_of(settings), by_record=by_record).given
     except ValueError as error:
         raise ConfigError(str(error)) from error
+
+
+def groupings_of(settings: Settings, model: Model) -> tuple[Grouping, ...]:
+    """The groups of records of each parameter of ``model`` that is estimated for each."""
+    if not model.groups:
+        return ()
+    found = groupings(settings, _differing(settings))
+    return tuple(found[name] for name in model.groups)
+
+
+def weights_of(settings: Settings) -> dict[str, dict[str, float]]:
+    """What each record gives beside its known parameters: the weights of all groups, by record and name.
+
+    Raises:
+        ConfigError: if the config is wrong.
+    """
+    if not _differing(settings):
+        return {}
+    groups = groupings_of(settings, model_of(settings))
+    return {
+        str(record): {name: weight for one in groups for name, weight in one.weights(str(record)).items()}
+        for record in settings["records"]
+    }
+
+
+def _differing(settings: Settings) -> dict[str, Any]:
+    """The settings ``by`` of all parameters, by name."""
+    return dict(asked_in(parameters_of(settings)))
 
 
 def _by_record(settings: Settings) -> tuple[str, ...]:
@@ -126,48 +157,6 @@ def effect_entries(settings: Settings) -> list[str]:
     return given
 
 
-def parameters_of(settings: Settings) -> dict[str, Any]:
-    """``parameters`` as nested mappings; ``{carriage.viscous: {f_v: ...}}`` is as good as deeper ones.
-
-    Raises:
-        ConfigError: if it is no mapping.
-    """
-    given = settings.get("parameters", {})
-    if not isinstance(given, Mapping):
-        settings_of_one = ", ".join(ADJUSTABLE)
-        raise ConfigError(
-            f"parameters is {given!r}: give names with {settings_of_one}, as in {{M: {{lower: 1.0}}}}"
-        )
-    found: dict[str, Any] = {}
-    _unfolded(given, found)
-    return found
-
-
-def _unfolded(given: Mapping[str, Any], into: dict[str, Any], path: str = "") -> None:
-    """Put ``given`` ``into`` nested mappings, with dotted keys taken apart."""
-    for key, value in given.items():
-        name, _, rest = str(key).partition(".")
-        value = {rest: value} if rest else value
-        before = into.get(name)
-        joined = isinstance(before, dict) and isinstance(value, Mapping)
-        if not (joined or before is None or value is None):
-            raise ConfigError(f"parameters.{path}{name} is given twice: {before!r} and {value!r}")
-        if isinstance(value, Mapping):
-            into[name] = before or {}
-            _unfolded(value, into[name], f"{path}{name}.")
-        elif before is None:
-            into[name] = value
-
-
-def adjustments(parameters: Mapping[str, Any]) -> dict[str, dict[str, float]]:
-    """Nested ``parameters`` as ``{"carriage.viscous.f_v": {"lower": 100.0}}``; null entries are left out.
-
-    Raises:
-        ConfigError: if a setting is not one of guess, lower, upper, fixed, or its value is not a number.
-    """
-    return {name: settings for name, settings in _leaves(parameters, "") if settings}
-
-
 def fit_settings(settings: Settings) -> FitSettings:
     """``estimator`` as ``FitSettings``.
 
@@ -175,27 +164,6 @@ def fit_settings(settings: Settings) -> FitSettings:
         ConfigError: if a key or value is not allowed.
     """
     return settings.section("estimator", FitSettings)
-
-
-def _leaves(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, dict[str, float]]]:
-    if path and MARK in node:
-        return
-    if path and any(key in ADJUSTABLE for key in node):
-        for key in node:
-            if key not in ADJUSTABLE:
-                raise ConfigError(unknown(f"setting of parameter {path}", key, ADJUSTABLE))
-        yield path, {k: _number(path, k, v) for k, v in node.items() if v is not None}
-        return
-    for key, below in node.items():
-        name = f"{path}.{key}" if path else str(key)
-        if below is None:
-            continue
-        if isinstance(below, Mapping):
-            yield from _leaves(below, name)
-        elif path:
-            raise ConfigError(unknown(f"setting of parameter {path}", str(key), ADJUSTABLE))
-        else:
-            raise ConfigError(f"parameters.{name} is {below!r}: say which of {', '.join(ADJUSTABLE)} that is")
 
 
 def _ownable(plant: Plant, effects: list[Effect]) -> set[str]:
@@ -208,15 +176,3 @@ def _ownable(plant: Plant, effects: list[Effect]) -> set[str]:
             if port.kind == effect.kind:
                 names |= {f"{port.name}.{effect.id}.{p.name}" for p in effect.parameters}
     return names
-
-
-def _number(path: str, key: str, value: Any) -> float:
-    """A setting of a parameter: a number, and where it is no bound a finite one."""
-    where = f"parameters.{path}.{key}"
-    if isinstance(value, int) and abs(value) > sys.float_info.max:
-        raise ConfigError(f"{where} is {shortened(repr(value), 60)}: too large a number")
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or math.isnan(value):
-        raise ConfigError(f"{where} is {value!r}: must be a number")
-    if key in ("guess", "fixed") and not math.isfinite(value):
-        raise ConfigError(f"{where} is {value!r}: must be finite")
-    return float(value)

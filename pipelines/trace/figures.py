@@ -67,6 +67,7 @@ def _missing(found: Trace) -> Named:
         inputs = {
             channel.name: (np.asarray(record.inputs[:, k]), channel.unit)
             for k, channel in enumerate(record.input_channels)
+            if not channel.constant
         }
         yield f"{name}.{port}.missing_effort", partial(missing_effort_plot, efforts, inputs)
 

@@ -20,11 +20,11 @@ from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
 from pipelines.shared.drawing import drawn
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.fitted import describe_model, fit_of
+from pipelines.shared.fitted import describe_model, fit_of, without_own
 from pipelines.shared.imports import code_digests
 from pipelines.shared.kept_results import kept_results
 from pipelines.shared.limits import check_processes
-from pipelines.shared.modelling import fit_settings, model_of, named_code
+from pipelines.shared.modelling import fit_settings, groupings_of, model_of, named_code
 from pipelines.shared.page import Picture
 from pipelines.shared.pool import mapper_of
 from pipelines.shared.prepared import prepared_records
@@ -58,9 +58,12 @@ def run(job: Job) -> None:
             f"trace.horizon: {request.horizon:.3g} s; the records are too short for {asked.horizon:g} s"
         )
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
-    start, report = fit_of(job.tree).estimate.values, _Report(job)
+    estimate, report = fit_of(job.tree).estimate, _Report(job)
+    groups = groupings_of(job.settings, model_of(job.settings))
+    for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
+        job.watcher.warn(line)
     with kept_results(job.key, job.settings.lone.force, report.say) as keep:
-        found = traced(job.settings, request, fitted, held_out, report, start, keep, report.say)
+        found = traced(job.settings, request, fitted, held_out, report, estimate.values, keep, report.say)
         for failure in found.shown.failures:
             job.watcher.warn(failure)
         _write(job, found, request.processes)

@@ -24,7 +24,10 @@ def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
         found |= {"fit.cost": estimate.cost, "fit.iterations": estimate.iterations}
         found |= {f"fit.seconds.{name}": value for name, value in estimate.seconds.items()}
         for p in estimate.parameters:
-            found |= {f"parameter.{p.name}": p.value, f"std.{p.name}": p.std}
+            name = _without_brackets(p.name)
+            found |= {f"parameter.{name}": p.value, f"std.{name}": p.std}
+        for one in estimate.differences:
+            found |= {f"spread.{one.parameter}": one.spread, f"one_value.{one.parameter}": one.p_value}
     if "validate" in stages:
         gray = fit_of(tree).model
         for row in metric_rows(tree):
@@ -36,6 +39,11 @@ def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
     if "trace" in stages:
         found |= _trace_metrics(trace_of(tree).found)
     return {name: float(value) for name, value in found.items() if value is not None and isfinite(value)}
+
+
+def _without_brackets(name: str) -> str:
+    """``f_c.cold`` for f_c[cold]: MLflow takes no brackets."""
+    return name.replace("[", ".").replace("]", "")
 
 
 def _residual_metrics(residual: Residual) -> dict[str, float]:

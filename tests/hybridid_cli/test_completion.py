@@ -115,7 +115,10 @@ def test_bash_completes_what_is_typed(bash, tmp_path):
         ("hybridid fit trace.held_out=", {"trace.held_out=auto", "trace.held_out=null"}),
         ("hybridid fit mlflow.enabled=", {"mlflow.enabled=true", "mlflow.enabled=false"}),
         ("hybridid fit --cfg ", {"job", "hydra", "all"}),
-        ("hybridid fit parameters.M.", {f"parameters.M.{k}=" for k in ("guess", "lower", "upper", "fixed")}),
+        (
+            "hybridid fit parameters.M.",
+            {f"parameters.M.{k}=" for k in ("guess", "lower", "upper", "fixed", "by")},
+        ),
         ("hybridid fetch ", {"emps"}),
         ("hybridid cases em", {"emps"}),
         ("hybridid completion ", {"bash"}),
