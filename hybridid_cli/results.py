@@ -9,6 +9,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from hybridid.estimators.estimate import EstimatedParameter
+from hybridid.estimators.words import differs
 from hybridid.quantities import NONE, fixed, mean_square, number, quantity, r_squared
 from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import provenance, rendered, table, view, warnings
@@ -52,7 +53,8 @@ def _estimates(tree: Path) -> list[RenderableType]:
     )
     said = {finding.said for finding in found.quality.findings}
     rest = [warning for warning in estimate.warnings if warning not in said]
-    return [*_quality(found), made, Text(line), *warnings(rest)]
+    differ = [Text(differs(one)) for one in estimate.differences]
+    return [*_quality(found), made, *differ, Text(line), *warnings(rest)]
 
 
 def _quality(found: Fit) -> list[RenderableType]:

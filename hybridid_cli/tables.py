@@ -16,7 +16,8 @@ _WIDE = 200
 def rendered(parts: Sequence[RenderableType]) -> str:
     """Tables and lines as text, coloured if stdout is a terminal, one width if not."""
     watched = sys.stdout.isatty()
-    console = Console(width=None if watched else _WIDE, highlight=False, force_terminal=watched or None)
+    width = None if watched else _WIDE
+    console = Console(width=width, highlight=False, markup=False, force_terminal=watched or None)
     with console.capture() as capture:
         for part in parts:
             console.print(part, soft_wrap=not isinstance(part, Table))

@@ -13,8 +13,11 @@ SURE = 0.05
 
 def differs(one: Difference) -> str:
     """Whether the values of a parameter differ between groups of records, how much, and how sure that is."""
-    factor, unit = engineering(max(abs(one.lowest), abs(one.highest)), one.unit)
-    ends = f"{number(one.lowest * factor)} to {with_unit(number(one.highest * factor), unit)}"
+    largest = max(abs(one.lowest), abs(one.highest))
+    factor, unit = engineering(largest, one.unit)
+    digits = 4 if one.spread <= 0 else min(max(4, 2 + math.ceil(math.log10(largest / one.spread))), 8)
+    low, high = (number(value * factor, digits) for value in (one.lowest, one.highest))
+    ends = f"{low} to {with_unit(high, unit)}"
     values = f"{ends}, spread {with_unit(number(one.spread * factor, 2), unit)}"
     if math.isnan(one.p_value):
         return f"{one.parameter} by recording: {values}; without standard errors, nothing says if it differs"
