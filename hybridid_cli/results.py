@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from hybridid.estimators.estimate import EstimatedParameter
-from hybridid.estimators.words import differs
+from hybridid.estimators.words import differ_together, differs
 from hybridid.quantities import NONE, fixed, mean_square, number, quantity, r_squared
 from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import provenance, rendered, table, view, warnings
@@ -54,6 +55,8 @@ def _estimates(tree: Path) -> list[RenderableType]:
     said = {finding.said for finding in found.quality.findings}
     rest = [warning for warning in estimate.warnings if warning not in said]
     differ = [Text(differs(one)) for one in estimate.differences]
+    if estimate.together is not None and not math.isnan(estimate.together.p_value):
+        differ.append(Text(differ_together(estimate.together)))
     return [*_quality(found), made, *differ, Text(line), *warnings(rest)]
 
 

@@ -3,7 +3,10 @@
 With v (k,) the estimates of the groups, C (k, k) their covariance and D (k - 1, k) the differences from the
 first, ``chi2 = (D v)' (D C D')^-1 (D v)``. Were all values one, it would be chi-square distributed with k - 1
 degrees of freedom. What moves all estimates alike (the smoothing of sign(v), a parameter that they share)
-drops out of the differences. Source: Rao (1973), Linear Statistical Inference and its Applications, sec. 4b.
+drops out of the differences. Of parameters that are nearly collinear each may seem to be one value where
+they differ together: D then has a block for each.
+
+Source: Rao (1973), Linear Statistical Inference and its Applications, sec. 4b.
 """
 
 from __future__ import annotations
@@ -13,10 +16,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
-from hybridid.declarations import Parameter
-from hybridid.estimators.estimate import Difference
+from hybridid.estimators.estimate import AllOne, Difference
 from hybridid.model import Model
 
 Array = NDArray[np.float64]
@@ -24,49 +27,54 @@ Array = NDArray[np.float64]
 
 def differences(
     model: Model, free: Sequence[str], values: Mapping[str, float], covariance: Array
-) -> tuple[Difference, ...]:
-    """One for each parameter with groups of which at least two are among the ``free``; ``covariance`` (n, n)
-    is theirs."""
-    declared = {p.name: p for p in model.parameters}
-    found = []
+) -> tuple[tuple[Difference, ...], AllOne | None]:
+    """One for each parameter with groups of which at least two are among the ``free``, and of several
+    parameters the test of all together; ``covariance`` (n, n) is that of the free."""
+    units = {p.name: p.unit for p in model.parameters}
+    each, rows = [], []
     for name, groups in model.groups.items():
-        chosen = [(g, one) for g, one in zip(groups, model.names_of(name), strict=True) if one in free]
+        chosen = {g: one for g, one in zip(groups, model.names_of(name), strict=True) if one in free}
         if len(chosen) > 1:
-            rows = [free.index(one) for _, one in chosen]
-            v = np.array([values[one] for _, one in chosen])
-            numbers = (v, covariance[np.ix_(rows, rows)])
-            found.append(_difference(name, declared[chosen[0][1]], tuple(g for g, _ in chosen), *numbers))
-    return tuple(found)
+            own = [free.index(one) for one in chosen.values()]
+            v = np.array([values[one] for one in chosen.values()])
+            test = _test([v], covariance[np.ix_(own, own)])
+            each.append(_difference(name, units[free[own[0]]], tuple(chosen), v, test))
+            rows.append(own)
+    if len(each) < 2:
+        return tuple(each), None
+    every = [row for own in rows for row in own]
+    numbers = [np.array([values[free[row]] for row in own]) for own in rows]
+    return tuple(each), _test(numbers, covariance[np.ix_(every, every)])
 
 
-def _difference(
-    name: str, declared: Parameter, groups: tuple[str, ...], v: Array, covariance: Array
-) -> Difference:
-    statistic = chi_square(v, covariance)
-    degrees = len(v) - 1
+def _difference(name: str, unit: str, groups: tuple[str, ...], v: Array, test: AllOne) -> Difference:
     return Difference(
         parameter=name,
-        unit=declared.unit,
+        unit=unit,
         groups=groups,
         mean=float(v.mean()),
         lowest=float(v.min()),
         highest=float(v.max()),
         spread=float(v.std(ddof=1)),
-        chi_square=statistic,
-        degrees=degrees,
-        p_value=float(chdtrc(degrees, statistic)) if math.isfinite(statistic) else math.nan,
+        test=test,
     )
 
 
-def chi_square(v: Array, covariance: Array) -> float:
-    """``(D v)' (D C D')^-1 (D v)`` of the values ``v`` (k,); nan where the covariance (k, k) says nothing."""
+def _test(values: Sequence[Array], covariance: Array) -> AllOne:
+    statistic, degrees = chi_square(values, covariance), sum(len(v) - 1 for v in values)
+    p_value = float(chdtrc(degrees, statistic)) if math.isfinite(statistic) else math.nan
+    return AllOne(statistic, degrees, p_value)
+
+
+def chi_square(values: Sequence[Array], covariance: Array) -> float:
+    """``(D v)' (D C D')^-1 (D v)`` of the values of each parameter, (k,) each; nan where the covariance of
+    all (n, n) says nothing."""
     if not np.isfinite(covariance).all():
         return math.nan
-    d = np.hstack([-np.ones((len(v) - 1, 1)), np.eye(len(v) - 1)])
-    apart, doubt = d @ v, d @ covariance @ d.T
+    d = block_diag(*(np.hstack([-np.ones((len(v) - 1, 1)), np.eye(len(v) - 1)]) for v in values))
+    apart, doubt = d @ np.concatenate(values), d @ covariance @ d.T
     size = np.sqrt(np.diag(doubt))
     if not (size > 0).all():
         return math.nan
-    return float(
-        (apart / size) @ np.linalg.pinv(doubt / np.outer(size, size), hermitian=True) @ (apart / size)
-    )
+    inverse = np.linalg.pinv(doubt / np.outer(size, size), hermitian=True)
+    return float((apart / size) @ inverse @ (apart / size))

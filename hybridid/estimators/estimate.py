@@ -74,12 +74,27 @@ class Left:
 
 
 @dataclass(frozen=True)
+class AllOne:
+    """A test that all groups of records have one value: ``chi_square`` then has ``degrees`` of freedom.
+
+    ``p_value`` is the probability of as much or more then. Both are nan where the fit states no standard
+    errors.
+    """
+
+    chi_square: float
+    degrees: int
+    p_value: float
+
+    def withheld(self) -> AllOne:
+        """Nothing but its degrees of freedom."""
+        return AllOne(math.nan, self.degrees, math.nan)
+
+
+@dataclass(frozen=True)
 class Difference:
     """How the values of one ``parameter`` differ between ``groups`` of records, in ``unit``.
 
-    ``spread`` is their standard deviation, that of a sample. ``chi_square`` has ``degrees`` of freedom if all
-    groups have one value, and ``p_value`` is the probability of as much or more then; both are nan where the
-    fit states no standard errors.
+    ``spread`` is their standard deviation, that of a sample.
     """
 
     parameter: str
@@ -89,13 +104,7 @@ class Difference:
     lowest: float
     highest: float
     spread: float
-    chi_square: float
-    degrees: int
-    p_value: float
-
-    def untested(self) -> Difference:
-        """The same without the test."""
-        return replace(self, chi_square=math.nan, p_value=math.nan)
+    test: AllOne = field(metadata={"inline": True})
 
 
 @dataclass(frozen=True)
@@ -120,7 +129,8 @@ class Estimate:
     ``known`` holds the values that were not estimated. ``initial_states`` (w, n_x) belong
     to the horizons in ``origin``, rows of (record index, first sample, end sample). ``left`` is what it
     leaves of each output, ``starts`` the costs at which the descents from several starts ended,
-    ``differences`` how parameters with a value for each group of records differ.
+    ``differences`` how parameters with a value for each group of records differ, and ``together`` the test of
+    several such parameters at once.
     """
 
     parameters: tuple[EstimatedParameter, ...] = field(metadata={"by": "name"})
@@ -140,8 +150,18 @@ class Estimate:
     warnings: tuple[str, ...] = ()
     left: tuple[Left, ...] = field(default=(), metadata={"by": "output"})
     differences: tuple[Difference, ...] = field(default=(), metadata={"by": "parameter"})
+    together: AllOne | None = None
 
     @property
     def values(self) -> dict[str, float]:
         """Every parameter of the model by name, estimated or known."""
         return {**self.known, **{p.name: p.value for p in self.parameters}}
+
+    def withheld(self) -> Estimate:
+        """The same without its standard errors and tests."""
+        return replace(
+            self,
+            parameters=tuple(replace(p, std=math.nan) for p in self.parameters),
+            differences=tuple(replace(one, test=one.test.withheld()) for one in self.differences),
+            together=self.together and self.together.withheld(),
+        )

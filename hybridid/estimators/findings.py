@@ -9,7 +9,7 @@ import numpy as np
 
 from hybridid.declarations import Parameter
 from hybridid.estimators.differences import differences
-from hybridid.estimators.estimate import Difference, Estimate, EstimatedParameter, Left, Solution
+from hybridid.estimators.estimate import Estimate, EstimatedParameter, Left, Solution
 from hybridid.estimators.floor import Floor
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.uncertainty import Uncertainty
@@ -46,7 +46,9 @@ def estimate_of(
         for q, v in zip(model.parameters, solution.p, strict=True)
         if q.name not in problem.free
     }
-    return Estimate(
+    values = {q.name: float(v) for q, v in zip(model.parameters, solution.p, strict=True)}
+    each, together = differences(model, problem.free, values, doubt.covariance)
+    found = Estimate(
         parameters=parameters,
         known=known,
         correlation=doubt.correlation,
@@ -63,14 +65,10 @@ def estimate_of(
         starts=starts,
         warnings=_warnings(problem, solution, parameters, starts),
         left=_left(problem, floor),
-        differences=_differences(problem, solution, doubt),
+        differences=each,
+        together=together,
     )
-
-
-def _differences(problem: Problem, solution: Solution, doubt: Uncertainty) -> tuple[Difference, ...]:
-    values = dict(zip([q.name for q in problem.model.parameters], solution.p.tolist(), strict=True))
-    found = differences(problem.model, problem.free, values, doubt.covariance)
-    return found if solution.converged else tuple(one.untested() for one in found)
+    return found if solution.converged else found.withheld()
 
 
 def _left(problem: Problem, floor: Floor) -> tuple[Left, ...]:

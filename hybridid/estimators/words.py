@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from hybridid.estimators.estimate import Difference
+from hybridid.estimators.estimate import AllOne, Difference
 from hybridid.quantities import engineering, number, probability, with_unit
 
 SURE = 0.05
@@ -19,10 +19,18 @@ def differs(one: Difference) -> str:
     low, high = (number(value * factor, digits) for value in (one.lowest, one.highest))
     ends = f"{low} to {with_unit(high, unit)}"
     values = f"{ends}, spread {with_unit(number(one.spread * factor, 2), unit)}"
-    if math.isnan(one.p_value):
+    if math.isnan(one.test.p_value):
         return f"{one.parameter} by recording: {values}; without standard errors, nothing says if it differs"
-    test = f"chi-square {number(one.chi_square, 3)} with {one.degrees}"
-    sure = f"p {probability(one.p_value, '= ')} if it is one value ({test})"
-    if one.p_value < SURE:
-        return f"{one.parameter} differs by recording: {values}, {sure}"
-    return f"{one.parameter} does not differ noticeably by recording: {values}, {sure}"
+    verb = "differs" if one.test.p_value < SURE else "does not differ noticeably"
+    return f"{one.parameter} {verb} by recording: {values}, {_sure(one.test, 'it is one value')}"
+
+
+def differ_together(test: AllOne) -> str:
+    """Whether several parameters differ together, which may be collinear."""
+    verb = "differ" if test.p_value < SURE else "do not differ noticeably"
+    return f"together they {verb} by recording: {_sure(test, 'each is one value')}"
+
+
+def _sure(test: AllOne, supposed: str) -> str:
+    statistic = f"chi-square {number(test.chi_square, 3)} with {test.degrees}"
+    return f"p {probability(test.p_value, '= ')} if {supposed} ({statistic})"

@@ -27,7 +27,7 @@ def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
             name = _without_brackets(p.name)
             found |= {f"parameter.{name}": p.value, f"std.{name}": p.std}
         for one in estimate.differences:
-            found |= {f"spread.{one.parameter}": one.spread, f"one_value.{one.parameter}": one.p_value}
+            found |= {f"spread.{one.parameter}": one.spread, f"one_value.{one.parameter}": one.test.p_value}
     if "validate" in stages:
         gray = fit_of(tree).model
         for row in metric_rows(tree):

@@ -61,10 +61,10 @@ def test_two_groups_are_told_apart(settings, cold_and_warm, heard, fits_schema):
     assert warm - cold == pytest.approx(HIGH - LOW, abs=0.1)
     (one,) = found.differences
     assert (one.parameter, one.groups) == (F_C, ("cold", "warm"))
-    assert one.p_value < 1e-3
+    assert one.test.p_value < 1e-3
     fits_schema(tree / "fit/estimate.json")
     stored = json.loads((tree / "fit/estimate.json").read_text())
-    assert stored["differences"][F_C]["p_value"] == one.p_value
+    assert stored["differences"][F_C]["p_value"] == one.test.p_value
     logged = metrics_of(tree, ["fit"])
     assert logged[f"parameter.{F_C}.cold"] == cold
     assert logged[f"spread.{F_C}"] == one.spread

@@ -9,7 +9,7 @@ import pytest
 
 from hybridid.estimators import FitSettings, fit
 from hybridid.estimators.differences import chi_square
-from hybridid.estimators.words import differs
+from hybridid.estimators.words import differ_together, differs
 from hybridid.model.groups import of_group
 from hybridid.quality import judge
 
@@ -69,26 +69,38 @@ def test_a_planted_difference_is_found(model, pair):
     for p, truth in ((a, 20.0), (b, 21.0)):
         assert abs(p.value - truth) < 3 * p.std
     (one,) = found.differences
-    assert (one.parameter, one.unit, one.groups, one.degrees) == (F_C, "N", AB, 1)
+    assert (one.parameter, one.unit, one.groups, one.test.degrees) == (F_C, "N", AB, 1)
     assert (one.lowest, one.highest) == (a.value, b.value)
     assert one.spread == pytest.approx((b.value - a.value) / np.sqrt(2))
-    assert one.p_value < 1e-9
-    std = (b.value - a.value) / np.sqrt(one.chi_square)
+    assert one.test.p_value < 1e-9
+    std = (b.value - a.value) / np.sqrt(one.test.chi_square)
     assert abs(b.value - a.value - 1.0) < 3 * std < 0.1
     assert differs(one).startswith(f"{F_C} differs by recording: 19.99 to 20.99 N, spread 0.71 N, p < 10")
 
 
 def test_what_does_not_differ_is_not_said_to(model, pair):
-    p = [fitted(model(F_C), pair(20.0, 20.0, seed)).differences[0].p_value for seed in range(12)]
+    p = [fitted(model(F_C), pair(20.0, 20.0, seed)).differences[0].test.p_value for seed in range(12)]
     assert sum(one < 0.05 for one in p) <= 2
     assert 0.15 < np.median(p) < 0.85
 
 
 def test_of_several_parameters_the_one_that_differs_is_named(model, pair):
     found = {one.parameter: one for one in fitted(model(F_C, F_V), pair(20.0, 21.0)).differences}
-    assert found[F_C].p_value < 1e-4
-    assert found[F_V].p_value > 0.01
+    assert found[F_C].test.p_value < 1e-4
+    assert found[F_V].test.p_value > 0.01
     assert "does not differ noticeably" in differs(found[F_V])
+
+
+def test_collinear_parameters_differ_together(model, pair):
+    """Each could be one value; that all are cannot be."""
+    names = (F_C, F_V, "carriage.offset.offset")
+    assert fitted(model(F_C), pair(20.0, 21.0)).together is None
+    apart, alike = (fitted(model(*names), pair(20.0, f_c)).together for f_c in (21.0, 20.0))
+    assert apart.degrees == alike.degrees == 3
+    assert apart.p_value < 1e-9
+    assert alike.p_value > 0.01
+    assert differ_together(apart).startswith("together they differ by recording: p <")
+    assert differ_together(alike).startswith("together they do not differ noticeably by recording: p = 0.")
 
 
 def test_weights_of_a_mean_give_the_mean(model, pair):
@@ -120,9 +132,9 @@ def test_a_fit_that_is_not_trusted_states_no_test(model, pair):
     records = recorded(grouped, pair(20.0, 21.0))
     found = fit(grouped, records, replace(SETTINGS, max_iterations=1))
     assert not found.converged
-    assert np.isnan(found.differences[0].p_value)
+    assert np.isnan(found.differences[0].test.p_value)
     withheld = judge(grouped, records, found).withheld(fitted(grouped, pair(20.0, 21.0)))
-    assert np.isnan(withheld.differences[0].chi_square)
+    assert np.isnan(withheld.differences[0].test.chi_square)
     assert "without standard errors" in differs(withheld.differences[0])
 
 
@@ -130,8 +142,10 @@ def test_chi_square_of_independent_estimates_is_the_weighted_sum():
     v, std = np.array([20.0, 20.5, 21.5]), np.array([0.2, 0.3, 0.4])
     mean = np.sum(v / std**2) / np.sum(1 / std**2)
     expected = np.sum(((v - mean) / std) ** 2)
-    assert chi_square(v, np.diag(std**2)) == pytest.approx(expected)
+    assert chi_square([v], np.diag(std**2)) == pytest.approx(expected)
     # an error that all share makes no difference
-    assert chi_square(v, np.diag(std**2) + 9.0) == pytest.approx(expected)
-    assert np.isnan(chi_square(v, np.diag([1.0, np.inf, 1.0])))
-    assert np.isnan(chi_square(v, np.zeros((3, 3))))
+    assert chi_square([v], np.diag(std**2) + 9.0) == pytest.approx(expected)
+    twice = np.kron(np.eye(2), np.diag(std**2))
+    assert chi_square([v, v + 3], twice) == pytest.approx(2 * expected)
+    assert np.isnan(chi_square([v], np.diag([1.0, np.inf, 1.0])))
+    assert np.isnan(chi_square([v], np.zeros((3, 3))))
