@@ -51,6 +51,19 @@ class Grouping:
             for name, some in self.groups.items()
         }
 
+    def check_fitted(self, records: Sequence[str], key: str) -> None:
+        """Check that each group has one of the fitted ``records``, which ``key`` chooses.
+
+        Raises:
+            ConfigError: if not.
+        """
+        for name, some in self.groups.items():
+            if not set(some) & set(records):
+                raise ConfigError(
+                    f"parameters.{self.parameter}.{BY}: of group {name} no record is fitted, so its value "
+                    f"cannot be estimated; {key} chooses {listed(records)}"
+                )
+
 
 def groupings(settings: Settings, asked: Mapping[str, Any]) -> dict[str, Grouping]:
     """The groups of each parameter in ``asked``, the settings ``by``, by name.
@@ -112,12 +125,7 @@ def _check(one: Grouping, known: Sequence[str], belong: Sequence[str], fitted: S
     left = [record for record in belong if record not in home]
     if left:
         raise ConfigError(f"{where}: no group has record {listed(left)}; every record belongs to one")
-    for group, records in one.groups.items():
-        if not set(records) & set(fitted):
-            raise ConfigError(
-                f"{where}: of group {group} no record is fitted, so its value cannot be estimated; "
-                f"fit.records chooses {listed(fitted)}"
-            )
+    one.check_fitted(fitted, "fit.records")
     if len(one.groups) < 2:
         raise ConfigError(
             f"{where}: {listed(list(one.groups))} is the only group, so nothing can differ; "

@@ -165,8 +165,10 @@ def check(settings: Settings) -> None:
     """
     request = request_of(settings)
     check_processes(section_of(settings).processes, "trace.processes", settings)
-    division(sources_of(settings).found, settings)
+    fitted, _ = division(sources_of(settings).found, settings)
     model = model_of(settings)
+    for grouping in groupings_of(settings, model):
+        grouping.check_fitted([one.name for one in fitted], "trace.records")
     kinds = {port.kind for port in model.plant.ports}
     if not any(effect.kind in kinds for effect in request.effects):
         raise ConfigError(f"trace.effects: plant {model.plant.name} has no port where any of them acts")

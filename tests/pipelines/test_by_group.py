@@ -142,6 +142,12 @@ def test_a_trace_judges_with_the_values_of_the_groups(settings, cold_and_warm, h
     assert kept["carriage"]["coulomb"]["f_c"]["by"] == GROUPS
 
 
+def test_a_trace_fits_a_record_of_each_group(settings, cold_and_warm, heard):
+    chosen = by(GROUPS) | {"trace": {"effects": ["stribeck"], "records": ["first"], "held_out": ["second"]}}
+    with pytest.raises(ConfigError, match=r"of group warm no record is fitted.* trace.records chooses first"):
+        run_stages(settings(chosen), "trace", heard)
+
+
 def test_groups_of_an_effect_that_is_not_selected_are_not_there(settings, cold_and_warm, heard):
     model = model_of(settings(by(GROUPS, effects=["viscous", "offset"])))
     assert not model.groups
