@@ -37,14 +37,14 @@ def differences(
         if len(chosen) > 1:
             own = [free.index(one) for one in chosen.values()]
             v = np.array([values[one] for one in chosen.values()])
-            test = _test([v], covariance[np.ix_(own, own)])
+            test = chi_square_test([v], covariance[np.ix_(own, own)])
             each.append(_difference(name, units[free[own[0]]], tuple(chosen), v, test))
             rows.append(own)
     if len(each) < 2:
         return tuple(each), None
     every = [row for own in rows for row in own]
     numbers = [np.array([values[free[row]] for row in own]) for own in rows]
-    return tuple(each), _test(numbers, covariance[np.ix_(every, every)])
+    return tuple(each), chi_square_test(numbers, covariance[np.ix_(every, every)])
 
 
 def _difference(name: str, unit: str, groups: tuple[str, ...], v: Array, test: AllOne) -> Difference:
@@ -60,7 +60,8 @@ def _difference(name: str, unit: str, groups: tuple[str, ...], v: Array, test: A
     )
 
 
-def _test(values: Sequence[Array], covariance: Array) -> AllOne:
+def chi_square_test(values: Sequence[Array], covariance: Array) -> AllOne:
+    """The test that each parameter has one value, from ``values``, (k,) each, and the covariance of all."""
     statistic, degrees = chi_square(values, covariance), sum(len(v) - 1 for v in values)
     p_value = float(chdtrc(degrees, statistic)) if math.isfinite(statistic) else math.nan
     return AllOne(statistic, degrees, p_value)

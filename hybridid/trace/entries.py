@@ -125,6 +125,28 @@ class ReplacedEffect:
 
 
 @dataclass(frozen=True)
+class DifferingParameter:
+    """A parameter of the last model that was tried with a value for each record.
+
+    ``values`` are those by record, ``gain`` the relative decrease of the held-out RMSE (-1: it could not be
+    fitted) to ``held_out_rmse`` by output, ``p_value`` adjusted for all parameters tried. It differs by
+    recording if its ``status`` is ``passed``; ``alike`` names other parameters, by recording, and effects
+    that the records cannot tell from it. ``in_place_of``: it explains as much in the place of that effect,
+    which was accepted.
+    """
+
+    parameter: str
+    status: str
+    reason: str
+    gain: float
+    p_value: float
+    values: Mapping[str, Value]
+    held_out_rmse: Mapping[str, float]
+    alike: tuple[str, ...] = ()
+    in_place_of: str = ""
+
+
+@dataclass(frozen=True)
 class Level:
     """Where a model stands: RMSE over horizons by output, held out and fitted, and the loss over all outputs.
 

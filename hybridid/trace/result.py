@@ -12,6 +12,7 @@ from hybridid.trace.before_after import FITTED, HELD_OUT, FittedModel, ScoreRow
 from hybridid.trace.completeness import Completeness, WithNetwork
 from hybridid.trace.entries import (
     AcceptedEffect,
+    DifferingParameter,
     EstimatedValue,
     Floor,
     LearnedGain,
@@ -75,7 +76,8 @@ class Trace:
     ``refused`` the gain worth having that a test refused, where that leaves the verdict open.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
-    in the place of one, where that was asked.
+    in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
+    each record, where that was asked; the last model has one value of each.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
     """
 
@@ -106,6 +108,7 @@ class Trace:
     steps: tuple[StepTaken, ...]
     idle: tuple[str, ...] = ()
     replacements: tuple[ReplacedEffect, ...] = ()
+    by_recording: tuple[DifferingParameter, ...] = ()
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     @property

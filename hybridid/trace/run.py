@@ -12,6 +12,7 @@ from hybridid.estimators import FitSettings
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.trace.before_after import Validation, before_and_after
+from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
@@ -20,8 +21,12 @@ from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import automatic_horizon, divided
 from hybridid.trace.summary import summary
+from hybridid.trace.trial import PASSED
 from hybridid.trace.verdict import conclude
 from hybridid.trace.words import sentence
+
+OPEN = ("nothing_missing", "undecided")
+"""Verdicts that a parameter contradicts which differs by recording."""
 
 
 def trace(
@@ -38,6 +43,7 @@ def trace(
     initial_state: str = "estimated",
     laws: bool = True,
     revise: bool = False,
+    recordings: bool = False,
     mapper: Mapper = serial,
     report: Report = silent,
     say: Callable[[str], None] = unheard,
@@ -50,12 +56,13 @@ def trace(
     the integrator; ``start`` (values by name; None: by regression) is where the declared model starts.
     ``initial_state`` ("estimated" or "measured") is that of free runs. With ``laws``, a law is composed where
     no effect explains what is missing. With ``revise``, each declared effect is left out in turn, and
-    others are sought in its place. ``mapper`` runs the refits, one after another or side by side;
+    others are sought in its place. With ``recordings``, each parameter is tried with a value for each record.
+    ``mapper`` runs the refits, one after another or side by side;
     ``report`` follows them. ``say`` is told what each step decides, as it falls.
 
     Raises:
         ValueError: if a record does not fit the model, the model diverges on the records, or they give too
-            few horizons for a verdict.
+            few horizons for a verdict; with ``recordings``, if there is one record or a record is held out.
     """
     began = time.perf_counter()
     fitted, others = tuple(records), tuple(held_out)
@@ -67,11 +74,17 @@ def trace(
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     validation = Validation(fitted, others, settings, seconds, initial_state)
 
+    if recordings:
+        check_split(split)
     found = conclude(model, context, [start] if start else [], settings.integrator)
+    differ = by_recording(found.search, context) if recordings else ()
+    if found.verdict in OPEN and any(one.status == PASSED for one in differ):
+        found = replace(found, verdict="unexplained")
     models = before_and_after(found, validation, context)
     ceilings = ceilings_of_each(found, context)
     networks = with_networks(models, ceilings, validation, context)
     missing, failures = missing_efforts(models, split.records, context)
     evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
+    traced = replace(traced, by_recording=differ)
     return replace(traced, sentence=sentence(traced))

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
-from hybridid.trace.entries import AcceptedEffect
+from hybridid.trace.entries import AcceptedEffect, DifferingParameter
 from hybridid.trace.result import Trace
-from hybridid.trace.trial import UNTRIED
+from hybridid.trace.trial import PASSED, UNTRIED
 
 VERDICTS = {
     "effect_found": "effect found",
@@ -24,7 +24,7 @@ VERDICTS = {
 def sentence(found: Trace) -> str:
     """The verdict in words: what could not be fitted, if anything; then what the model lacked and how far the
     error falls, or what is left."""
-    return _untried(found) + _concluded(found) + _revised(found)
+    return _untried(found) + _concluded(found) + _revised(found) + by_recording_in_words(found)
 
 
 def _revised(found: Trace) -> str:
@@ -41,6 +41,27 @@ def _revised(found: Trace) -> str:
         f" The declared {' or '.join(alike)} may be wrong: {listed(best.effects)} in its place "
         f"{'leave' if len(best.effects) > 1 else 'leaves'} {share(best.gain)} less error "
         f"(p {probability(best.p_value, '= ')})."
+    )
+
+
+def by_recording_in_words(found: Trace) -> str:
+    """Which parameters differ by recording; that none does, where it was asked; else empty."""
+    if not found.by_recording:
+        return ""
+    passed = [one for one in found.by_recording if one.status == PASSED]
+    said = "".join(_differs(one) for one in passed if not one.in_place_of)
+    for effect in dict.fromkeys(one.in_place_of for one in passed if one.in_place_of):
+        names = [one.parameter for one in passed if one.in_place_of == effect]
+        said += f" These records cannot tell {effect} from {' or '.join(names)} that differs by recording."
+    return said or " No parameter differs by recording."
+
+
+def _differs(one: DifferingParameter) -> str:
+    values = listed([f"{estimated(v.value, v.std, v.unit)} in {record}" for record, v in one.values.items()])
+    alike = f"; these records cannot tell it from {listed(one.alike)}" if one.alike else ""
+    return (
+        f" {one.parameter} differs by recording, {values}: that leaves {share(one.gain)} less error "
+        f"(p {probability(one.p_value, '= ')}){alike}. parameters.{one.parameter}.by=record fits each."
     )
 
 

@@ -9,6 +9,7 @@ from hybridid.quantities import (
     DIVERGES,
     NONE,
     UNKNOWN,
+    estimated,
     number,
     percent,
     probability,
@@ -53,6 +54,7 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
         _accepted(found, about["law"]),
         Section("Parameters", tables=(_parameters(found),)),
         _declared(found),
+        _by_recording(found),
         Section("What was tried", (_TRIED,), _refused(found), about["trials"]),
         Section("The residual", (_RESIDUAL,), pictures=(*about["error"], *about["missing_effort"])),
         _remaining(found, about["ceiling"]),
@@ -105,6 +107,39 @@ def _declared(found: Trace) -> Section | None:
     tables = (Table(title, header, rows, (note,), words=(0, 1, 4)),) if rows else ()
     idle = (idle_in_words(found),) if found.idle else ()
     return Section("The declared physics", idle, tables)
+
+
+def _by_recording(found: Trace) -> Section | None:
+    """Which parameters were tried with a value for each record."""
+    if not found.by_recording:
+        return None
+    header = (
+        "parameter",
+        "value ± 95 %",
+        "gain",
+        "p",
+        "in place of",
+        "cannot be told from",
+        "decision",
+        "reason",
+    )
+    rows = tuple(
+        (
+            one.parameter,
+            "; ".join(f"{record}: {estimated(v.value, v.std, v.unit)}" for record, v in one.values.items()),
+            share(one.gain),
+            probability(one.p_value),
+            one.in_place_of or NONE,
+            ", ".join(one.alike) or NONE,
+            one.status,
+            one.reason,
+        )
+        for one in found.by_recording
+    )
+    title = f"Parameters of the last model with a value for each record ({found.provenance})"
+    return Section(
+        "What differs by recording", tables=(Table(title, header, rows, words=(0, 1, 4, 5, 6, 7)),)
+    )
 
 
 def _survivals(entry: AcceptedEffect) -> Table:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from hybridid.declarations import Port, Signal
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
+from hybridid.naming import listed
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import automatic_horizon
 from pipelines.shared.channels import channels_of
@@ -26,7 +27,8 @@ from pipelines.shared.sources import Named, chosen
 class Request:
     """A trace as configured: ``effects`` to try at ``ports`` (None: all), judged by ``rules``, over horizons
     of ``horizon`` s, in parallel ``processes``. ``laws`` are composed where no effect explains.
-    ``revise``: each declared effect is left out in turn."""
+    ``revise``: each declared effect is left out in turn. ``by_recording``: each parameter is tried with
+    a value for each record."""
 
     effects: tuple[Effect, ...]
     ports: tuple[str, ...] | None
@@ -35,6 +37,7 @@ class Request:
     processes: int
     laws: bool = True
     revise: bool = False
+    by_recording: bool = False
 
 
 def request_of(settings: Settings) -> Request:
@@ -55,7 +58,8 @@ def request_of(settings: Settings) -> Request:
                 raise ConfigError(unknown(f"channel that effect {effect.id} of trace sees", name, known))
     ports = _ports(settings, section, effects)
     horizon, processes = _horizon(settings, section), _processes(settings, section)
-    return Request(effects, ports, section.rules, horizon, processes, section.laws, section.revise)
+    asked = (section.laws, section.revise, section.by_recording)
+    return Request(effects, ports, section.rules, horizon, processes, *asked)
 
 
 def section_of(settings: Settings) -> TraceSection:
@@ -94,6 +98,26 @@ def division(records: Sequence[Named], settings: Settings) -> tuple[list[Named],
             "trace.held_out=null judges on alternate horizons of it"
         )
     return fitted, held_out
+
+
+def check_by_recording(section: TraceSection, fitted: Sequence[Named], held_out: Sequence[Named]) -> None:
+    """Whether what differs by recording can be judged, where it is asked: on parts of each record that were
+    not fitted.
+
+    Raises:
+        ConfigError: if a record is held out as a whole, or only one is fitted.
+    """
+    if section.by_recording and held_out:
+        names = listed([record.name for record in held_out])
+        raise ConfigError(
+            f"trace.by_recording: no fit knows a parameter's value in {names}, held out as a whole; "
+            "trace.held_out=null judges on alternate horizons of trace.records"
+        )
+    if section.by_recording and len(fitted) < 2:
+        raise ConfigError(
+            f"trace.by_recording: trace.records chooses {listed([record.name for record in fitted])} alone; "
+            "nothing can differ by recording"
+        )
 
 
 def fitting_horizon(request: Request, prepared: Sequence[Prepared], settings: Settings) -> Request:

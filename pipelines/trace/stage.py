@@ -37,6 +37,7 @@ from pipelines.trace.missing import write_missing
 from pipelines.trace.page import trace_page
 from pipelines.trace.request import (
     Request,
+    check_by_recording,
     division,
     fitting_horizon,
     imported_effects,
@@ -98,6 +99,7 @@ def traced(
             initial_state=str(settings["validate.initial_state"]),
             laws=request.laws,
             revise=request.revise,
+            recordings=request.by_recording,
             mapper=keep(mapper),
             report=report,
             say=say,
@@ -165,7 +167,8 @@ def check(settings: Settings) -> None:
     """
     request = request_of(settings)
     check_processes(section_of(settings).processes, "trace.processes", settings)
-    fitted, _ = division(sources_of(settings).found, settings)
+    fitted, held_out = division(sources_of(settings).found, settings)
+    check_by_recording(section_of(settings), fitted, held_out)
     model = model_of(settings)
     for grouping in groupings_of(settings, model):
         grouping.check_fitted([one.name for one in fitted], "trace.records")

@@ -196,3 +196,43 @@ def test_what_cannot_be_is_one_line(changes, line, settings, cold_and_warm, hear
         run_stages(settings(changes), "fit", heard)
     assert line in str(refused.value)
     assert len(str(refused.value).splitlines()) == 1
+
+
+def by_recording(**section):
+    """The settings of a trace that asks which parameters differ by recording."""
+    asked = {"by_recording": True, "effects": ["stribeck"], "processes": 1, "laws": False, "horizon": 0.1}
+    changes = {"records": RECORDS, "parameters": {}, "rig": None, "fit.records": None}
+    return {**changes, "trace": {"records": None, "held_out": None, **asked, **section}}
+
+
+def test_a_trace_names_what_differs_by_recording(settings, cold_and_warm, heard, fits_schema):
+    tree = run_stages(settings(by_recording()), "trace", heard).tree
+    fits_schema(tree / "trace/trace.json")
+    found = json.loads((tree / "trace/trace.json").read_text())
+    (one,) = (one for one in found["by_recording"] if one["status"] == "passed")
+    assert one["parameter"] == F_C
+    values = {name: value["value"] for name, value in one["values"].items()}
+    low = values["first"]
+    assert {name: value - low for name, value in values.items()} == pytest.approx(
+        {name: f_c - LOW for name, (_, f_c) in RUNS.items()}, abs=0.15
+    )
+    assert f"{F_C} differs by recording, " in found["sentence"]
+    assert found["verdict"] not in ("nothing_missing", "undecided")
+    assert "What differs by recording" in (tree / "trace/report.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("section", "line"),
+    [
+        (
+            {"records": ["first", "fourth"], "held_out": ["second", "third"]},
+            "trace.by_recording: no fit knows a parameter's value in second and third, held out as a whole",
+        ),
+        ({"records": ["first"]}, "trace.by_recording: trace.records chooses first alone"),
+    ],
+)
+def test_what_cannot_judge_a_difference_is_refused(section, line, settings, cold_and_warm, heard):
+    with pytest.raises(ConfigError) as refused:
+        run_stages(settings(by_recording(**section)), "trace", heard)
+    assert line in str(refused.value)
+    assert len(str(refused.value).splitlines()) == 1

@@ -49,6 +49,11 @@ class TraceSection:
     revise: bool = setting(
         False, "leave out each declared effect in turn, and seek others in its place (as long again for each)"
     )
+    by_recording: bool = setting(
+        False,
+        "try each parameter with a value for each record; only alternate horizons of two records or more can "
+        "judge it (held_out: null)",
+    )
     ports: tuple[str, ...] | None = setting(None, "names of the ports to try", null="all")
     rules: Rules = inlined(Rules())
     processes: int | None = setting(None, "trials side by side", least=1, null=_CORES)

@@ -1,0 +1,116 @@
+"""A parameter that differs by recording is named; a drift within each run is told apart. Simulated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.by_recording import by_recording
+from hybridid.trace.context import Context
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import search
+from hybridid.trace.split import by_blocks, by_record
+from hybridid.trace.trial import PASSED
+
+F_C, DRIFT = "carriage.coulomb.f_c", "carriage.friction_drift"
+TRIED = tuple(map(effect_named, ("friction_drift", "stribeck")))
+HORIZON = 25
+
+
+@pytest.fixture(scope="module")
+def pair(two_records):
+    """``pair(f_c of the first, of the second)``: two recordings."""
+
+    def make(f_first, f_second):
+        return two_records(f_c=f_first)[0], two_records(f_c=f_second)[1]
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def searched(make_model):
+    def make(records, rules=None, model=None):
+        context = Context(by_blocks(records, HORIZON), TRIED, rules or Rules())
+        return search(model or make_model(), context, [{}], 0.0), context
+
+    return make
+
+
+def differing(found, context):
+    return [one for one in by_recording(found, context) if one.status == PASSED]
+
+
+def test_friction_that_differs_is_named_with_its_values(pair, searched):
+    found, context = searched(pair(20.0, 21.5))
+    assert not found.accepted
+    (one,) = differing(found, context)
+    assert one.parameter == F_C
+    assert one.gain > 0.5
+    assert one.p_value < Rules.alpha
+    for record, truth in (("first", 20.0), ("second", 21.5)):
+        value = one.values[record]
+        assert abs(value.value - truth) < 4 * value.std
+    assert one.held_out_rmse["position"] < 0.5 * found.final.score.rmse[0]
+    others = [t for t in by_recording(found, context) if t.status != PASSED]
+    assert {t.parameter for t in others} == {p.name for p in found.final.model.free} - {F_C}
+
+
+def test_two_that_differ_are_both_named(two_records, searched):
+    records = two_records(f_c=20.0, M=95.0)[0], two_records(f_c=21.5, M=110.0)[1]
+    found, context = searched(records)
+    assert {one.parameter for one in differing(found, context)} == {F_C, "M"}
+
+
+def test_where_nothing_differs_nothing_is_named(pair, searched):
+    assert differing(*searched(pair(20.4, 20.4))) == []
+
+
+def test_a_drift_within_each_run_is_none(pair, searched):
+    """Friction that rises in each run alike: the effect names it, and no parameter differs."""
+    found, context = searched(tuple(drifting(record) for record in pair(20.4, 20.4)))
+    assert [one.name for one in found.accepted] == [DRIFT]
+    assert differing(found, context) == []
+
+
+def test_a_drift_that_stands_for_a_step_is_said_to(pair, searched):
+    """The second run is recorded an hour later: a line through two levels of friction fits as well."""
+    first, second = pair(20.0, 22.0)
+    found, context = searched((first, replace(second, time=second.time + 3600.0)))
+    assert [one.name for one in found.accepted] == [DRIFT]
+    assert (F_C, DRIFT) in [(one.parameter, one.in_place_of) for one in differing(found, context)]
+
+
+def test_a_parameter_with_groups_already_is_not_tried(pair, searched, make_model):
+    groups = {F_C: ("a", "b")}
+    model = replace(make_model(), groups=groups)
+    weights = ({f"{F_C}[a]": 1.0, f"{F_C}[b]": 0.0}, {f"{F_C}[a]": 0.0, f"{F_C}[b]": 1.0})
+    records = tuple(
+        record.with_constants(own, dict.fromkeys(own, "1"))
+        for record, own in zip(pair(20.0, 21.5), weights, strict=True)
+    )
+    tried = by_recording(*searched(records, model=model))
+    assert {one.parameter for one in tried} == {"M", "carriage.viscous.f_v", "carriage.offset.offset"}
+    assert not any(one.status == PASSED for one in tried)
+
+
+def test_a_record_that_is_held_out_as_a_whole_cannot_judge(pair, make_model):
+    first, second = pair(20.0, 21.5)
+    context = Context(by_record([first], [second], HORIZON), TRIED)
+    found = search(
+        make_model(),
+        context,
+        [{}],
+        0.0,
+    )
+    with pytest.raises(ValueError, match="judged on alternate horizons of two records or more"):
+        by_recording(found, context)
+
+
+def drifting(record):
+    """As if the Coulomb friction had risen by 0.8 N a second: the force that it takes is missing."""
+    velocity = np.gradient(record.outputs[:, 0], record.time)
+    more = 0.8 * record.time * np.tanh(velocity / 3e-3)
+    return replace(record, inputs=record.inputs + more[:, None])
