@@ -65,3 +65,19 @@ def test_constants_of_the_recordings_become_parameters(recorded, machine, say, r
     assert [one["parameters"] for one in records.values()] == [{"k_p": 4.0}, {"k_p": 8.0}]
     assert say("fit", "--config-dir", rig, f"case={rig}", "out=fit", "mlflow.enabled=false").code == 0
     assert "k_p" not in json.loads((own_folder / "fit/fit/estimate.json").read_text())["parameters"]
+
+
+def test_a_parameter_of_a_new_case_may_differ_by_recording(recorded, say, own_folder, rig):
+    """Three copies of one recording, two of them fitted: their values are one."""
+    words = recorded("carriage")
+    for name in ("a", "b", "c"):
+        (own_folder / f"{name}.csv").write_text((own_folder / "carriage.csv").read_text())
+    assert say("new", rig, "--from", "a.csv", "b.csv", "c.csv", *words[2:]).code == 0
+    by = "parameters.guide.coulomb.f_c.by=record"
+    said = say("validate", "--config-dir", rig, f"case={rig}", by, "out=tree", "mlflow.enabled=false")
+    assert said.code == 0, said.complaint
+    found = json.loads((own_folder / "tree/fit/estimate.json").read_text())
+    values = [found["parameters"][f"guide.coulomb.f_c[{name}]"]["value"] for name in ("a", "b")]
+    assert values == pytest.approx([1.5, 1.5], rel=0.05)
+    assert found["differences"]["guide.coulomb.f_c"]["p_value"] > 0.9
+    assert "record c is not fitted, so guide.coulomb.f_c has no value of its own there" in said.err
