@@ -14,6 +14,7 @@ from pipelines.shared.hybrids import Residual
 from pipelines.shared.predictions import Tested
 from pipelines.shared.prepared import Prepared
 from pipelines.shared.traced import TraceFile
+from pipelines.sweep.fleet import Fleet
 from pipelines.sweep.results import SweepResult
 from pipelines.tune.findings import Search
 
@@ -26,6 +27,7 @@ FILES: Mapping[str, Any] = {
     "residual/residual.json": Residual,
     "trace/trace.json": TraceFile,
     "sweep.json": SweepResult,
+    "fleet.json": Fleet,
     "tune.json": Search,
 }
 """Each file of results, and the dataclass that is written into it."""

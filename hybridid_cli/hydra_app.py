@@ -18,7 +18,7 @@ FULL_ERROR = "HYDRA_FULL_ERROR"
 
 def run(command: str, words: Sequence[str]) -> int:
     """Carry out a command that has a primary config; returns the exit code."""
-    words = typed(words)
+    command, words = _fleet(command, typed(words))
     ready = prepared(command, words)
     traceback = wants_traceback() or "--debug" in words
     if command == "sweep":
@@ -42,6 +42,14 @@ def run(command: str, words: Sequence[str]) -> int:
         message, code = explained(error, command, words)
         return complain(message, code)
     return 0
+
+
+def _fleet(command: str, words: Sequence[str]) -> tuple[str, list[str]]:
+    """``trace -m`` as the sweep that it is: a trace at each point, and one table of all."""
+    several = {"-m", "--multirun"} & set(words)
+    if command != "trace" or not several:
+        return command, list(words)
+    return "sweep", [*(word for word in words if word not in several), "sweep.stage=trace"]
 
 
 def _load_early(words: Sequence[str]) -> None:

@@ -18,6 +18,9 @@ from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 
 from hybridid.plain import build
+from hybridid.records.sources import DataRoot
+from hybridid_cli.file_globs import with_files
+from hybridid_cli.fleet_results import fleet_summary
 from hybridid_cli.launching import runner_of
 from hybridid_cli.sweep_results import failed, summary
 from hybridid_cli.tasks import settings_from
@@ -28,8 +31,10 @@ from pipelines.shared.limits import check_points, check_processes
 from pipelines.shared.secrets import masked
 from pipelines.shared.sections.searches import SweepSection
 from pipelines.shared.sections.stages import LimitsSection
+from pipelines.shared.sources import roots_of
 from pipelines.shared.tree import locked
-from pipelines.sweep.conduct import Sweep, conduct, folder_of
+from pipelines.sweep.conduct import Sweep, SweepOutcome, conduct, folder_of
+from pipelines.sweep.fleet import write_fleet
 from pipelines.sweep.log import common, in_one_experiment
 from pipelines.sweep.point import Point, expanded
 from pipelines.sweep.report import write_report
@@ -49,7 +54,7 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         Incomplete: if points have no result; names them.
     """
     parser = OverridesParser.create(config_loader=context.config_loader)
-    overrides = parser.parse_overrides(list(words))
+    overrides = parser.parse_overrides(with_files(words, _roots(config)))
     with Terminal() as terminal:
         points = expanded(list(Configs(overrides, parser, context.config_loader, config)))
         settings = points[0].settings
@@ -65,13 +70,19 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         logged = parent_run(common(points), name, asked.key, terminal)
         with locked(asked.folder, terminal.say), logged as parent:
             swept = conduct(asked, runner, request, parent, terminal)
-            groups = write_report(swept)
+            said, files = _reported(swept)
             numbers = {"points": len(points), "points.failed": len(swept.failures), "seconds": swept.seconds}
-            files = [asked.folder / file for file in ("index.html", "networks.csv", "sweep.json")]
-            parent.close(bool(swept.failures), numbers, files)
-        terminal.show(summary(swept, groups))
+            parent.close(bool(swept.failures), numbers, [asked.folder / file for file in files])
+        terminal.show(said)
     if swept.failures:
         raise Incomplete(failed(swept))
+
+
+def _reported(swept: SweepOutcome) -> tuple[str, tuple[str, ...]]:
+    """Write the files of a sweep, or of a fleet of traces; what the terminal shows, and the files' names."""
+    if swept.sweep.points[0].is_traced:
+        return fleet_summary(swept, write_fleet(swept)), ("index.html", "fleet.csv", "fleet.json")
+    return summary(swept, write_report(swept)), ("index.html", "networks.csv", "sweep.json")
 
 
 @dataclass(frozen=True)
@@ -120,6 +131,12 @@ class Configs:
             for key, value in values.items():
                 OmegaConf.update(config, key, value, merge=True)
         return settings_from(config, hydra, in_sweep=True), {**options, **values}
+
+
+def _roots(config: DictConfig) -> tuple[DataRoot, ...]:
+    """The folders in which recordings are looked for."""
+    own = [s.path for s in config.hydra.runtime.config_sources if s.schema == "file" and s.provider != "main"]
+    return roots_of(config.paths.get("data"), [Path(folder) for folder in own])
 
 
 def _launcher(folder: Path, context: HydraContext, task: TaskFunction, config: DictConfig) -> Any:

@@ -26,7 +26,7 @@ def fetch_case(settings: Settings, watcher: Watcher) -> list[Path]:
     archive = archive_named(section.name)
     if section.url:
         archive = replace(archive, url=section.url)
-    root = roots_of(settings)[0]
+    root = roots_of(settings.paths.data, settings.folders)[0]
     watcher.say(f"{archive.name}: to {root.path / archive.name}; licence: {archive.licence}")
     watcher.say(f"please cite: {archive.citation}")
     return fetch(archive, root.path, lambda done, total: _report(watcher, archive.name, done, total))

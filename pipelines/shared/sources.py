@@ -129,7 +129,7 @@ def sources_of(settings: Settings) -> Sources:
     parameters_by_record(settings)
     if choice == "simulated":
         return Sources(_simulated(settings, records), ("simulated records, as data=simulated asks",))
-    roots = roots_of(settings)
+    roots = roots_of(_data_folder(settings), settings.folders)
     if not roots[0].path.is_dir() and _data_folder(settings):
         raise ConfigError(f"paths.data is {roots[0].path}: no such folder")
     found, missing = [], []
@@ -147,10 +147,9 @@ def sources_of(settings: Settings) -> Sources:
     return Sources(_simulated(settings, records), (missing[0], f"{_STANDS_IN}{_fetch_hint(settings)}"))
 
 
-def roots_of(settings: Settings) -> tuple[DataRoot, ...]:
+def roots_of(data: str | None, folders: Sequence[Path]) -> tuple[DataRoot, ...]:
     """The folders searched for records: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, the user's own."""
-    own = [DataRoot(folder, "--config-dir") for folder in settings.folders]
-    return (*data_roots(_data_folder(settings)), *own)
+    return (*data_roots(data), *(DataRoot(folder, "--config-dir") for folder in folders))
 
 
 def _data_folder(settings: Settings) -> str | None:

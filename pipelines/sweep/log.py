@@ -66,7 +66,7 @@ def log_failures(failures: Mapping[Point, str], sweep: str, began: float, watche
 
 def _logged(point: Point, sweep: str) -> Logged:
     """All of it from the point's files: who logs it, and when, makes no difference."""
-    stages = tuple(s for s in ("fit", "residual", "validate") if (point.tree / s / RECEIPT).exists())
+    stages = tuple(s for s in ("fit", "residual", "validate", "trace") if (point.tree / s / RECEIPT).exists())
     receipt = point.tree / point.last / RECEIPT
     seconds = float(read_json(receipt)["seconds"])
     tree = str(point.tree.resolve())

@@ -42,14 +42,21 @@ class Point:
         return " ".join(f"{key}={spelt(value)}" for key, value in self.at.items())
 
     @property
+    def is_traced(self) -> bool:
+        """Whether what its model lacks is asked for."""
+        return self.settings.get("sweep.stage") == "trace"
+
+    @property
     def kind(self) -> str | None:
-        """Of its network; None without one."""
-        kind = self.settings.get("residual.kind")
+        """Of its network; None without one. A trace takes no network."""
+        kind = None if self.is_traced else self.settings.get("residual.kind")
         return None if kind is None else str(kind)
 
     @property
     def last(self) -> str:
         """The stage whose result the sweep reads. A NARX network's has all scores already."""
+        if self.is_traced:
+            return "trace"
         return "residual" if self.kind == "narx" else "validate"
 
     @cached_property
@@ -122,8 +129,18 @@ def axes_of(points: Sequence[Point]) -> list[str]:
     return sorted(several, key=lambda key: key == SEEDS)
 
 
+def _traced_alone(settings: Settings) -> Settings:
+    """With a trace of one process: many points are traced side by side."""
+    trace = dict(settings.get("trace") or {})
+    config = {**settings.config, "trace": {**trace, "processes": trace.get("processes") or 1}}
+    return replace(settings, config=config, in_sweep=True)
+
+
 def _of_grid(settings: Settings, at: Mapping[str, Any]) -> Iterator[Point]:
-    """A point for each combination of the lists that make a grid."""
+    """A point for each combination of the lists that make a grid; of a trace the config as it is."""
+    if settings.get("sweep.stage") == "trace":
+        yield Point(_traced_alone(settings), at)
+        return
     residual = settings.get("residual") or {}
     names = [name for name in GRIDS.get(str(residual.get("kind")), ()) if residual.get(name) is not None]
     lists = [given if isinstance(given, list) else [given] for given in (residual[name] for name in names)]

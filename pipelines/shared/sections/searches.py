@@ -61,8 +61,13 @@ class TraceSection:
 
 @dataclass(frozen=True)
 class SweepSection:
-    """How the points of a sweep are carried out."""
+    """What a sweep does at each of its points, and how."""
 
+    stage: Literal["auto", "trace"] = setting(
+        "auto",
+        "what is done at each point; auto: fit, train and score; trace: find what the model lacks, as "
+        "hybridid trace -m does",
+    )
     stack: int | None = setting(
         None,
         "points that train together at most; 1: every point is a job of its own",
