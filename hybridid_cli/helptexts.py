@@ -48,8 +48,9 @@ the report and every point's run tree; default: outputs/sweeps/<name>-<digest>,
 _TREE = "put the whole run tree there; default: outputs/<case>/<hash of the config>"
 
 RUN = """\
-Reads and checks the records, estimates the parameters, scores the model in free run and over horizons, and
-draws the figures. Stages whose inputs and settings have not changed are reused; each one says so.
+Reads and checks the records, estimates the parameters, scores the model in free run, over horizons
+and under its controller, and draws the figures. Stages whose inputs and settings have not changed are reused;
+each one says so.
 
   hybridid run case=emps
   hybridid run case=emps estimator.horizon=1000 effects=[viscous,coulomb,offset,asymmetric_viscous]
@@ -103,9 +104,11 @@ and leaves the others; the same command again does what is missing, and so does 
 
 VALIDATE = """\
 Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, MAE, R2 and fit
-percentage by record, output and view, and tests of the residual.
+percentage by record, output and view, and tests of the residual. A case with a controller is also run in the
+loop: from its reference, the law closed over the simulated outputs; its control effort is scored too.
 
   hybridid validate case=emps validate.horizon=0.5
+  hybridid validate case=emps controller.parameters.kp=150     another gain; controller=null: no loop
 """
 
 PLOT = """\

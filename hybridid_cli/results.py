@@ -11,12 +11,12 @@ from rich.text import Text
 
 from hybridid.estimators.estimate import EstimatedParameter
 from hybridid.estimators.words import differ_together, differs
-from hybridid.quantities import NONE, fixed, mean_square, number, quantity, r_squared
+from hybridid.quantities import NONE, fixed, mean_square, number, percent, quantity, r_squared
 from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import provenance, rendered, table, view, warnings
 from hybridid_cli.trace_results import trace_results
 from pipelines.shared.fitted import Fit, fit_of
-from pipelines.shared.predictions import metric_rows
+from pipelines.shared.predictions import agreements_in, metric_rows
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.stage import Outcome
 
@@ -102,7 +102,7 @@ def _scores(tree: Path) -> list[RenderableType]:
             *((row.model,) if several else ()),
             row.record,
             row.output,
-            view(row.horizon),
+            view(row.horizon, row.view),
             quantity(row.rmse, row.unit),
             quantity(row.mae, row.unit),
             mean_square(row.mse, row.unit),
@@ -111,7 +111,19 @@ def _scores(tree: Path) -> list[RenderableType]:
             str(row.n),
             provenance(row.provenance),
         )
-    return [made]
+    return [made, *_laws(tree)]
+
+
+def _laws(tree: Path) -> list[RenderableType]:
+    """Whether the control law is the one that ran the machine, before a score in the loop is believed."""
+    return [
+        Text(
+            f"in the loop ({one.provenance}): with the recorded outputs of {one.record}, the law of "
+            f"{one.controller} gives the recorded {one.command} within {quantity(one.rms, one.unit, 3)} RMS "
+            f"({percent(one.share, 2)})" + ("" if one.agrees else "; too far apart: not simulated")
+        )
+        for one in agreements_in(tree)
+    ]
 
 
 def _figures(tree: Path) -> list[RenderableType]:

@@ -133,7 +133,7 @@ def test_what_every_command_reads_is_checked_at_once(config, line):
          "estimator.method is 'newton': did you mean 'gauss_newton'? "
          "allowed: gauss_newton, multiple_shooting"),
         ("estimator", {"seed": -1}, "estimator.seed is -1: must be a whole number from 0 to 2^63 - 1"),
-        ("validate", {"views": []}, "validate.views is []: give at least one of free_run, horizon"),
+        ("validate", {"views": []}, "validate.views is []: give at least one of free_run, horizon, loop"),
         ("validate", {"horizon": True}, "validate.horizon is True: must be a positive number of s"),
         ("sweep", {"stack": 0}, "sweep.stack is 0: at least 1, or null for what the machine suggests"),
         ("tune", {"processes": True}, "tune.processes is True: expected a whole number"),
