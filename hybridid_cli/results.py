@@ -11,7 +11,8 @@ from rich.text import Text
 
 from hybridid.estimators.estimate import EstimatedParameter
 from hybridid.estimators.words import differ_together, differs
-from hybridid.quantities import NONE, fixed, mean_square, number, percent, quantity, r_squared
+from hybridid.quantities import NONE, fixed, mean_square, number, quantity, r_squared
+from hybridid.validation.in_loop import Agreement
 from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import provenance, rendered, table, view, warnings
 from hybridid_cli.trace_results import trace_results
@@ -118,12 +119,18 @@ def _laws(tree: Path) -> list[RenderableType]:
     """Whether the control law is the one that ran the machine, before a score in the loop is believed."""
     return [
         Text(
-            f"in the loop ({one.provenance}): with the recorded outputs of {one.record}, the law of "
-            f"{one.controller} gives the recorded {one.command} within {quantity(one.rms, one.unit, 3)} RMS "
-            f"({percent(one.share, 2)})" + ("" if one.agrees else "; too far apart: not simulated")
+            _law(one) if math.isfinite(one.rms) else f"in the loop ({one.provenance}): not simulated: {one.remark}"
         )
         for one in agreements_in(tree)
     ]
+
+
+def _law(one: Agreement) -> str:
+    return (
+        f"in the loop ({one.provenance}): with the recorded outputs of {one.record}, the law of "
+        f"{one.controller} gives the recorded {one.command} within {quantity(one.rms, one.unit, 3)} RMS "
+        f"({one.said})" + ("" if one.agrees else "; too far apart: not simulated")
+    )
 
 
 def _figures(tree: Path) -> list[RenderableType]:

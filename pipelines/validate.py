@@ -24,7 +24,6 @@ from hybridid.validation import (
     Metrics,
     Prediction,
     agreement,
-    disagreement,
     diverged,
     free_run,
     horizon_run,
@@ -32,6 +31,7 @@ from hybridid.validation import (
     metrics,
     residual_tests,
     synchronised,
+    unknown_agreement,
 )
 from pipelines.shared.config import Settings
 from pipelines.shared.controlling import controller_code, controller_section, loop_of
@@ -153,26 +153,25 @@ def _under_control(
 ) -> tuple[list[Metrics], list[Agreement]]:
     """Every model on one record in the loop, if the law is the one that ran the machine there."""
     section = controller_section(job.settings)
+    most = section.tolerance if section else math.inf
     shown = (*model.outputs, *loop.controller.commands)
-    laws: tuple[Agreement, ...] = ()
     try:
         loop = synchronised(loop, record)
-        laws = agreement(loop, record, section.tolerance if section else math.inf)
-        why = disagreement(laws)
+        laws = agreement(loop, record, most)
     except OwnCodeError:
         raise
     except ValueError as error:  # the record lacks a signal of the law, or is too short
-        why = str(error)
+        laws = unknown_agreement(loop, record, most, str(error))
+    if not all(law.agrees for law in laws):
+        job.watcher.warn(f"not simulated in the loop: {laws[0].remark}")
+        return [], list(laws)
     rows: list[Metrics] = []
     for one in candidates:
-        if why is None and one.in_loop is not None:
-            _tell(job, one, record, "in the loop")
-            rows += _controlled(job, one, record, loop, shown)
-        elif why is None:
+        if one.in_loop is None:
             job.watcher.warn(f"{one.name} stands behind the outputs, and is not simulated in the loop")
-    if why is not None:
-        job.watcher.warn(f"not simulated in the loop: {why}")
-        rows = [row for one in candidates for row in diverged(record, shown, one.name, why, view="loop")]
+            continue
+        _tell(job, one, record, "in the loop")
+        rows += _controlled(job, one, record, loop, shown)
     return rows, list(laws)
 
 

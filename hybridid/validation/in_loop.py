@@ -33,6 +33,8 @@ class Agreement:
 
     ``rms`` is the RMS of their difference in ``unit``, ``share`` that over the RMS of the recorded command
     about its mean, ``most`` the largest share with which the law counts as the one that ran the machine.
+    ``remark`` says why the record is not simulated in the loop. Where the law cannot be computed, rms and
+    share are nan.
     """
 
     controller: str
@@ -43,6 +45,12 @@ class Agreement:
     rms: float
     share: float
     most: float
+    remark: str = ""
+
+    @property
+    def said(self) -> str:
+        """The share in words."""
+        return percent(float(f"{self.share:.3g}"))
 
     @property
     def agrees(self) -> bool:
@@ -80,8 +88,17 @@ def agreement(loop: Loop, record: Record, most: float) -> tuple[Agreement, ...]:
         spread = float(recorded.std()) or float(np.abs(recorded).max())
         share = rms / spread if spread > 0 else (np.inf if rms > 0 else 0.0)
         where = (law.name, record.name, record.provenance, command.name, command.unit)
-        found.append(Agreement(*where, rms, share if np.isfinite(share) else np.inf, most))
-    return tuple(found)
+        found.append(Agreement(*where, rms, share, most))
+    return tuple(replace(one, remark=disagreement(found) or "") for one in found)
+
+
+def unknown_agreement(loop: Loop, record: Record, most: float, why: str) -> tuple[Agreement, ...]:
+    """The same where the law cannot be computed, and ``why``."""
+    law, nan = loop.controller, float("nan")
+    return tuple(
+        Agreement(law.name, record.name, record.provenance, one.name, one.unit, nan, nan, most, why)
+        for one in law.commands
+    )
 
 
 def disagreement(found: Sequence[Agreement]) -> str | None:
@@ -90,7 +107,7 @@ def disagreement(found: Sequence[Agreement]) -> str | None:
     if not apart:
         return None
     said = "; ".join(
-        f"the law's {one.command} differs by {quantity(one.rms, one.unit, 3)} RMS, {percent(one.share)} of "
+        f"the law's {one.command} differs by {quantity(one.rms, one.unit, 3)} RMS, {one.said} of "
         "the recorded one"
         for one in apart
     )

@@ -74,10 +74,10 @@ def test_the_other_views_do_not_move(case, heard):
 
 def test_another_law_is_refused_with_how_far_it_is(case, heard):
     outcome = run_stages(case({"controller": LAW | {"parameters": {"kp": 100.0}}}), "validate", heard)
-    assert all(np.isnan(row.rmse) for row in rows_in(outcome).values())
+    assert rows_in(outcome) == {}
     assert len(heard.warned) == 2
     assert heard.warned[0].startswith("not simulated in the loop: controller emps_pd is not the law that ran")
-    assert rows_in(outcome)["first", "force"].remark in heard.warned[0]
+    assert agreements_in(outcome.tree)[0].remark in heard.warned[0]
     assert "too far apart: not simulated" in summary(outcome, "validate")
     assert not list((outcome.tree / "validate").glob("*.loop.parquet"))
     anew = run_stages(
@@ -90,7 +90,8 @@ def test_another_law_is_refused_with_how_far_it_is(case, heard):
 def test_a_record_without_the_reference_is_scored_in_the_other_views(case, heard):
     outcome = run_stages(case({"signals.auxiliary": PULSES}), "validate", heard)
     assert len(rows_in(outcome, "free_run")) == 2
-    assert all(np.isnan(row.rmse) for row in rows_in(outcome).values())
+    assert rows_in(outcome) == {}
+    assert "in the loop (measured): not simulated: controller emps_pd: record" in summary(outcome, "validate")
     assert "record first has no signal reference, which is its reference" in heard.warned[0]
 
 
