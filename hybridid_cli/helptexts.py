@@ -69,8 +69,9 @@ FIT = """\
 Estimates the parameters of plant and effects on the records of fit.records and writes fit/estimate.json. Says
 first what the model leaves, beside the sensor's noise and beside doing nothing, and whether the model is
 wrong: no better than doing nothing, or with a sign, a unit or a column changed. No standard error is stated
-then. Exit code: 3 if the fit has not converged, 4 if the model is wrong; the results are written all the
-same, and run, residual, validate and plot end like that after all their stages. A sweep and a trace go on.
+then. Lines of advice follow: which of two parameters to fix, which horizon to take, which record to add. Exit
+code: 3 if the fit has not converged, 4 if the model is wrong; the results are written all the same, and run,
+residual, validate and plot end like that after all their stages. A sweep and a trace go on.
 
   hybridid fit case=emps                            over the whole record, free running
   hybridid fit case=emps estimator.horizon=1000     over horizons of 1000 samples

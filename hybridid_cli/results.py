@@ -83,6 +83,7 @@ def _quality(found: Fit) -> list[RenderableType]:
     return [
         Text(f"Fit quality ({found.provenance}): {quality.said}", style=style),
         *(Text(f"  {finding.said}", style=mark) for finding in quality.findings),
+        *(Text(f"  advice: {one.said}", style="cyan") for one in quality.advice),
         made,
     ]
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from hybridid.advice.horizon import proposed_horizon
 from hybridid.blame import OwnCodeError
 from hybridid.controllers.loop import Loop
 from hybridid.declarations import Signal
@@ -40,7 +41,7 @@ from pipelines.shared.fitted import fit_of, fitted_model, without_own
 from pipelines.shared.hybrids import hybrid_of
 from pipelines.shared.modelling import groupings_of, model_of, named_code
 from pipelines.shared.predictions import HYBRID, LAW, METRICS, RESIDUALS, Tested, write_prediction
-from pipelines.shared.prepared import prepared_records
+from pipelines.shared.prepared import Prepared, prepared_records
 from pipelines.shared.sections.stages import ValidateSection
 from pipelines.shared.sources import chosen, sources_of
 from pipelines.shared.stage import Job, Stage
@@ -105,6 +106,19 @@ def check(settings: Settings) -> None:
     if controller_section(settings) is not None:
         model = model_of(settings)
         loop_of(settings, model.inputs, model.outputs)
+
+
+def check_records(settings: Settings, tree: Path) -> None:
+    """Check that a horizon holds samples of every record.
+
+    Raises:
+        ConfigError: if one does not; the message says which horizon would.
+    """
+    section = _section(settings)
+    if "horizon" not in section.views:
+        return
+    for record in chosen(prepared_records(tree), section.records, "validate.records"):
+        _samples(section, record)
 
 
 def _section(settings: Settings) -> ValidateSection:
@@ -179,7 +193,7 @@ def _controlled(
     job: Job, candidate: _Candidate, record: Record, loop: Loop, shown: Sequence[Signal]
 ) -> list[Metrics]:
     assert candidate.in_loop is not None
-    samples = max(_samples(_section(job.settings), record), MINIMUM_SAMPLES)
+    samples = max(round(_section(job.settings).horizon / record.dt), MINIMUM_SAMPLES)
     try:
         prediction = candidate.in_loop(record, loop, samples)
     except (Diverged, TooStiff) as error:
@@ -216,12 +230,15 @@ def _predicted(
     return candidate.horizon_run(record, _samples(section, record))
 
 
-def _samples(section: ValidateSection, record: Record) -> int:
+def _samples(section: ValidateSection, record: Record | Prepared) -> int:
+    """Samples of a horizon of the record."""
     samples = round(section.horizon / record.dt)
     if samples < 2:
+        proposed = proposed_horizon(record.dt, record.n * record.dt)
         raise ConfigError(
             f"validate.horizon is {section.horizon:g} s: record {record.name} is sampled every "
-            f"{record.dt:g} s, a horizon needs at least 2 samples"
+            f"{record.dt:.6g} s, a horizon needs at least 2 samples; validate.horizon={proposed:g} is "
+            "proposed"
         )
     return samples
 
@@ -233,4 +250,5 @@ VALIDATE = Stage(
     run,
     inputs=lambda settings: {**named_code(settings), **controller_code(settings)},
     check=check,
+    check_records=check_records,
 )
