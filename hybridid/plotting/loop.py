@@ -38,7 +38,7 @@ def loop_plot(signals: Sequence[Sequence[Response]], width: float = DOUBLE_COLUM
     figure.align_ylabels()
     models = ", ".join(r.model for r in signals[0])
     caption = (
-        f"{first.record} ({first.provenance}) and {models} under the controller's law, from the reference: "
+        f"Record {first.record} ({first.provenance}) and {models} under the controller's law: "
         f"{', '.join(w.output for w in each)}; below each, recorded minus simulated."
     )
     return Plot(figure, "loop", caption, first.provenance)
