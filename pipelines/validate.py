@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from hybridid.advice.horizon import proposed_horizon
+from hybridid.advice.horizon import SHORTEST, proposed_horizon
 from hybridid.blame import OwnCodeError
 from hybridid.controllers.loop import Loop
 from hybridid.declarations import Signal
@@ -233,12 +233,12 @@ def _predicted(
 def _samples(section: ValidateSection, record: Record | Prepared) -> int:
     """Samples of a horizon of the record."""
     samples = round(section.horizon / record.dt)
-    if samples < 2:
+    if samples < SHORTEST:
         proposed = proposed_horizon(record.dt, record.n * record.dt)
         raise ConfigError(
             f"validate.horizon is {section.horizon:g} s: record {record.name} is sampled every "
-            f"{record.dt:.6g} s, a horizon needs at least 2 samples; validate.horizon={proposed:g} is "
-            "proposed"
+            f"{record.dt:.6g} s, a horizon needs at least {SHORTEST} samples; "
+            f"validate.horizon={proposed:g} is proposed"
         )
     return samples
 

@@ -18,6 +18,8 @@ USUAL = 1.0
 """Seconds of a horizon, where the sampling is fast enough."""
 LONG_STEP, STEPS = 0.05, 50
 """Sampling time in s above which ``USUAL`` holds too few samples, and the samples to take then."""
+SHORTEST = 2
+"""Samples that a horizon needs at least."""
 SHARE = 0.1
 """Of the shortest record, that a horizon should have at most: there are some to judge by."""
 TOLERATED = 1.5
@@ -46,7 +48,7 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
     slowest = slowest_time(problem, estimate, SHARE * shortest)
     if seconds < slowest:
         wanted = max(2 * slowest, proposed_horizon(step, shortest))
-        better = max(2, round(min(wanted, SHARE * shortest) / step))
+        better = max(SHORTEST, round(min(wanted, SHARE * shortest) / step))
         yield Advice(
             "horizon",
             f"estimator.horizon={estimate.settings.horizon} is {number(seconds, 3)} s, shorter than the "
@@ -57,7 +59,7 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
 
 def _said(problem: Problem, estimate: Estimate, shortest: float, proposed: float) -> str:
     step, horizon = problem.windows.dt, estimate.settings.horizon or 0
-    better = max(2, round(proposed / step))
+    better = max(SHORTEST, round(proposed / step))
     return (
         f"estimator.horizon={horizon} is {number(horizon * step, 3)} s, longer than a tenth of the shortest "
         f"fitted record ({number(shortest, 3)} s): few horizons are left to judge by; "

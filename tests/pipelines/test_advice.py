@@ -68,6 +68,16 @@ def test_a_horizon_of_a_second_is_refused_before_the_fit_where_sampling_is_slow(
     assert not any(line.startswith("fit") for line in heard.said)
 
 
+def test_a_trace_over_such_horizons_is_refused_before_the_fit(slow, heard):
+    with pytest.raises(ConfigError) as caught:
+        run_stages(slow({"validate.horizon": 1.0, "trace": {"held_out": None}}), "trace", heard)
+    assert str(caught.value) == (
+        "trace.horizon is 1 s: record first is sampled every 1 s, a horizon needs at least 2 samples; "
+        "trace.horizon=50 is proposed"
+    )
+    assert not any(line.startswith("fit") for line in heard.said)
+
+
 def test_views_without_horizons_ask_for_none(slow, heard):
     run_stages(slow({"validate.horizon": 1.0}), "preprocess", heard)
     views = slow({"validate.horizon": 1.0, "validate.views": ["free_run"]})
