@@ -129,10 +129,6 @@ def test_a_pendulum_that_swings_freely_has_a_free_scale_of_its_torques():
             Parameter("J", "kg·m²", guess=0.02, lower=1e-4, upper=10.0),
             Parameter("G", "N·m", guess=0.9, lower=1e-3, upper=100.0),
         )
-        ports = (replace(Pendulum.ports[0], drive="", load=""),)
-
-        def loads(self, x, u, p):
-            return {}
 
         def derivative(self, x, u, p, effort):
             return {"q": x.w, "w": (-p.G * ca.sin(x.q) - effort["pivot"]) / p.J}
