@@ -120,7 +120,9 @@ def _laws(tree: Path) -> list[RenderableType]:
     """Whether the control law is the one that ran the machine, before a score in the loop is believed."""
     return [
         Text(
-            _law(one) if math.isfinite(one.rms) else f"in the loop ({one.provenance}): not simulated: {one.remark}"
+            _law(one)
+            if math.isfinite(one.rms)
+            else f"in the loop ({one.provenance}): not simulated: {one.remark}"
         )
         for one in agreements_in(tree)
     ]

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import spearmanr
 
 from hybridid.advice.advice import Advice
 from hybridid.naming import listed
@@ -32,6 +31,8 @@ def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
     """Whether all ``records`` are decays that nothing drives, and their amplitude goes with time alone."""
     if not all(_undriven(record) for record in records):
         return
+    from scipy.stats import spearmanr  # takes a while, and most machines are driven
+
     for k, channel in enumerate(records[0].output_channels):
         courses = [_amplitudes(record, k) for record in records]
         if any(course is None for course in courses):

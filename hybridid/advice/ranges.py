@@ -18,6 +18,7 @@ from hybridid.estimators.estimate import Estimate
 from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.model.asked import loads_of
+from hybridid.model.groups import weighted
 from hybridid.quantities import quantity
 from hybridid.records.record import Record
 from hybridid.simulation.initial import measured_states, observed
@@ -100,10 +101,11 @@ def _loads(model: Model, p: Array, record: Record, states: Array) -> dict[str, t
     )
     known = {s.name: q[k] for k, s in enumerate(model.parameters)}
     inputs = {s.name: u[k] for k, s in enumerate(model.inputs)}
+    known |= weighted(model.groups, inputs, known)
     at = (
         Named("state", {s.name: x[k] for k, s in enumerate(model.plant.states)}),
         Named("input", inputs),
-        Named("parameter", {s.name: known.get(s.name, inputs.get(s.name)) for s in model.plant.parameters}),
+        Named("parameter", {s.name: (known | inputs)[s.name] for s in model.plant.parameters}),
     )
     loads = loads_of(model.plant, at)
     function = ca.Function("loads", [x, u, q], [ca.vertcat(*[loads[port.name].load for port in ports])])

@@ -15,7 +15,7 @@ from hybridid.advice.horizon import proposed_horizon
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
-from hybridid.plants.plant import Motion, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 from hybridid.quality import judge
 from hybridid.records.record import Channel, Record
 
@@ -193,6 +193,23 @@ def test_speed_and_load_are_looked_at_too(pressed, record):
     assert "load at carriage" in said
     assert "position" in said
     assert "force" not in said
+
+
+def test_a_load_by_a_parameter_with_a_value_for_each_group_is_that_of_the_group(pressed, record):
+    class Hung(type(pressed)):
+        def loads(self, x, u, p):
+            return {"carriage": Load(drive=u.force, load=-9.81 * p.M + 0 * x.q, level=1.0)}
+
+    def of_group(name, light):
+        weights = {"M[light]": float(light), "M[heavy]": float(not light)}
+        return replace(record, name=name).with_constants(weights, dict.fromkeys(weights, "1"))
+
+    heavy = {"M": {"lower": 10.0, "upper": 500.0}, "carriage.epsilon": {"guess": 3e-3}}
+    model = compose(Hung(), ["viscous", "coulomb", "offset"], heavy, groups={"M": ("light", "heavy")})
+    fitted, other = of_group("fitted", light=True), of_group("other", light=False)
+    (said,) = told("range", model, [fitted], held_out=[other])
+    assert said.startswith("record other leaves what was fitted: load at carriage −")
+    assert told("range", model, [fitted], held_out=[replace(fitted, name="again")]) == []
 
 
 def test_records_within_what_was_fitted_are_told_nothing(make_model, record):
