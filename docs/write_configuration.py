@@ -38,6 +38,7 @@ These keys hold names that the case chooses.
   An effect without a port stands at the plant's first port of its kind. `mymodule:MY_EFFECT` is your own.
 - `channels`: auxiliary signals of the records that effects may see, by name with their units, as in
   `{{temperature: °C}}`. null: none.
+- `controller`: the section below; `controller=LAW` is short for `controller={{law: LAW}}`, null: none.
 - `parameters`: by the name of a parameter, {", ".join(f"`{key}`" for key in ADJUSTABLE)}, as in
   `parameters.M.lower=30`, or `parameters.carriage.viscous.f_v.guess=200` of an effect at a port. `fixed`: the
   value is known and is not estimated. null: as the plant or the effect has it. Several at once are

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hybridid.plain import schema
-from hybridid.validation import Metrics
+from hybridid.validation import Agreement, Metrics
 from pipelines.shared.fitted import DescribedModel, Fit
 from pipelines.shared.hybrids import Residual
 from pipelines.shared.predictions import Tested
@@ -24,6 +24,7 @@ FILES: Mapping[str, Any] = {
     "fit/model.json": DescribedModel,
     "validate/metrics.json": tuple[Metrics, ...],
     "validate/residuals.json": tuple[Tested, ...],
+    "validate/law.json": tuple[Agreement, ...],
     "residual/residual.json": Residual,
     "trace/trace.json": TraceFile,
     "sweep.json": SweepResult,

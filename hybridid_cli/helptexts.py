@@ -48,8 +48,9 @@ the report and every point's run tree; default: outputs/sweeps/<name>-<digest>,
 _TREE = "put the whole run tree there; default: outputs/<case>/<hash of the config>"
 
 RUN = """\
-Reads and checks the records, estimates the parameters, scores the model in free run and over horizons, and
-draws the figures. Stages whose inputs and settings have not changed are reused; each one says so.
+Reads and checks the records, estimates the parameters, scores the model in free run, over horizons
+and under its controller, and draws the figures. Stages whose inputs and settings have not changed are reused;
+each one says so.
 
   hybridid run case=emps
   hybridid run case=emps estimator.horizon=1000 effects=[viscous,coulomb,offset,asymmetric_viscous]
@@ -68,8 +69,9 @@ FIT = """\
 Estimates the parameters of plant and effects on the records of fit.records and writes fit/estimate.json. Says
 first what the model leaves, beside the sensor's noise and beside doing nothing, and whether the model is
 wrong: no better than doing nothing, or with a sign, a unit or a column changed. No standard error is stated
-then. Exit code: 3 if the fit has not converged, 4 if the model is wrong; the results are written all the
-same, and run, residual, validate and plot end like that after all their stages. A sweep and a trace go on.
+then. Lines of advice follow: which of two parameters to fix, which horizon to take, which record to add. Exit
+code: 3 if the fit has not converged, 4 if the model is wrong; the results are written all the same, and run,
+residual, validate and plot end like that after all their stages. A sweep and a trace go on.
 
   hybridid fit case=emps                            over the whole record, free running
   hybridid fit case=emps estimator.horizon=1000     over horizons of 1000 samples
@@ -103,9 +105,11 @@ and leaves the others; the same command again does what is missing, and so does 
 
 VALIDATE = """\
 Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, MAE, R2 and fit
-percentage by record, output and view, and tests of the residual.
+percentage by record, output and view, and tests of the residual. A case with a controller is also run in the
+loop: from its reference, the law closed over the simulated outputs; its control effort is scored too.
 
   hybridid validate case=emps validate.horizon=0.5
+  hybridid validate case=emps controller.parameters.kp=150     another gain; controller=null: no loop
 """
 
 PLOT = """\

@@ -19,7 +19,7 @@ _OWN: dict[str, tuple[str, ...]] = {
     "preprocess": ("preprocess",),
     "fit": ("fit", "estimator"),
     "sweep": ("sweep",),
-    "validate": ("validate",),
+    "validate": ("validate", "controller"),
     "plot": ("plot",),
     "trace": ("trace",),
     "tune": ("tune",),

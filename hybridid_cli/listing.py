@@ -13,6 +13,8 @@ from hybridid.declarations import Port, PortKind, Signal
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
+from hybridid.model import Model
+from hybridid.quantities import number
 from hybridid_cli.config_files import conf_folder, options, user_folders
 from hybridid_cli.tables import rendered
 from pipelines.shared.config import Settings
@@ -112,7 +114,23 @@ def _case(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> list[
     lines += [Text(f"  {key:<8} {value}") for key, value in signals.items()]
     moving = [port for port in model.equation_ports if port.kind == "effort"]
     lines += [Text(f"  load     {port.name}: {_load(port)}") for port in moving]
-    return [*lines, *_records(settings), Text("")]
+    return [*lines, *_controller(settings, model), *_records(settings), Text("")]
+
+
+def _controller(settings: Settings, model: Model) -> list[RenderableType]:
+    """The law that ran the machine, where the case has one: what it follows, with its numbers."""
+    from pipelines.shared.controlling import loop_of
+
+    loop = loop_of(settings, model.inputs, model.outputs)
+    if loop is None:
+        return []
+    law = loop.controller
+    numbers = ", ".join(
+        f"{p.name} {number(loop.values.get(p.name, p.guess), 6)} {p.unit}" for p in law.parameters
+    )
+    follows = ", ".join(f"{loop.references.get(r.name, r.name)} [{r.unit}]" for r in law.references)
+    said = f"{law.name}: {law.meaning}; follows {follows}"
+    return [Text(f"  control  {said}"), Text(f"           {numbers}")]
 
 
 def _load(port: Port) -> str:

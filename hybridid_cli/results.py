@@ -12,11 +12,12 @@ from rich.text import Text
 from hybridid.estimators.estimate import EstimatedParameter
 from hybridid.estimators.words import differ_together, differs
 from hybridid.quantities import NONE, fixed, mean_square, number, quantity, r_squared
+from hybridid.validation.in_loop import Agreement
 from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import provenance, rendered, table, view, warnings
 from hybridid_cli.trace_results import trace_results
 from pipelines.shared.fitted import Fit, fit_of
-from pipelines.shared.predictions import metric_rows
+from pipelines.shared.predictions import agreements_in, metric_rows
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.stage import Outcome
 
@@ -82,6 +83,7 @@ def _quality(found: Fit) -> list[RenderableType]:
     return [
         Text(f"Fit quality ({found.provenance}): {quality.said}", style=style),
         *(Text(f"  {finding.said}", style=mark) for finding in quality.findings),
+        *(Text(f"  advice: {one.said}", style="cyan") for one in quality.advice),
         made,
     ]
 
@@ -102,7 +104,7 @@ def _scores(tree: Path) -> list[RenderableType]:
             *((row.model,) if several else ()),
             row.record,
             row.output,
-            view(row.horizon),
+            view(row.horizon, row.view),
             quantity(row.rmse, row.unit),
             quantity(row.mae, row.unit),
             mean_square(row.mse, row.unit),
@@ -111,7 +113,27 @@ def _scores(tree: Path) -> list[RenderableType]:
             str(row.n),
             provenance(row.provenance),
         )
-    return [made]
+    return [made, *_laws(tree)]
+
+
+def _laws(tree: Path) -> list[RenderableType]:
+    """Whether the control law is the one that ran the machine, before a score in the loop is believed."""
+    return [
+        Text(
+            _law(one)
+            if math.isfinite(one.rms)
+            else f"in the loop ({one.provenance}): not simulated: {one.remark}"
+        )
+        for one in agreements_in(tree)
+    ]
+
+
+def _law(one: Agreement) -> str:
+    return (
+        f"in the loop ({one.provenance}): with the recorded outputs of {one.record}, the law of "
+        f"{one.controller} gives the recorded {one.command} within {quantity(one.rms, one.unit, 3)} RMS "
+        f"({one.said})" + ("" if one.agrees else "; too far apart: not simulated")
+    )
 
 
 def _figures(tree: Path) -> list[RenderableType]:

@@ -37,8 +37,10 @@ def provenance(word: str) -> Text:
     return Text(word, style="bold magenta" if word == "simulated" else "")
 
 
-def view(horizon: float | None) -> str:
-    """How a model was run: free, or anew every ``horizon`` seconds."""
+def view(horizon: float | None, kind: str = "") -> str:
+    """How a model was run: free, anew every ``horizon`` seconds, or of the ``kind`` loop."""
+    if kind == "loop":
+        return "in the loop"
     return "free run" if horizon is None else f"horizon {horizon:g} s"
 
 

@@ -29,7 +29,9 @@ def run(job: Job) -> None:
     model = model_of(job.settings)
     check_and_tell(fit_demand(model, records, fit_settings(job.settings)), job.settings, job.watcher)
     estimate = fit(model, records, fit_settings(job.settings), lambda report: _show(report, job.watcher))
-    quality = judge(model, records, estimate)
+    names = {record.name for record in fitted}
+    others = [load_record(one.file) for one in prepared_records(job.tree) if one.name not in names]
+    quality = judge(model, records, estimate, others)
     found = Fit(
         case=job.settings.case,
         model=MODEL_NAME,

@@ -112,7 +112,11 @@ def _bring_up_to_date(
     """Run the stages whose results are missing or stale, report why, and return their names."""
     ran: list[str] = []
     outdated: set[str] = set()
+    checked = False
     for stage in stages:
+        if stage.name != PREPROCESS.name and not checked:
+            _check_records(stages, settings, root)  # reports what no fit would mend, before the fit
+            checked = True
         now = _made_from(stage, settings, root)
         reasons = why_stale(root / stage.name, now)
         if stage.name in outdated:
@@ -129,6 +133,11 @@ def _bring_up_to_date(
             f"{name}: removed, it was made from results that have changed; hybridid {name} makes it anew"
         )
     return ran
+
+
+def _check_records(stages: tuple[Stage, ...], settings: Settings, root: Path) -> None:
+    for stage in stages:
+        stage.check_records(settings, root)
 
 
 def _changed_by(

@@ -62,7 +62,7 @@ def laboratory(tmp_path_factory):
     root = tmp_path_factory.mktemp("docs")
     files = re.findall(r"^`(mylab/\S+)`\n\n```\w+\n(.*?)```", OWN.read_text(), flags=re.DOTALL | re.MULTILINE)
     assert {name.removeprefix("mylab/") for name, _ in files} == {
-        "pendulum.py", "case/pendulum.yaml", "grease.py", "tank.py", "case/tank.yaml"
+        "pendulum.py", "case/pendulum.yaml", "grease.py", "swing_control.py", "tank.py", "case/tank.yaml"
     }  # fmt: skip
     for name, text in files:
         (root / name).parent.mkdir(parents=True, exist_ok=True)
@@ -90,6 +90,31 @@ def write_swing(path: Path) -> None:
     angle += generator.normal(0, 1e-3, SAMPLES)
     columns = np.column_stack([1e3 * time, torque / 0.05, -np.rad2deg(angle)])
     np.savetxt(path, columns, delimiter=",", header="t_ms,current,angle_deg", comments="", fmt="%.9g")
+
+
+def write_controlled(path: Path) -> None:
+    """The page's controller drives the true pendulum: each second sample, one sample late, kp 3 N·m/rad."""
+    samples, (J, G, f_v, f_c, k_3) = 1000, TRUTH.values()
+    time = DT * np.arange(samples)
+    goal = 0.4 * np.sin(2 * np.pi * 0.7 * time) + 0.2 * np.sign(np.sin(2 * np.pi * 0.3 * time))
+
+    def motion(_, x, u):
+        resisting = f_v * x[1] + f_c * np.tanh(x[1] / EPSILON) + k_3 * x[0] ** 3
+        return [x[1], (u - G * np.sin(x[0]) - resisting) / J]
+
+    x, previous, command, waiting = np.array([0.0, 0.0]), 0.0, 0.0, 0.0
+    angle, torque = np.empty(samples), np.empty(samples)
+    for k in range(samples):
+        angle[k] = x[0]
+        acting = waiting
+        if k % 2 == 0:
+            seen = 1e-4 * np.floor(x[0] / 1e-4 + 0.5)
+            command = np.clip(3.0 * (goal[k] - seen) - 0.1 * (seen - previous) / (2 * DT), -1.5, 1.5)
+            previous = seen
+        torque[k], waiting = acting, command
+        x = odeint(motion, x, (0, DT), (torque[k],), tfirst=True, rtol=1e-9, atol=1e-11)[-1]
+    columns = np.column_stack([1e3 * time, torque / 0.05, -np.rad2deg(angle), goal])
+    np.savetxt(path, columns, delimiter=",", header="t_ms,current,angle_deg,goal", comments="", fmt="%.12g")
 
 
 EDGE, WEIR = 0.45, 0.03  # of an overflow that the page's tank does not have; m, m^1.5/s
@@ -189,6 +214,28 @@ values = model.values({"pivot.cold_grease.f": 0.2, "pivot.cold_grease.T_0": 30.0
 print(float(model.efforts(0, [0.5, 1.0], [0.3, 15.0], values)))
 """
     assert float(run(["-c", seen], laboratory)) == pytest.approx(0.2 * np.exp(-0.5))
+
+
+def test_the_controller_of_the_page_runs_the_pendulum(laboratory):
+    """The case with the page's lines of YAML beside its own: its law is checked, then closed."""
+    write_controlled(laboratory / "mylab" / "controlled.csv")
+    (lines,) = re.findall(r"```yaml\n(controller:.*?)```", OWN.read_text(), flags=re.DOTALL)
+    (laboratory / "mylab" / "case" / "held.yaml").write_text(
+        "# @package _global_\ndefaults: [pendulum]\n"
+        f"records: {{swing: {{files: controlled.csv, role: identification}}}}\n{lines}"
+    )
+    words = ["-m", "hybridid_cli", "validate", "--config-dir", "mylab", "case=held", "mlflow.enabled=false"]
+    said = run([*words, "out=held", "validate.views=[loop]"], laboratory)
+    (law,) = json.loads((laboratory / "held" / "validate" / "law.json").read_text())
+    assert law["share"] < 1e-4
+    rows = {
+        r["output"]: r for r in json.loads((laboratory / "held" / "validate" / "metrics.json").read_text())
+    }
+    assert rows["angle"]["rmse"] < 5e-3  # rad, of a swing of 1 rad
+    assert rows["torque"]["r2"] > 0.99
+    assert "the law of pd gives the recorded torque within" in said
+    wrong = run([*words, "out=wrong", "controller.parameters.kp=2"], laboratory)
+    assert "too far apart: not simulated" in wrong
 
 
 def test_the_tank_of_the_page_takes_flows_only(laboratory):

@@ -34,7 +34,7 @@ from hybridid.estimators.normal_equations import small
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
 
-__all__ = ["Uncertainty", "autoregression", "uncertainty"]
+__all__ = ["Uncertainty", "autoregression", "jacobian_of", "uncertainty"]
 
 Array = NDArray[np.float64]
 BLIND = 1e-3
@@ -100,6 +100,13 @@ def uncertainty(problem: Problem, p: Array, x0: Array) -> Uncertainty:
     covariance = noise * np.outer(more, more) + np.outer(moved, moved)
     smeared = _smeared(by_width, fitted, along) * problem.scale
     return Uncertainty(_unknowable(spread, covariance), condition, moved, smeared)
+
+
+def jacobian_of(problem: Problem, p: Array, x0: Array) -> Array | None:
+    """The weighted Jacobian (N, n) by the free parameters at ``p`` (n_p,), ``x0`` (w, n_x), initial states
+    projected out; None where the sensitivities grow without end."""
+    states, jacobian = _projected(problem, problem.shooter(x0, p, sensitivities=True))
+    return jacobian.reshape(-1, jacobian.shape[3]) if small(states, jacobian) else None
 
 
 def _none(n: int, n_y: int) -> Uncertainty:

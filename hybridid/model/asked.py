@@ -40,7 +40,7 @@ def _motion(plant: Plant, name: str, moved: Motion) -> Motion:
 
 def rates_of(plant: Plant, at: Symbols, efforts: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
     """The time derivative of every state of the plant."""
-    return _scalars(plant.derivative, [state.name for state in plant.states], "state", *at, dict(efforts))
+    return scalars_of(plant.derivative, [state.name for state in plant.states], "state", *at, dict(efforts))
 
 
 def outputs_of(plant: Plant, at: Symbols, efforts: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
@@ -49,8 +49,8 @@ def outputs_of(plant: Plant, at: Symbols, efforts: Mapping[str, ca.SX]) -> dict[
     with blamed_on(plant.sensed):
         sensed = plant.sensed(*at, dict(efforts))
     apart = [name for name in names if isinstance(sensed, Mapping) and name in sensed]
-    found = _scalars(plant.sensed, apart, "output", *at, dict(efforts))
-    return found | _scalars(plant.output, [name for name in names if name not in apart], "output", *at)
+    found = scalars_of(plant.sensed, apart, "output", *at, dict(efforts))
+    return found | scalars_of(plant.output, [name for name in names if name not in apart], "output", *at)
 
 
 def loads_of(plant: Plant, at: Symbols) -> dict[str, Load]:
@@ -77,21 +77,21 @@ def dynamics_of(effect: Effect, at: Local) -> dict[str, ca.SX]:
     """The time derivative of every state of an effect."""
     if effect.dynamics is None:
         return {}
-    return _scalars(effect.dynamics, [state.name for state in effect.states], "state", at)
+    return scalars_of(effect.dynamics, [state.name for state in effect.states], "state", at)
 
 
-def check_numbers(function: ca.Function, plant: Plant) -> None:
-    """Whether all constants of a function of the model are numbers: ``math.sin`` of a symbol is NaN.
+def check_numbers(function: ca.Function, owner: object, what: str) -> None:
+    """Whether all constants of a function are numbers: ``math.sin`` of a symbol is NaN.
 
     Raises:
-        OwnCodeError: if not.
+        OwnCodeError: if not; blames ``owner``, whose equations are called ``what``.
     """
     for k in range(function.n_instructions()):
         if function.instruction_id(k) == ca.OP_CONST and math.isnan(function.instruction_constant(k)):
             blame(
-                plant,
-                f"the equations of plant {plant.name}, or of an effect at it, hold a NaN: math and numpy "
-                "cannot take symbols; write casadi.sin, casadi.sqrt and so on",
+                owner,
+                f"{what} hold a NaN: math and numpy cannot take symbols; write casadi.sin, casadi.sqrt "
+                "and so on",
             )
 
 
@@ -113,9 +113,14 @@ def _mapping(
     return dict(given)
 
 
-def _scalars(
+def scalars_of(
     function: Callable[..., Any], names: Iterable[str], what: str, *arguments: object
 ) -> dict[str, ca.SX]:
+    """What ``function`` gives for each of ``names``: one expression each.
+
+    Raises:
+        OwnCodeError: if it fails, or gives something else.
+    """
     given = _mapping(function, names, what, *arguments)
     return {name: _scalar(value, f"{what} {name}", function) for name, value in given.items()}
 

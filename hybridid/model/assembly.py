@@ -72,7 +72,7 @@ def assemble(
         effort = ca.Function("efforts", args, [ca.vertcat(*efforts.values())], names, ["effort"])
         motions = ca.Function("motions", args, [moved], names, ["motion"])
     for function in (f, h):
-        check_numbers(function, plant)
+        check_numbers(function, plant, f"the equations of plant {plant.name}, or of an effect at it,")
     return f, h, effort, motions
 
 

@@ -16,8 +16,6 @@ _DECLARED: Mapping[str, type] = {
     "parameters": Parameter,
     "ports": Port,
 }
-_SEEN_BY_NAME = ("states", "inputs", "outputs", "parameters")
-"""What the methods of a plant write after a dot, as in ``x.q`` and ``p.J``."""
 
 
 def check_plant(plant: Plant) -> None:
@@ -31,7 +29,7 @@ def check_plant(plant: Plant) -> None:
         if not isinstance(getattr(plant, text, None), str):
             blame(kind, f"plant {kind.__name__} lacks {text}, a text")
     for what in _DECLARED:
-        for complaint in _complaints(plant, what):
+        for complaint in complaints(plant, what, _DECLARED[what]):
             blame(kind, f"plant {plant.name}: {complaint}")
     for what in ("states", "outputs"):
         if not getattr(plant, what):
@@ -43,21 +41,22 @@ def check_plant(plant: Plant) -> None:
             blame(kind, f"plant {plant.name}: {unknown(where, state.observed_by, outputs)}")
 
 
-def _complaints(plant: Plant, what: str) -> Iterator[str]:
-    given, wanted = getattr(plant, what, None), _DECLARED[what].__name__
+def complaints(owner: object, what: str, kind: type) -> Iterator[str]:
+    """What is wrong with the attribute ``what`` of a plant or a controller: a tuple of ``kind``."""
+    given, wanted = getattr(owner, what, None), kind.__name__
     if not isinstance(given, tuple):
         found = "missing" if given is None else f"a {type(given).__name__}"
         yield f"{what} is {found}, expected a tuple, as in {what} = ({wanted}(...),)"
         return
     for one in given:
-        if not isinstance(one, _DECLARED[what]):
+        if not isinstance(one, kind):
             yield f"{what} holds a {type(one).__name__}, expected {wanted}(...) alone"
             return
     names = [one.name for one in given]
     for name in names:
         if names.count(name) > 1:
             yield f"two of its {what} are called {name}"
-        if what in _SEEN_BY_NAME and not str(name).isidentifier():
+        if what != "ports" and not str(name).isidentifier():
             yield f"{name!r} among its {what} is no name: letters, digits and _ only"
         if what == "ports" and (set(str(name)) & {".", "@", TOGETHER} or not name):
             yield f"port {name!r}: a name has no '.', '@' and '{TOGETHER}'"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +14,10 @@ from hybridid.validation.predict import Prediction
 Array = NDArray[np.float64]
 
 
+WHOLE: Mapping[str, str] = {"free_run": "free run", "loop": "in the loop"}
+"""Views of a whole record in one go, in words."""
+
+
 class PlotError(ValueError):
     """Raised for something that cannot be drawn: the message says what, and what is allowed."""
 
@@ -22,8 +26,8 @@ class PlotError(ValueError):
 class Response:
     """One model's response to one record, one output of it, all (n,) in ``unit``.
 
-    ``view`` names the kind of simulation: ``free run``, ``horizons of 1 s``. ``starts`` are the
-    times at which a horizon begins from its own initial state; a free run has none.
+    ``view`` names the kind of simulation: ``free run``, ``horizons of 1 s``, ``in the loop``. ``starts`` are
+    the times at which a horizon begins from its own initial state; a free run has none.
 
     Raises:
         PlotError: if the lengths differ.
@@ -96,14 +100,14 @@ class Response:
 
 def _starts(prediction: Prediction) -> Array:
     """The times of ``prediction.breaks`` (samples of the record); none for a free run."""
-    if prediction.view == "free_run":
+    if prediction.view in WHOLE:
         return np.empty(0)
     return prediction.time[np.array(prediction.breaks) - prediction.breaks[0]]
 
 
 def _view(prediction: Prediction, starts: Array) -> str:
-    if prediction.view == "free_run":
-        return "free run"
+    if prediction.view in WHOLE:
+        return WHOLE[prediction.view]
     stop = starts[1] if len(starts) > 1 else prediction.time[-1]
     return f"horizons of {stop - starts[0]:.3g} s"
 

@@ -61,7 +61,7 @@ def _left(problem: Problem, p: Array, x0: Array, basis: Array, kept: NDArray[np.
     """The residual (w, H, n_y) with only the inputs ``kept`` (n_u,) at work, less what the initial states
     take."""
     w = problem.windows
-    stages = w.stages * np.tile(kept, w.stages.shape[2] // len(kept))
+    stages = w.stages * np.tile(kept, w.stages.shape[2] // max(len(kept), 1))  # a free swing has no input
     windows = replace(w, stages=stages, inputs=w.inputs * kept)
     residual = problem.residuals(problem.shooter.over(windows)(x0, p))
     flat = np.where(np.isfinite(residual), residual, 0.0).reshape(len(residual), -1, 1)

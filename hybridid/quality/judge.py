@@ -16,6 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.advice import advise
 from hybridid.estimators.estimate import Estimate
 from hybridid.estimators.findings import several_valleys
 from hybridid.estimators.pieces import pieces
@@ -47,8 +48,11 @@ COARSE, MATTERS = 0.5, 0.01
 """Shares of what the fit and of what doing nothing leave, above which the error of the step is no detail."""
 
 
-def judge(model: Model, records: Sequence[Record], estimate: Estimate) -> Quality:
-    """The quality of ``estimate``, a fit of ``model`` to ``records``."""
+def judge(
+    model: Model, records: Sequence[Record], estimate: Estimate, held_out: Sequence[Record] = ()
+) -> Quality:
+    """The quality of ``estimate``, a fit of ``model`` to ``records``; there is advice about the range of the
+    records ``held_out``, which it has not seen."""
     began = time.perf_counter()
     settings = estimate.settings
     problem = build_problem(
@@ -72,7 +76,8 @@ def judge(model: Model, records: Sequence[Record], estimate: Estimate) -> Qualit
     findings += [Finding("valley", said) for said in several_valleys(estimate.starts)]
     verdict = _verdict(estimate, findings)
     said = sentence(verdict, estimate)
-    return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began)
+    advice = advise(problem, estimate, held_out)
+    return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began, advice)
 
 
 def _verdict(estimate: Estimate, findings: Sequence[Finding]) -> Verdict:

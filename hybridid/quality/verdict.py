@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from hybridid.advice import Advice
 from hybridid.estimators.estimate import Estimate
 
 Verdict = Literal["sound", "incomplete", "wrong", "not_converged"]
@@ -58,6 +59,7 @@ class Quality:
     ``verdict`` is "sound" (nothing speaks against the model), "incomplete" (the estimates are those of this
     model, but it lacks physics), "wrong", or "not_converged". ``said`` is the verdict in words, ``findings``
     what speaks against the fit, ``views`` what the model explains. ``seconds`` is what judging took.
+    ``advice`` says what to do, and changes no verdict.
     """
 
     verdict: Verdict
@@ -65,6 +67,7 @@ class Quality:
     findings: tuple[Finding, ...]
     views: tuple[View, ...]
     seconds: float
+    advice: tuple[Advice, ...] = ()
 
     @property
     def trusted(self) -> bool:

@@ -131,7 +131,10 @@ class EMPSRig(Rig):
     full_duration = 24.84
     input_channels = (Channel("force", "N", "zoh", "motor force on the load side"),)
     output_channels = (Channel("position", "m", meaning="carriage position"),)
-    auxiliary_channels = (Channel("reference", "m", meaning="commanded position"),)
+    auxiliary_channels = (
+        Channel("reference", "m", meaning="commanded position"),
+        Channel("pulses", "V", meaning="added to the controller's voltage"),
+    )
 
     def __init__(self, config: EMPSConfig = DEFAULT) -> None:
         super().__init__(config)
@@ -163,6 +166,6 @@ class EMPSRig(Rig):
             time,
             inputs={"force": force},
             outputs={"position": measured},
-            auxiliary={"reference": reference},
+            auxiliary={"reference": reference, "pulses": pulses},
             truth={"position": position, "velocity": velocity},
         )

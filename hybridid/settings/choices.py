@@ -8,5 +8,5 @@ Integrator = Literal["rk4", "rodas3"]
 """How one step is integrated."""
 InitialState = Literal["estimated", "measured"]
 """Where a free run starts: at a state that fits the record best, or at the measured one."""
-View = Literal["free_run", "horizon"]
-"""The whole record in one go, or many short runs."""
+View = Literal["free_run", "horizon", "loop"]
+"""The whole record in one go, many short runs, or under the control law that ran the machine."""

@@ -17,13 +17,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Metrics:
-    """Error measures of one output of one record in one view, in SI units.
+    """Error measures of one output of one record in one view, in SI units. In the view ``loop`` a command of
+    the controller counts as an output.
 
     ``mse = mean (y - y_hat)^2``, ``rmse = sqrt(mse)``, ``mae = mean |y - y_hat|``,
     ``r2 = 1 - sum (y - y_hat)^2 / sum (y - mean y)^2``,
     ``fit_percent = 100 (1 - ||y - y_hat|| / ||y - mean y||)``.
-    ``provenance`` is "measured" or "simulated"; ``horizon`` is in s, None in free run. The scores
-    are nan where the model diverged; then ``remark`` says so.
+    ``provenance`` is "measured" or "simulated"; ``horizon`` is in s, None in free run and in the loop. The
+    scores are nan where the model diverged; then ``remark`` says so.
     """
 
     model: str
@@ -51,16 +52,24 @@ def metrics(prediction: Prediction, model_name: str, horizon: float | None = Non
 
 
 def diverged(
-    record: Record, outputs: Sequence[Signal], model_name: str, remark: str, horizon: float | None = None
+    record: Record,
+    outputs: Sequence[Signal],
+    model_name: str,
+    remark: str,
+    horizon: float | None = None,
+    view: str | None = None,
 ) -> list[Metrics]:
-    """One row without scores for each of ``outputs``; ``remark`` says why the model cannot be simulated."""
+    """One row without scores for each of ``outputs``; ``remark`` says why the model cannot be simulated.
+
+    Without a ``view`` it is the free run, or over horizons where ``horizon`` is given.
+    """
     nan = float("nan")
     return [
         Metrics(
             model=model_name,
             record=record.name,
             output=output.name,
-            view="free_run" if horizon is None else "horizon",
+            view=view or ("free_run" if horizon is None else "horizon"),
             mse=nan,
             rmse=nan,
             r2=nan,

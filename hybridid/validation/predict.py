@@ -1,4 +1,4 @@
-"""Predictions in two views: free-run over the whole record, and over short horizons.
+"""Predictions free-run over the whole record, and over short horizons; ``in_loop`` has a third view.
 
 In a free run of a plant that integrates, a small change of friction adds up to millimetres at the end of a
 long record, whatever else the model describes well. Short horizons, each from its own estimated initial

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from hybridid.advice.horizon import proposed_horizon
 from hybridid.records.record import Record
 from hybridid.records.survey import TimeFound
 from pipelines.new.columns import Chosen
@@ -17,9 +18,6 @@ FITTED_SHARE = 0.7
 """Of the only recording: what is fitted; the rest judges."""
 EDGE = 2.0
 """Periods of the cutoff at each end of a record over which a low-pass settles."""
-LONG_STEP = 0.05  # s; with a longer one, 1 s holds too few samples for a horizon
-STEPS = 50
-"""Samples of a horizon, where the sampling is slow."""
 
 
 @dataclass(frozen=True)
@@ -108,11 +106,10 @@ class Machine:
 
     @property
     def horizon(self) -> float:
-        """The horizon in s to fit and to judge by: 1 s, or ``STEPS`` samples where sampling is slow. It is
+        """The horizon in s to fit and to judge by: 1 s, or 50 samples where sampling is slow. It is
         at most a tenth of the shortest recording, so that there are some to judge by."""
         step = max(record.dt for record in self.records)
-        shortest = min(record.time[-1] - record.time[0] for record in self.records)
-        return float(f"{min(max(1.0, STEPS * step if step > LONG_STEP else 0.0), shortest / 10):.2g}")
+        return proposed_horizon(step, min(record.time[-1] - record.time[0] for record in self.records))
 
     @property
     def horizon_samples(self) -> int:

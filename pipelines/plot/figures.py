@@ -12,6 +12,7 @@ from functools import partial
 from hybridid.model import Model
 from hybridid.plotting.comparison import comparison_plot
 from hybridid.plotting.error import error_plot
+from hybridid.plotting.loop import loop_plot
 from hybridid.plotting.parameters import parameters_plot
 from hybridid.plotting.raincloud import raincloud_plot
 from hybridid.plotting.record import record_plot
@@ -27,6 +28,8 @@ from pipelines.shared.predictions import Stored, Tested, predictions_in, residua
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.stage import Job
 
+LOOP = "loop"
+"""The view that has a figure of its own."""
 Named = Iterator[tuple[str, Callable[[], Plot]]]
 
 
@@ -34,7 +37,8 @@ def figures(job: Job) -> Named:
     """What draws each figure of a run tree, with its file's name ``<record>.<output or port>.<figure>``."""
     model, _ = fitted_model(job.settings, job.tree)
     laws = laws_of(job.settings, job.tree)
-    stored = predictions_in(job.tree)
+    everything = predictions_in(job.tree)
+    stored = [s for s in everything if s.prediction.view != LOOP]
     tests = residual_tests_in(job.tree)
     for prepared in prepared_records(job.tree):
         record = load_record(prepared.file)
@@ -42,6 +46,9 @@ def figures(job: Job) -> Named:
         yield f"{record.name}.record", partial(record_plot, record)
         own = [s for s in stored if s.prediction.record == record.name]
         yield from _of_record(laws, record, own, tests)
+        yield from _in_loop(
+            record, [s for s in everything if (s.prediction.record, s.prediction.view) == (record.name, LOOP)]
+        )
     yield from _of_model(model, stored, fit_of(job.tree))
 
 
@@ -66,6 +73,14 @@ def _of_record(
                 yield f"{stem}.{kind}.{test.view}", draw
     for port, draw_friction in friction_plots(laws, record, stored):
         yield f"{record.name}.{port.name}.friction", draw_friction
+
+
+def _in_loop(record: Record, stored: Sequence[Stored]) -> Named:
+    """The figure of one record under the control law."""
+    if stored:
+        names = stored[0].prediction.output_names
+        signals = [[Response.of(s.model, s.prediction, name) for s in stored] for name in names]
+        yield f"{record.name}.loop", partial(loop_plot, signals)
 
 
 def _of_model(model: Model, stored: Sequence[Stored], fit: Fit) -> Named:

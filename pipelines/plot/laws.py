@@ -44,11 +44,12 @@ def laws_of(settings: Settings, tree: Path) -> list[Law]:
 def friction_plots(
     laws: Sequence[Law], record: Record, stored: Sequence[Stored]
 ) -> Iterator[tuple[Port, Callable[[], Plot]]]:
-    """What draws a figure for each port: the efforts of every model along the last of its own predictions."""
+    """What draws a figure for each port: the efforts of every model along the last of its own predictions
+    with the recorded inputs."""
     curves: dict[str, list[FrictionCurve]] = {}
     ports: dict[str, Port] = {}
     for law in laws:
-        own = [s for s in stored if s.model == law.name]
+        own = [s for s in stored if s.model == law.name and s.prediction.view != "loop"]
         for at in port_efforts(law.model, law.values, record, own[-1].prediction) if own else ():
             order = np.argsort(at.over) if at.static else np.arange(len(at.over))
             efforts = {name.partition(".")[2]: effort[order] for name, effort in at.efforts.items()}

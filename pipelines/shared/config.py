@@ -43,7 +43,7 @@ class Settings:
     in_sweep: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "config", moved_to_environment(self.config))
+        object.__setattr__(self, "config", _spelled_out(moved_to_environment(self.config)))
         for key, value in self.config.items():
             if key == "case" and isinstance(value, Mapping) and set(value) - set(keys(CaseSection)):
                 raise ConfigError(_case_key(self.case, value))
@@ -127,6 +127,12 @@ def flat(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
         else:
             result[name] = below
     return result
+
+
+def _spelled_out(config: Mapping[str, Any]) -> Mapping[str, Any]:
+    """``config`` with ``controller: LAW`` as the section that it is short for."""
+    law = config.get("controller")
+    return {**config, "controller": {"law": law}} if isinstance(law, str) else config
 
 
 def _network(kind: str) -> type:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.validation import Metrics, Prediction, ResidualTests
+from hybridid.validation import Agreement, Metrics, Prediction, ResidualTests
 from pipelines.shared.storage import read_as, read_table, write_table
 
 FOLDER = "validate"
@@ -22,11 +22,13 @@ HYBRID = "hybrid"
 """Folder, below ``FOLDER``, of the hybrid's predictions; those of the gray box are in ``FOLDER`` itself."""
 RESIDUALS = "residuals.json"
 METRICS = "metrics.json"
+LAW = "law.json"
+"""How far a control law with the recorded outputs is from the recorded commands."""
 
 
 @dataclass(frozen=True)
 class Stored:
-    """A prediction that ``validate`` wrote; ``horizon`` in s, None for a free run."""
+    """A prediction that ``validate`` wrote; ``horizon`` in s, None for a free run and in the loop."""
 
     model: str
     horizon: float | None
@@ -90,6 +92,13 @@ def predictions_in(tree: Path) -> list[Stored]:
 def metric_rows(tree: Path) -> list[Metrics]:
     """The scores of a run tree, a row for each model, record, view and output; from ``metrics.json``."""
     return list(read_as(tuple[Metrics, ...], tree / FOLDER / METRICS))
+
+
+def agreements_in(tree: Path) -> list[Agreement]:
+    """How far the control law is from the recorded commands, a row for each record and command; empty
+    without a controller."""
+    path = tree / FOLDER / LAW
+    return list(read_as(tuple[Agreement, ...], path)) if path.exists() else []
 
 
 def residual_tests_in(tree: Path) -> list[Tested]:

@@ -30,8 +30,10 @@ class Stage:
 
     ``keys`` are the config keys that its results depend on, ``reads`` the stages whose files it reads,
     ``inputs`` gives digests of everything else that it reads. ``check`` raises a ``ConfigError`` for a wrong
-    config before any stage runs. If ``asked`` is False for a config, the stage is skipped and its earlier
-    result removed. Its code is the module or package ``pipelines.<name>`` and all that this imports.
+    config before any stage runs, ``check_records`` for one that does not suit the prepared records of the run
+    tree, before any other stage works on them. If ``asked`` is False for a config, the stage is skipped and
+    its earlier result removed. Its code is the module or package ``pipelines.<name>`` and all that this
+    imports.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Stage:
     run: Callable[[Job], None]
     inputs: Callable[[Settings], Mapping[str, str]] = lambda settings: {}
     check: Callable[[Settings], None] = lambda settings: None
+    check_records: Callable[[Settings, Path], None] = lambda settings, tree: None
     asked: Callable[[Settings], bool] = lambda settings: True
 
 

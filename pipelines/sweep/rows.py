@@ -92,7 +92,7 @@ def _gray(point: Point) -> Iterator[Row]:
 
 def _free_runs(point: Point, model: str) -> list[tuple[str, str]]:
     """Outputs and their units."""
-    rows = [row for row in metric_rows(point.tree) if row.model == model]
+    rows = [row for row in metric_rows(point.tree) if row.model == model and row.view != "loop"]
     return list(dict.fromkeys((row.output, row.unit) for row in rows))
 
 
@@ -100,7 +100,7 @@ def _scores_of(point: Point, model: str, output: str, fitted: Sequence[str]) -> 
     return tuple(
         Score(_label(row), row.record in fitted, row.provenance, _known(row.rmse), _known(row.r2))
         for row in metric_rows(point.tree)
-        if (row.model, row.output) == (model, output)
+        if (row.model, row.output) == (model, output) and row.view != "loop"
     )
 
 

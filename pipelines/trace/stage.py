@@ -7,7 +7,9 @@ figures, the missing efforts as Parquet, and a proposed law as an effect file.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 
+from hybridid.advice.horizon import SHORTEST, proposed_horizon
 from hybridid.effects.library import effect_named
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
@@ -180,6 +182,23 @@ def check(settings: Settings) -> None:
         _ = candidate.added_to(model).f  # asks the effect for its equations
 
 
+def check_records(settings: Settings, tree: Path) -> None:
+    """Check that a horizon holds samples: a trace would end with that after the fit.
+
+    Raises:
+        ConfigError: if it does not; the message says which horizon would.
+    """
+    prepared = prepared_records(tree)
+    fitted, _ = division(prepared, settings)
+    horizon, first = fitting_horizon(request_of(settings), prepared, settings).horizon, fitted[0]
+    if round(horizon / first.dt) < SHORTEST:
+        proposed = proposed_horizon(first.dt, min(record.seconds for record in fitted))
+        raise ConfigError(
+            f"trace.horizon is {horizon:g} s: record {first.name} is sampled every {first.dt:.6g} s, a "
+            f"horizon needs at least {SHORTEST} samples; trace.horizon={proposed:g} is proposed"
+        )
+
+
 def _named_code(settings: Settings) -> dict[str, str]:
     return {**named_code(settings), **code_digests(imported_effects(settings))}
 
@@ -191,4 +210,5 @@ TRACE = Stage(
     run,
     inputs=_named_code,
     check=check,
+    check_records=check_records,
 )

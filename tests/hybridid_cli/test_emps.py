@@ -46,3 +46,18 @@ def test_friction_that_differs_by_direction(run):
     difference = estimate["parameters"]["carriage.asymmetric_viscous.df_v"]
     assert difference["value"] == pytest.approx(PUBLISHED_DIFFERENCE, rel=0.03)
     assert difference["unit"] == "N·s/m"
+
+
+def test_in_the_loop(run):
+    """The authors' law gives the recorded force, and the model under it follows the reference."""
+    run("estimator.horizon=1000", DIRECTION, "validate.views=[loop]")
+    laws = json.loads(Path("tree/validate/law.json").read_text())
+    shares = {law["record"]: law["share"] for law in laws}
+    assert shares["identification"] < 0.003
+    assert shares["validation"] < 0.035  # the recorded pulses are 5.07 V high, not 5 V
+    rows = json.loads(Path("tree/validate/metrics.json").read_text())
+    found = {(row["record"], row["output"]): row["rmse"] for row in rows}
+    assert found["identification", "position"] < 1.6e-6
+    assert found["validation", "position"] < 2.2e-6
+    assert found["identification", "force"] < 2.4
+    assert found["validation", "force"] < 2.8

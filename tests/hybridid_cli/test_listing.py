@@ -58,6 +58,15 @@ def test_cases_say_what_every_port_carries_or_why_it_has_no_load(say):
     assert "load     front_suspension: none (the spring stands beside the damper;" in said
 
 
+def test_cases_say_which_law_ran_the_machine(say):
+    said = say("cases", "emps").out
+    assert "control  emps_pd: cascaded PD of the EMPS" in said
+    assert "follows reference [m], pulses [V]" in said
+    assert "kp 160.18 1/s, kv 243.45 V·s/m, gain 35.1507 N/V, limit 10 V" in said
+    assert "control  " not in say("cases", "emps", "controller=null").out
+    assert "control  " not in say("cases", "servo").out
+
+
 def test_misspelt_case(say):
     said = say("cases", "emp")
     assert said.code == 2

@@ -10,6 +10,7 @@ from pipelines.shared.sections.searches import SweepSection, TraceSection, TuneS
 from pipelines.shared.sections.stages import (
     ArchiveSection,
     CaseSection,
+    ControllerSection,
     FitSection,
     LimitsSection,
     LoneKeys,
@@ -29,6 +30,7 @@ SECTIONS: Mapping[str, type] = {
     "estimator": FitSettings,
     "fit": FitSection,
     "validate": ValidateSection,
+    "controller": ControllerSection,
     "plot": PlotSection,
     "trace": TraceSection,
     "sweep": SweepSection,

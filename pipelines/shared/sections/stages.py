@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -117,7 +118,10 @@ class ValidateSection:
 
     records: AllRecords = setting(None, "roles or names of the records to validate on", null=_RECORDS)
     views: tuple[View, ...] = setting(
-        ("free_run", "horizon"), "free_run: the whole record in one go; horizon: many short runs", some=True
+        ("free_run", "horizon", "loop"),
+        "free_run: the whole record in one go; horizon: many short runs; loop: under the law of controller, "
+        "left out where the case has none",
+        some=True,
     )
     horizon: float = setting(
         1.0,
@@ -128,6 +132,40 @@ class ValidateSection:
     )
     initial_state: InitialState = setting("estimated", "the state in which the free run starts")
     lags: int = setting(200, "lags of the residual's correlations", unit="samples", least=1)
+
+
+@dataclass(frozen=True)
+class ControllerSection:
+    """The control law that ran the machine, for the view loop of validate."""
+
+    law: str = setting(
+        REQUIRED,
+        "emps_pd, or the import path of your own; controller=LAW is short for it alone",
+        shown="MODULE:NAME",
+        some=True,
+    )
+    parameters: Mapping[str, float] | None = setting(
+        None, "numbers of its parameters by name, as in {kp: 160}", null="as the law has them", shown="{...}"
+    )
+    references: Mapping[str, str] | None = setting(
+        None,
+        "the signal of the records that is a reference of the law, by the law's name for it",
+        null="the signal of that name",
+        shown="{...}",
+    )
+    every: int | None = setting(
+        None, "the law works at each n-th sample of the record", least=1, null="as the law has it"
+    )
+    delay: int | None = setting(
+        None, "its command acts so much later", unit="samples", least=0, null="as the law has it"
+    )
+    tolerance: float = setting(
+        0.05,
+        "largest RMS difference between the recorded command and that of the law with the recorded outputs, "
+        "over the RMS of the recorded command about its mean; above, the loop is not simulated",
+        above=0,
+        below=float("inf"),
+    )
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from hybridid.plotting.error import error_plot
 from hybridid.plotting.friction import FrictionCurve, FrictionData, friction_plot
 from hybridid.plotting.heat_map import Cells, heat_map_plot
 from hybridid.plotting.looks import DATA, look
+from hybridid.plotting.loop import loop_plot
 from hybridid.plotting.panels import Kind, Line, Panel, panels_plot
 from hybridid.plotting.parameters import parameters_plot
 from hybridid.plotting.raincloud import raincloud_plot
@@ -33,6 +34,7 @@ FIGURES = (
     "record",
     "comparison",
     "error",
+    "loop",
     "friction",
     "spectrum",
     "residual_correlation",
@@ -169,6 +171,7 @@ def make_plot(name: str, simulated: bool = False, width: float = DOUBLE_COLUMN) 
         "record": lambda: record_plot(record, width),
         "comparison": lambda: comparison_plot(make_responses(record)[:2], width),
         "error": lambda: error_plot(make_responses(record), width),
+        "loop": lambda: loop_plot([make_responses(record)[:2], make_responses(record)[2:]], width),
         "friction": lambda: friction_plot(PORT, make_curves(), *where, make_friction_data(), width),
         "spectrum": lambda: spectrum_plot(make_responses(record)[:2], width),
         "residual_correlation": lambda: residual_correlation_plot(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -139,6 +140,29 @@ def swing(seed: int, n: int = 1200, dt: float = 0.01) -> Record:
     return Record(
         "swing", dt * np.arange(n), torque[:, None], measured[:, None], inputs, outputs, simulated=True
     )
+
+
+class FreePendulum(Pendulum):
+    """The pendulum without a motor: nothing drives it."""
+
+    inputs = ()
+    parameters = tuple(p.fixed_at(0.02) if p.name == "J" else p for p in Pendulum.parameters)
+
+    def derivative(self, x, u, p, effort):
+        return {"q": x.w, "w": (-p.G * ca.sin(x.q) - effort["pivot"]) / p.J}
+
+
+def test_a_free_swing_that_lacks_physics_is_judged_without_an_input_to_doubt():
+    time = 0.01 * np.arange(1500)
+    rate = lambda t, x: [x[1], (-0.9 * np.sin(x[0]) - 0.01 * np.tanh(x[1] / 0.01)) / 0.02]  # noqa: E731
+    angle = solve_ivp(rate, (0, time[-1]), [0.8, 0.0], t_eval=time, rtol=1e-9, atol=1e-11).y[0]
+    angle += np.random.default_rng(5).normal(0, 1e-4, len(time))
+    free = Record(
+        "free", time, np.empty((len(time), 0)), angle[:, None], (), (Channel("angle", "rad"),), simulated=True
+    )
+    model = compose(FreePendulum(), ["viscous"])
+    found = judge(model, [free], fit(model, [free], FitSettings(horizon=100)))
+    assert found.verdict == "incomplete"
 
 
 def test_a_fit_leaves_its_valley_for_a_lower_one_and_says_so():

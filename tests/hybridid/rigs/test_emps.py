@@ -53,7 +53,9 @@ def test_a_record_says_that_it_is_simulated_and_of_what():
     assert record.n == 3001
     assert record.dt == pytest.approx(1e-3)
     channels = (*record.input_channels, *record.output_channels, *record.auxiliary_channels)
-    assert [(c.name, c.unit) for c in channels] == [("force", "N"), ("position", "m"), ("reference", "m")]
+    assert [(c.name, c.unit) for c in channels] == [
+        ("force", "N"), ("position", "m"), ("reference", "m"), ("pulses", "V")
+    ]  # fmt: skip
     assert record.input_channels[0].hold == "zoh"
     assert record.warnings == ()
 

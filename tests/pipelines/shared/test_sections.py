@@ -76,6 +76,7 @@ def test_lone_keys_have_their_defaults():
     base = contents("base")
     del base["defaults"], base["hydra"]
     assert {k: v for k, v in base.items() if k not in SECTIONS} == defaults_of(LoneKeys)
+    assert base.pop("controller") is None  # a case may have one
     assert {k: v for k, v in base.items() if k in SECTIONS}.keys() == set(FILES["base"])
     assert contents("ui")["port"] == defaults_of(UiKeys)["port"]
     assert contents("reproduce").keys() - {"defaults", "hydra"} == set(keys(ReproduceKeys))
@@ -133,7 +134,7 @@ def test_what_every_command_reads_is_checked_at_once(config, line):
          "estimator.method is 'newton': did you mean 'gauss_newton'? "
          "allowed: gauss_newton, multiple_shooting"),
         ("estimator", {"seed": -1}, "estimator.seed is -1: must be a whole number from 0 to 2^63 - 1"),
-        ("validate", {"views": []}, "validate.views is []: give at least one of free_run, horizon"),
+        ("validate", {"views": []}, "validate.views is []: give at least one of free_run, horizon, loop"),
         ("validate", {"horizon": True}, "validate.horizon is True: must be a positive number of s"),
         ("sweep", {"stack": 0}, "sweep.stack is 0: at least 1, or null for what the machine suggests"),
         ("tune", {"processes": True}, "tune.processes is True: expected a whole number"),

@@ -1,0 +1,21 @@
+"""``Advice``: one line that tells what to do, beside the verdict on a fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal["bound", "scale", "decay", "range", "horizon"]
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What to do about a fit, ``said`` in words. It does not change the verdict.
+
+    ``bound``: a parameter at its bound is collinear with another. ``scale``: some parameters share one free
+    scale. ``decay``: amplitude and time are one in the records. ``range``: a held-out record leaves what was
+    fitted. ``horizon``: the horizon of the fit is too long or too short for the records.
+    """
+
+    kind: Kind
+    said: str

@@ -1,0 +1,25 @@
+"""``advise``: a fit and its records in, advice out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hybridid.advice.advice import Advice
+from hybridid.advice.collinear import at_bound, shared_scale
+from hybridid.advice.decay import free_decay
+from hybridid.advice.horizon import unsuitable_horizon
+from hybridid.advice.ranges import out_of_range
+from hybridid.estimators.estimate import Estimate
+from hybridid.estimators.problem import Problem
+from hybridid.records.record import Record
+
+
+def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()) -> tuple[Advice, ...]:
+    """What to do about ``estimate``, the solution of ``problem``; ``held_out`` are records that judge it."""
+    return (
+        *at_bound(estimate),
+        *shared_scale(problem, estimate),
+        *free_decay(problem.records),
+        *unsuitable_horizon(problem, estimate),
+        *out_of_range(problem, estimate, held_out),
+    )

@@ -1,0 +1,69 @@
+"""A free decay: its amplitude falls with time alone, so what follows the one may as well follow the other.
+
+A friction over the amplitude and a friction that drifts predict the same decay. A second decay that begins at
+another amplitude tells them apart, and so does a machine that is driven.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.advice.advice import Advice
+from hybridid.naming import listed
+from hybridid.quantities import fixed, quantity
+from hybridid.records.record import Record
+
+Array = NDArray[np.float64]
+PERIODS = 2.0
+"""Of the oscillation in a piece over which its amplitude is taken."""
+FEWEST, MOST = 5, 20
+"""Pieces of a record."""
+ALONE = -0.95
+"""Rank correlation of amplitude and time below which they are one."""
+FALLS = 2.0
+"""Ratio of the largest and the smallest amplitude of what counts as a decay."""
+
+
+def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
+    """Whether all ``records`` are decays that nothing drives, and their amplitude goes with time alone."""
+    if not all(_undriven(record) for record in records):
+        return
+    from scipy.stats import spearmanr  # takes a while, and most machines are driven
+
+    for k, channel in enumerate(records[0].output_channels):
+        courses = [_amplitudes(record, k) for record in records]
+        if any(course is None for course in courses):
+            continue
+        time, amplitude = (np.concatenate([c[i] for c in courses if c is not None]) for i in (0, 1))
+        rank = float(spearmanr(time, amplitude).statistic)
+        if rank <= ALONE and amplitude.max() >= FALLS * amplitude.min() > 0:
+            high, low = (quantity(float(a), channel.unit, 2) for a in (amplitude.max(), amplitude.min()))
+            yield Advice(
+                "decay",
+                f"amplitude and time are one in {listed([r.name for r in records])}: a free decay of "
+                f"{channel.name} from {high} to {low} (rank correlation {fixed(rank, 2)}), which a friction "
+                "over the amplitude and a friction that drifts with time explain alike; a decay from another "
+                "amplitude, or a driven record, tells them apart",
+            )
+            return
+
+
+def _undriven(record: Record) -> bool:
+    return not any(np.ptp(column) > 0 for column in record.inputs.T)
+
+
+def _amplitudes(record: Record, k: int) -> tuple[Array, Array] | None:
+    """Time [s] since the start, and amplitude, of each piece of output ``k``; None where it does not
+    oscillate often enough."""
+    y = record.outputs[:, k] - record.outputs[:, k].mean()
+    power = np.abs(np.fft.rfft(y)) ** 2
+    cycles = int(np.argmax(power[1:])) + 1
+    count = min(MOST, int(cycles / PERIODS))
+    if count < FEWEST:
+        return None
+    pieces = np.array_split(np.arange(record.n), count)
+    time = np.array([record.time[piece].mean() - record.time[0] for piece in pieces])
+    return time, np.sqrt(2.0) * np.array([y[piece].std() for piece in pieces])

@@ -1,0 +1,92 @@
+"""How long a horizon should be: long enough to show the slow dynamics, short enough to have several."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.advice.advice import Advice
+from hybridid.estimators.estimate import Estimate
+from hybridid.estimators.problem import Problem
+from hybridid.quantities import number
+from hybridid.simulation.unobserved import filled_states
+
+Array = NDArray[np.float64]
+USUAL = 1.0
+"""Seconds of a horizon, where the sampling is fast enough."""
+LONG_STEP, STEPS = 0.05, 50
+"""Sampling time in s above which ``USUAL`` holds too few samples, and the samples to take then."""
+SHORTEST = 2
+"""Samples that a horizon needs at least."""
+SHARE = 0.1
+"""Of the shortest record, that a horizon should have at most: there are some to judge by."""
+TOLERATED = 1.5
+"""Times ``SHARE`` that are not told: a part of a recording may be fitted with the horizon of the whole."""
+PROBES = 50
+"""Samples of each record at which the time constants are computed."""
+
+
+def proposed_horizon(step: float, shortest: float) -> float:
+    """The horizon in s for records of ``shortest`` s at least, sampled every ``step`` s, to two digits."""
+    usual = max(USUAL, STEPS * step if step > LONG_STEP else 0.0)
+    return float(f"{min(usual, SHARE * shortest):.2g}")
+
+
+def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
+    """Whether the horizon of the fit is too long for its records, or too short for what moves slowly; a fit
+    to whole records has none."""
+    if estimate.settings.horizon is None:
+        return
+    step = problem.windows.dt
+    shortest = min(float(record.time[-1] - record.time[0]) for record in problem.records)
+    seconds = estimate.settings.horizon * step
+    if seconds > TOLERATED * SHARE * shortest:
+        yield Advice("horizon", _said(problem, estimate, shortest, proposed_horizon(step, shortest)))
+        return
+    slowest = slowest_time(problem, estimate, SHARE * shortest)
+    if seconds < slowest:
+        wanted = max(2 * slowest, proposed_horizon(step, shortest))
+        better = max(SHORTEST, round(min(wanted, SHARE * shortest) / step))
+        yield Advice(
+            "horizon",
+            f"estimator.horizon={estimate.settings.horizon} is {number(seconds, 3)} s, shorter than the "
+            f"slowest dynamics that the records resolve ({number(slowest, 2)} s): their parameters show "
+            f"little in one horizon; estimator.horizon={better} ({number(better * step, 2)} s) is proposed",
+        )
+
+
+def _said(problem: Problem, estimate: Estimate, shortest: float, proposed: float) -> str:
+    step, horizon = problem.windows.dt, estimate.settings.horizon or 0
+    better = max(SHORTEST, round(proposed / step))
+    return (
+        f"estimator.horizon={horizon} is {number(horizon * step, 3)} s, longer than a tenth of the shortest "
+        f"fitted record ({number(shortest, 3)} s): few horizons are left to judge by; "
+        f"estimator.horizon={better} ({number(better * step, 2)} s) is proposed, or null for the whole record"
+    )
+
+
+def slowest_time(problem: Problem, estimate: Estimate, longest: float) -> float:
+    """The slowest dynamics in s: a decay's time constant or an oscillation's period, of those up to
+    ``longest`` s, at the typical sample; 0 where there is none."""
+    p = problem.model.values(estimate.values)
+    times: list[float] = []
+    for record in problem.records:
+        path = filled_states(problem.model, p, record)
+        for k in np.unique(np.linspace(0, record.n - 1, PROBES).astype(int)):
+            matrix = np.asarray(problem.model.by_state(record.time[k], path[k], record.inputs[k], p))
+            own = _times(matrix, longest)
+            times.append(float(own.max(initial=0.0)))
+    return float(np.median(times)) if times else 0.0
+
+
+def _times(matrix: Array, longest: float) -> Array:
+    """Time constants and periods in s of the stable modes of x' = A x, up to ``longest``."""
+    if not np.isfinite(matrix).all():
+        return np.empty(0)
+    modes = np.linalg.eigvals(matrix)
+    modes = modes[(modes.real < 0) & (np.abs(modes) * longest >= 1.0)]
+    swings = np.abs(modes.imag) > np.abs(modes.real)
+    times = np.where(swings, 2 * np.pi, 1.0) / np.abs(modes)
+    return np.asarray(times[times <= longest])

@@ -1,0 +1,251 @@
+"""Advice is told where it is due, and only there. All records here are simulated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from benchmarks.torture.pendulum import Pendulum
+from hybridid.advice.decay import free_decay
+from hybridid.advice.horizon import proposed_horizon
+from hybridid.declarations import Parameter, Port, Signal, State
+from hybridid.estimators import FitSettings, fit
+from hybridid.model import compose
+from hybridid.plants.plant import Load, Motion, Plant
+from hybridid.quality import judge
+from hybridid.records.record import Channel, Record
+
+NOISE = 1e-5
+
+
+def told(kind, model, records, settings=None, held_out=()):
+    estimate = fit(model, records, settings)
+    return [one.said for one in judge(model, records, estimate, held_out).advice if one.kind == kind]
+
+
+@pytest.fixture(scope="module")
+def record(carriage, noise):
+    return carriage.record(noise=noise(600, NOISE, seed=4))
+
+
+class Motor(Plant):
+    """``J q'' = k_t (u - k_t q')/R - F``: torque and back-EMF tell k_t/R and k_t²/R, this beside friction."""
+
+    name, meaning, source = "motor", "a motor", "this test"
+    states = (
+        State("q", "rad", scale=1.0, observed_by="angle", derivative=0),
+        State("w", "rad/s", scale=5.0, observed_by="angle", derivative=1),
+    )
+    inputs = (Signal("u", "V"),)
+    outputs = (Signal("angle", "rad"),)
+    parameters = (
+        Parameter("J", "kg·m²", guess=0.01, lower=1e-4, upper=1.0),
+        Parameter("k_t", "N·m/A", guess=0.5, lower=0.01, upper=10.0),
+        Parameter("R", "Ω", guess=3.0, lower=2.0, upper=5.0),
+    )
+    ports = (
+        Port("shaft", "effort", "N·m", 0.1, "rad", 1.0, velocity_scale=5.0, epsilon=0.05),
+        Port("u", "input", "V", 1.0),
+        Port("angle", "output", "rad", 1.0),
+    )
+
+    def motion(self, x, u, p):
+        return {"shaft": Motion(position=x.q, velocity=x.w)}
+
+    def derivative(self, x, u, p, effort):
+        torque = p.k_t * (u.u - p.k_t * x.w) / p.R
+        return {"q": x.w, "w": (torque - effort["shaft"]) / p.J}
+
+    def output(self, x, u, p):
+        return {"angle": x.q}
+
+
+def turned(resistance=6.5, n=800, dt=0.01, seed=5):
+    """A motor of 6.5 Ω, outside the bounds: its true friction and inertia are those of 0.02 N·m·s/rad."""
+    u = np.repeat(np.random.default_rng(seed).uniform(-6, 6, n // 20), 20)
+    x, angle = np.zeros(2), np.empty(n)
+    for k in range(n):
+        angle[k] = x[0]
+        rate = lambda _, x, u=u[k]: [  # noqa: E731
+            x[1], (0.2 * (u - 0.2 * x[1]) / resistance - 0.05 * x[1]) / 0.02
+        ]  # fmt: skip
+        x = solve_ivp(rate, (0, dt), x, rtol=1e-9, atol=1e-11).y[:, -1]
+    angle += np.random.default_rng(6).normal(0, 1e-3, n)
+    channels = (Channel("u", "V", "zoh"),), (Channel("angle", "rad"),)
+    return Record("turned", dt * np.arange(n), u[:, None], angle[:, None], *channels, simulated=True)
+
+
+def test_a_parameter_at_its_bound_is_told_with_the_one_it_runs_along():
+    """The back-EMF of k_t²/R is small beside a friction that is known: the record tells little but k_t/R."""
+    model = compose(Motor(), ["viscous"], {"J": {"fixed": 0.02}, "shaft.viscous.f_v": {"fixed": 0.05}})
+    (said,) = told("bound", model, [turned()])
+    assert said.startswith("R is at its bound and collinear with k_t (correlation of size 0.99")
+    assert said.endswith("fix one of the two at a value that you know, as in parameters.k_t.fixed=...")
+
+
+def test_a_bound_alone_is_no_matter_of_two(make_model, record):
+    tight = make_model(adjust={"M": {"lower": 97.0, "upper": 150.0}})
+    estimate = fit(tight, [record])
+    assert [p.name for p in estimate.parameters if p.at_bound] == ["M"]
+    assert told("bound", tight, [record]) == []
+
+
+def test_a_friction_that_is_not_there_is_told_nothing(make_model, record):
+    """Its bound of zero is physics."""
+    model = make_model(("viscous", "coulomb", "offset", "quadratic_drag"))
+    assert told("bound", model, [record]) == []
+
+
+@pytest.mark.parametrize("effects", [("viscous", "coulomb", "offset"), ("viscous", "offset")])
+def test_parameters_that_share_a_scale_are_told(make_model, record, effects):
+    (said,) = told("scale", make_model((*effects, "input_gain")), [record])
+    names = ", ".join(
+        f"carriage.{e}.{n}" for e, n in (("viscous", "f_v"), ("coulomb", "f_c")) if e in effects
+    )
+    assert said.startswith(f"M, {names} and carriage.offset.offset share one free scale")
+    assert "with force.input_gain.g to match" in said
+    assert said.endswith("as in parameters.M.fixed=...")
+
+
+def test_a_scale_that_is_fixed_is_told_nothing(make_model, record):
+    model = make_model(("viscous", "coulomb", "offset", "input_gain"), {"M": {"fixed": 95.0}})
+    assert told("scale", model, [record]) == []
+
+
+def test_parameters_of_which_only_a_sum_is_known_share_no_scale(make_model, record):
+    model = make_model(("viscous", "coulomb", "offset", "added_inertia"))
+    assert not all(p.identifiable for p in fit(model, [record]).parameters)
+    assert told("scale", model, [record]) == []
+
+
+def test_a_pendulum_that_swings_freely_has_a_free_scale_of_its_torques():
+    class Free(Pendulum):
+        inputs = ()
+        parameters = (
+            Parameter("J", "kg·m²", guess=0.02, lower=1e-4, upper=10.0),
+            Parameter("G", "N·m", guess=0.9, lower=1e-3, upper=100.0),
+        )
+
+        def derivative(self, x, u, p, effort):
+            return {"q": x.w, "w": (-p.G * ca.sin(x.q) - effort["pivot"]) / p.J}
+
+    swing = decaying(0.6, "swing")
+    model = compose(Free(), ["viscous"])
+    (said,) = told("scale", model, [swing])
+    assert said.startswith(
+        "J, G and pivot.viscous.f_v share one free scale: all of them times one factor leave"
+    )
+    assert "to match" not in said
+    known = compose(Free(), ["viscous"], {"J": {"fixed": 0.02}})
+    assert told("scale", known, [swing]) == []
+    (decay,) = told("decay", known, [swing])
+    assert decay.startswith("amplitude and time are one in swing: a free decay of angle from ")
+
+
+def decaying(amplitude, name, n=3000, dt=0.01, torque=None):
+    """A pendulum with viscous friction, let go at ``amplitude``."""
+
+    def rate(t, x):
+        push = 0.0 if torque is None else torque(t)
+        return [x[1], (push - 0.9 * np.sin(x[0]) - 0.004 * x[1]) / 0.02]
+
+    time = dt * np.arange(n)
+    angle = solve_ivp(rate, (0, time[-1]), [amplitude, 0.0], t_eval=time, rtol=1e-9, atol=1e-11).y[0]
+    angle += np.random.default_rng(1).normal(0, 1e-4, n)
+    inputs = np.empty((n, 0)) if torque is None else np.array([[torque(t)] for t in time])
+    channels = () if torque is None else (Channel("torque", "N·m"),)
+    return Record(name, time, inputs, angle[:, None], channels, (Channel("angle", "rad"),), simulated=True)
+
+
+def test_decays_from_one_amplitude_are_told_and_from_two_are_not():
+    first, again, smaller = decaying(0.6, "first"), decaying(0.58, "again"), decaying(0.05, "smaller")
+    assert len(list(free_decay([first]))) == 1
+    (said,) = free_decay([first, again])
+    assert "first and again" in said.said
+    assert list(free_decay([first, smaller])) == []
+
+
+def test_a_machine_that_is_driven_or_does_not_swing_is_no_decay(record):
+    assert list(free_decay([decaying(0.6, "driven", torque=lambda t: 0.2 * np.sin(4 * t))])) == []
+    assert list(free_decay([record])) == []
+    still = replace(decaying(0.6, "still"), outputs=np.exp(-np.arange(3000) / 900)[:, None])
+    assert list(free_decay([still])) == []
+
+
+def test_a_held_out_record_that_leaves_what_was_fitted_is_told(make_model, record):
+    harder = replace(record, name="harder", inputs=1.3 * record.inputs, warnings=())
+    (said,) = told("range", make_model(), [record], held_out=[record, harder])
+    assert said.startswith("record harder leaves what was fitted: force −10")
+    assert ", fitted −7" in said
+    assert "position" not in said
+
+
+def test_speed_and_load_are_looked_at_too(pressed, record):
+    """The carriage pressed by a spring: at half the speed it was fitted, it is held out at the whole."""
+    model = compose(pressed, ["viscous"], {"carriage.epsilon": {"guess": 3e-3}})
+    slow = replace(record, name="slow", outputs=0.5 * record.outputs, warnings=())
+    (said,) = told("range", model, [slow], held_out=[record])
+    assert "speed at carriage" in said
+    assert "load at carriage" in said
+    assert "position" in said
+    assert "force" not in said
+
+
+def test_a_load_by_a_parameter_with_a_value_for_each_group_is_that_of_the_group(pressed, record):
+    class Hung(type(pressed)):
+        def loads(self, x, u, p):
+            return {"carriage": Load(drive=u.force, load=-9.81 * p.M + 0 * x.q, level=1.0)}
+
+    def of_group(name, light):
+        weights = {"M[light]": float(light), "M[heavy]": float(not light)}
+        return replace(record, name=name).with_constants(weights, dict.fromkeys(weights, "1"))
+
+    heavy = {"M": {"lower": 10.0, "upper": 500.0}, "carriage.epsilon": {"guess": 3e-3}}
+    model = compose(Hung(), ["viscous", "coulomb", "offset"], heavy, groups={"M": ("light", "heavy")})
+    fitted, other = of_group("fitted", light=True), of_group("other", light=False)
+    (said,) = told("range", model, [fitted], held_out=[other])
+    assert said.startswith("record other leaves what was fitted: load at carriage −")
+    assert told("range", model, [fitted], held_out=[replace(fitted, name="again")]) == []
+
+
+def test_records_within_what_was_fitted_are_told_nothing(make_model, record):
+    little_more = replace(record, name="more", inputs=1.05 * record.inputs, warnings=())
+    assert told("range", make_model(), [record], held_out=[record, little_more]) == []
+
+
+def test_a_sample_that_stands_out_is_no_range(make_model, carriage):
+    long = carriage.record(n=6000)
+    spike = np.array(long.outputs)
+    spike[700] += 10.0
+    held_out = [replace(long, name="spiked", outputs=spike, warnings=())]
+    said = told("range", make_model(), [long], FitSettings(horizon=200), held_out)
+    assert all("position" not in one for one in said)
+
+
+@pytest.mark.parametrize(
+    ("samples", "begins"),
+    [
+        (30, "estimator.horizon=30 is 0.15 s, shorter than the slowest dynamics that the records resolve"),
+        (200, None),
+        (None, None),
+        (2000, "estimator.horizon=2000 is 10 s, longer than a tenth of the shortest fitted record (30 s)"),
+    ],
+)
+def test_a_horizon_that_does_not_suit_its_records_is_told(make_model, carriage, samples, begins):
+    long = carriage.record(n=6000)
+    said = told("horizon", make_model(), [long], FitSettings(horizon=samples))
+    assert len(said) == (begins is not None)
+    if begins:
+        assert "(0.47 s)" in said[0] or samples == 2000
+        assert said[0].startswith(begins)
+        assert "estimator.horizon=200 (1 s)" in said[0]
+
+
+def test_the_proposed_horizon_is_a_second_fifty_samples_or_a_tenth():
+    assert proposed_horizon(1e-3, 24.8) == 1.0
+    assert proposed_horizon(1.0, 4000.0) == 50.0
+    assert proposed_horizon(1e-3, 3.0) == 0.3
