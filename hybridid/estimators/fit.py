@@ -94,7 +94,7 @@ def _check_outputs(records: Sequence[Record]) -> None:
     """Refuse outputs that say nothing: a fit to them would look perfect."""
     names = " and ".join(record.name for record in records)
     for k, channel in enumerate(records[0].output_channels):
-        samples = np.concatenate([record.outputs[:, k] for record in records])
+        samples = np.concatenate([record.counted[:, k] for record in records])
         if not np.ptp(samples) > 0:
             raise ValueError(
                 f"output {channel.name} of {names} is {samples[0]:.6g} {channel.unit} at every sample: "

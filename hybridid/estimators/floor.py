@@ -98,7 +98,7 @@ def _rms(problem: Problem, error: Array) -> Array:
 def _by_step(problem: Problem, p: Array, x0: Array, shot: Shot) -> Array:
     """The error (w, H, n_y) of the step's length, weighted: by Richardson, from steps of half the length."""
     windows = problem.windows
-    finer = cut(problem.records, max(windows.lengths), 2 * windows.substeps)
+    finer = cut(problem.records, windows.horizon, 2 * windows.substeps)
     outputs = problem.shooter.over(finer)(x0, p).outputs
     error = (outputs - shot.outputs) / problem.scale * 2**RK4_ORDER / (2**RK4_ORDER - 1)
     return np.where(windows.used[..., None] & np.isfinite(error), error, 0.0)

@@ -132,7 +132,7 @@ def build_problem(
     check_records(model, records)
     windows = cut(records, horizon, substeps)
     names = tuple(p.name for p in model.free) if free is None else tuple(free)
-    pooled = np.concatenate([record.outputs for record in records])
+    pooled = np.concatenate([record.counted for record in records])
     scale = pooled.std(axis=0)
     scale[scale == 0] = 1.0
     shooter = Shooter(model, windows, names, integrator, _inner(model))

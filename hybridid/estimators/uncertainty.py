@@ -33,6 +33,7 @@ from hybridid.estimators.noise import Absorbed, Autoregression, autoregression, 
 from hybridid.estimators.normal_equations import small
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
+from hybridid.simulation.windows import within
 
 __all__ = ["Uncertainty", "autoregression", "uncertainty"]
 
@@ -203,13 +204,16 @@ def _of_noise(fitted: Absorbed, origin: tuple[tuple[int, int, int], ...]) -> Arr
 
 
 def _runs(fitted: Absorbed, origin: tuple[tuple[int, int, int], ...]) -> Iterator[tuple[Array, Array]]:
-    """Basis (N, n_y, n) and residual (N, n_y) of the horizons that follow each other without a gap."""
-    begin = 0
+    """Basis (N, n_y, n) and residual (N, n_y) of the horizons that follow each other without a gap.
+
+    Both are zero at masked samples: noise there drives no estimate, but is as old as it is.
+    """
+    begin, inside = 0, within(fitted.used)
     for k in range(1, len(origin) + 1):
         if k < len(origin) and origin[k][:2] == (origin[k - 1][0], origin[k - 1][2]):
             continue
         run = slice(begin, k)
-        yield fitted.parameters[run][fitted.used[run]], fitted.residual[run][fitted.used[run]]
+        yield fitted.parameters[run][inside[run]], fitted.residual[run][inside[run]]
         begin = k
 
 

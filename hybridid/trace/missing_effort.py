@@ -83,6 +83,9 @@ class MissingEffort:
 def missing_effort(model: Model, values: Mapping[str, float], record: Record, port: str) -> MissingEffort:
     """Estimate the effort that ``model`` at ``values`` lacks at an effort port, or the flow at a flow port.
 
+    Masked outputs say nothing of it. Of a record with masked stretches that are not simulated, it is that of
+    the longest part between them.
+
     Raises:
         ValueError: if the port takes neither.
     """
@@ -92,6 +95,7 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
             f"port {port} is of kind {where.kind}: a missing effort can only be estimated at an effort port, "
             "a missing flow at a flow port"
         )
+    record = _longest_part(record)
     walking = model.plus(replace(WALK, kind=where.kind), port)
     p = walking.values(_known(walking, {**values, f"{port}.{WALK.id}.g": 1.0}))
     about = np.zeros((record.n, len(walking.states)))
@@ -117,6 +121,12 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
         if np.median(moved) < STILL * np.sqrt(np.median(covariance)):
             break
     return _result(walking, record, port, p, about, covariance, float(INTENSITIES[best]))
+
+
+def _longest_part(record: Record) -> Record:
+    """The longest part of ``record`` that can be simulated in one go."""
+    first, end = max(record.joined, key=lambda part: part[1] - part[0])
+    return record if end - first == record.n else record.part(first, end)
 
 
 def _known(model: Model, values: Mapping[str, float]) -> dict[str, float]:
@@ -197,6 +207,9 @@ class _Linearised:
         c = c.reshape(n_y, n, m).swapaxes(0, 1)
         b = x_next.T - np.einsum("nij,nj->ni", a, states)
         d = y.T - np.einsum("nij,nj->ni", c, states)
+        if record.masked:  # an output that depends on no state and is as measured moves nothing
+            unseen = ~record.counts
+            c[unseen], d[unseen] = 0.0, record.outputs[unseen]
         return (
             np.ascontiguousarray(a),
             np.ascontiguousarray(b),
