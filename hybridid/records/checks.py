@@ -19,7 +19,6 @@ SHORTEST_STEP, LONGEST_STEP = 1e-12, 1e9
 STEP_TOLERANCE = 0.01  # of the sampling time
 # Small errors of the steps add up: beyond half a sample, a fit would take the sum for a delay.
 GRID_TOLERANCE = 0.5  # of the sampling time
-EVEN_REMEDY = "set resample to interpolate onto an even grid, or give dt if only the stamps are rounded"
 
 
 def check_samples(
@@ -94,6 +93,14 @@ def check_increasing(time: Array, where: str) -> None:
         )
 
 
+def set_resample(name: str, dt: float) -> str:
+    """What to set so that the record ``name`` is resampled at ``dt`` s, for a message."""
+    return (
+        f"set signals.resample={dt:.3g} to interpolate onto an even grid (records.{name}.resample for this "
+        "record alone)"
+    )
+
+
 def check_even(time: Array, where: str) -> None:
     """Raise if the increasing stamps ``time`` (n,) deviate from an even grid, naming the worst.
 
@@ -105,20 +112,22 @@ def check_even(time: Array, where: str) -> None:
     """
     steps = np.diff(time)
     dt = float(np.median(steps))
+    resample = set_resample(where.removeprefix("record "), dt)
+    remedy = f"{resample}, or give signals.time.dt in place of its column if only the stamps are rounded"
     off = np.abs(steps - dt)
     if off.max() > STEP_TOLERANCE * dt:
         k = int(np.argmax(off))
         raise RecordError(
             f"{where}: time is uneven: step {steps[k]:.6g} s from sample {k} (t = {time[k]:g} s) "
             f"where {dt:.6g} s is usual, {int((off > STEP_TOLERANCE * dt).sum())} of {len(steps)} steps are "
-            f"off by more than {STEP_TOLERANCE:.0%}; {EVEN_REMEDY}"
+            f"off by more than {STEP_TOLERANCE:.0%}; {remedy}"
         )
     drift = np.abs(time - np.linspace(time[0], time[-1], len(time)))
     if drift.max() > GRID_TOLERANCE * dt:
         k = int(np.argmax(drift))
         raise RecordError(
             f"{where}: time drifts {drift[k] / dt:.2g} samples away from an even grid of {dt:.6g} s "
-            f"at sample {k} (t = {time[k]:g} s); {EVEN_REMEDY}"
+            f"at sample {k} (t = {time[k]:g} s); {remedy}"
         )
 
 
