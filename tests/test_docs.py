@@ -315,24 +315,41 @@ def test_uneven_stamps_of_the_page_end_with_the_key_to_set(bench):
     )
 
 
-def test_the_robot_of_the_page_is_fitted_from_its_bag(bench):
-    """Joint states at 200 Hz that are logged late, the torque at 4 Hz with stamps of its own."""
+def write_robot(path: Path, spoiled: float) -> None:
+    """Joint states at 200 Hz that are logged late, the torque at 4 Hz with stamps of its own; a share of the
+    angles ``spoiled`` by a lost bit."""
     writer = pytest.importorskip(
         "mcap_ros2.writer", reason="needs the extra ros: pip install 'hybridid[ros]'"
     )
     time, torque, angle, _ = bench_motion(4, by_hand=False)
+    lost = np.random.default_rng(5).random(SAMPLES) < spoiled
     header = "\n".join(["=" * 80, "MSG: std_msgs/Header", "builtin_interfaces/Time stamp", "string frame_id"])
     joints = f"std_msgs/Header header\nstring[] name\nfloat64[] position\n{header}"
-    with (bench / "mylab" / "robot.mcap").open("wb") as file, writer.Writer(file) as bag:
+    with path.open("wb") as file, writer.Writer(file) as bag:
         state = bag.register_msgdef("sensor_msgs/JointState", joints)
         effort = bag.register_msgdef("std_msgs/Float64", "float64 data")
-        for k in range(SAMPLES):
+        for k, q in enumerate((angle + 0.125 * lost).tolist()):
             ns = 10**18 + round(time[k] * 1e9)
             if k % 50 == 0:
                 bag.write_message("/torque", effort, {"data": float(torque[k])}, log_time=ns)
             stamp = {"sec": ns // 10**9, "nanosec": ns % 10**9}
-            message = {"header": {"stamp": stamp, "frame_id": ""}, "name": ["pivot"], "position": [angle[k]]}
+            message = {"header": {"stamp": stamp, "frame_id": ""}, "name": ["pivot"], "position": [q]}
             bag.write_message("/joint_states", state, message, log_time=ns + 3_000_000)
+
+
+def test_the_robot_of_the_page_is_fitted_from_its_bag(bench):
+    write_robot(bench / "mylab" / "robot.mcap", spoiled=0.0)
     found, _ = fitted(bench, ["--config-dir", "mylab", "case=robot"], "robot")
     for name, truth in BENCH.items():
         assert found[name]["value"] == pytest.approx(truth, rel=0.02), name
+
+
+def test_the_loss_of_the_page_bears_outliers(bench):
+    write_robot(bench / "mylab" / "robot.mcap", spoiled=0.02)
+    words = data_commands()[1]
+    found, _ = fitted(bench, words, "huber")
+    for name, truth in BENCH.items():
+        assert found[name]["value"] == pytest.approx(truth, rel=0.02), name
+        assert abs(found[name]["value"] - truth) < 4 * found[name]["std"], name
+    pulled, _ = fitted(bench, words[:-1], "squared")
+    assert all(pulled[name]["std"] > 3 * found[name]["std"] for name in BENCH)

@@ -83,7 +83,11 @@ def by_parameter(problem: Problem, shot: Shot) -> Array:
             moving = problem.moving[before]
             own, ends = used[before], shot.ends_by[before][:, inner].T
             by_x = shot.by_state[before][own][..., moving] / problem.scale[:, None]
-            following = -_fitted(by_x, total[before][own] / problem.scale[:, None])
+            by_p = total[before][own] / problem.scale[:, None]
+            if problem.weights is not None:
+                counted = problem.weights[before][own][..., None]
+                by_x, by_p = by_x * counted, by_p * counted
+            following = -_fitted(by_x, by_p)
             by_state, by_p = ends[:, :n_x], ends[:, n_x:]
             arriving[k] = by_p + by_state[:, inner] @ arriving[before] + by_state[:, moving] @ following
         with np.errstate(over="ignore", invalid="ignore"):  # sensitivities that grow without end

@@ -66,11 +66,11 @@ class Floor:
         return beyond_simulation & np.where(told, self.times > FAR, self.louder < ALPHA / len(self.louder))
 
 
-def floor_of(problem: Problem, p: Array, x0: Array, smeared: Array) -> Floor:
+def floor_of(problem: Problem, p: Array, x0: Array, smeared: Array, residual: Array | None = None) -> Floor:
     """The floor of ``problem`` at ``p`` (n_p,), ``x0`` (w, n_x); ``smeared`` (n_y,) is what the smoothing of
-    sign(v) leaves (``Uncertainty.smeared``)."""
+    sign(v) leaves (``Uncertainty.smeared``); ``residual`` as for ``uncertainty``."""
     shot = problem.shooter(x0, p, sensitivities=not problem.estimate_x0)
-    residual = problem.residuals(shot)
+    residual = problem.residuals(shot) if residual is None else residual
     if not problem.estimate_x0:
         residual = _less_initial_states(problem, shot, residual)
     told = [sensor_noise(record) for record in problem.records]

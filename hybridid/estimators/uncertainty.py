@@ -74,9 +74,11 @@ class Uncertainty:
         return np.where(np.isfinite(ratio), ratio, np.eye(len(s)))
 
 
-def uncertainty(problem: Problem, p: Array, x0: Array) -> Uncertainty:
+def uncertainty(problem: Problem, p: Array, x0: Array, residual: Array | None = None) -> Uncertainty:
     """Covariance of the free parameters at a solution ``p`` (n_p,), ``x0`` (w, n_x).
 
+    ``residual`` (w, H, n_y) takes the place of that of ``problem``, where another loss made the fit
+    (``robust``).
     A parameter at a bound counts as free: its interval then says what the data say. Initial states
     that are not estimated count as exact.
     """
@@ -86,7 +88,8 @@ def uncertainty(problem: Problem, p: Array, x0: Array) -> Uncertainty:
     if not small(states, jacobian * scale):
         return _none(len(scale), len(problem.scale))
     q, spread, condition = _orthogonal(jacobian.reshape(-1, len(scale)) * scale)
-    fitted = Absorbed(problem.residuals(shot), problem.windows.used, states, q.reshape(jacobian.shape))
+    residual = problem.residuals(shot) if residual is None else residual
+    fitted = Absorbed(residual, problem.windows.used, states, q.reshape(jacobian.shape))
     with np.errstate(invalid="ignore"):
         noise, scores = (
             spread @ middle @ spread.T * np.outer(scale, scale)
