@@ -31,7 +31,6 @@ def run(job: Job) -> None:
     ``channels``, of the parameters that it gives and of the weights of its groups, store samples and
     description."""
     rows: list[Prepared] = []
-    masked: list[int] = []
     channels = [signal.name for signal in channels_of(job.settings)]
     units = {signal.name: signal.unit for signal in given_of(job.settings)}
     weights = weights_of(job.settings)
@@ -42,13 +41,12 @@ def run(job: Job) -> None:
         record = record.with_constants({name: constants[name] for name in units}, units)
         save_record(record, job.folder / f"{source.name}.parquet")
         rows.append(_described(source, record))
-        masked.append(int(np.sum(~record.counts)))
     for line in together({row.name: row.warnings for row in rows}):
         job.watcher.warn(line)
-    if any(masked):
-        within, n = sum(1 for samples in masked if samples), sum(row.n for row in rows)
+    if masked := [row.masked for row in rows if row.masked]:
+        within = f"{len(masked)} of {len(rows)} records"
         job.watcher.say(
-            f"masked: {sum(masked)} of {n} samples, in {within} of {len(rows)} records, do not count"
+            f"masked: {sum(masked)} of {sum(row.n for row in rows)} samples, in {within}, do not count"
         )
     write_json(job.folder / "records.json", rows)
 
@@ -67,6 +65,7 @@ def _described(source: Source, record: Record) -> Prepared:
         outputs=NamedUnit.each(record.output_channels),
         auxiliary=NamedUnit.each(record.auxiliary_channels),
         warnings=tuple(record.warnings),
+        masked=int(np.sum(~record.counts)),
     )
 
 

@@ -113,7 +113,8 @@ def _view(prediction: Prediction, starts: Array) -> str:
     if prediction.view == "free_run":
         return "free run"
     stop = starts[1] if len(starts) > 1 else prediction.time[-1]
-    return f"horizons of {stop - starts[0]:.3g} s"
+    usual = float(np.median(np.diff(starts))) if prediction.rows is not None and len(starts) > 1 else 0.0
+    return f"horizons of {usual or stop - starts[0]:.3g} s"
 
 
 def one_output(responses: Sequence[Response], one_record: bool = True) -> Response:

@@ -126,3 +126,10 @@ def test_what_does_not_count_is_not_warned_of(record_of):
         ],
     )
     assert not any("clipped" in line for line in masked.warnings)
+
+
+def test_a_mean_is_that_of_what_counts(record_of):
+    record = record_of(y=lambda t: np.where(t < 1.0, 5.0, 100.0) + 0.1 * np.sin(t))
+    masked = Mask(stretches=((1.0, 2.0),)).apply(record)
+    kept = apply_steps(masked, [{"step": "remove_mean", "signals": ["position"]}])
+    assert abs(kept.counted.mean()) < 1e-12
