@@ -239,7 +239,7 @@ def bench_motion(seed: int, by_hand: bool) -> tuple[np.ndarray, ...]:
     """Time, held torque, angle with noise and whether the drive is on; off from 4 to 6 s, moved by hand."""
     generator = np.random.default_rng(seed)
     time = DT * np.arange(SAMPLES)
-    torque = np.repeat(generator.uniform(-0.8, 0.8, SAMPLES // 50), 50)
+    torque = np.repeat(generator.uniform(-0.5, 0.5, SAMPLES // 50), 50)
     on = (time < 4) | (time >= 6) if by_hand else np.full(SAMPLES, True)
     J, G, f_v, f_c = BENCH.values()
 
