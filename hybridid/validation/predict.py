@@ -66,15 +66,18 @@ class Prediction:
     @property
     def holes(self) -> Array:
         """Times [s] of the last sample before and the first after each masked stretch, (h, 2)."""
-        if self.rows is None:
-            return np.empty((0, 2))
-        last = np.flatnonzero(np.diff(self.rows) > 1)
-        return np.stack([self.time[last], self.time[last + 1]], axis=1)
+        return np.empty((0, 2)) if self.rows is None else holes_of(self.time, self.rows)
 
     @property
     def error(self) -> Array:
         """``measured - predicted``, (n, n_y)."""
         return self.measured - self.predicted
+
+
+def holes_of(time: Array, rows: NDArray[np.int64]) -> Array:
+    """``time`` (n,) of the last sample before and the first after each gap in ``rows`` (n,), (h, 2)."""
+    last = np.flatnonzero(np.diff(rows) > 1)
+    return np.stack([time[last], time[last + 1]], axis=1)
 
 
 def free_run(

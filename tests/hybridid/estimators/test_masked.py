@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hybridid.estimators import FitSettings, fit
+from hybridid.plotting.trace_missing_effort import missing_effort_plot
 from hybridid.records.record import RecordError
 from hybridid.records.sensor_noise import noise_level
 from hybridid.residuals.series import error_series
@@ -155,11 +156,16 @@ def test_a_missing_effort_bridges_what_does_not_count(make_model, carriage_like,
     masked = Mask(stretches=((1.2, 1.3),)).apply(replace(record, outputs=dead[:, None], warnings=()))
     model, truth = make_model(), carriage_like().truth
     clean, found = (missing_effort(model, truth, one, "carriage") for one in (record, masked))
-    np.testing.assert_allclose(found.effort[masked.counts], clean.effort[masked.counts], atol=5.0)
-    inside = (record.time > 1.22) & (record.time < 1.28)
-    assert found.std[inside].min() > clean.std[inside].max()
+    np.testing.assert_array_equal(found.rows, np.flatnonzero(masked.counts))
+    np.testing.assert_allclose(found.effort, clean.effort[masked.counts], atol=5.0)
+    np.testing.assert_array_equal(found.of(record.input("force")), record.input("force")[masked.counts])
+    np.testing.assert_allclose(found.holes, [[1.195, 1.3]])
     apart = Mask(stretches=((1.2, 1.3),), through=False).apply(record)
-    assert missing_effort(model, truth, apart, "carriage").time[0] == pytest.approx(1.3)
+    later = missing_effort(model, truth, apart, "carriage")
+    assert later.time[0] == pytest.approx(1.3)
+    np.testing.assert_array_equal(later.rows, np.arange(260, 600))
+    plot = missing_effort_plot({"gray box": found}, {"force": (record.input("force"), "N")})
+    assert plot.caption.endswith("shaded: masked, does not count.")
 
 
 def test_a_network_on_the_output_error_refuses_a_masked_record(symmetric, noisy, carriage):
