@@ -98,6 +98,9 @@ def _over_time(axes: Axes, index: int, name: str, found: MissingEffort, scale: S
     """Draw samples, their means over short blocks and the band; returns the line for the legend."""
     time, style = time_scale(found.time), look(index)
     x, means, spread = (_block_means(v, BLOCKS) for v in (found.time, found.effort, found.std))
+    for start, stop in found.holes:  # of a block that straddles one, the mean would lie in it
+        outside = (x <= start) | (x >= stop)
+        x, means, spread = x[outside], means[outside], spread[outside]
     resumed = found.holes[:, 1]
     ends = [broken(x, means + side * Z95 * spread, resumed) for side in (-1, 1)]
     low, high = (edge * scale.factor for _, edge in ends)
