@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from hybridid.estimators import FitSettings, fit
+from hybridid.model import compose
 from hybridid.plotting.trace_missing_effort import missing_effort_plot
-from hybridid.records.record import RecordError
+from hybridid.records.record import Channel, RecordError
 from hybridid.records.sensor_noise import noise_level
 from hybridid.residuals.series import error_series
 from hybridid.signals.masks import Mask
+from hybridid.simulation.stability import substeps_wanted
 from hybridid.simulation.windows import cut
 from hybridid.trace.missing_effort import missing_effort
 from hybridid.trace.split import by_blocks
@@ -175,3 +177,21 @@ def test_a_network_on_the_output_error_refuses_a_masked_record(symmetric, noisy,
         RecordError, match="record carriage is masked: residual=narx needs the error at every"
     ):
         error_series(run, masked, "position")
+
+
+def test_steps_are_as_long_as_what_counts_allows(noisy):
+    """A dead sensor that shows 1 kV, far up a spring that stiffens, is no reason for short steps if masked."""
+    from hybridid.plants.duffing import Duffing
+
+    model = compose(Duffing(), ["cubic_stiffness"])
+    channels = {
+        "input_channels": tuple(Channel(s.name, s.unit) for s in model.inputs),
+        "output_channels": tuple(Channel(s.name, s.unit) for s in model.outputs),
+    }
+    dead = noisy.outputs.copy()
+    dead[200:260] = 1e3
+    record = replace(noisy, outputs=dead, warnings=(), **channels)
+    masked = Mask(stretches=((1.0, 1.3),)).apply(record)
+    p = model.values()
+    clean = substeps_wanted(model, p, [replace(noisy, warnings=(), **channels)])
+    assert substeps_wanted(model, p, [masked]) == clean < substeps_wanted(model, p, [record])
