@@ -180,7 +180,7 @@ def test_a_network_on_the_output_error_refuses_a_masked_record(symmetric, noisy,
 
 
 def test_steps_are_as_long_as_what_counts_allows(noisy):
-    """A dead sensor that shows 1 kV, far up a spring that stiffens, is no reason for short steps if masked."""
+    """A dead sensor that shows 1 kV, far up a spring that stiffens, asks for no short steps if masked."""
     from hybridid.plants.duffing import Duffing
 
     model = compose(Duffing(), ["cubic_stiffness"])
