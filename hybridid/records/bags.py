@@ -12,8 +12,9 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Iterator
+from contextlib import redirect_stderr
 from dataclasses import dataclass, field, replace
-from io import BytesIO
+from io import BytesIO, StringIO
 from pathlib import Path
 from typing import Any
 
@@ -156,10 +157,8 @@ def _topics(path: Path) -> list[_Topic]:
                 schemas[record.id] = record
             elif isinstance(record, Channel) and record.id not in channels:
                 topic = topics.setdefault(record.topic, _Topic(record.topic))
-                decoder = factory.decoder_for(record.message_encoding, schemas.get(record.schema_id))
-                if decoder is None:
-                    topic.unread = _other(record, schemas.get(record.schema_id))
-                channels[record.id] = topic, decoder or (lambda _: None)
+                decoder = _decoder(factory, record, schemas.get(record.schema_id), topic)
+                channels[record.id] = topic, decoder
             elif isinstance(record, Message):
                 if record.channel_id not in channels:
                     raise RecordError(f"{path}: a message is of channel {record.channel_id}, which it lacks")
@@ -171,6 +170,19 @@ def _topics(path: Path) -> list[_Topic]:
     except EndOfFile as end:
         raise RecordError(f"{path}: it ends in the middle: was it cut off? mcap recover may help") from end
     return list(topics.values())
+
+
+def _decoder(factory: Any, channel: Any, schema: Any, topic: _Topic) -> Callable[[bytes], Any]:
+    """What decodes the messages of a channel; where nothing does, ``topic`` says why."""
+    try:
+        with redirect_stderr(StringIO()):  # the library prints what it then raises
+            decoder = factory.decoder_for(channel.message_encoding, schema)
+    except Exception as wrong:
+        topic.unread = f"its definition cannot be read: {shortened(str(wrong), 100) or type(wrong).__name__}"
+        return lambda _: None
+    if decoder is None:
+        topic.unread = _other(channel, schema)
+    return decoder or (lambda _: None)
 
 
 def _other(channel: Any, schema: Any) -> str:
@@ -192,7 +204,12 @@ def _taken(record: Any, topic: _Topic, decoder: Callable[[bytes], Any]) -> int:
             "and point clouds are no signals"
         )
         return 0
-    return topic.take(decoder(record.data), record.log_time)
+    try:
+        message = decoder(record.data)
+    except Exception as wrong:  # a definition may hold what the library does not read, such as wstring
+        topic.unread = f"a message of it cannot be read: {shortened(str(wrong), 100) or type(wrong).__name__}"
+        return 0
+    return topic.take(message, record.log_time)
 
 
 def _records(path: Path) -> Iterator[Any]:

@@ -62,7 +62,8 @@ def read_columns(path: Path | str) -> Columns:
         {name: content.clock for name, content in stamped.items()},
     )
     if not columns:
-        raise RecordError(f"{path}: it holds no column of numbers")
+        why = next((f"; {name}: {reason}" for name, reason in columns.unusable.items()), "")
+        raise RecordError(f"{path}: it holds no column of numbers{why}")
     return columns
 
 

@@ -255,8 +255,9 @@ def test_a_definition_that_holds_itself_ends_in_one_line(bag):
     path = Bag(bag.path, CompressionType.NONE).write(messages)
     endless = path.read_bytes().replace(b"float64 data", b"x/A     data")
     path.write_bytes(endless)
-    with pytest.raises(RecordError, match=r"not a readable .mcap file: maximum recursion depth"):
+    with pytest.raises(RecordError, match="it holds no column of numbers"):
         read_columns(path)
+    assert "a message of it cannot be read: maximum recursion depth" in dict(bags.read_mcap(path))["/a"]
 
 
 def test_other_bags_say_how_they_become_one(tmp_path):
@@ -316,3 +317,16 @@ def test_the_template_reads_a_bag_whose_topics_have_stamps_of_their_own(bag):
     columns = read_columns(bag.write(swing()))
     assert time_found(columns).column == "/joint_states.stamp"
     assert {"/cmd.data", "/joint_states.position[0]"} <= {one.name for one in columns_found(columns)}
+
+
+def test_a_topic_that_cannot_be_read_leaves_the_others_readable(bag, capfd):
+    from mcap.writer import CompressionType
+
+    messages = [*swing(20)]
+    messages += [("/odd", "x/Odd", "float64 odd", SimpleNamespace(odd=1.0), 0.01 * k) for k in range(5)]
+    path = Bag(bag.path, CompressionType.NONE).write(messages)
+    path.write_bytes(path.read_bytes().replace(b"float64 odd", b"float64 O+d"))
+    columns = read_columns(path)
+    assert columns.unusable["/odd"].startswith("its definition cannot be read: 'O+d' is an invalid")
+    assert len(columns["/joint_states.stamp"]) == 20
+    assert capfd.readouterr() == ("", "")
