@@ -19,6 +19,7 @@ from hybridid_cli.trace_results import trace_results
 from pipelines.shared.fitted import Fit, fit_of
 from pipelines.shared.predictions import agreements_in, metric_rows
 from pipelines.shared.prepared import prepared_records
+from pipelines.shared.remarks import together
 from pipelines.shared.stage import Outcome
 
 
@@ -31,12 +32,13 @@ def summary(outcome: Outcome, command: str) -> str:
 
 def _records(tree: Path) -> list[RenderableType]:
     made = table("Records", ("record", "role", "samples", "rate", "data", "from"), words=(0, 1, 4, 5))
-    notes: list[RenderableType] = []
-    for one in prepared_records(tree):
-        rate = f"{1 / one.dt:.6g} Hz"
-        made.add_row(one.name, one.role, str(one.n), rate, provenance(one.provenance), one.source)
-        notes += warnings(f"record {one.name}: {line}" for line in one.warnings)
-    return [made, *notes]
+    records = prepared_records(tree)
+    for one in records:
+        rate, samples = f"{1 / one.dt:.6g} Hz", str(one.n)
+        if one.masked:
+            samples = f"{one.n - one.masked} of {one.n}"
+        made.add_row(one.name, one.role, samples, rate, provenance(one.provenance), one.source)
+    return [made, *warnings(together({one.name: one.warnings for one in records}))]
 
 
 def _estimates(tree: Path) -> list[RenderableType]:

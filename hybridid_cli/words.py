@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from hybridid.naming import shortened
@@ -13,6 +14,8 @@ WITH_VALUE = ("--config-dir", "-cd", "--cfg", "-c", "--package", "-p", "--info",
 FLAGS = (*SWITCHES, *WITH_VALUE)
 MAY_BE_NEW = ("parameters", "channels", "rig", "archive")
 """Keys that a command line may give though the case's file does not."""
+_OF_RECORDS = re.compile(r"signals\.resample|records\.[^.]+\.(resample|steps)")
+"""The same below keys whose others the case's file must give."""
 CFG = ("job", "hydra", "all")
 
 
@@ -59,7 +62,8 @@ def _override(command: str, word: str, words: Sequence[str]) -> str:
     if "=" not in word and not word.startswith("~"):
         return _bare(command, word, words)
     key = word.partition("=")[0]
-    return f"++{word}" if key.partition(".")[0] in MAY_BE_NEW else word
+    new = key.partition(".")[0] in MAY_BE_NEW or _OF_RECORDS.match(key)
+    return f"++{word}" if new else word
 
 
 def _check_flag_value(flag: str, value: str) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from hybridid.records.record import Record
 from hybridid.records.store import save_record
 from hybridid.signals.step import StepError, as_steps
@@ -16,6 +18,7 @@ from pipelines.shared.errors import ConfigError
 from pipelines.shared.limits import check_demand
 from pipelines.shared.modelling import given_of, weights_of
 from pipelines.shared.prepared import NamedUnit, Prepared
+from pipelines.shared.remarks import together
 from pipelines.shared.sources import Simulated, Source, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
@@ -27,7 +30,8 @@ def run(job: Job) -> None:
     """Read every record of the case, apply its own steps and then ``preprocess.steps``, make inputs of its
     ``channels``, of the parameters that it gives and of the weights of its groups, store samples and
     description."""
-    rows, channels = [], [signal.name for signal in channels_of(job.settings)]
+    rows: list[Prepared] = []
+    channels = [signal.name for signal in channels_of(job.settings)]
     units = {signal.name: signal.unit for signal in given_of(job.settings)}
     weights = weights_of(job.settings)
     for source in sources_of(job.settings).found:
@@ -35,10 +39,15 @@ def run(job: Job) -> None:
         record = apply_steps(source.record(), steps).with_channels(channels)
         constants = {**source.constants, **weights.get(source.name, {})}
         record = record.with_constants({name: constants[name] for name in units}, units)
-        for warning in record.warnings:
-            job.watcher.warn(warning)
         save_record(record, job.folder / f"{source.name}.parquet")
         rows.append(_described(source, record))
+    for line in together({row.name: row.warnings for row in rows}):
+        job.watcher.warn(line)
+    if masked := [row.masked for row in rows if row.masked]:
+        within = f"{len(masked)} of {len(rows)} records"
+        job.watcher.say(
+            f"masked: {sum(masked)} of {sum(row.n for row in rows)} samples, in {within}, do not count"
+        )
     write_json(job.folder / "records.json", rows)
 
 
@@ -56,6 +65,7 @@ def _described(source: Source, record: Record) -> Prepared:
         outputs=NamedUnit.each(record.output_channels),
         auxiliary=NamedUnit.each(record.auxiliary_channels),
         warnings=tuple(record.warnings),
+        masked=int(np.sum(~record.counts)),
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -19,6 +20,7 @@ PAGES = [
     *sorted(p for d in ("docs", "data", "outputs", "benchmarks") for p in (ROOT / d).glob("**/*.md")),
 ]
 OWN = ROOT / "docs" / "write-your-own.md"
+DATA = ROOT / "docs" / "your-data.md"
 # a pendulum with a cable, simulated here: what the example is fitted to
 TRUTH = {"J": 0.02, "G": 0.9, "pivot.viscous.f_v": 0.015, "pivot.coulomb.f_c": 0.03, "pivot.cable.k_3": 0.08}
 DT, SAMPLES, EPSILON = 0.005, 2000, 0.01
@@ -274,3 +276,127 @@ def test_notebook_example_finds_the_same(laboratory):
     values = {line.split()[0]: float(line.split()[1]) for line in said.splitlines()}
     assert values["J"] == pytest.approx(TRUTH["J"], rel=0.02)
     assert values["pivot.cable.k_3"] == pytest.approx(TRUTH["pivot.cable.k_3"], rel=0.02)
+
+
+BENCH = {"J": 0.02, "G": 0.9, "pivot.viscous.f_v": 0.015, "pivot.coulomb.f_c": 0.03}
+"""A pendulum without a cable, simulated here: what the recordings of the page on data show."""
+
+
+def bench_motion(seed: int, by_hand: bool) -> tuple[np.ndarray, ...]:
+    """Time, held torque, angle with noise and whether the drive is on; off from 4 to 6 s, moved by hand."""
+    generator = np.random.default_rng(seed)
+    time = DT * np.arange(SAMPLES)
+    torque = np.repeat(generator.uniform(-0.5, 0.5, SAMPLES // 50), 50)
+    on = (time < 4) | (time >= 6) if by_hand else np.full(SAMPLES, True)
+    J, G, f_v, f_c = BENCH.values()
+
+    def motion(_, x, u):
+        return [x[1], (u - G * np.sin(x[0]) - f_v * x[1] - f_c * np.tanh(x[1] / EPSILON)) / J]
+
+    x, angle = np.array([0.3, 0.0]), np.empty(SAMPLES)
+    for k in range(SAMPLES):
+        if not on[k]:
+            x = np.array([1.2 * np.sin(2 * np.pi * 0.8 * (time[k] - 4)) + (time[k] - 4) * 0.2, 0.0])
+        angle[k] = x[0]
+        if on[k]:
+            x = odeint(motion, x, (0, DT), (torque[k],), tfirst=True, rtol=1e-9, atol=1e-11)[-1]
+    return time, torque, angle + generator.normal(0, 1e-3, SAMPLES), on
+
+
+@pytest.fixture(scope="module")
+def bench(laboratory):
+    """The files of the page on data, and its recordings: CSV, uneven JSON lines."""
+    files = re.findall(
+        r"^`(mylab/\S+)`\n\n```\w+\n(.*?)```", DATA.read_text(), flags=re.DOTALL | re.MULTILINE
+    )
+    assert [name for name, _ in files] == ["mylab/case/bench.yaml", "mylab/case/robot.yaml"]
+    for name, text in files:
+        (laboratory / name).write_text(text)
+    time, torque, angle, on = bench_motion(1, by_hand=True)
+    lines = ["t_ms;current;angle_deg;enable"]
+    rows = zip(1e3 * time, torque / 0.05, -np.rad2deg(angle), on, strict=True)
+    lines += [";".join(f"{value:.9g}".replace(".", ",") for value in row) for row in rows]
+    (laboratory / "mylab" / "bench_1.csv").write_text("\n".join(lines))
+    time, torque, angle, _ = bench_motion(2, by_hand=False)
+    late = time + np.random.default_rng(3).uniform(0, 1e-3, SAMPLES)
+    late = np.where(np.arange(SAMPLES) % 50 == 0, time, late)  # the torque changes at even stamps
+    angle = np.interp(late, time, angle)
+    samples = (
+        {"stamp": t, "torque": u, "angle": q}
+        for t, u, q in zip(late.tolist(), torque.tolist(), angle.tolist(), strict=True)
+    )
+    (laboratory / "mylab" / "bench_2.jsonl").write_text("\n".join(map(json.dumps, samples)))
+    return laboratory
+
+
+def data_commands() -> list[list[str]]:
+    lines = re.findall(r"^hybridid fit (.*)$", DATA.read_text(), flags=re.MULTILINE)
+    return [shlex.split(line) for line in lines]
+
+
+def fitted(folder: Path, words: list[str], out: str) -> tuple[dict, str]:
+    done = attempt(["-m", "hybridid_cli", "fit", *words, f"out={out}", "mlflow.enabled=false"], folder)
+    assert done.returncode in (0, 3), done.stderr
+    return json.loads((folder / out / "fit" / "estimate.json").read_text())["parameters"], done.stderr
+
+
+def test_the_mask_of_the_page_leaves_out_the_hand(bench):
+    words = data_commands()[0]
+    found, said = fitted(bench, words, "masked")
+    (line,) = re.findall(r"`(masked: .*?)`", DATA.read_text())
+    assert line in said
+    for name, truth in BENCH.items():
+        assert abs(found[name]["value"] - truth) < 4 * found[name]["std"], name
+        assert found[name]["value"] == pytest.approx(truth, rel=0.02), name
+    whole, _ = fitted(bench, words[:3], "unmasked")
+    assert abs(whole["J"]["value"] / BENCH["J"] - 1) > 0.25
+
+
+def test_uneven_stamps_of_the_page_end_with_the_key_to_set(bench):
+    words = ["-m", "hybridid_cli", "fit", "--config-dir", "mylab", "case=bench", "out=uneven"]
+    done = attempt([*words, "records.second.resample=null", "mlflow.enabled=false"], bench)
+    assert done.returncode == 1
+    (line,) = [one for one in done.stderr.splitlines() if one.startswith("hybridid:")]
+    assert re.search(
+        r"record second: time is uneven: .*set signals.resample=0.00501 .*records.second.resample", line
+    )
+
+
+def write_robot(path: Path, spoiled: float) -> None:
+    """Joint states at 200 Hz that are logged late, the torque at 4 Hz with stamps of its own; a share of the
+    angles ``spoiled`` by a lost bit."""
+    writer = pytest.importorskip(
+        "mcap_ros2.writer", reason="needs the extra ros: pip install 'hybridid[ros]'"
+    )
+    time, torque, angle, _ = bench_motion(4, by_hand=False)
+    lost = np.random.default_rng(5).random(SAMPLES) < spoiled
+    header = "\n".join(["=" * 80, "MSG: std_msgs/Header", "builtin_interfaces/Time stamp", "string frame_id"])
+    joints = f"std_msgs/Header header\nstring[] name\nfloat64[] position\n{header}"
+    with path.open("wb") as file, writer.Writer(file) as bag:
+        state = bag.register_msgdef("sensor_msgs/JointState", joints)
+        effort = bag.register_msgdef("std_msgs/Float64", "float64 data")
+        for k, q in enumerate((angle + 0.125 * lost).tolist()):
+            ns = 10**18 + round(time[k] * 1e9)
+            if k % 50 == 0:
+                bag.write_message("/torque", effort, {"data": float(torque[k])}, log_time=ns)
+            stamp = {"sec": ns // 10**9, "nanosec": ns % 10**9}
+            message = {"header": {"stamp": stamp, "frame_id": ""}, "name": ["pivot"], "position": [q]}
+            bag.write_message("/joint_states", state, message, log_time=ns + 3_000_000)
+
+
+def test_the_robot_of_the_page_is_fitted_from_its_bag(bench):
+    write_robot(bench / "mylab" / "robot.mcap", spoiled=0.0)
+    found, _ = fitted(bench, ["--config-dir", "mylab", "case=robot"], "robot")
+    for name, truth in BENCH.items():
+        assert found[name]["value"] == pytest.approx(truth, rel=0.02), name
+
+
+def test_the_loss_of_the_page_bears_outliers(bench):
+    write_robot(bench / "mylab" / "robot.mcap", spoiled=0.02)
+    words = data_commands()[1]
+    found, _ = fitted(bench, words, "huber")
+    for name, truth in BENCH.items():
+        assert found[name]["value"] == pytest.approx(truth, rel=0.02), name
+        assert abs(found[name]["value"] - truth) < 4 * found[name]["std"], name
+    pulled, _ = fitted(bench, words[:-1], "squared")
+    assert all(pulled[name]["std"] > 3 * found[name]["std"] for name in BENCH)

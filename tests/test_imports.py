@@ -47,7 +47,7 @@ BY_NAME = {
 }
 
 # distributions whose import name differs, and those that work without being imported
-IMPORT_NAME = {"hydra-core": "hydra", "pyyaml": "yaml"}
+IMPORT_NAME = {"mcap-ros2-support": "mcap_ros2", "hydra-core": "hydra", "pyyaml": "yaml"}
 PLUGINS = {"hydra-joblib-launcher", "hydra-submitit-launcher"}
 
 
@@ -217,8 +217,9 @@ def test_science_prints_nothing():
 
 
 def test_dependencies_are_what_is_imported():
-    """Each third-party import is declared in pyproject.toml, and nothing declared is idle."""
-    requirements = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    """Each third-party import is declared in pyproject.toml, there or in the extra ros, and none is idle."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    requirements = project["dependencies"] + project["optional-dependencies"]["ros"]
     declared = {re.split(r"[<>=!~\[; ]", requirement)[0] for requirement in requirements}
     graph = import_graph(ROOT)
     own = [module for module in graph if module.split(".")[0] in PACKAGES]

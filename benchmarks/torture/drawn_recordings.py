@@ -108,9 +108,22 @@ def _sound(suffix: str) -> bytes:
             savemat(path, {name: np.array(values) for name, values in table.items()})
         elif suffix == ".parquet":
             pd.DataFrame(table).to_parquet(path)
+        elif suffix == ".mcap":
+            _write_bag(path, table)
         else:
             path.write_text(json.dumps(table) if suffix == ".json" else "t;u\n0,0;1\n0,1;2\n0,2;3\n")
         return path.read_bytes()
+
+
+def _write_bag(path: Path, table: Mapping[str, list[float]]) -> None:
+    """A message of one topic for each sample, in chunks that are not packed: changed bytes are seen."""
+    from mcap.writer import CompressionType
+    from mcap_ros2.writer import Writer
+
+    with path.open("wb") as file, Writer(file, compression=CompressionType.NONE) as bag:
+        schema = bag.register_msgdef("drawn/Sample", "\n".join(f"float64 {name}" for name in table))
+        for k, row in enumerate(zip(*table.values(), strict=True)):
+            bag.write_message("/drawn", schema, dict(zip(table, row, strict=True)), log_time=k * 10**8)
 
 
 def _read(content: bytes, suffix: str) -> Mapping[str, np.ndarray] | None:

@@ -22,11 +22,12 @@ PASSES = 2
 
 
 def carry(problem: Problem, p: Array, x0: Array) -> Array:
-    """``x0`` (w, n_x) with each carried state as it is where its horizon begins: nothing with the record,
-    else where the horizon before, if it is in ``problem``, left it; if it is not, as in ``x0``."""
+    """``x0`` (w, n_x) with each carried state as it is where its horizon begins: nothing with the record, or
+    after a masked stretch that is not simulated; else where the horizon before, if it is in ``problem``, left
+    it; if it is not, as in ``x0``."""
     if carries_nothing(problem):
         return x0
-    first = np.array([start == 0 for _, start, _ in problem.windows.origin])
+    first = np.array(problem.windows.is_head)
     handed = np.where(problem.carried & first[:, None], 0.0, x0)
     begun = problem.shooter(handed, p).states[:, 0]
     return np.where(np.isfinite(begun), begun, handed)
@@ -82,7 +83,11 @@ def by_parameter(problem: Problem, shot: Shot) -> Array:
             moving = problem.moving[before]
             own, ends = used[before], shot.ends_by[before][:, inner].T
             by_x = shot.by_state[before][own][..., moving] / problem.scale[:, None]
-            following = -_fitted(by_x, total[before][own] / problem.scale[:, None])
+            by_p = total[before][own] / problem.scale[:, None]
+            if problem.weights is not None:
+                counted = problem.weights[before][own][..., None]
+                by_x, by_p = by_x * counted, by_p * counted
+            following = -_fitted(by_x, by_p)
             by_state, by_p = ends[:, :n_x], ends[:, n_x:]
             arriving[k] = by_p + by_state[:, inner] @ arriving[before] + by_state[:, moving] @ following
         with np.errstate(over="ignore", invalid="ignore"):  # sensitivities that grow without end

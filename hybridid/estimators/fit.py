@@ -20,6 +20,7 @@ from hybridid.estimators.method import GAUSS_NEWTON, Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
 from hybridid.estimators.plan import Descent, Handover, Refinement, Result, Start
 from hybridid.estimators.problem import Problem, build_problem
+from hybridid.estimators.robust import Clipped, reweighted
 from hybridid.estimators.short_horizons import short_horizon_problem, short_horizon_start
 from hybridid.estimators.start import best_initial_states, regression_start, scattered, x0_candidates
 from hybridid.estimators.stop import Stop, Watch
@@ -49,8 +50,8 @@ def fit(
     """Fit the free parameters of ``model`` to ``records``.
 
     Minimises the output error over the horizons that ``settings`` lays out, from one or
-    several starts, and keeps the lowest cost. ``start_values`` (by qualified name)
-    replaces the automatic start.
+    several starts, and keeps the lowest cost. With the loss "huber" it goes on from there
+    (``robust``). ``start_values`` (by qualified name) replaces the automatic start.
 
     Raises:
         ValueError: if a record does not fit the model, an output never changes, nothing is free to estimate,
@@ -78,6 +79,9 @@ def fit(
     found = refine(found, plan, finer) if finer else found
     solved = time.perf_counter()
     found, doubt, floor = _lowest(found, plan, finer, [first, model.values()], progress)
+    if settings.loss == "huber":
+        found = reweighted(found, plan, _reporter(progress, "reweighted fit", 1.0))
+        doubt, floor = _doubt(found, Clipped.of(found.problem, found.solution).pseudo)
     looked = time.perf_counter()
     return estimate_of(
         found.problem,
@@ -94,7 +98,7 @@ def _check_outputs(records: Sequence[Record]) -> None:
     """Refuse outputs that say nothing: a fit to them would look perfect."""
     names = " and ".join(record.name for record in records)
     for k, channel in enumerate(records[0].output_channels):
-        samples = np.concatenate([record.outputs[:, k] for record in records])
+        samples = np.concatenate([record.counted[:, k] for record in records])
         if not np.ptp(samples) > 0:
             raise ValueError(
                 f"output {channel.name} of {names} is {samples[0]:.6g} {channel.unit} at every sample: "
@@ -124,10 +128,10 @@ def _lowest(
     return other, *_doubt(other)
 
 
-def _doubt(found: Result) -> tuple[Uncertainty, Floor]:
+def _doubt(found: Result, residual: Array | None = None) -> tuple[Uncertainty, Floor]:
     problem, best = found.problem, found.solution
-    doubt = uncertainty(problem, best.p, best.x0)
-    return doubt, floor_of(problem, best.p, best.x0, doubt.smeared)
+    doubt = uncertainty(problem, best.p, best.x0, residual)
+    return doubt, floor_of(problem, best.p, best.x0, doubt.smeared, residual)
 
 
 def method_of(settings: FitSettings) -> Method:

@@ -66,11 +66,11 @@ class Floor:
         return beyond_simulation & np.where(told, self.times > FAR, self.louder < ALPHA / len(self.louder))
 
 
-def floor_of(problem: Problem, p: Array, x0: Array, smeared: Array) -> Floor:
+def floor_of(problem: Problem, p: Array, x0: Array, smeared: Array, residual: Array | None = None) -> Floor:
     """The floor of ``problem`` at ``p`` (n_p,), ``x0`` (w, n_x); ``smeared`` (n_y,) is what the smoothing of
-    sign(v) leaves (``Uncertainty.smeared``)."""
+    sign(v) leaves (``Uncertainty.smeared``); ``residual`` as for ``uncertainty``."""
     shot = problem.shooter(x0, p, sensitivities=not problem.estimate_x0)
-    residual = problem.residuals(shot)
+    residual = problem.residuals(shot) if residual is None else residual
     if not problem.estimate_x0:
         residual = _less_initial_states(problem, shot, residual)
     told = [sensor_noise(record) for record in problem.records]
@@ -98,7 +98,7 @@ def _rms(problem: Problem, error: Array) -> Array:
 def _by_step(problem: Problem, p: Array, x0: Array, shot: Shot) -> Array:
     """The error (w, H, n_y) of the step's length, weighted: by Richardson, from steps of half the length."""
     windows = problem.windows
-    finer = cut(problem.records, max(windows.lengths), 2 * windows.substeps)
+    finer = cut(problem.records, windows.horizon, 2 * windows.substeps)
     outputs = problem.shooter.over(finer)(x0, p).outputs
     error = (outputs - shot.outputs) / problem.scale * 2**RK4_ORDER / (2**RK4_ORDER - 1)
     return np.where(windows.used[..., None] & np.isfinite(error), error, 0.0)

@@ -79,7 +79,7 @@ def split(problem: Problem, interval: int, x0: Array, p: Array) -> Intervals:
     for k, (record, start, stop) in enumerate(windows.origin):
         for begin in range(0, stop - start, length):
             index = np.minimum(np.arange(begin, begin + length), stop - start - 1)
-            used = np.arange(begin, begin + length) < stop - start
+            used = (np.arange(begin, begin + length) < stop - start) & ~windows.holes[k, index]
             node = x0[k] if begin == 0 else np.where(shown, states[record][start + begin], runs[k, begin])
             fields = (windows.time, windows.stages, windows.inputs, windows.outputs)
             rows.append((*(a[k, index] for a in fields), used, node))

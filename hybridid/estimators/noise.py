@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from scipy import fft
 from scipy.signal import lfilter, lfiltic
 
+from hybridid.simulation.windows import within
+
 Array = NDArray[np.float64]
 MOST_LAGS = 50
 """Longest autoregression tried; its order minimises the Bayesian information criterion."""
@@ -68,6 +70,15 @@ class Absorbed:
     def lengths(self) -> NDArray[np.int64]:
         """Samples of each horizon, (w,)."""
         return self.used.sum(axis=1)
+
+    def pairs(self, lags: int) -> NDArray[np.int64]:
+        """Pairs of samples at 0 to ``lags`` samples' distance, (lags + 1,)."""
+        if (self.used == within(self.used)).all():
+            return np.maximum(self.lengths[:, None] - np.arange(lags + 1), 0).sum(axis=0)
+        length = self.used.shape[1]
+        both = (self.used[:, k:] & self.used[:, : length - k] for k in range(min(lags + 1, length)))
+        found = np.array([one.sum() for one in both])
+        return np.pad(found, (0, lags + 1 - len(found)))
 
 
 def noise_of(fitted: Absorbed) -> list[Autoregression]:
@@ -167,8 +178,7 @@ class _Basis:
 
     value: Array
     transform: NDArray[np.complex128]
-    used: NDArray[np.bool_]
-    lengths: NDArray[np.int64]
+    fitted: Absorbed
     states: int
     size: int
 
@@ -177,11 +187,11 @@ class _Basis:
         both = np.concatenate([fitted.states, fitted.parameters], axis=3)
         value = np.ascontiguousarray(np.transpose(both, (2, 0, 3, 1)))
         states = fitted.states.shape[3]
-        return cls(value, fft.rfft(value, size, axis=3), fitted.used, fitted.lengths, states, size)
+        return cls(value, fft.rfft(value, size, axis=3), fitted, states, size)
 
     @property
     def samples(self) -> float:
-        return float(self.lengths.sum())
+        return float(self.fitted.lengths.sum())
 
     @property
     def length(self) -> int:
@@ -198,7 +208,7 @@ class _Basis:
         parameters' variances (n,) in the coordinates of their basis. Noise in different
         horizons counts as independent.
         """
-        count = np.maximum(self.lengths[:, None] - np.arange(lags + 1), 0).sum(axis=0)
+        count = self.fitted.pairs(lags)
         through = [self._spread(value, kernel) for value, kernel in zip(self.transform, kernels, strict=True)]
         inner = sum(b @ z.swapaxes(1, 2) for b, z in zip(self.value, through, strict=True))
         own = inner[:, self.states :, self.states :].sum(axis=0)
@@ -217,4 +227,4 @@ class _Basis:
         circle[: len(kernel)] = kernel
         circle[len(circle) - len(kernel) + 1 :] = kernel[:0:-1]
         product = fft.irfft(transform * fft.rfft(circle), self.size, axis=2)[..., : self.length]
-        return np.where(self.used[:, None, :], product, 0.0)
+        return np.where(self.fitted.used[:, None, :], product, 0.0)

@@ -27,7 +27,8 @@ EXACT = 1e-10
 
 @dataclass(frozen=True)
 class Problem:
-    """Model, data and what may move. ``estimate_x0`` False keeps the measured initial states."""
+    """Model, data and what may move. ``estimate_x0`` False keeps the measured initial states. ``weights``
+    (w, H, n_y) multiply the residuals (None: 1)."""
 
     model: Model
     records: tuple[Record, ...]
@@ -35,6 +36,7 @@ class Problem:
     shooter: Shooter
     scale: Array
     estimate_x0: bool
+    weights: Array | None = None
 
     @property
     def free(self) -> tuple[str, ...]:
@@ -73,6 +75,8 @@ class Problem:
     def residuals(self, shot: Shot) -> Array:
         """``(y - y_hat) / s``, zero where a horizon is padded; shape (w, H, n_y)."""
         error = (self.windows.outputs - shot.outputs) / self.scale
+        if self.weights is not None:
+            error = error * self.weights
         return np.where(self.windows.used[..., None], error, 0.0)
 
     def cost(self, shot: Shot) -> float:
@@ -101,7 +105,8 @@ class Problem:
 
     def on(self, horizons: Sequence[int]) -> Problem:
         """The same problem on some of its horizons, by number."""
-        return self._over(self.windows.select(horizons))
+        weights = None if self.weights is None else self.weights[list(horizons)]
+        return replace(self._over(self.windows.select(horizons)), weights=weights)
 
     def without_ends(self, gap: int) -> Problem:
         """The same problem with the last ``gap`` samples of each horizon left out."""
@@ -132,7 +137,7 @@ def build_problem(
     check_records(model, records)
     windows = cut(records, horizon, substeps)
     names = tuple(p.name for p in model.free) if free is None else tuple(free)
-    pooled = np.concatenate([record.outputs for record in records])
+    pooled = np.concatenate([record.counted for record in records])
     scale = pooled.std(axis=0)
     scale[scale == 0] = 1.0
     shooter = Shooter(model, windows, names, integrator, _inner(model))

@@ -123,7 +123,8 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
         axis=1,
     )
     step = max(1, record.n // MOST_SAMPLES)
-    inner = slice(width, record.n - width, step)
+    inner = np.arange(width, record.n - width, step)
+    inner = inner[record.counts[inner]] if record.masked else inner
     # a machine that swings freely has no input, which LAPACK refuses
     inputs = (
         savgol_filter(record.inputs, 2 * width + 1, ORDER, axis=0) if record.inputs.size else record.inputs

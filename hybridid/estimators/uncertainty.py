@@ -33,6 +33,7 @@ from hybridid.estimators.noise import Absorbed, Autoregression, autoregression, 
 from hybridid.estimators.normal_equations import small
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
+from hybridid.simulation.windows import within
 
 __all__ = ["Uncertainty", "autoregression", "jacobian_of", "uncertainty"]
 
@@ -73,9 +74,11 @@ class Uncertainty:
         return np.where(np.isfinite(ratio), ratio, np.eye(len(s)))
 
 
-def uncertainty(problem: Problem, p: Array, x0: Array) -> Uncertainty:
+def uncertainty(problem: Problem, p: Array, x0: Array, residual: Array | None = None) -> Uncertainty:
     """Covariance of the free parameters at a solution ``p`` (n_p,), ``x0`` (w, n_x).
 
+    ``residual`` (w, H, n_y) takes the place of that of ``problem``, where another loss made the fit
+    (``robust``).
     A parameter at a bound counts as free: its interval then says what the data say. Initial states
     that are not estimated count as exact.
     """
@@ -85,7 +88,8 @@ def uncertainty(problem: Problem, p: Array, x0: Array) -> Uncertainty:
     if not small(states, jacobian * scale):
         return _none(len(scale), len(problem.scale))
     q, spread, condition = _orthogonal(jacobian.reshape(-1, len(scale)) * scale)
-    fitted = Absorbed(problem.residuals(shot), problem.windows.used, states, q.reshape(jacobian.shape))
+    residual = problem.residuals(shot) if residual is None else residual
+    fitted = Absorbed(residual, problem.windows.used, states, q.reshape(jacobian.shape))
     with np.errstate(invalid="ignore"):
         noise, scores = (
             spread @ middle @ spread.T * np.outer(scale, scale)
@@ -210,13 +214,16 @@ def _of_noise(fitted: Absorbed, origin: tuple[tuple[int, int, int], ...]) -> Arr
 
 
 def _runs(fitted: Absorbed, origin: tuple[tuple[int, int, int], ...]) -> Iterator[tuple[Array, Array]]:
-    """Basis (N, n_y, n) and residual (N, n_y) of the horizons that follow each other without a gap."""
-    begin = 0
+    """Basis (N, n_y, n) and residual (N, n_y) of the horizons that follow each other without a gap.
+
+    Both are zero at masked samples: noise there drives no estimate, but is as old as it is.
+    """
+    begin, inside = 0, within(fitted.used)
     for k in range(1, len(origin) + 1):
         if k < len(origin) and origin[k][:2] == (origin[k - 1][0], origin[k - 1][2]):
             continue
         run = slice(begin, k)
-        yield fitted.parameters[run][fitted.used[run]], fitted.residual[run][fitted.used[run]]
+        yield fitted.parameters[run][inside[run]], fitted.residual[run][inside[run]]
         begin = k
 
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from hybridid.plotting.looks import Look
+from hybridid.plotting.looks import MASKED, Look
 from hybridid.plotting.thinning import broken, thin
 from hybridid.quantities import engineering, minus, with_unit
 
@@ -76,6 +76,12 @@ def draw(
         x, y, label=label, color=style.colour, linestyle=style.dashes, linewidth=style.width,
         zorder=style.above, drawstyle="steps-post" if steps else "default",
     )[0]  # fmt: skip
+
+
+def shade(axes: Axes, holes: Array, factor: float = 1.0) -> None:
+    """Mark the masked stretches ``holes`` (h, 2) of the x axis, times ``factor``."""
+    for start, stop in holes * factor:
+        axes.axvspan(start, stop, color=MASKED, linewidth=0, zorder=0.5, gid="masked")
 
 
 def frame(values: Iterable[Array], margin: float = 0.06) -> tuple[float, float]:

@@ -7,11 +7,21 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from hybridid.plotting.axes import Scale, draw, frame, frame_data, leaves, name_y, scale_for, time_scale
+from hybridid.plotting.axes import (
+    Scale,
+    draw,
+    frame,
+    frame_data,
+    leaves,
+    name_y,
+    scale_for,
+    shade,
+    time_scale,
+)
 from hybridid.plotting.legends import USABLE, legend_on_top
 from hybridid.plotting.lettering import shorten
 from hybridid.plotting.looks import DATA, FOCUS, SOFT_INK, look
-from hybridid.plotting.series import Response, one_output
+from hybridid.plotting.series import Response, masked_words, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 from hybridid.quantities import number, with_unit
 
@@ -52,7 +62,7 @@ def comparison_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN)
     caption = (
         f"Output {whole.output} of {whole.record} ({whole.provenance}) and of "
         f"{', '.join(f'{r.model} ({r.view})' for r in responses)}; below, enlarged, the largest "
-        f"error, {where}."
+        f"error, {where}{masked_words(whole)}."
     )
     return Plot(figure, "comparison", caption, whole.provenance)
 
@@ -69,11 +79,12 @@ def _draw_part(
     """Data and models between two times, thinned for that part alone."""
     inside = _inside(whole, part)
     x, y = whole.time[inside] * time.factor, whole.measured[inside] * scale.factor
-    draw(axes, x, y, DATA, whole.provenance)
+    draw(axes, x, y, DATA, whole.provenance, whole.holes[:, 1] * time.factor)
+    shade(axes, whole.holes, time.factor)
     for index, (response, label) in enumerate(zip(responses, labels, strict=True)):
         inside = _inside(response, part)
         x, y = response.time[inside] * time.factor, response.predicted[inside] * scale.factor
-        draw(axes, x, y, look(index), label, response.starts * time.factor)
+        draw(axes, x, y, look(index), label, response.breaks * time.factor)
     axes.set_xlim(part[0] * time.factor, part[1] * time.factor)
     name_y(axes, scale)
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from hybridid.plotting.axes import Scale, draw, frame, name_y, scale_for, time_scale
+from hybridid.plotting.axes import Scale, draw, frame, name_y, scale_for, shade, time_scale
 from hybridid.plotting.legends import legend_above
 from hybridid.plotting.looks import SOFT_INK, look
-from hybridid.plotting.series import Response, one_output
+from hybridid.plotting.series import Response, masked_words, one_output
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
 
 
@@ -34,7 +34,8 @@ def error_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -> P
             label = f"{response.model}, RMSE {scale.text(response.rmse)}"
             style = look(models.index(response.model))
             x, y = response.time * time.factor, response.error * scale.factor
-            draw(axes, x, y, style, label, response.starts * time.factor)
+            draw(axes, x, y, style, label, response.breaks * time.factor)
+        shade(axes, whole.holes, time.factor)
         _dress(axes, shown, scale, view, time.factor)
     rows[-1].set_xlabel(time.label)
     rows[0].set_xlim(whole.time[0] * time.factor, whole.time[-1] * time.factor)
@@ -60,5 +61,5 @@ def _caption(whole: Response, models: list[str], views: list[str], responses: Se
     dotted = "; dotted lines: where each horizon starts anew" if any(len(r.starts) for r in responses) else ""
     return (
         f"Error (recorded minus model) of {whole.output} on {whole.record} ({whole.provenance}): "
-        f"{', '.join(models)}, {' and '.join(views)}{dotted}."
+        f"{', '.join(models)}, {' and '.join(views)}{dotted}{masked_words(whole)}."
     )

@@ -10,6 +10,7 @@ BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
 INK, SOFT_INK, DATA_GREY, GRID_GREY = "#222222", "#666666", "#A0A0A0", "#E4E4E4"
 FOCUS = "#FFF6DC"  # background of the part that another panel enlarges
+MASKED = "#EBEBEB"  # background of a stretch that does not count
 
 Kind = Literal["svg", "pdf", "png"]
 KINDS: tuple[Kind, ...] = get_args(Kind)

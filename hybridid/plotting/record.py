@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybridid.plotting.axes import Array, draw, frame, name_y, scale_for, time_scale
+from hybridid.plotting.axes import Array, draw, frame, name_y, scale_for, shade, time_scale
 from hybridid.plotting.legends import legend_above
 from hybridid.plotting.looks import BLUE, DASHED, DOTTED, INK, SKY, VERMILION, Look
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
@@ -55,6 +55,7 @@ def record_plot(record: Record, width: float = DOUBLE_COLUMN) -> Plot:
                 f"{signal.channel.name.replace('_', ' ')} ({signal.role})",
                 steps=held,
             )
+        shade(axes, _masked(record), time.factor)
         name_y(axes, scale)
         axes.set_ylim(frame([s.values * scale.factor for s in signals]))
         legend_above(axes)
@@ -99,10 +100,17 @@ def _common(signals: list[_Signal]) -> str:
     return ", ".join(names) if sum(map(len, names)) < 22 else names[0]
 
 
+def _masked(record: Record) -> Array:
+    """Times of the first and last sample of each masked stretch, (h, 2)."""
+    edges = [(record.time[one.first], record.time[one.end - 1]) for one in record.masked]
+    return np.array(edges).reshape(-1, 2)
+
+
 def _caption(record: Record) -> str:
     signals = [channel.name for channel in record.channels if not channel.constant]
     listed = ", ".join(name.replace("_", " ") for name in signals)
+    masked = f"; {np.sum(~record.counts):,} of them masked (shaded)" if record.masked else ""
     return (
         f"Record {record.name} ({record.provenance}): {listed}; {record.n:,} samples at "
-        f"{1 / record.dt:g} Hz over {record.time[-1] - record.time[0]:.3g} s."
+        f"{1 / record.dt:g} Hz over {record.time[-1] - record.time[0]:.3g} s{masked}."
     )

@@ -27,7 +27,8 @@ class Response:
     """One model's response to one record, one output of it, all (n,) in ``unit``.
 
     ``view`` names the kind of simulation: ``free run``, ``horizons of 1 s``, ``in the loop``. ``starts`` are
-    the times at which a horizon begins from its own initial state; a free run has none.
+    the times at which a horizon begins from its own initial state; a free run has none. ``holes`` (h, 2) are
+    the times before and after each masked stretch.
 
     Raises:
         PlotError: if the lengths differ.
@@ -43,6 +44,7 @@ class Response:
     view: str = "free run"
     starts: Array = field(default_factory=lambda: np.empty(0))
     provenance: str = "measured"
+    holes: Array = field(default_factory=lambda: np.empty((0, 2)))
 
     def __post_init__(self) -> None:
         if not len(self.time) == len(self.measured) == len(self.predicted):
@@ -80,7 +82,13 @@ class Response:
             view=_view(prediction, starts),
             starts=starts,
             provenance=prediction.provenance,
+            holes=prediction.holes,
         )
+
+    @property
+    def breaks(self) -> Array:
+        """Times before which a line is interrupted: where a horizon begins, and after each masked stretch."""
+        return np.union1d(self.starts, self.holes[:, 1]) if len(self.holes) else self.starts
 
     @property
     def error(self) -> Array:
@@ -102,14 +110,15 @@ def _starts(prediction: Prediction) -> Array:
     """The times of ``prediction.breaks`` (samples of the record); none for a free run."""
     if prediction.view in WHOLE:
         return np.empty(0)
-    return prediction.time[np.array(prediction.breaks) - prediction.breaks[0]]
+    return prediction.time[prediction.starts]
 
 
 def _view(prediction: Prediction, starts: Array) -> str:
     if prediction.view in WHOLE:
         return WHOLE[prediction.view]
     stop = starts[1] if len(starts) > 1 else prediction.time[-1]
-    return f"horizons of {stop - starts[0]:.3g} s"
+    usual = float(np.median(np.diff(starts))) if prediction.rows is not None and len(starts) > 1 else 0.0
+    return f"horizons of {usual or stop - starts[0]:.3g} s"
 
 
 def one_output(responses: Sequence[Response], one_record: bool = True) -> Response:
@@ -133,3 +142,8 @@ def one_output(responses: Sequence[Response], one_record: bool = True) -> Respon
                 "give responses to one record"
             )
     return longest
+
+
+def masked_words(response: Response) -> str:
+    """What a caption says of the shaded stretches; nothing where there are none."""
+    return "; shaded: masked, does not count" if len(response.holes) else ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -35,6 +36,7 @@ def spectrum_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -
     Raises:
         PlotError: if there is no response, they show different things, or one is too short or not finite.
     """
+    responses = [_longest_piece(r) for r in responses]
     whole = one_output(responses)
     data = amplitude_density(whole.time, whole.measured, whole.record)
     models = [amplitude_density(r.time, r.predicted, r.model) for r in responses]
@@ -58,6 +60,19 @@ def spectrum_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) -
     legend_on_top(figure, handles)
     panels[0].set_ylim(limits[0] * scale.factor, limits[1] * scale.factor)
     return Plot(figure, "spectrum", _caption(whole, responses, data[0]), whole.provenance)
+
+
+def _longest_piece(response: Response) -> Response:
+    """The part of a masked ``response`` between two of its holes that has the most samples."""
+    if not len(response.holes):
+        return response
+    edges = [0, *np.searchsorted(response.time, response.holes[:, 1]).tolist(), len(response.time)]
+    first = int(np.argmax(np.diff(edges)))
+    part = slice(edges[first], edges[first + 1])
+    shown = {name: getattr(response, name)[part] for name in ("time", "measured", "predicted")}
+    return replace(
+        response, **shown, holes=np.empty((0, 2)), view=f"{response.view}, longest part without mask"
+    )
 
 
 def amplitude_density(time: Array, values: Array, of: str) -> Spectrum:

@@ -10,11 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from hybridid.plotting.axes import Array, Scale, draw, name_y, scale_for, time_scale
+from hybridid.plotting.axes import Array, Scale, draw, name_y, scale_for, shade, time_scale
 from hybridid.plotting.legends import legend_on_top
 from hybridid.plotting.looks import SOFT_INK, Look, look
 from hybridid.plotting.series import PlotError
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
+from hybridid.plotting.thinning import broken
 from hybridid.quantities import Z95
 from hybridid.trace.missing_effort import MissingEffort
 
@@ -36,7 +37,7 @@ def missing_effort_plot(
     """The effort over time with its band, and over the port's motion and the inputs.
 
     ``efforts`` holds one entry for each model, all of one port and record; ``inputs`` holds values (n,) and
-    unit by name.
+    unit by name, n the samples of the record.
 
     Raises:
         PlotError: if there is no effort, or they are of different ports or records.
@@ -72,7 +73,8 @@ def missing_effort_plot(
         f"{acts} at {one.port} on {one.record} ({one.provenance}) beyond the model, estimated "
         f"by a smoother, for {', '.join(efforts)}: over time (thin: samples; bold: their means over "
         f"{1e3 * _block(one):.0f} ms; band: 95 % of a sample), and over what it could depend on (dots: "
-        "samples; circles: medians in bins, bars: the middle 80 %)."
+        "samples; circles: medians in bins, bars: the middle 80 %)"
+        f"{'; shaded: masked, does not count' if len(one.holes) else ''}."
     )
     return Plot(figure, f"missing_effort_{one.port}", caption, one.provenance)
 
@@ -96,10 +98,18 @@ def _over_time(axes: Axes, index: int, name: str, found: MissingEffort, scale: S
     """Draw samples, their means over short blocks and the band; returns the line for the legend."""
     time, style = time_scale(found.time), look(index)
     x, means, spread = (_block_means(v, BLOCKS) for v in (found.time, found.effort, found.std))
-    low, high = ((means + side * Z95 * spread) * scale.factor for side in (-1, 1))
-    axes.fill_between(x * time.factor, low, high, color=style.colour, alpha=0.15, linewidth=0)
+    for start, stop in found.holes:  # of a block that straddles one, the mean would lie in it
+        outside = (x <= start) | (x >= stop)
+        x, means, spread = x[outside], means[outside], spread[outside]
+    resumed = found.holes[:, 1]
+    ends = [broken(x, means + side * Z95 * spread, resumed) for side in (-1, 1)]
+    low, high = (edge * scale.factor for _, edge in ends)
+    axes.fill_between(ends[0][0] * time.factor, low, high, color=style.colour, alpha=0.15, linewidth=0)
     raw = Look(style.colour, width=0.3, above=2)
-    draw(axes, found.time * time.factor, found.effort * scale.factor, raw, "").set_alpha(0.45)
+    times = found.time * time.factor
+    draw(axes, times, found.effort * scale.factor, raw, "", resumed * time.factor).set_alpha(0.45)
+    shade(axes, found.holes, time.factor)
+    x, means = broken(x, means, resumed)
     rms = scale.text(float(np.sqrt(np.mean(found.effort**2))))
     line = axes.plot(
         x * time.factor, means * scale.factor, color=style.colour, linewidth=1.2, zorder=4,
@@ -131,7 +141,7 @@ def _variables(
     motion = shown[0].motion
     return [
         *((name, unit, [e.motion[name][0] for e in shown]) for name, (_, unit) in motion.items()),
-        *((name, unit, [values[: len(e.time)] for e in shown]) for name, (values, unit) in inputs.items()),
+        *((name, unit, [e.of(values) for e in shown]) for name, (values, unit) in inputs.items()),
     ]
 
 

@@ -62,7 +62,7 @@ class Data:
         old, model = self.problem, hypothesis.loosened(self.problem.model)
         records = tuple(map(hypothesis.applied, old.records))
         steps = min(substeps_wanted(model, p, records, MARGIN, old.shooter.integrator), MOST)
-        windows = cut(records, max(old.windows.lengths), steps)
+        windows = cut(records, old.windows.horizon, steps)
         windows = windows.select([k for k, one in enumerate(windows.origin) if one in old.windows.origin])
         shooter = old.shooter.over(windows)
         return Data.of(replace(old, model=model, records=records, windows=windows, shooter=shooter))

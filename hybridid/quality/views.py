@@ -61,7 +61,7 @@ def _free(model: Model, records: Sequence[Record], estimate: Estimate) -> Array:
 
 def _constant(records: Sequence[Record]) -> Array:
     """RMS (n_y,) of the outputs about the mean of each record."""
-    return np.sqrt(np.concatenate([(r.outputs - r.outputs.mean(axis=0)) ** 2 for r in records]).mean(axis=0))
+    return np.sqrt(np.concatenate([(r.counted - r.counted.mean(axis=0)) ** 2 for r in records]).mean(axis=0))
 
 
 def _held(problem: Problem) -> Array:

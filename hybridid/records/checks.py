@@ -8,6 +8,7 @@ import numpy as np
 
 from hybridid.records.channel import Array, Channel, RecordError, Signals
 from hybridid.records.clipping import clipped_runs
+from hybridid.records.masked import Counts
 
 MINIMUM_SAMPLES = 10
 # Time stamps printed with too few digits deviate by less than this, a lost or late sample by more.
@@ -18,15 +19,19 @@ SHORTEST_STEP, LONGEST_STEP = 1e-12, 1e9
 STEP_TOLERANCE = 0.01  # of the sampling time
 # Small errors of the steps add up: beyond half a sample, a fit would take the sum for a delay.
 GRID_TOLERANCE = 0.5  # of the sampling time
-EVEN_REMEDY = "set resample to interpolate onto an even grid, or give dt if only the stamps are rounded"
 
 
-def check_samples(name: str, time: Array, signals: Sequence[Signals]) -> tuple[str, ...]:
+def check_samples(
+    name: str, time: Array, signals: Sequence[Signals], counts: Counts | None = None
+) -> tuple[str, ...]:
     """Warnings about the samples of record ``name``, each one line; ``time`` is (n,) in s.
+
+    ``counts`` (n,) are the samples that count; None: all.
 
     Raises:
         RecordError: if lengths or shapes disagree, there is no output, names repeat, there are fewer
-            samples than ``MINIMUM_SAMPLES``, a value is not finite, or time is not even and increasing.
+            samples than ``MINIMUM_SAMPLES`` or fewer that count, a value is not finite, or time is not even
+            and increasing.
     """
     where = f"record {name}"
     _check_shapes(time, signals, where)
@@ -39,7 +44,12 @@ def check_samples(name: str, time: Array, signals: Sequence[Signals]) -> tuple[s
     for role, channel, values in _each(signals):
         check_finite(values, f"{role} {channel.name!r}", channel.unit, where, time)
     check_even(time, where)
-    return tuple(_warnings(time, signals, where))
+    if counts is not None and counts.sum() < MINIMUM_SAMPLES:
+        raise RecordError(
+            f"{where}: {counts.sum()} of {len(time)} samples count, at least {MINIMUM_SAMPLES} are needed: "
+            "the mask leaves too few"
+        )
+    return tuple(_warnings(time, signals, where, counts))
 
 
 def check_finite(values: Array, what: str, unit: str, where: str, time: Array | None = None) -> None:
@@ -83,6 +93,14 @@ def check_increasing(time: Array, where: str) -> None:
         )
 
 
+def set_resample(name: str, dt: float) -> str:
+    """What to set so that the record ``name`` is resampled at ``dt`` s, for a message."""
+    return (
+        f"set signals.resample={dt:.3g} to interpolate onto an even grid (records.{name}.resample for this "
+        "record alone)"
+    )
+
+
 def check_even(time: Array, where: str) -> None:
     """Raise if the increasing stamps ``time`` (n,) deviate from an even grid, naming the worst.
 
@@ -94,20 +112,22 @@ def check_even(time: Array, where: str) -> None:
     """
     steps = np.diff(time)
     dt = float(np.median(steps))
+    resample = set_resample(where.removeprefix("record "), dt)
+    remedy = f"{resample}, or give signals.time.dt in place of its column if only the stamps are rounded"
     off = np.abs(steps - dt)
     if off.max() > STEP_TOLERANCE * dt:
         k = int(np.argmax(off))
         raise RecordError(
             f"{where}: time is uneven: step {steps[k]:.6g} s from sample {k} (t = {time[k]:g} s) "
             f"where {dt:.6g} s is usual, {int((off > STEP_TOLERANCE * dt).sum())} of {len(steps)} steps are "
-            f"off by more than {STEP_TOLERANCE:.0%}; {EVEN_REMEDY}"
+            f"off by more than {STEP_TOLERANCE:.0%}; {remedy}"
         )
     drift = np.abs(time - np.linspace(time[0], time[-1], len(time)))
     if drift.max() > GRID_TOLERANCE * dt:
         k = int(np.argmax(drift))
         raise RecordError(
             f"{where}: time drifts {drift[k] / dt:.2g} samples away from an even grid of {dt:.6g} s "
-            f"at sample {k} (t = {time[k]:g} s); {EVEN_REMEDY}"
+            f"at sample {k} (t = {time[k]:g} s); {remedy}"
         )
 
 
@@ -147,14 +167,17 @@ def _each(signals: Sequence[Signals]) -> Iterator[tuple[str, Channel, Array]]:
             yield role.removesuffix("s").removesuffix(" signal"), channel, values[:, j]
 
 
-def _warnings(time: Array, signals: Sequence[Signals], where: str) -> Iterator[str]:
+def _warnings(time: Array, signals: Sequence[Signals], where: str, counts: Counts | None) -> Iterator[str]:
     for role, channel, values in _each(signals):
         if role == "auxiliary" or channel.constant:  # no model uses it; it is meant
             continue
-        if values.min() == values.max():
-            yield f"{where}: {role} {channel.name!r} is constant ({values[0]:g} {channel.unit})"
+        seen = values[counts] if counts is not None and role == "output" else values
+        if seen.min() == seen.max():
+            yield f"{where}: {role} {channel.name!r} is constant ({seen[0]:g} {channel.unit})"
             continue
         runs = clipped_runs(values)
+        if counts is not None and role == "output":
+            runs = [run for run in runs if counts[slice(*run)].any()]
         if runs:
             start, stop = runs[0]
             yield (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 
@@ -16,13 +16,15 @@ from hybridid.records.channel import Array, RecordError
 class Columns(Mapping[str, Array]):
     """The columns of numbers in one file, by name; ``unusable`` says why another column is not.
 
-    ``instants`` are the columns of dates or durations: they are in s, and serve as time alone.
+    ``instants`` are the columns of dates or durations: they are in s, and serve as time alone. Of a column
+    whose samples have stamps of their own, ``clocks`` names the column that holds these.
     """
 
     path: Path
     values_by_name: Mapping[str, Array]
     unusable: Mapping[str, str]
     instants: frozenset[str] = frozenset()
+    clocks: Mapping[str, str] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Array:
         """The column ``name``, (n,), or (1,) for a scalar.
@@ -73,6 +75,17 @@ def find_time(name: str, tables: Sequence[Columns]) -> tuple[Array, bool]:
     """
     table, own = _found(name, tables)
     return table[own], own in table.instants
+
+
+def clock_of(name: str, tables: Sequence[Columns]) -> tuple[Path, str] | None:
+    """The file and the column that hold the stamps of the column ``name``; None where it has none of its own.
+
+    Raises:
+        RecordError: if no table has it, or more than one.
+    """
+    table, own = _found(name, tables)
+    clock = own if own in table.clocks.values() else table.clocks.get(own)
+    return None if clock is None else (table.path, clock)
 
 
 def _found(name: str, tables: Sequence[Columns]) -> tuple[Columns, str]:

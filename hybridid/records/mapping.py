@@ -12,8 +12,8 @@ import numpy as np
 from hybridid.naming import shortened, unknown
 from hybridid.plain import build
 from hybridid.records.channel import Array, Channel, Hold, RecordError
-from hybridid.records.checks import check_finite
-from hybridid.records.columns import Columns, find_column, find_time
+from hybridid.records.checks import check_finite, set_resample
+from hybridid.records.columns import Columns, clock_of, find_column, find_time
 from hybridid.records.readers import read_columns
 from hybridid.records.record import Record
 from hybridid.records.resample import Resample, resampled
@@ -174,13 +174,15 @@ def build_record(
         raise RecordError(f"record {name}: it names no signal")
     values = [_signal(signal, tables) for signal in signals]
     stamps = _stamps(time, tables, len(values[0]))
-    _check_lengths(name, stamps, signals, values)
+    clocks = _clocks(name, time, signals, tables, resample is not None)
+    if clocks is None:
+        _check_lengths(name, stamps, signals, values)
     warnings: tuple[str, ...] = ()
     if resample is not None:
         plan = resample if isinstance(resample, Resample) else Resample(resample)
         holds = [s.channel.hold if i < len(inputs) else None for i, s in enumerate(signals)]
         _check_finite(name, stamps, signals, values)
-        stamps, values, warnings = resampled(stamps, values, holds, plan, f"record {name}")
+        stamps, values, warnings = resampled(stamps, values, holds, plan, f"record {name}", clocks)
     n_u, n_y = len(inputs), len(inputs) + len(outputs)
     return Record(
         name=name,
@@ -229,6 +231,38 @@ def _stamps(time: TimeMap, tables: Sequence[Columns], n: int) -> Array:
         if len(also) != len(stamps) or not np.allclose(also, stamps, rtol=1e-9, atol=1e-9):
             raise RecordError(f"time columns {time.column!r} and {other!r} differ: not recorded together")
     return stamps * SECONDS[time.unit]
+
+
+def _clocks(
+    name: str, time: TimeMap, signals: Sequence[SignalMap], tables: Sequence[Columns], resampling: bool
+) -> list[Array] | None:
+    """The stamps of each signal in s, each (n,), where they are not all those of ``time``; else None.
+
+    Raises:
+        RecordError: if they differ and the record is not ``resampling``, or have no clock in common.
+    """
+    own = [clock_of(signal.column, tables) for signal in signals]
+    of_time = own[0] if time.column is None else clock_of(time.column, tables)
+    other = next((k for k, clock in enumerate(own) if clock != of_time), None)
+    if other is None:
+        return None
+    signal, clock = signals[other], own[other]
+    said = f"record {name}: signal {signal.name!r}"
+    if of_time is None or clock is None or clock[0] != of_time[0]:
+        raise RecordError(f"{said} and time have no clock in common: take both from one .mcap file")
+    if time.column is None or time.column.rpartition(":")[2] != of_time[1]:
+        raise RecordError(f"{said} is stamped by {clock[1]}: set time.column to stamps, as {of_time[1]}")
+    table = next(table for table in tables if table.path == clock[0])
+    stamps = [table[one[1]] for one in own if one is not None]
+    if all(len(one) == len(table[of_time[1]]) and np.array_equal(one, table[of_time[1]]) for one in stamps):
+        return None
+    if not resampling:
+        step = float(np.median(np.diff(table[of_time[1]])))
+        raise RecordError(
+            f"{said} is stamped by {clock[1]} ({len(table[clock[1]])} samples), time is {of_time[1]} "
+            f"({len(table[of_time[1]])}): {set_resample(name, step)}"
+        )
+    return stamps
 
 
 def _check_lengths(name: str, stamps: Array, signals: Sequence[SignalMap], values: Sequence[Array]) -> None:

@@ -1,4 +1,4 @@
-"""Reads named columns of numbers from a file: MATLAB (v5 and v7.3), HDF5, CSV, JSON and Parquet.
+"""Reads named columns of numbers from a file: MATLAB (v5 and v7.3), HDF5, CSV, JSON, Parquet and MCAP.
 
 Everything numeric in a file is a column: a vector (n,), or a scalar as (1,). The samples of a matrix
 lie along its longer axis. Names address the parts of a file: ``data_theta[2]`` (counted from zero) is
@@ -13,7 +13,6 @@ import csv
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import islice, zip_longest
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from hybridid.naming import shortened
+from hybridid.records.bags import Instants, Stamped, read_mcap
 from hybridid.records.channel import Array, RecordError
 from hybridid.records.columns import Columns
 from hybridid.records.json_columns import read_json, read_json_lines
@@ -35,6 +35,8 @@ def read_columns(path: Path | str) -> Columns:
     """
     path = Path(path)
     reader = READERS.get(path.suffix.lower())
+    if reader is None and path.suffix.lower() in CONVERTED:
+        raise RecordError(f"{path}: {path.suffix} is not read: {CONVERTED[path.suffix.lower()]}")
     if reader is None:
         raise RecordError(f"{path}: {path.suffix or 'no suffix'} is not read; allowed: {', '.join(READERS)}")
     if not path.is_file():
@@ -49,25 +51,23 @@ def read_columns(path: Path | str) -> Columns:
         reason = shortened(str(wrong), 200) or type(wrong).__name__
         raise RecordError(f"{path}: not a readable {path.suffix} file: {reason}") from wrong
     instants = {name: content.seconds for name, content in found if isinstance(content, Instants)}
+    stamped = {name: content for name, content in found if isinstance(content, Stamped)}
     columns = Columns(
         path,
-        {name: content for name, content in found if isinstance(content, np.ndarray)} | instants,
+        {name: content for name, content in found if isinstance(content, np.ndarray)}
+        | instants
+        | {name: content.values for name, content in stamped.items()},
         {name: content for name, content in found if isinstance(content, str)},
         frozenset(instants),
+        {name: content.clock for name, content in stamped.items()},
     )
     if not columns:
-        raise RecordError(f"{path}: it holds no column of numbers")
+        why = next((f"; {name}: {reason}" for name, reason in columns.unusable.items()), "")
+        raise RecordError(f"{path}: it holds no column of numbers{why}")
     return columns
 
 
-@dataclass(frozen=True)
-class Instants:
-    """A column of dates, in s since the first of them, or of durations, in s."""
-
-    seconds: Array
-
-
-Found = Iterator[tuple[str, "Array | Instants | str"]]  # a column's values, or why it has none
+Found = Iterator[tuple[str, "Array | Instants | Stamped | str"]]  # a column's values, or why it has none
 
 
 def _read_mat(path: Path) -> Found:
@@ -278,4 +278,10 @@ READERS: Mapping[str, Callable[[Path], Found]] = {
     ".h5": _read_hdf5,
     ".hdf5": _read_hdf5,
     ".parquet": _read_parquet,
+    ".mcap": read_mcap,
 }
+CONVERTED: Mapping[str, str] = {
+    ".db3": "write the bag as MCAP, with ros2 bag convert",
+    ".bag": "write it as an MCAP file of ROS 2, with rosbags-convert",
+}
+"""How a recording of another format becomes one that is read."""

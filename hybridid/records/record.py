@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from hybridid.naming import unknown
 from hybridid.records.channel import HOLDS, Array, Channel, Hold, RecordError, Signals
 from hybridid.records.checks import check_samples
+from hybridid.records.masked import APART, Counts, Levels, Masked, levels_of, masked_of, pieces
 
 __all__ = ["HOLDS", "Array", "Channel", "Hold", "Record", "RecordError"]
 
@@ -23,10 +25,11 @@ class Record:
     ``simulated`` marks whatever comes from a virtual rig; it travels with every result.
     ``digest`` is the SHA-256 of the file it came from, or of the rig's configuration.
     ``warnings`` are one line each: those of reading and preprocessing, and those of its own check.
+    ``masked`` are the stretches of samples that do not count (``with_masked``).
 
     Raises:
         RecordError: if shapes or lengths disagree, a value is not finite, the time
-            stamps are not even and increasing, or the record is too short.
+            stamps are not even and increasing, the record is too short, or too few samples count.
     """
 
     name: str
@@ -41,6 +44,7 @@ class Record:
     source: str = ""
     digest: str = ""
     warnings: tuple[str, ...] = field(default=())
+    masked: tuple[Masked, ...] = ()
     _seen_by_check: tuple[str, ...] = field(init=False, repr=False, default=())
 
     def __post_init__(self) -> None:
@@ -48,7 +52,9 @@ class Record:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, self._frozen(name, value))
-        object.__setattr__(self, "_seen_by_check", check_samples(self.name, self.time, self._signals()))
+        counts = self.counts if self.masked else None
+        seen = check_samples(self.name, self.time, self._signals(), counts)
+        object.__setattr__(self, "_seen_by_check", seen)
         # a copy takes its warnings with it, and its check finds them again
         found = dict.fromkeys((*self.warnings, *self._seen_by_check))
         object.__setattr__(self, "warnings", tuple(found))
@@ -76,6 +82,39 @@ class Record:
     def n(self) -> int:
         """Number of samples."""
         return len(self.time)
+
+    @cached_property
+    def counts(self) -> Counts:
+        """Which samples count, (n,): all that are not masked."""
+        return self.levels == 0
+
+    @property
+    def levels(self) -> Levels:
+        """Whether each sample counts, is masked, or is masked and not simulated, (n,), in the numbers of
+        ``hybridid.records.masked``."""
+        return levels_of(self.masked, self.n)
+
+    @property
+    def counted(self) -> Array:
+        """The outputs at the samples that count, (m, n_y)."""
+        return self.outputs[self.counts] if self.masked else self.outputs
+
+    @property
+    def pieces(self) -> list[tuple[int, int]]:
+        """First and end sample of each stretch in which all samples count."""
+        return pieces(self.counts) if self.masked else [(0, self.n)]
+
+    @property
+    def joined(self) -> list[tuple[int, int]]:
+        """First and end sample of each stretch that can be simulated in one go; both ends count."""
+        if not self.masked:
+            return [(0, self.n)]
+        counting = [
+            (first + np.flatnonzero(self.counts[first:end]))
+            for first, end in pieces(self.levels < APART)
+            if self.counts[first:end].any()
+        ]
+        return [(int(samples[0]), int(samples[-1]) + 1) for samples in counting]
 
     @property
     def dt(self) -> float:
@@ -158,6 +197,19 @@ class Record:
             input_channels=(*self.input_channels, *channels),
         )
 
+    def with_masked(self, levels: Levels) -> Record:
+        """The record with the samples masked as ``levels`` (n,) says, and with no others.
+
+        Raises:
+            RecordError: if too few samples count.
+        """
+        kept = tuple(w for w in self.warnings if w not in self._seen_by_check)
+        return replace(self, masked=masked_of(levels), warnings=kept)
+
+    def unmasked(self) -> Record:
+        """The record with all its samples counting."""
+        return replace(self, masked=()) if self.masked else self
+
     def part(self, start: int, stop: int, name: str | None = None) -> Record:
         """Samples ``start`` to ``stop`` (exclusive) as a record of their own.
 
@@ -175,4 +227,5 @@ class Record:
             outputs=self.outputs[cut],
             auxiliary=None if self.auxiliary is None else self.auxiliary[cut],
             warnings=tuple(w for w in self.warnings if w not in self._seen_by_check),
+            masked=masked_of(self.levels[cut]) if self.masked else (),
         )

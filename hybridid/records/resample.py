@@ -36,25 +36,50 @@ class Resample:
 
 
 def resampled(
-    time: Array, signals: Sequence[Array], holds: Sequence[Hold | None], plan: Resample, where: str
+    time: Array,
+    signals: Sequence[Array],
+    holds: Sequence[Hold | None],
+    plan: Resample,
+    where: str,
+    stamps: Sequence[Array] | None = None,
 ) -> tuple[Array, list[Array], tuple[str, ...]]:
     """``signals``, each (n,) at ``time`` (n,), on the grid of ``plan``: its time (m,), the values, remarks.
 
-    ``holds`` gives the hold of each input, and ``None`` for each other signal.
+    ``holds`` gives the hold of each input, and ``None`` for each other signal. ``stamps`` are the times of
+    each signal where they are not ``time``; the grid then covers what all have in common.
 
     Raises:
-        RecordError: if a time stamp repeats or runs backward: no interpolation repairs that.
+        RecordError: if a time stamp repeats or runs backward, which no interpolation repairs, or if the times
+            of the signals have none in common.
     """
-    check_increasing(time, where)
-    if len(time) < 2:
-        raise RecordError(f"{where}: {len(time)} samples are too few to resample")
+    own = [time] * len(signals) if stamps is None else list(stamps)
+    for one in (time, *([] if stamps is None else own)):
+        check_increasing(one, where)
+        if len(one) < 2:
+            raise RecordError(f"{where}: {len(one)} samples are too few to resample")
+    first, last = _in_common(time, own, holds, where)
     # the last stamp belongs to the grid even if rounding puts it slightly beyond
-    n = int(np.floor((time[-1] - time[0]) / plan.dt + 1e-6)) + 1
-    grid = time[0] + plan.dt * np.arange(n)
+    n = int(np.floor((last - first) / plan.dt + 1e-6)) + 1
+    grid = np.asarray(first + plan.dt * np.arange(n), dtype=float)
     values = [
-        _interpolated(grid, time, signal, hold, plan) for signal, hold in zip(signals, holds, strict=True)
+        _interpolated(grid, at, signal, hold, plan)
+        for at, signal, hold in zip(own, signals, holds, strict=True)
     ]
     return grid, values, _remarks(time, plan, where)
+
+
+def _in_common(
+    time: Array, own: Sequence[Array], holds: Sequence[Hold | None], where: str
+) -> tuple[float, float]:
+    """From when to when ``time`` and all signals have values; a held one keeps its last."""
+    first = float(max([time[0], *(at[0] for at in own)]))
+    last = float(min([time[-1], *(at[-1] for at, hold in zip(own, holds, strict=True) if hold != "zoh")]))
+    if not first < last:
+        raise RecordError(
+            f"{where}: its signals have no time in common: one begins at {first:g} s, another ends at "
+            f"{last:g} s"
+        )
+    return first, last
 
 
 def _interpolated(grid: Array, time: Array, signal: Array, hold: Hold | None, plan: Resample) -> Array:
@@ -70,10 +95,12 @@ def _interpolated(grid: Array, time: Array, signal: Array, hold: Hold | None, pl
 
 def _step_means(grid: Array, time: Array, signal: Array, dt: float) -> Array:
     """Mean of the staircase through ``signal`` over each step of the grid, from its integral."""
-    widths = np.append(np.diff(time), 2 * dt)  # the last value is held beyond the last grid point
+    # the last value is held beyond the last grid point, which may be long after the last of its own stamps
+    beyond = 2 * dt + (grid[-1] - time[-1] if grid[-1] > time[-1] + dt else 0.0)
+    widths = np.append(np.diff(time), beyond)
     integral = np.concatenate(([0.0], np.cumsum(signal * widths)))
     edges = np.append(grid, grid[-1] + dt)
-    return np.diff(np.interp(edges, np.append(time, time[-1] + 2 * dt), integral)) / dt
+    return np.diff(np.interp(edges, np.append(time, time[-1] + beyond), integral)) / dt
 
 
 def _remarks(time: Array, plan: Resample, where: str) -> tuple[str, ...]:

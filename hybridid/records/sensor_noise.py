@@ -32,7 +32,7 @@ class SensorNoise(NamedTuple):
 
 def sensor_noise(record: Record) -> tuple[SensorNoise, ...]:
     """The noise of each output: at least the quantisation, and the larger of two looks at white noise."""
-    return tuple(_told(y) for y in record.outputs.T)
+    return tuple(_told(y) for y in _counted(record).T)
 
 
 def _told(y: Array) -> SensorNoise:
@@ -50,8 +50,19 @@ def noise_level(record: Record) -> Array:
     motion for noise, the spectrum what leaks from strong motion; neither takes noise for motion.
     """
     return np.array(
-        [max(_quantisation(y) / np.sqrt(12), min(_local(y), _quietest(y))) for y in record.outputs.T]
+        [max(_quantisation(y) / np.sqrt(12), min(_local(y), _quietest(y))) for y in _counted(record).T]
     )
+
+
+def _counted(record: Record) -> Array:
+    """The outputs (m, n_y) at the samples that count, each stretch shifted to where the one before ended."""
+    if not record.masked:
+        return record.outputs
+    found: list[Array] = []
+    for first, end in record.pieces:
+        piece = record.outputs[first:end]
+        found.append(piece - piece[0] + found[-1][-1] if found else piece)
+    return np.concatenate(found)
 
 
 def _quantisation(y: Array) -> float:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from hybridid.records.channel import Array, Channel, RecordError
+from hybridid.records.masked import Masked
 from hybridid.records.record import Record
 from hybridid.records.tables import column, read_table
 
@@ -66,6 +67,7 @@ def load_record(path: Path | str) -> Record:
     channels = {role: tuple(Channel(**c) for c in description.pop(role)) for role in ROLES}
     del description["format"]
     auxiliary = _matrix(table, channels["auxiliary"])
+    masked = tuple(Masked(*stretch) for stretch in description.pop("masked", ()))
     return Record(
         time=column(table, "time"),
         inputs=_matrix(table, channels["input"]),
@@ -74,6 +76,7 @@ def load_record(path: Path | str) -> Record:
         input_channels=channels["input"],
         output_channels=channels["output"],
         auxiliary_channels=channels["auxiliary"],
+        masked=masked,
         **{**description, "warnings": tuple(description["warnings"])},
     )
 
@@ -90,6 +93,7 @@ def _description(record: Record) -> dict[str, Any]:
         "digest": record.digest,
         "warnings": record.warnings,
         **{role: [asdict(channel) for channel in channels] for role, channels in roles},
+        **({"masked": record.masked} if record.masked else {}),
     }
 
 

@@ -75,12 +75,12 @@ def labelled(name: str) -> Labelled:
 
 
 def columns_found(columns: Columns) -> tuple[ColumnFound, ...]:
-    """The columns that may be signals: as many samples as the longest, no dates."""
+    """The columns that may be signals: no dates; as many samples as the longest, or stamps of their own."""
     longest = max(len(values) for values in columns.values())
     return tuple(
         ColumnFound(name, *labelled(name), values)
         for name, values in columns.items()
-        if len(values) == longest and name not in columns.instants
+        if (len(values) == longest or name in columns.clocks) and name not in columns.instants
     )
 
 

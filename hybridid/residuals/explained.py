@@ -149,7 +149,7 @@ def effort_explained(
     along = (
         prediction.time[None, :],
         prediction.states.T,
-        record.inputs[:n].T,
+        prediction.of(record.inputs).T,
         ca.repmat(ca.DM(model.values(values)), 1, n),
     )
     correction = pushed.map(n)(*along).full().ravel()

@@ -181,7 +181,7 @@ def compare(
         for fold, fitted in zip(cut, alone, strict=True)
     ]
     scores = list(mapper(score_fold, jobs))
-    spread = np.concatenate([r.outputs for r in records]).std(axis=0)
+    spread = np.concatenate([r.counted for r in records]).std(axis=0)
     spread[spread == 0] = 1.0
     return [
         Scored(candidate, tuple(scores[k * count : (k + 1) * count]), spread)

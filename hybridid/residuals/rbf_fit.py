@@ -104,7 +104,7 @@ def visited(
         run = free_run(gray, values, record, settings.initial_state, settings.integrator)
         n = len(run.time)
         motions = gray.motions.map(n)(
-            run.time[None, :], run.states.T, record.inputs[:n].T, ca.repmat(ca.DM(p), 1, n)
+            run.time[None, :], run.states.T, run.of(record.inputs).T, ca.repmat(ca.DM(p), 1, n)
         )
         seen = motions.full()[row, column::2]
         lows.append(float(seen.min()))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.records.record import Record
+from hybridid.records.record import Record, RecordError
 from hybridid.validation.predict import Prediction
 
 Array = NDArray[np.float64]
@@ -47,7 +47,16 @@ class ErrorSeries:
 
 
 def surroundings(prediction: Prediction, record: Record, output: str) -> Surroundings:
-    """The signals for a network on ``output`` along a gray box' prediction of ``record``."""
+    """The signals for a network on ``output`` along a gray box' prediction of ``record``.
+
+    Raises:
+        RecordError: if the record is masked.
+    """
+    if record.masked:
+        raise RecordError(
+            f"record {record.name} is masked: residual=narx needs the error at every sample; crop the "
+            "record, or use residual=rbf"
+        )
     column = prediction.output_names.index(output)
     running = [k for k, channel in enumerate(record.input_channels) if not channel.constant]
     return Surroundings(

@@ -30,6 +30,11 @@ class FitSettings:
         "gauss_newton",
         "gauss_newton: Levenberg-Marquardt, fast; multiple_shooting: CasADi and IPOPT, as in the thesis",
     )
+    loss: Literal["squared", "huber"] = setting(
+        "squared",
+        "squared: least squares; huber: errors beyond 1.345 standard deviations count linearly, for records "
+        "with outliers (gauss_newton)",
+    )
     horizon: int | None = setting(
         None,
         "how long the model runs free before it starts anew",
@@ -65,6 +70,10 @@ class FitSettings:
 
     def __post_init__(self) -> None:
         check(self, "estimator")
+        if self.loss == "huber" and self.method != "gauss_newton":
+            raise ValueError(
+                "estimator.loss=huber needs estimator.method=gauss_newton, which reweights its steps"
+            )
         if self.continuation[-1] != 1.0:
             raise ValueError(
                 "estimator.continuation must end with 1 (the declared epsilon) and not go below it"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import signal
 
+from hybridid.records.masked import Levels, masked_of
 from hybridid.records.record import Array, Hold, Record
 from hybridid.signals.step import Step, StepError
 
@@ -62,7 +63,15 @@ class Decimate(Step):
             inputs=part(record.inputs, tuple(c.hold for c in record.input_channels)),
             outputs=part(record.outputs, (None,) * len(record.output_channels)),
             auxiliary=None if auxiliary is None else part(auxiliary, (None,) * auxiliary.shape[1]),
+            masked=masked_of(_thinned(record.levels, self.factor, kept)) if record.masked else (),
         )
+
+
+def _thinned(levels: Levels, factor: int, kept: int) -> Levels:
+    """Levels (kept,) of a mask: each the highest among the old samples from the new one before it to the new
+    one after it, which its filter mixes most."""
+    padded = np.pad(levels, (factor - 1, factor))
+    return np.array([padded[k * factor : (k + 2) * factor - 1].max() for k in range(kept)], dtype=np.int8)
 
 
 def _length(factor: int) -> tuple[int, float]:

@@ -49,7 +49,8 @@ class Crop(Step):
 
 @dataclass(frozen=True)
 class RemoveMean(Step):
-    """``x - mean(x)``, with the mean over ``over: [start, stop]`` [s] if given, for example a rest."""
+    """``x - mean(x)``, with the mean over ``over: [start, stop]`` [s] if given, for example a rest. Samples
+    that a mask before it leaves out are no part of the mean."""
 
     signals: tuple[str, ...]
     over: tuple[float, float] | None = None
@@ -60,7 +61,7 @@ class RemoveMean(Step):
 
     def apply(self, record: Record) -> Record:
         start, stop = self.over or (-np.inf, np.inf)
-        inside = (record.time >= start) & (record.time <= stop)
+        inside = (record.time >= start) & (record.time <= stop) & record.counts
         if not inside.any():
             raise StepError(f"no sample of record {record.name} lies from {start:g} s to {stop:g} s")
         return in_place(record, self.signals, lambda x: x - x[inside].mean())

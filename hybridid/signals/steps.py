@@ -16,6 +16,7 @@ from hybridid.records.record import Record, RecordError
 from hybridid.signals.butterworth import Butterworth
 from hybridid.signals.calculus import Differentiate, Integrate, SavitzkyGolay
 from hybridid.signals.decimate import Decimate
+from hybridid.signals.masks import Keep, Mask
 from hybridid.signals.simple import Crop, Offset, RemoveMean, Scale
 from hybridid.signals.step import Step, StepError
 
@@ -25,6 +26,8 @@ STEPS: Mapping[str, type[Step]] = {
     "decimate": Decimate,
     "differentiate": Differentiate,
     "integrate": Integrate,
+    "keep": Keep,
+    "mask": Mask,
     "offset": Offset,
     "remove_mean": RemoveMean,
     "savitzky_golay": SavitzkyGolay,

@@ -69,6 +69,11 @@ def output_derivative(record: Record, output: str, derivative: int, half_width: 
     """``smoothed_derivative`` of an output, (n,), found once a record: each model tried asks for it."""
     kept, key = _KEPT.setdefault(record, {}), (output, derivative, half_width)
     if key not in kept:
-        kept[key] = smoothed_derivative(record.output(output), record.dt, derivative, half_width)
+        samples = record.output(output)
+        found = smoothed_derivative(samples, record.dt, derivative, half_width)
+        if record.masked:  # what does not count says nothing of the samples beside it
+            for piece in (slice(*one) for one in record.pieces):
+                found[piece] = smoothed_derivative(samples[piece], record.dt, derivative, half_width)
+        kept[key] = found
         kept[key].flags.writeable = False
     return kept[key]

@@ -56,7 +56,7 @@ def simulate(
     p = model.values(values)
     steps = substeps or substeps_for(model, p, [record], integrator=integrator)
     x0 = measured_states(model, record)[0] if initial_state is None else np.asarray(initial_state, float)
-    shot = Shooter(model, cut([record], None, steps), integrator=integrator)(x0[None, :], p)
+    shot = Shooter(model, cut([record.unmasked()], None, steps), integrator=integrator)(x0[None, :], p)
     outputs, states = shot.outputs[0, : record.n], shot.states[0, : record.n]
     if not np.isfinite(outputs).all():
         first = int(np.argmin(np.isfinite(outputs).all(axis=1)))

@@ -167,7 +167,8 @@ REMEDY: Mapping[str, str] = {
 
 def _modes(model: Model, p: Array, record: Record, path: Array) -> tuple[Modes, Modes]:
     """Eigenvalues of df/dx in 1/s at some samples of a record, (m, n_x), and at rest, (m, n_x)."""
-    k = np.unique(np.linspace(0, record.n - 1, PROBES).astype(int))
+    counting = np.flatnonzero(record.counts) if record.masked else np.arange(record.n)
+    k = counting[np.unique(np.linspace(0, len(counting) - 1, PROBES).astype(int))]
     states, slopes = path[k], _slopes(model, len(k))
 
     def eigenvalues(at: Array) -> Modes:

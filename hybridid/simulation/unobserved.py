@@ -27,7 +27,7 @@ def free_run_states(model: Model, p: Array, record: Record) -> Array:
     Unobserved states begin at zero. The integrator is the implicit one, which is stable for any ``p`` (n_p,).
     A state that is no longer finite counts as zero from there on.
     """
-    windows = cut([record], None, 1)
+    windows = cut([record.unmasked()], None, 1)
     start = measured_states(model, record)[:1]
     states = Shooter(model, windows, integrator="rodas3")(start, p).states[0, : record.n]
     return np.where(np.isfinite(states).all(axis=1, keepdims=True), states, 0.0)

@@ -17,6 +17,8 @@ CALL = 2500
 """Samples that one call of a compiled function simulates, over all horizons together."""
 SHORTEST = 0.2
 """A last horizon shorter than this share of the others is omitted."""
+HEAD = 10
+"""Samples that must count in the first horizon after a masked stretch."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,10 @@ class Windows:
 
     Shapes: ``time`` (w, length); ``stages`` (w, length, n_U) inputs of each step;
     ``inputs`` (w, length, n_u); ``outputs`` (w, length, n_y); ``used`` (w, length).
-    ``origin`` gives (record index, first sample, end sample) of each.
+    ``origin`` gives (record index, first sample, end sample) of each. ``used`` is False where a record is
+    masked, too. ``horizon`` is the length asked for: one that would end in a masked stretch ends after it.
+    ``heads`` are (record index, first sample) of the horizons that begin a record, or begin anew after a
+    masked stretch.
     """
 
     dt: float
@@ -40,6 +45,8 @@ class Windows:
     outputs: Array
     used: NDArray[np.bool_]
     origin: tuple[tuple[int, int, int], ...]
+    horizon: int
+    heads: frozenset[tuple[int, int]]
 
     @property
     def count(self) -> int:
@@ -63,6 +70,11 @@ class Windows:
         return replace(self, used=self.used & (np.arange(self.length) < ends))
 
     @cached_property
+    def holes(self) -> NDArray[np.bool_]:
+        """Samples not in use before the last one in use of their horizon: masked ones, (w, length)."""
+        return ~self.used & within(self.used)
+
+    @cached_property
     def lengths(self) -> tuple[int, ...]:
         """Samples of each horizon."""
         return tuple(stop - start for _, start, stop in self.origin)
@@ -76,9 +88,13 @@ class Windows:
 
     @property
     def complete(self) -> bool:
-        """Whether each horizon begins with its record or follows another horizon of these windows."""
-        starts = (start for _, start, _ in self.origin)
-        return all(start == 0 or before >= 0 for start, before in zip(starts, self.follows, strict=True))
+        """Whether each horizon is a head or follows another horizon of these windows."""
+        return all(head or before >= 0 for head, before in zip(self.is_head, self.follows, strict=True))
+
+    @property
+    def is_head(self) -> list[bool]:
+        """Whether each horizon begins its record, or begins anew after a masked stretch; (w,)."""
+        return [(record, start) in self.heads for record, start, _ in self.origin]
 
     @property
     def samples(self) -> int:
@@ -86,13 +102,19 @@ class Windows:
         return int(self.used.sum())
 
 
+def within(used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Each horizon up to its last sample that is ``used``, all (w, length)."""
+    return np.logical_or.accumulate(used[:, ::-1], axis=1)[:, ::-1]
+
+
 def cut(records: Sequence[Record], horizon: int | None, substeps: int, most: int | None = None) -> Windows:
     """Cut ``records`` into horizons of ``horizon`` samples (None: each record whole).
 
-    ``most`` of them are kept, evenly chosen (None: all).
+    ``most`` of them are kept, evenly chosen (None: all). Each begins and ends at a sample that counts.
 
     Raises:
-        ValueError: if the records differ in sampling time or a horizon is shorter than 2.
+        ValueError: if the records differ in sampling time, a horizon is shorter than 2, or the masks of the
+            records leave no horizon.
     """
     dt = records[0].dt
     for record in records:
@@ -106,25 +128,70 @@ def cut(records: Sequence[Record], horizon: int | None, substeps: int, most: int
         raise ValueError(f"horizon of {length} samples: at least 2 are needed")
     held = all(all_held(record) for record in records)
     origin = _origins(records, length)
+    heads = _heads(origin)
+    if not origin:
+        names = " and ".join(record.name for record in records)
+        raise ValueError(f"the mask leaves no horizon of {names}: no stretch has {HEAD} samples that count")
     if most is not None:
         origin = [origin[k] for k in np.unique(np.linspace(0, len(origin) - 1, most).astype(int))]
-    chunk = min(length, max(100, CALL // len(origin)))
-    padded = -(-length // chunk) * chunk
+    longest = max(length, *(stop - start for _, start, stop in origin))
+    chunk = min(longest, max(100, CALL // len(origin)))
+    padded = -(-longest // chunk) * chunk
     pieces = [_piece(records[index], held, substeps, start, stop, padded) for index, start, stop in origin]
     time, staged, inputs, outputs = (np.stack([piece[k] for piece in pieces]) for k in range(4))
     ends = np.array([stop - start for _, start, stop in origin])
     used = np.arange(padded) < ends[:, None]
-    return Windows(dt, held, substeps, chunk, time, staged, inputs, outputs, used, tuple(origin))
+    for row, (index, start, stop) in zip(used, origin, strict=True):
+        if records[index].masked:
+            row[: stop - start] = records[index].counts[start:stop]
+    parts = (time, staged, inputs, outputs, used)
+    return Windows(dt, held, substeps, chunk, *parts, tuple(origin), length, heads)
 
 
 def _origins(records: Sequence[Record], length: int) -> list[tuple[int, int, int]]:
     """(record index, first sample, end sample) of each horizon of ``length`` samples."""
     return [
-        (index, start, min(start + length, record.n))
+        (index, start, stop)
         for index, record in enumerate(records)
+        for start, stop in (_between_masks if record.masked else _even)(record, length)
+    ]
+
+
+def _even(record: Record, length: int) -> list[tuple[int, int]]:
+    """First and end sample of each horizon of a record that counts everywhere."""
+    return [
+        (start, min(start + length, record.n))
         for start in range(0, record.n, length)
         if start == 0 or record.n - start >= SHORTEST * length
     ]
+
+
+def _between_masks(record: Record, length: int) -> list[tuple[int, int]]:
+    """First and end sample of each horizon of a masked record.
+
+    A horizon that would end in a masked stretch goes on to the stretch's end, so that the next takes over an
+    effect's inner states; not if the stretch is longer than a horizon.
+    """
+    found: list[tuple[int, int]] = []
+    counting = np.flatnonzero(record.counts)
+    for first, end in record.joined:
+        start, head = first, True
+        while start < end:
+            stop = min(start + length, end)
+            following = int(np.searchsorted(counting, stop))
+            after = int(counting[following]) if stop < end else end
+            stop = after if after - stop <= length else int(counting[following - 1]) + 1
+            least = min(HEAD, SHORTEST * length) if head else SHORTEST * length
+            enough = record.counts[start:stop].sum() >= least
+            found += [(start, stop)] if enough else []
+            start, head = after, not enough or after != stop
+    return found
+
+
+def _heads(origin: Sequence[tuple[int, int, int]]) -> frozenset[tuple[int, int]]:
+    """(record index, first sample) of the horizons that no other one leads up to."""
+    ends = {(record, stop) for record, _, stop in origin}
+    return frozenset((record, start) for record, start, _ in origin if (record, start) not in ends)
 
 
 def _piece(

@@ -35,6 +35,7 @@ from hybridid.simulation.unobserved import filled_states
 from hybridid.trace.before_after import FittedModel
 from hybridid.trace.context import Context
 from hybridid.trace.kalman import kalman_filter, smooth
+from hybridid.validation.predict import holes_of
 
 Array = NDArray[np.float64]
 INTENSITIES = np.logspace(-4, 2, 13)
@@ -65,7 +66,8 @@ class MissingEffort:
 
     ``kind`` is that of the port: at a flow port, ``effort`` is a flow that leaves. ``motion`` holds values
     (n,) and unit, by name, of what the effort could depend on: the smoothed velocity, position, acceleration,
-    and the travel since the velocity last changed sign; at a flow port the level and the net flow.
+    and the travel since the velocity last changed sign; at a flow port the level and the net flow. Of a
+    masked record, ``rows`` (n,) are the samples that it shows: those that count.
     """
 
     record: str
@@ -78,10 +80,23 @@ class MissingEffort:
     std: Array
     motion: Mapping[str, tuple[Array, str]]
     intensity: float
+    rows: NDArray[np.int64] | None = None
+
+    def of(self, values: Array) -> Array:
+        """Of ``values`` (n of the record,) those at the samples that it shows, (n,)."""
+        return values[: len(self.time)] if self.rows is None else values[self.rows]
+
+    @property
+    def holes(self) -> Array:
+        """Times [s] of the last sample before and the first after each masked stretch, (h, 2)."""
+        return np.empty((0, 2)) if self.rows is None else holes_of(self.time, self.rows)
 
 
 def missing_effort(model: Model, values: Mapping[str, float], record: Record, port: str) -> MissingEffort:
     """Estimate the effort that ``model`` at ``values`` lacks at an effort port, or the flow at a flow port.
+
+    Masked outputs say nothing of it. Of a record with masked stretches that are not simulated, it is that of
+    the longest part between them.
 
     Raises:
         ValueError: if the port takes neither.
@@ -92,6 +107,8 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
             f"port {port} is of kind {where.kind}: a missing effort can only be estimated at an effort port, "
             "a missing flow at a flow port"
         )
+    whole, (first, end) = record, max(record.joined, key=lambda part: part[1] - part[0])
+    record = whole.part(first, end) if end - first < whole.n else whole
     walking = model.plus(replace(WALK, kind=where.kind), port)
     p = walking.values(_known(walking, {**values, f"{port}.{WALK.id}.g": 1.0}))
     about = np.zeros((record.n, len(walking.states)))
@@ -116,7 +133,16 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
         moved = np.abs(about[:, -1] - before[:, -1])
         if np.median(moved) < STILL * np.sqrt(np.median(covariance)):
             break
-    return _result(walking, record, port, p, about, covariance, float(INTENSITIES[best]))
+    found = _result(walking, record, port, p, about, covariance, float(INTENSITIES[best]))
+    return _of_what_counts(found, record, first) if whole.masked else found
+
+
+def _of_what_counts(found: MissingEffort, record: Record, first: int) -> MissingEffort:
+    """``found`` at the samples that count of ``record``, which begins at sample ``first`` of a masked one."""
+    kept = np.flatnonzero(record.counts)
+    arrays = {name: getattr(found, name)[kept] for name in ("time", "effort", "std")}
+    motion = {name: (values[kept], unit) for name, (values, unit) in found.motion.items()}
+    return replace(found, **arrays, motion=motion, rows=first + kept)
 
 
 def _known(model: Model, values: Mapping[str, float]) -> dict[str, float]:
@@ -197,6 +223,9 @@ class _Linearised:
         c = c.reshape(n_y, n, m).swapaxes(0, 1)
         b = x_next.T - np.einsum("nij,nj->ni", a, states)
         d = y.T - np.einsum("nij,nj->ni", c, states)
+        if record.masked:  # an output that depends on no state and is as measured moves nothing
+            unseen = ~record.counts
+            c[unseen], d[unseen] = 0.0, record.outputs[unseen]
         return (
             np.ascontiguousarray(a),
             np.ascontiguousarray(b),

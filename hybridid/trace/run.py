@@ -66,7 +66,8 @@ def trace(
     """
     began = time.perf_counter()
     fitted, others = tuple(records), tuple(held_out)
-    seconds = horizon or automatic_horizon([r.n * r.dt for r in fitted], [r.n * r.dt for r in others])
+    ours, theirs = ([float(r.counts.sum()) * r.dt for r in part] for part in (fitted, others))
+    seconds = horizon or automatic_horizon(ours, theirs)
     split = divided(fitted, others, seconds)
     tried = library_for(model.channels) if effects is None else tuple(effects)
     where = None if ports is None else tuple(ports)

@@ -74,7 +74,7 @@ def diverged(
             rmse=nan,
             r2=nan,
             fit_percent=nan,
-            n=record.n,
+            n=int(record.counts.sum()),
             unit=output.unit,
             provenance=record.provenance,
             horizon=horizon,

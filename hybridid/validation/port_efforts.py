@@ -57,7 +57,7 @@ def port_efforts(
     """The efforts along a predicted trajectory, one entry for each port that has terms."""
     n = len(prediction.time)
     p = ca.repmat(ca.DM(model.values(values)), 1, n)
-    along = (prediction.time[None, :], prediction.states.T, record.inputs[:n].T, p)
+    along = (prediction.time[None, :], prediction.states.T, prediction.of(record.inputs).T, p)
     efforts, motions = (function.map(n)(*along).full() for function in (model.efforts, model.motions))
     found = []
     for index, port in enumerate(model.equation_ports):
@@ -77,7 +77,8 @@ def resisting_effort(
     if any(state.observed_by is None for state in model.states):
         return None
     width = min(HALF_WIDTH, (record.n - 1) // 4)
-    inner = slice(width, record.n - width)
+    inner = np.arange(width, record.n - width)
+    inner = inner[record.counts[inner]] if record.masked else inner
     x = measured_states(model, record, width)[inner]
     measured = [output_derivative(record, str(s.observed_by), s.derivative + 1, width) for s in model.states]
     rates = np.stack(measured, axis=1)[inner]

@@ -35,6 +35,8 @@ class Prediction:
 
     Shapes: ``time`` (n,) s, ``measured`` and ``predicted`` (n, n_y), ``states`` (n, n_x).
     ``breaks`` are the first samples of the horizons, ``initial_states`` (w, n_x) the states there.
+    ``rows`` (n,) are the samples of the record that it shows, if these are not its first: masked ones are
+    left out.
     """
 
     record: str
@@ -49,11 +51,33 @@ class Prediction:
     state_names: tuple[str, ...]
     breaks: tuple[int, ...]
     initial_states: Array
+    rows: NDArray[np.int64] | None = None
+
+    def of(self, values: Array) -> Array:
+        """Of ``values`` (n of the record, ...) those at the samples that the prediction shows, (n, ...)."""
+        return values[: len(self.time)] if self.rows is None else values[self.rows]
+
+    @property
+    def starts(self) -> NDArray[np.int64]:
+        """Where in ``time`` each horizon begins, (w,)."""
+        first = np.array(self.breaks)
+        return first - first[0] if self.rows is None else np.searchsorted(self.rows, first)
+
+    @property
+    def holes(self) -> Array:
+        """Times [s] of the last sample before and the first after each masked stretch, (h, 2)."""
+        return np.empty((0, 2)) if self.rows is None else holes_of(self.time, self.rows)
 
     @property
     def error(self) -> Array:
         """``measured - predicted``, (n, n_y)."""
         return self.measured - self.predicted
+
+
+def holes_of(time: Array, rows: NDArray[np.int64]) -> Array:
+    """``time`` (n,) of the last sample before and the first after each gap in ``rows`` (n,), (h, 2)."""
+    last = np.flatnonzero(np.diff(rows) > 1)
+    return np.stack([time[last], time[last + 1]], axis=1)
 
 
 def free_run(
@@ -65,7 +89,7 @@ def free_run(
     substeps: int | None = None,
     method: Method = GAUSS_NEWTON,
 ) -> Prediction:
-    """Simulate the whole record from one initial state.
+    """Simulate the whole record from one initial state, and anew after each masked part not simulated.
 
     ``initial_state`` is "estimated" (it fits the record best at these parameters) or "measured" (from the
     first samples). ``substeps`` are the integration steps a sample, such as those of an estimate; by default
@@ -134,7 +158,14 @@ def _predict(
         state_names=tuple(s.name for s in model.states),
         breaks=tuple(start for _, start, _ in problem.windows.origin),
         initial_states=x0,
+        rows=_rows(problem) if record.masked else None,
     )
+
+
+def _rows(problem: Problem) -> NDArray[np.int64]:
+    """The samples of the one record that are in use, (n,)."""
+    starts = np.array([start for _, start, _ in problem.windows.origin])
+    return (starts[:, None] + np.arange(problem.windows.length))[problem.windows.used]
 
 
 def initial_states(problem: Problem, p: Array, method: Method = GAUSS_NEWTON) -> Array:

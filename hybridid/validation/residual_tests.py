@@ -48,7 +48,8 @@ def residual_tests(prediction: Prediction, record: Record, lags: int = 50) -> li
     """Tests of each output's residual up to ``lags`` samples."""
     lags = min(lags, len(prediction.time) // 4)
     running = [k for k, channel in enumerate(record.input_channels) if not channel.constant]
-    inputs = record.inputs[: len(prediction.time), running]
+    along = slice(len(prediction.time)) if prediction.rows is None else slice(prediction.rows[-1] + 1)
+    inputs = record.inputs[along, running]
     names = [record.input_channels[k].name for k in running]
     return [
         _tests(prediction, column, inputs, names, record.dt, lags)
@@ -61,11 +62,16 @@ def _tests(
 ) -> ResidualTests:
     error = prediction.error[:, column] - prediction.error[:, column].mean()
     n = len(error)
+    pairs, spans = n - np.arange(1, lags + 1), 1.0
+    if prediction.rows is not None:
+        error, pairs = _with_holes(error, prediction.rows, lags)
+        spans = len(error) / n
     auto = correlation(error, error, lags)[lags:]
-    squares = auto[1:] ** 2 / (n - np.arange(1, lags + 1))
+    squares = auto[1:] ** 2 / pairs
     quantile = float(stats.norm.ppf(0.5 + LEVEL / 2))
-    cross = {name: correlation(error, inputs[:, k], lags) for k, name in enumerate(names)}
-    bands = {name: quantile * _spread(error, inputs[:, k], lags) for k, name in enumerate(names)}
+    whole = np.sqrt(spans)  # the inputs have no holes
+    cross = {name: whole * correlation(error, inputs[:, k], lags) for k, name in enumerate(names)}
+    bands = {name: whole * quantile * _spread(error, inputs[:, k], lags) for k, name in enumerate(names)}
     return ResidualTests(
         record=prediction.record,
         output=prediction.output_names[column],
@@ -78,6 +84,15 @@ def _tests(
         cross_correlation=cross,
         input_bands=bands,
     )
+
+
+def _with_holes(error: Array, rows: NDArray[np.int64], lags: int) -> tuple[Array, NDArray[np.int64]]:
+    """``error`` (n,) at the samples ``rows`` of a record, zero between them, and how many pairs of its
+    samples are 1 to ``lags`` apart."""
+    found, used = np.zeros(rows[-1] + 1), np.zeros(rows[-1] + 1, dtype=bool)
+    found[rows], used[rows] = error, True
+    pairs = np.array([np.sum(used[k:] & used[:-k]) for k in range(1, lags + 1)])
+    return found, np.maximum(pairs, 1)
 
 
 def correlation(later: Array, earlier: Array, lags: int) -> Array:

@@ -62,6 +62,7 @@ def new(request: Request, ask: Ask) -> Machine:
     found = [one for one in columns_found(tables[0]) if one.name != times[0].column]
     picked = chosen(plan, found, request.signals, request.scales, ask)
     picked = tuple(_with_hold(one, plan, request) for one in picked)
+    times = [_aligned(time, table, picked) for time, table in zip(times, tables, strict=True)]
     names = _record_names(request.recordings)
     here = request.folder.resolve()
     recordings = tuple(
@@ -74,6 +75,12 @@ def new(request: Request, ask: Ask) -> Machine:
     machine = Machine(name, request.folder, plan, picked, recordings, records)
     _write(machine)
     return machine
+
+
+def _aligned(time: TimeFound, table: Columns, picked: tuple[Chosen, ...]) -> TimeFound:
+    """``time``, uneven where a signal has stamps of its own: resampling aligns it, too."""
+    own = any(table.clocks.get(one.column.name, time.column) != time.column for one in picked)
+    return replace(time, even=time.even and not own)
 
 
 def _address(path: Path, folder: Path) -> str:

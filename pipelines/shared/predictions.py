@@ -47,13 +47,15 @@ class Tested:
 
 def write_prediction(folder: Path, prediction: Prediction, model: str, horizon: float | None) -> Path:
     """Write a prediction with the columns ``time`` [s], ``<output>.measured``, ``<output>.predicted`` and
-    ``state.<name>``; returns the file's path."""
-    columns = {"time": prediction.time}
+    ``state.<name>``, and of a masked record ``sample``, the samples that count; returns the file's path."""
+    columns: dict[str, NDArray[Any]] = {"time": prediction.time}
     for k, name in enumerate(prediction.output_names):
         columns[f"{name}.measured"] = prediction.measured[:, k]
         columns[f"{name}.predicted"] = prediction.predicted[:, k]
     for k, name in enumerate(prediction.state_names):
         columns[f"state.{name}"] = prediction.states[:, k]
+    if prediction.rows is not None:
+        columns["sample"] = prediction.rows
     words = ("record", "view", "provenance", "output_names", "output_units", "state_names", "breaks")
     about: dict[str, Any] = {word: getattr(prediction, word) for word in words}
     about |= {"initial_states": prediction.initial_states.tolist(), "model": model, "horizon": horizon}
@@ -78,6 +80,7 @@ def read_prediction(path: Path) -> Stored:
         states=_matrix(columns, [f"state.{name}" for name in names["state_names"]]),
         breaks=tuple(about["breaks"]),
         initial_states=np.array(about["initial_states"], dtype=float),
+        rows=columns["sample"].astype(np.int64) if "sample" in columns else None,
         **names,
     )
     return Stored(about["model"], about["horizon"], prediction)

@@ -31,7 +31,8 @@ class Prepared:
     """A record that ``preprocess`` wrote: ``n`` samples every ``dt`` s.
 
     ``file`` lies in the run tree; ``role`` is what the case uses the record for, ``provenance`` "measured"
-    or "simulated", ``source`` where it comes from, ``digest`` the SHA-256 of its data.
+    or "simulated", ``source`` where it comes from, ``digest`` the SHA-256 of its data. ``masked`` is how many
+    samples do not count.
     """
 
     name: str
@@ -46,11 +47,12 @@ class Prepared:
     outputs: tuple[NamedUnit, ...]
     auxiliary: tuple[NamedUnit, ...]
     warnings: tuple[str, ...]
+    masked: int = 0
 
     @property
     def seconds(self) -> float:
-        """The duration of the record in s."""
-        return self.n * self.dt
+        """The duration in s of what counts of the record."""
+        return (self.n - self.masked) * self.dt
 
 
 def prepared_records(tree: Path) -> list[Prepared]:

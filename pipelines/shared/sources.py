@@ -192,6 +192,8 @@ def _records(settings: Settings) -> dict[str, dict[str, Any]]:
     for name, entry in given.items():
         if complaint := no_file_name(str(name)):
             raise ConfigError(f"record {shortened(repr(str(name)), 80)}: {complaint}")
+        if set(entry) <= {"resample", "steps"} and len(given) > 1:  # of the command line alone
+            raise ConfigError(unknown("record", str(name), [one for one in given if one != name]))
         if entry.get("role") not in ROLES:
             raise ConfigError(unknown(f"role of record {name}:", str(entry.get("role")), ROLES))
     return {str(name): dict(entry) for name, entry in given.items()}

@@ -100,7 +100,7 @@ class PreprocessSection:
     steps: Any = setting(
         (),
         "what is done to each record, in order, as in [{step: decimate, factor: 10}]; steps: butterworth, "
-        "crop, decimate, differentiate, integrate, offset, remove_mean, savitzky_golay, scale",
+        "crop, decimate, differentiate, integrate, keep, mask, offset, remove_mean, savitzky_golay, scale",
         shown="[...]",
     )
 

@@ -17,6 +17,8 @@ EXAMPLES = {
     "decimate": {"factor": 2},
     "differentiate": {"signal": "position", "name": "v", "unit": "m/s", "cutoff": 20},
     "integrate": {"signal": "position", "name": "s", "unit": "m·s", "drift": "linear"},
+    "keep": {"where": {"signal": "force", "below": 0.5}, "through": False},
+    "mask": {"stretches": [[0.2, 0.3], [1, 1.5]], "margin": 0.01},
     "offset": {"signals": "position", "value": 0.1},
     "remove_mean": {"signals": ["position", "force"], "over": [0, 1]},
     "savitzky_golay": {"signal": "position", "window": 11},
@@ -37,10 +39,11 @@ def test_every_step_is_read_and_leaves_its_record_alone(record_of, name):
     assert dataclasses.is_dataclass(step)
     after = step.apply(record)
     assert after is not record
-    assert (after.n, after.outputs.shape, after.outputs.tobytes()) != (
+    assert (after.n, after.outputs.shape, after.outputs.tobytes(), after.masked) != (
         record.n,
         record.outputs.shape,
         record.outputs.tobytes(),
+        (),
     )
     for kept, array in zip(
         before, (record.time, record.inputs, record.outputs, record.auxiliary), strict=True
