@@ -133,13 +133,16 @@ def in_loop(
     States that are observed start where the first samples show them: a controller answers an error of its
     model there with an effort that no recording has. ``initial_state`` "estimated" starts the others where
     the first ``horizon`` samples are met best, "measured" at zero. ``substeps`` are the integration steps a
-    sample.
+    sample. Masked samples are left out; a record ends at its first masked part that is not simulated.
 
     Raises:
         Diverged: if the simulation does not stay finite.
         ValueError: if the record lacks a signal of the model or of the law.
         OwnCodeError: if the controller's code fails.
     """
+    begin, end = record.joined[0]
+    masked, record = record.masked, record if end - begin == record.n else record.part(begin, end)
+    kept = np.flatnonzero(record.counts) if masked else slice(None)
     p = model.values(values)
     steps = substeps or substeps_for(model, p, [record], integrator=integrator)
     x0, shown = measured_states(model, record)[0], np.array(observed(model))
@@ -158,13 +161,14 @@ def in_loop(
         record=record.name,
         view="loop",
         provenance=record.provenance,
-        time=record.time,
-        measured=np.column_stack([record.outputs, *recorded]),
-        predicted=predicted,
-        states=run.states,
+        time=record.time[kept],
+        measured=np.column_stack([record.outputs, *recorded])[kept],
+        predicted=predicted[kept],
+        states=run.states[kept],
         output_names=tuple(s.name for s in signals),
         output_units=tuple(s.unit for s in signals),
         state_names=tuple(s.name for s in model.states),
-        breaks=(0,),
+        breaks=(begin,),
         initial_states=x0[None, :],
+        rows=begin + np.arange(record.n)[kept] if masked else None,
     )

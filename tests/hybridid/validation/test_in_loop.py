@@ -114,3 +114,17 @@ def test_a_record_that_is_too_short_for_the_law_is_told(record):
     short = record.part(0, 12)
     with pytest.raises(ValueError, match="controller emps_pd must see 22 samples, record emps_rig_ident"):
         agreement(Loop(EMPSPD(), delay=20), short, 0.05)
+
+
+def test_masked_samples_are_left_out(record, model):
+    """The run through them is the same; one that is not simulated ends it."""
+    whole = in_loop(model, TRUTH, record, Loop(EMPSPD(), GAINS), 300)
+    levels = np.zeros(record.n, dtype=np.int8)
+    levels[100:150] = 1
+    masked = record.with_masked(levels)
+    found = in_loop(model, TRUTH, masked, Loop(EMPSPD(), GAINS), 300)
+    np.testing.assert_array_equal(found.rows, np.flatnonzero(masked.counts))
+    np.testing.assert_array_equal(found.time, record.time[masked.counts])
+    np.testing.assert_allclose(found.predicted, whole.predicted[masked.counts], atol=1e-6)
+    apart = in_loop(model, TRUTH, record.with_masked(2 * levels), Loop(EMPSPD(), GAINS), 300)
+    assert len(apart.time) == 100
