@@ -120,7 +120,7 @@ Adds every effect of the library at every port of its kind, refits all parameter
 horizons that no fit has seen what the model lacks. Accepts an effect if its gain is significant, worth
 having, determined by the records, and survives other ways to solve the equations; names together what the
 records cannot tell apart; goes on until nothing passes. Writes trace/report.html, trace/trace.json and the
-augmented model.
+augmented model. Traces with other options stay beside it, in traces.
 
   hybridid trace case=emps
   hybridid trace case=emps effects=[viscous]                       with physics left out
