@@ -109,10 +109,13 @@ percentage by record, output and view, and tests of the residual.
 
 PLOT = """\
 Draws record, model against data, error, friction over velocity, spectrum, residual correlation and the
-spread of errors, as files for a paper.
+spread of errors, as files for a paper. Of more than four records, it draws the one with the largest error,
+the median and the one with the smallest.
 
   hybridid plot case=emps
-  hybridid run case=emps plot.formats=[svg]    one kind of file: less than half the time
+  hybridid plot case=emps plot.formats=[svg,pdf,png]    files for a paper and for slides, too
+  hybridid plot case=servo plot.records=all             the figures of every record
+  hybridid plot case=servo plot.records=[sin_sin*]      of these
 """
 
 TRACE = """\
