@@ -114,10 +114,13 @@ loop: from its reference, the law closed over the simulated outputs; its control
 
 PLOT = """\
 Draws record, model against data, error, friction over velocity, spectrum, residual correlation and the
-spread of errors, as files for a paper.
+spread of errors, as files for a paper. Of more than four records, it draws the one with the largest error,
+the median and the one with the smallest.
 
   hybridid plot case=emps
-  hybridid run case=emps plot.formats=[svg]    one kind of file: less than half the time
+  hybridid plot case=emps plot.formats=[svg,pdf,png]    files for a paper and for slides, too
+  hybridid plot case=servo plot.records=all             the figures of every record
+  hybridid plot case=servo plot.records=[sin_sin*]      of these
 """
 
 TRACE = """\
@@ -125,7 +128,7 @@ Adds every effect of the library at every port of its kind, refits all parameter
 horizons that no fit has seen what the model lacks. Accepts an effect if its gain is significant, worth
 having, determined by the records, and survives other ways to solve the equations; names together what the
 records cannot tell apart; goes on until nothing passes. Writes trace/report.html, trace/trace.json and the
-augmented model.
+augmented model. Traces with other options stay beside it, in traces.
 
   hybridid trace case=emps
   hybridid trace case=emps effects=[viscous]                       with physics left out

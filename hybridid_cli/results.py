@@ -26,8 +26,14 @@ from pipelines.shared.stage import Outcome
 def summary(outcome: Outcome, command: str) -> str:
     """What ``command`` found, as text: one table a stage, then the tree."""
     shown = outcome.stages if command == "run" else (command,)
-    parts = [part for name in shown for part in _SECTIONS[name](outcome.tree)]
+    parts = [part for name in shown for part in _shown(outcome, name)]
     return rendered([*parts, Text(f"files: {outcome.tree}")])
+
+
+def _shown(outcome: Outcome, stage: str) -> list[RenderableType]:
+    if stage == "trace":
+        return trace_results(outcome.tree, outcome.folders[stage])
+    return _SECTIONS[stage](outcome.tree)
 
 
 def _records(tree: Path) -> list[RenderableType]:
@@ -151,5 +157,4 @@ _SECTIONS: dict[str, Callable[[Path], list[RenderableType]]] = {
     "residual": residual_results,
     "validate": _scores,
     "plot": _figures,
-    "trace": trace_results,
 }

@@ -30,9 +30,12 @@ _COLOURS = {
 }
 
 
-def trace_results(tree: Path) -> list[RenderableType]:
-    """The verdict in one sentence, what was accepted, before and after, where the files are."""
-    said = trace_of(tree)
+def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType]:
+    """The verdict in one sentence, what was accepted, before and after, where the files are.
+
+    ``folder`` holds the trace; None: it is the newest of the tree.
+    """
+    said = trace_of(tree, folder)
     found = said.found
     word = (f"{VERDICTS[found.verdict]}: ", f"bold {_COLOURS[found.verdict]}")
     parts: list[RenderableType] = [Text.assemble(word, found.sentence, "\n")]
@@ -48,7 +51,7 @@ def trace_results(tree: Path) -> list[RenderableType]:
             f"tried {tried_in_words(found)} in {counted(len(found.steps), 'step')}, "
             f"{found.seconds:.0f} s on {counted(said.processes, 'process', 'es')}; {found.stopped}"
         ),
-        Text(f"report: {tree / 'trace' / 'report.html'}"),
+        Text(f"report: {(folder or tree / 'trace') / 'report.html'}"),
     ]
     if found.accepted:
         parts.append(Text(f"go on:  {said.commands[0]}"))

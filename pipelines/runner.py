@@ -25,9 +25,17 @@ from pipelines.shared.freshness import (
     write_receipt,
 )
 from pipelines.shared.secrets import masked_below
+from pipelines.shared.side_by_side import (
+    in_words,
+    remove_results,
+    results_folder,
+    show_newest,
+    take_in,
+    with_other_options,
+)
 from pipelines.shared.sources import sources_of
 from pipelines.shared.stage import Job, Outcome, Stage
-from pipelines.shared.tree import locked, point_latest, remove, replacing, tree_of, write_text
+from pipelines.shared.tree import locked, point_latest, replacing, tree_of, write_text
 from pipelines.shared.watch import Watcher
 from pipelines.trace.stage import TRACE
 from pipelines.validate import VALIDATE
@@ -69,12 +77,14 @@ def run_stages(
             mode=0o600,
         )
         for stage in STAGES:
-            if not stage.asked(settings) and remove(root / stage.name):
+            take_in(stage, root)
+            if not stage.asked(settings) and remove_results(stage, root):
                 watcher.say(f"{stage.name}: removed, the config no longer asks for it")
         ran = _bring_up_to_date(stages, settings, root, watcher)
         if settings.get("out") is None:
             point_latest(root)
-    return Outcome(root, tuple(stage.name for stage in stages), tuple(ran))
+    folders = {stage.name: results_folder(stage, settings, root) for stage in stages}
+    return Outcome(root, tuple(folders), tuple(ran), folders)
 
 
 def check_stages(settings: Settings, command: str) -> tuple[Stage, ...]:
@@ -92,7 +102,10 @@ def check_stages(settings: Settings, command: str) -> tuple[Stage, ...]:
 def is_fresh(settings: Settings, command: str, root: Path) -> bool:
     """Whether all results of ``command`` are in the tree ``root`` and none is stale."""
     stages = (s for s in wanted(command) if s.name == command or s.asked(settings))
-    return all(not why_stale(root / stage.name, _made_from(stage, settings, root)) for stage in stages)
+    return all(
+        not why_stale(results_folder(stage, settings, root), _made_from(stage, settings, root))
+        for stage in stages
+    )
 
 
 def wanted(command: str) -> tuple[Stage, ...]:
@@ -117,17 +130,20 @@ def _bring_up_to_date(
         if stage.name != PREPROCESS.name and not checked:
             _check_records(stages, settings, root)  # reports what no fit would mend, before the fit
             checked = True
-        now = _made_from(stage, settings, root)
-        reasons = why_stale(root / stage.name, now)
+        now, folder = _made_from(stage, settings, root), results_folder(stage, settings, root)
+        reasons = why_stale(folder, now)
         if stage.name in outdated:
             reasons = [f"the result of {name} changed" for name in stage.reads if name in ran]
         if not reasons and not settings.lone.force:
             watcher.say(f"{stage.name}: fresh, reused")
-            continue
-        watcher.say(f"{stage.name}: {_because(reasons)}")
-        if _changed_by(stage, now, settings, root, watcher):
-            outdated |= _remove_readers(stage.name, root)
-        ran.append(stage.name)
+        else:
+            watcher.say(f"{stage.name}: {_because(reasons)}")
+            if _changed_by(stage, now, settings, root, watcher):
+                outdated |= _remove_readers(stage.name, root)
+            ran.append(stage.name)
+        show_newest(stage, folder, root)
+        if others := with_other_options(stage, folder, now):
+            watcher.say(f"{stage.name}: {in_words(others)}")
     for name in sorted(outdated - set(ran)):
         watcher.say(
             f"{name}: removed, it was made from results that have changed; hybridid {name} makes it anew"
@@ -144,11 +160,11 @@ def _changed_by(
     stage: Stage, made_from: Fingerprint, settings: Settings, root: Path, watcher: Watcher
 ) -> bool:
     """Run ``stage`` and return whether its results differ from the earlier ones."""
-    folder = root / stage.name
+    folder = results_folder(stage, settings, root)
     before = folder_digest(folder)
     began = time.perf_counter()
-    with replacing(folder) as new:
-        stage.run(Job(settings, root, new, watcher, digest_of(folder, made_from)))
+    with replacing(folder, root) as new:
+        stage.run(Job(settings, root, new, folder, watcher, digest_of(folder, made_from)))
         watcher.carry_on()  # on Ctrl-C IPOPT returns as if it had ended early
         write_receipt(new, stage.name, made_from, time.perf_counter() - began)
     return folder_digest(folder) != before
@@ -176,6 +192,6 @@ def _remove_readers(name: str, root: Path) -> set[str]:
     for stage in STAGES:
         if gone & set(stage.reads):
             gone.add(stage.name)
-            if remove(root / stage.name):
+            if remove_results(stage, root):
                 removed.add(stage.name)
     return removed

@@ -52,6 +52,7 @@ _PREPROCESS = ("preprocess", *QUICK)
 _FIT = ("fit", *QUICK)
 _RESIDUAL = ("residual", *QUICK, *NETWORK)
 _VALIDATE = ("validate", *QUICK)
+_TRACE = ("trace", *QUICK, "trace.effects=[stribeck]", "trace.processes=2")
 _STORE = "mlflow.tracking_uri=sqlite:///{lab}/outputs/mlflow.db"
 
 COMMANDS: tuple[Command, ...] = (
@@ -61,9 +62,8 @@ COMMANDS: tuple[Command, ...] = (
     Command("residual", _RESIDUAL, (_FIT,)),
     Command("validate", _VALIDATE, (_FIT,)),
     Command("plot", ("plot", *QUICK, *SVG), (_VALIDATE,), kills=LESS),
-    Command(
-        "trace", ("trace", *QUICK, "trace.effects=[stribeck]", "trace.processes=2"), (_FIT,), kills=SELDOM
-    ),
+    Command("trace", _TRACE, (_FIT,), kills=SELDOM),
+    Command("trace, other options", (*_TRACE, "trace.horizon=0.3"), (_TRACE,), kills=SELDOM),
     Command("run", ("run", *QUICK, *NETWORK, *SVG), kills=SELDOM),
     Command(
         "fit -m, joblib",

@@ -25,7 +25,7 @@ from hybridid.records.store import load_record
 from pipelines.plot.laws import Law, friction_plots, laws_of
 from pipelines.shared.fitted import Fit, fit_of, fitted_model
 from pipelines.shared.predictions import Stored, Tested, predictions_in, residual_tests_in
-from pipelines.shared.prepared import prepared_records
+from pipelines.shared.prepared import Prepared
 from pipelines.shared.stage import Job
 
 LOOP = "loop"
@@ -33,14 +33,15 @@ LOOP = "loop"
 Named = Iterator[tuple[str, Callable[[], Plot]]]
 
 
-def figures(job: Job) -> Named:
-    """What draws each figure of a run tree, with its file's name ``<record>.<output or port>.<figure>``."""
+def figures(job: Job, records: Sequence[Prepared]) -> Named:
+    """What draws each figure of these records and of the model, with its file's name
+    ``<record>.<output or port>.<figure>``. It pickles."""
     model, _ = fitted_model(job.settings, job.tree)
     laws = laws_of(job.settings, job.tree)
     everything = predictions_in(job.tree)
     stored = [s for s in everything if s.prediction.view != LOOP]
     tests = residual_tests_in(job.tree)
-    for prepared in prepared_records(job.tree):
+    for prepared in records:
         record = load_record(prepared.file)
         job.watcher.progress("plot", f"record {record.name}", None)
         yield f"{record.name}.record", partial(record_plot, record)

@@ -2,34 +2,68 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.plot.choice import drawn_records
 from pipelines.shared.config import Settings
-from pipelines.shared.drawing import drawn
+from pipelines.shared.drawing import drawn_one
 from pipelines.shared.modelling import named_code
+from pipelines.shared.pool import core_count, load_early, mapper_of
+from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sections.stages import PlotSection
+from pipelines.shared.sources import chosen, sources_of
 from pipelines.shared.stage import Job, Stage
+
+if TYPE_CHECKING:
+    from hybridid.plotting.style import Plot
+
+DRAWS = "pipelines.plot.figures"
 
 
 def run(job: Job) -> None:
-    """Draw every figure in every format; what cannot be drawn is left out with a warning."""
-    from hybridid.plotting.style import save
+    """Draw the figures of the chosen records side by side; of each that cannot be drawn, warn."""
+    processes = 1 if job.settings.in_sweep else core_count()
+    if processes > 1:
+        load_early(DRAWS)  # the workers import matplotlib while this process reads the results
     from pipelines.plot.figures import figures  # matplotlib takes half a second to import
 
-    kinds = _kinds(job.settings)
-    for name, plot in drawn(figures(job), job.watcher):
-        save(plot, job.folder, name, kinds)
+    records, left_out = drawn_records(job.settings, job.tree, prepared_records(job.tree))
+    if left_out:
+        job.watcher.say(f"plot: {left_out}")
+    asked = list(figures(job, records))
+    with mapper_of(processes) as mapper:
+        given = [(name, draw, job.folder, _section(job.settings).formats) for name, draw in asked]
+        for k, (name, trouble) in enumerate(zip(dict(asked), mapper(_written, given), strict=True), 1):
+            job.watcher.progress("plot", f"{k} of {len(asked)}, {name}", k / len(asked))
+            if trouble:
+                job.watcher.warn(trouble)
+
+
+def _written(name: str, draw: Callable[[], Plot], folder: Path, kinds: Sequence[str]) -> str:
+    """Draw one figure and write its files; what is wrong, if it cannot be drawn."""
+    from hybridid.plotting.style import save
+
+    plot, trouble = drawn_one(name, draw)
+    if plot is not None:
+        save(plot, folder, name, kinds)
+    return trouble
 
 
 def check(settings: Settings) -> None:
     """Check the section ``plot``.
 
     Raises:
-        ConfigError: if a format is not allowed.
+        ConfigError: if a format is not allowed, or a name matches no record.
     """
-    _kinds(settings)
+    wanted = _section(settings).records
+    if not isinstance(wanted, str):
+        chosen(sources_of(settings).found, wanted, "plot.records")
 
 
-def _kinds(settings: Settings) -> tuple[str, ...]:
-    return settings.section("plot", PlotSection).formats
+def _section(settings: Settings) -> PlotSection:
+    return settings.section("plot", PlotSection)
 
 
 PLOT = Stage(

@@ -24,9 +24,8 @@ def fingerprint(config: Mapping[str, Any], inputs: Mapping[str, str], module: st
 
 def why_stale(folder: Path, now: Fingerprint) -> list[str]:
     """What has changed since ``folder`` was made, a phrase for each change; empty if nothing has."""
-    try:
-        then = json.loads((folder / RECEIPT).read_text(encoding="utf-8"))["fingerprint"]
-    except (OSError, ValueError, KeyError):
+    then = made_from_of(folder)
+    if then is None:
         return ["not made yet"]
     now = json.loads(json.dumps(now, default=str))
     return [
@@ -36,6 +35,15 @@ def why_stale(folder: Path, now: Fingerprint) -> list[str]:
         for key in sorted({*current, *before})
         if current.get(key) != before.get(key)
     ]
+
+
+def made_from_of(folder: Path) -> Fingerprint | None:
+    """What the results in ``folder`` were made from; None if there are none."""
+    try:
+        receipt = json.loads((folder / RECEIPT).read_text(encoding="utf-8"))
+        return {part: dict(receipt["fingerprint"][part]) for part in ("config", "inputs", "code")}
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def write_receipt(folder: Path, stage: str, made_from: Fingerprint, seconds: float) -> None:

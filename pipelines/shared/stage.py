@@ -14,12 +14,14 @@ from pipelines.shared.watch import Watcher
 class Job:
     """One run of a stage: reads stage folders under ``tree``, writes into ``folder``.
 
-    ``key`` is the digest of the tree and of all that the results depend on.
+    ``results`` is the path that ``folder`` gets when all is written. ``key`` is the digest of that path and
+    of all that the results depend on.
     """
 
     settings: Settings
     tree: Path
     folder: Path
+    results: Path
     watcher: Watcher
     key: str
 
@@ -33,7 +35,7 @@ class Stage:
     config before any stage runs, ``check_records`` for one that does not suit the prepared records of the run
     tree, before any other stage works on them. If ``asked`` is False for a config, the stage is skipped and
     its earlier result removed. Its code is the module or package ``pipelines.<name>`` and all that this
-    imports.
+    imports. ``side_by_side``: its results with other values of ``keys`` stay beside the new ones.
     """
 
     name: str
@@ -44,15 +46,20 @@ class Stage:
     check: Callable[[Settings], None] = lambda settings: None
     check_records: Callable[[Settings, Path], None] = lambda settings, tree: None
     asked: Callable[[Settings], bool] = lambda settings: True
+    side_by_side: bool = False
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a command: its run tree, the stages now up to date in it, the stages that ran."""
+    """The outcome of a command: its run tree, the stages now up to date in it, the stages that ran.
+
+    ``folders`` are those of the stages' results, by name.
+    """
 
     tree: Path
     stages: tuple[str, ...]
     ran: tuple[str, ...]
+    folders: Mapping[str, Path]
 
     @property
     def reused(self) -> tuple[str, ...]:

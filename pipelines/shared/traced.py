@@ -1,4 +1,4 @@
-"""``trace/trace.json``: the result of a trace, and the commands that use its model."""
+"""``trace.json``: the result of a trace, and the commands that use its model."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from hybridid.trace.result import Trace
 from pipelines.shared.storage import read_as
 
 TRACE = "trace/trace.json"
+"""Of the newest trace in a run tree. Those with other options lie in ``traces``."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,6 @@ class TraceFile:
     found: Trace = field(metadata={"inline": True})
 
 
-def trace_of(tree: Path) -> TraceFile:
-    """The trace of a run tree, from ``trace/trace.json``; models and time series are not stored there."""
-    return read_as(TraceFile, tree / TRACE)
+def trace_of(tree: Path, folder: Path | None = None) -> TraceFile:
+    """The newest trace of a run tree, or the one in ``folder``; models and time series are not stored."""
+    return read_as(TraceFile, tree / TRACE if folder is None else folder / "trace.json")

@@ -53,18 +53,22 @@ def locked(root: Path, waiting: Callable[[str], None]) -> Iterator[None]:
 def _clear(root: Path) -> None:
     """Remove unfinished folders; only the holder of the lock may call this."""
     for prefix in (_UNFINISHED, _REPLACED):
-        for left in root.glob(f"{prefix}*"):
+        for left in (*root.glob(f"{prefix}*"), *root.glob(f"*/{prefix}*")):
             shutil.rmtree(left, ignore_errors=True)
 
 
 @contextmanager
-def replacing(folder: Path) -> Iterator[Path]:
-    """A new folder to write in. It replaces ``folder`` at the end, or is removed after an exception."""
-    new = Path(tempfile.mkdtemp(prefix=f"{_UNFINISHED}{folder.name}-", dir=folder.parent))
+def replacing(folder: Path, within: Path | None = None) -> Iterator[Path]:
+    """A new folder to write in. It replaces ``folder`` at the end, or is removed after an exception.
+
+    Until then it lies in ``within`` (None: beside ``folder``).
+    """
+    new = Path(tempfile.mkdtemp(prefix=f"{_UNFINISHED}{folder.name}-", dir=within or folder.parent))
     new.chmod(0o755)
     try:
         yield new
         remove(folder)
+        folder.parent.mkdir(exist_ok=True)
         new.rename(folder)
     finally:
         shutil.rmtree(new, ignore_errors=True)
@@ -112,4 +116,12 @@ def point_latest(root: Path) -> None:
         return  # a user's own folder of this name
     new.unlink(missing_ok=True)
     new.symlink_to(root.name, target_is_directory=True)
+    new.replace(link)
+
+
+def point_to(link: Path, folder: Path) -> None:
+    """Let ``link`` lead to ``folder``, which lies below the link's own folder, in one step."""
+    new = link.with_name(f".{link.name}-link")
+    new.unlink(missing_ok=True)
+    new.symlink_to(folder.relative_to(link.parent), target_is_directory=True)
     new.replace(link)

@@ -18,6 +18,7 @@ from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.result import Trace
 from hybridid.trace.words import VERDICTS, parameters_in_words
 from pipelines.shared.page import Page, Section, Table
+from pipelines.shared.side_by_side import results_folder
 from pipelines.shared.storage import json_text
 from pipelines.shared.traced import trace_of
 from pipelines.shared.tree import write_text
@@ -25,6 +26,7 @@ from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.point import Point, axes_of, spelt
 from pipelines.sweep.results import Coordinates, FailedPoint, place_of
 from pipelines.sweep.words import axis_name
+from pipelines.trace.stage import TRACE
 
 NAME = "fleet"
 _COLUMNS = (
@@ -160,7 +162,7 @@ def page_of(found: Fleet, swept: SweepOutcome) -> Page:
 
 
 def _machine(point: Point, swept: SweepOutcome) -> Machine:
-    found = trace_of(point.tree).found
+    found = trace_of(point.tree, results_folder(TRACE, point.settings, point.tree)).found
     first, last = found.path[0].held_out_rmse, found.path[-1].held_out_rmse
     return Machine(
         at=dict(point.at),

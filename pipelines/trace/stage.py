@@ -132,7 +132,7 @@ def _write(job: Job, found: Trace, processes: int) -> None:
         case=job.settings.case,
         processes=processes,
         fitted_records=found.fitted_records,
-        commands=commands(settings, job.tree / "trace" / "model.json", samples),
+        commands=commands(settings, job.results / "model.json", samples),
         found=found,
     )
     write_json(job.folder / "trace.json", traced)
@@ -211,4 +211,5 @@ TRACE = Stage(
     inputs=_named_code,
     check=check,
     check_records=check_records,
+    side_by_side=True,
 )

@@ -37,13 +37,13 @@ def tags_of(outcome: Outcome) -> dict[str, str]:
         "stages.ran": ", ".join(outcome.ran) or "none",
         "stages.reused": ", ".join(outcome.reused) or "none",
         "provenance": provenance_of(outcome.tree),
-        **facts(outcome.tree),
+        **facts(outcome.tree, outcome.folders.get("trace")),
     }
 
 
 def metrics_of_run(outcome: Outcome) -> tuple[Metric, ...]:
     """Every number that the stages found, and the course of the fit's cost."""
-    found = finite(metrics_of(outcome.tree, outcome.stages))
+    found = finite(metrics_of(outcome.tree, outcome.stages, outcome.folders.get("trace")))
     if "fit" not in outcome.stages:
         return found
     costs = enumerate(cost_history(outcome.tree))
@@ -55,7 +55,7 @@ def artifacts_of(outcome: Outcome) -> tuple[Artifact, ...]:
     stages = [stage for stage in outcome.stages if stage != "preprocess"]
     return (
         Artifact(outcome.tree / "config.yaml"),
-        *(Artifact(outcome.tree / stage, stage) for stage in stages),
+        *(Artifact(outcome.folders[stage], stage) for stage in stages),
     )
 
 

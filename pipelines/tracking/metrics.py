@@ -16,8 +16,11 @@ from pipelines.shared.prepared import prepared_records
 from pipelines.shared.traced import TRACE, trace_of
 
 
-def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
-    """Every finite number found by ``stages``, by a name that says what it is."""
+def metrics_of(tree: Path, stages: Sequence[str], trace: Path | None = None) -> dict[str, float]:
+    """Every finite number found by ``stages``, by a name that says what it is.
+
+    ``trace`` is the folder of the trace (None: the newest).
+    """
     found: dict[str, float | None] = {}
     if "fit" in stages:
         estimate = fit_of(tree).estimate
@@ -37,7 +40,7 @@ def metrics_of(tree: Path, stages: Sequence[str]) -> dict[str, float]:
     if "residual" in stages:
         found |= _residual_metrics(residual_of(tree))
     if "trace" in stages:
-        found |= _trace_metrics(trace_of(tree).found)
+        found |= _trace_metrics(trace_of(tree, trace).found)
     return {name: float(value) for name, value in found.items() if value is not None and isfinite(value)}
 
 
@@ -89,14 +92,15 @@ def cost_history(tree: Path) -> list[float]:
     return [cost for cost in fit_of(tree).estimate.history if isfinite(cost)]
 
 
-def facts(tree: Path) -> dict[str, str]:
-    """What identifies a run beside its config: digests of its data, status of its fit."""
+def facts(tree: Path, trace: Path | None = None) -> dict[str, str]:
+    """What identifies a run beside its config: digests of its data, status of its fit, the verdict of the
+    ``trace`` in that folder (None: of the newest)."""
     said = {f"data.{record.name}": record.digest for record in prepared_records(tree)}
     if (tree / ESTIMATE).exists():
         fit = fit_of(tree)
         estimate = fit.estimate
         said |= {"fit.status": estimate.status, "fit.converged": str(estimate.converged).lower()}
         said["fit.quality"] = fit.quality.verdict
-    if (tree / TRACE).exists():
-        said["trace.verdict"] = trace_of(tree).found.verdict
+    if trace is not None or (tree / TRACE).exists():
+        said["trace.verdict"] = trace_of(tree, trace).found.verdict
     return said

@@ -6,13 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from hybridid.plotting.looks import KINDS, Kind
+from hybridid.plotting.looks import Kind
 from hybridid.settings import REQUIRED, setting
 from hybridid.settings.choices import InitialState, View
 
 AllRecords = tuple[str, ...] | None
 _RECORDS = "every record of the case"
 _CORES = "one a core"
+FEW_RECORDS = 4
+"""Of so many records all are drawn."""
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,13 @@ class PlotSection:
     """How figures are drawn."""
 
     formats: tuple[Kind, ...] = setting(
-        KINDS, "files of each figure; svg alone takes less than half the time", some=True
+        ("svg",), "files of each figure; all three take more than twice the time of svg", some=True
+    )
+    records: Literal["auto", "all"] | tuple[str, ...] = setting(
+        "auto",
+        f"roles or names of the records to draw, or all; auto: all of up to {FEW_RECORDS} records, of more "
+        "the one with the largest validation error, the median and the one with the smallest",
+        some=True,
     )
 
 

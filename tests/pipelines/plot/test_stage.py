@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from pipelines.plot import stage
+from pipelines.plot.choice import errors
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
 
@@ -34,6 +38,63 @@ def test_a_short_record_gets_the_figures_that_it_can_fill(settings, data, heard)
     assert "first.position.spectrum.svg" not in drawn
     (line,) = (line for line in heard.warned if "first.position.spectrum" in line)
     assert line.endswith("30 samples, at least 64 are needed")
+
+
+def drawn_records(tree):
+    return {path.name.partition(".")[0] for path in (tree / "plot").glob("*.record.svg")}
+
+
+@pytest.fixture
+def many(settings, data):
+    """``many(plot)``: a case of five records; each later one starts the same motion later, and is shorter."""
+    head, *samples = (data / "second.csv").read_text().splitlines()
+    records = {"first": {"files": "first.csv", "role": "identification", "run": "identification"}}
+    for k in range(4):
+        (data / f"late{k}.csv").write_text("\n".join([head, *samples[150 * k :]]) + "\n")
+        records[f"late{k}"] = {"files": f"late{k}.csv", "role": "validation", "run": "validation"}
+    quick = {"validate.views": ["free_run"], "records": records, "fit.records": ["first"]}
+    return lambda **plot: settings({**quick, "plot": plot})
+
+
+def test_of_many_records_the_worst_the_median_and_the_best_are_drawn(many, heard):
+    tree = run_stages(many(), "run", heard).tree
+    ordered = sorted(errors(tree).items(), key=lambda one: one[1])
+    assert len(ordered) == 5
+    best, median, worst = (ordered[k][0] for k in (0, 2, 4))
+    assert drawn_records(tree) == {best, median, worst}
+    (line,) = (line for line in heard.said if line.startswith("plot: figures of 3 of 5 records"))
+    assert f"{worst} (worst), {median} (median) and {best} (best)" in line
+    assert "plot.records=all" in line
+
+
+@pytest.mark.parametrize(
+    ("wanted", "names"),
+    [
+        ("all", {"first", "late0", "late1", "late2", "late3"}),
+        (["identification"], {"first"}),
+        (["late[12]", "first"], {"first", "late1", "late2"}),
+    ],
+)
+def test_the_records_asked_for_are_drawn(many, heard, wanted, names):
+    assert drawn_records(run_stages(many(records=wanted), "run", heard).tree) == names
+    assert not any("figures of" in line for line in heard.said)
+
+
+def test_a_record_that_does_not_exist_is_said_before_anything_is_done(many, heard):
+    with pytest.raises(ConfigError, match=r"unknown record in plot\.records: 'lat1'"):
+        run_stages(many(records=["lat1"]), "run", heard)
+    assert heard.said == []
+
+
+def test_side_by_side_or_one_by_one_the_files_are_the_same(settings, data, heard, monkeypatch):
+    one = settings({"validate.views": ["free_run"], "plot": {"formats": ["svg", "png"]}})
+    found = []
+    for processes in (1, 2):
+        monkeypatch.setattr(stage, "core_count", lambda n=processes: n)
+        folder = run_stages(replace(one, config={**one.config, "force": True}), "run", heard).tree / "plot"
+        found.append({p.name: p.read_bytes() for p in folder.iterdir() if p.suffix != ".json"})
+    assert found[0] == found[1]
+    assert len(found[0]) > 20
 
 
 @pytest.mark.parametrize(
