@@ -14,7 +14,7 @@ from benchmarks.speed.simulations import AT_ONCE
 from hybridid.plotting.looks import BLUE, VERMILION
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, context, new_figure, save
 from hybridid.quantities import NONE, number
-from hybridid.simulation.machine_code import LANES
+from hybridid.simulation.compiler import widest
 from pipelines.shared.page import Page, Picture, Section, Table
 
 WORDS = ("what", "way", "reached", "data")
@@ -22,7 +22,7 @@ RULES = (
     "Wall seconds, medians over the repeats. Ways to one result take turns, each in a process of its own, "
     "after one call that is not timed; what would take minutes is timed once, without such a call.",
     "Every row says what it reached: ways that stop early, or elsewhere, are not faster.",
-    f"What the arithmetic needs is an assumption: the operations of one step, {LANES} horizons in a "
+    f"What the arithmetic needs is an assumption: the operations of one step, {widest()} horizons in a "
     f"register, {AT_ONCE} instructions begun in each cycle of the fastest core, and memory free of charge.",
 )
 

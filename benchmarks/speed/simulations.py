@@ -11,13 +11,13 @@ from benchmarks.speed.emps import contested, like_emps
 from benchmarks.speed.machine import cycles_a_second
 from benchmarks.speed.row import OURS, Row
 from hybridid.effects.library import effect_named
-from hybridid.simulation.machine_code import LANES
+from hybridid.simulation.compiler import widest
 from hybridid.simulation.shooter import Shooter
 from hybridid.simulation.windows import cut
 
 SIMULATION = "one simulation with sensitivities"
 AT_ONCE = 2
-"""Instructions on a register of ``LANES`` numbers that a core of today begins in each cycle."""
+"""Instructions on a register of ``widest()`` numbers that a core of today begins in each cycle."""
 ADDED = ((), ("dahl",), ("input_saturation",), ("cogging",))
 
 
@@ -38,7 +38,7 @@ def simulations(repeats: int, say: Callable[[str], None], quick: bool) -> Iterat
             return f"{shot.by_parameter.shape[-1] + shot.by_state.shape[-1]} columns"
 
         (found,) = contest([Way(OURS, run)], max(repeats, 20), lambda line: None)
-        operations = sum(part.operations for part in shooter.code.parts[:2]) * record.n / LANES
+        operations = sum(part.operations for part in shooter.code.parts[:2]) * record.n / widest()
         least = operations / AT_ONCE / cycles_a_second()
         say(f"  {1e9 * found.median / record.n:.0f} ns a sample, arithmetic {1e9 * least / record.n:.0f}")
         yield Row(
@@ -46,7 +46,7 @@ def simulations(repeats: int, say: Callable[[str], None], quick: bool) -> Iterat
             what,
             OURS,
             found.seconds,
-            f"{found.found}, {operations * LANES / record.n:.0f} operations a sample",
+            f"{found.found}, {operations * widest() / record.n:.0f} operations a sample",
             "simulated",
             found.memory,
             least,
