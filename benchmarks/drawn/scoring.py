@@ -2,7 +2,8 @@
 
 A trace answers a scenario with a verdict and, for each effect that it accepts, the class of effects that it
 cannot tell apart, the accepted one first. The truths of a scenario are the effects of the library that are
-the hidden law, at its port or ports: ``truths_of``. A law without any is outside the library.
+the hidden law, at its port or ports: ``truths_of``. A law without any is outside the library. A law at
+several ports is also the one effect at all of them (``front+rear``: trace has it since the first run).
 
 right            the first class begins with a truth, or holds one and has at most three members
 wide             the first class holds a truth, not first, and has more than three members
@@ -60,12 +61,14 @@ def truths_of(
     """
     ids = {effect.id for effect in EFFECTS} if library is None else set(library)
     own = [one for one in TRUTH_IDS.get(what, (what,)) if one in ids]
-    return frozenset(
+    single = {
         f"{port}.{one}"
         for port in ports
         for one in own
         if plant is None or effect_named(one).admissible_at(plant.port(port))
-    )
+    }
+    joint = {f"{'+'.join(ports)}.{one}" for one in own if all(f"{port}.{one}" in single for port in ports)}
+    return frozenset(single | joint)
 
 
 @dataclass(frozen=True)

@@ -246,6 +246,14 @@ def test_the_bars_hold_and_fall():
 def test_a_law_counts_as_inside_as_soon_as_the_library_has_it():
     assert truths_of("blow_off", ("p",), {"coulomb"}) == frozenset()
     assert truths_of("blow_off", ("p",), {"blow_off_valve"}) == {"p.blow_off_valve"}
+
+
+def test_a_law_at_two_ports_is_also_one_effect_at_both():
+    assert truths_of("coulomb", ("front", "rear"), {"coulomb"}) == {
+        "front.coulomb",
+        "rear.coulomb",
+        "front+rear.coulomb",
+    }
     assert truths_of("load_friction", ("p",), {"load_friction"}) == {"p.load_friction"}
     assert truths_of("two_sided_load_friction", ("p",)) == frozenset()
     plants = {machine: CASES[machine].plant for machine in ("carriage", "oscillator")}

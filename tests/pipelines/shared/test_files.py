@@ -138,7 +138,8 @@ def test_a_model_that_cannot_be_simulated_is_a_finding_not_a_crash(
 
 
 def test_figures_of_every_kind_are_drawn(settings, heard, data):
-    tree = run_stages(settings({"validate.records": ["first"]}), "run", heard).tree
+    asked = {"validate.records": ["first"], "plot.formats": ["svg", "pdf", "png"]}
+    tree = run_stages(settings(asked), "run", heard).tree
     names = {p.name for p in (tree / "plot").iterdir()}
     for figure in (
         "first.record", "first.position.comparison", "first.position.error", "first.position.spectrum",
