@@ -28,8 +28,9 @@ from hybridid.estimators.uncertainty import Uncertainty, uncertainty
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.settings.fit import FitSettings
+from hybridid.simulation.chosen import AUTO, as_integrator, integrator_for
 from hybridid.simulation.matching import check_records
-from hybridid.simulation.stability import MOST, first_substeps, substeps_wanted
+from hybridid.simulation.stability import IMPLICIT, MOST, first_substeps, substeps_wanted
 
 Array = NDArray[np.float64]
 HANDOVERS = 4
@@ -64,6 +65,8 @@ def fit(
     check_records(model, records)
     _check_outputs(records)
     first = _first_start(model, records, settings, start_values)
+    left_open = settings.integrator == AUTO
+    settings = replace(settings, integrator=integrator_for(model, first, records, settings.integrator))
     substeps = settings.substeps or first_substeps(model, first, records, settings.integrator)
     problem = _problem(model, records, settings, substeps)
     blind = start_values is None and settings.start == "regression"
@@ -75,7 +78,7 @@ def fit(
     if not np.isfinite(found.solution.cost):
         names = ", ".join(r.name for r in records)
         raise ValueError(f"the model diverges from every start on {names}: {found.solution.status}")
-    finer = partial(_finer, settings, progress) if settings.substeps is None else None
+    finer = partial(_finer, settings, left_open, progress) if settings.substeps is None else None
     found = refine(found, plan, finer) if finer else found
     solved = time.perf_counter()
     found, doubt, floor = _lowest(found, plan, finer, [first, model.values()], progress)
@@ -88,7 +91,7 @@ def fit(
         found.solution,
         doubt,
         floor,
-        settings,
+        replace(settings, integrator=as_integrator(found.problem.shooter.integrator)),
         seconds={"build": built - began, "solve": solved - built, "check": looked - solved},
         starts=found.starts,
     )
@@ -161,13 +164,24 @@ def _problem(model: Model, records: Sequence[Record], settings: FitSettings, sub
     )
 
 
-def _finer(settings: FitSettings, progress: Callable[[Progress], None] | None, found: Result) -> Start | None:
-    """The solution in steps as short as it needs itself: stable, and not seen in the residual."""
+def _finer(
+    settings: FitSettings, left_open: bool, progress: Callable[[Progress], None] | None, found: Result
+) -> Start | None:
+    """The solution in steps as short as it needs itself: stable, and not seen in the residual.
+
+    Where the integrator is ``left_open`` and the explicit one would need more than ``MOST``, by the implicit
+    one.
+    """
     problem, solution = found.problem, found.solution
+    settings = replace(settings, integrator=as_integrator(problem.shooter.integrator))
+    stage = "fit"
     needed = _steps_needed(problem, solution, settings)
-    if not problem.windows.substeps < needed <= MOST:
+    if left_open and needed > MOST and settings.integrator != IMPLICIT:
+        settings, stage = replace(settings, integrator=IMPLICIT), f"fit by {IMPLICIT}"
+        needed = first_substeps(problem.model, solution.p, problem.records, IMPLICIT)
+    elif not problem.windows.substeps < needed <= MOST:
         return None
-    watch = _reporter(progress, f"fit with {needed} steps a sample", 1.0)
+    watch = _reporter(progress, f"{stage} with {needed} steps a sample", 1.0)
     finer = _problem(problem.model, problem.records, settings, needed)
     return Start(finer, solution.p, solution.x0, watch=watch)
 

@@ -6,6 +6,8 @@ from typing import Literal
 
 Integrator = Literal["rk4", "rodas3"]
 """How one step is integrated."""
+AskedIntegrator = Literal["auto", "rk4", "rodas3"]
+"""The same, or left open."""
 InitialState = Literal["estimated", "measured"]
 """Where a free run starts: at a state that fits the record best, or at the measured one."""
 View = Literal["free_run", "horizon", "loop"]

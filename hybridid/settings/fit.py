@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hybridid.settings.bounds import check
-from hybridid.settings.choices import InitialState, Integrator
+from hybridid.settings.choices import AskedIntegrator, InitialState
 from hybridid.settings.declare import setting
 
 
@@ -48,7 +48,11 @@ class FitSettings:
         "second derivatives of the cost (multiple_shooting); gauss_newton may not converge where the model "
         "leaves a large error",
     )
-    integrator: Integrator = setting("rk4", "rk4: Runge-Kutta of order 4; rodas3: implicit, for stiff models")
+    integrator: AskedIntegrator = setting(
+        "auto",
+        "rk4: Runge-Kutta of order 4; rodas3: implicit, for stiff models; auto: rk4, or rodas3 where rk4 "
+        "needs more than 50 steps a sample",
+    )
     substeps: int | None = setting(
         None, "integrator steps in each sample", least=1, null="as many as stability needs"
     )

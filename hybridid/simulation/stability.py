@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.settings.choices import Integrator
 from hybridid.simulation.shooter import Shooter
 from hybridid.simulation.unobserved import filled_states
 from hybridid.simulation.windows import cut
 
 Array = NDArray[np.float64]
 Modes = NDArray[np.complex128]
-IMPLICIT = "rodas3"
+IMPLICIT: Integrator = "rodas3"
 MOST = 50
 """Largest number of steps a sample; a stiffer model needs another integrator."""
 COMFORTABLE = 1.0

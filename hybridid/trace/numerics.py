@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from hybridid.estimators.problem import Problem, build_problem
 from hybridid.model import Model
 from hybridid.records.channel import Channel
 from hybridid.records.record import Hold, Record
+from hybridid.simulation.chosen import EXPLICIT, integrator_for
 from hybridid.simulation.stability import substeps_wanted
 from hybridid.trace.split import Split
 
@@ -57,6 +58,13 @@ class Numerics:
 
 
 DECLARED = Numerics()
+
+
+def numerics_for(model: Model, split: Split, starts: Sequence[Mapping[str, float]], asked: str) -> Numerics:
+    """The numerics with the integrator ``asked``; for "auto" RK4, unless every one of the ``starts`` (values
+    by name) needs the implicit one."""
+    needed = {integrator_for(model, model.values(start), split.records, asked) for start in starts}
+    return Numerics(integrator=EXPLICIT if EXPLICIT in needed else needed.pop())
 
 
 def paths(problem: Problem, p: Array, x0: Array) -> list[Array]:

@@ -11,6 +11,7 @@ from hybridid.effects.library import library_for
 from hybridid.estimators import FitSettings
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.simulation.chosen import as_integrator
 from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.completeness import ceilings_of_each, with_networks
@@ -73,14 +74,14 @@ def trace(
     where = None if ports is None else tuple(ports)
     context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, revise)
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
-    validation = Validation(fitted, others, settings, seconds, initial_state)
-
     if recordings:
         check_split(split)
     found = conclude(model, context, [start] if start else [], settings.integrator)
     differ = by_recording(found.search, context) if recordings else ()
     if found.verdict in OPEN and any(one.status == PASSED for one in differ):
         found = replace(found, verdict="unexplained")
+    settings = replace(settings, integrator=as_integrator(found.search.first.numerics.integrator))
+    validation = Validation(fitted, others, settings, seconds, initial_state)
     models = before_and_after(found, validation, context)
     ceilings = ceilings_of_each(found, context)
     networks = with_networks(models, ceilings, validation, context)

@@ -18,11 +18,12 @@ from hybridid.effects.composed import is_composed
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
 from hybridid.records.sensor_noise import noise_level
+from hybridid.simulation.chosen import AUTO
 from hybridid.trace.accuracy import simulation_error, times_the_limit
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.laws import with_law
-from hybridid.trace.numerics import Numerics
+from hybridid.trace.numerics import numerics_for
 from hybridid.trace.recheck import recheck
 from hybridid.trace.refit import Refit
 from hybridid.trace.revision import Replacement, replacements
@@ -78,12 +79,13 @@ def conclude(
     model: Model,
     context: Context,
     start: Sequence[Mapping[str, float]] = (),
-    integrator: str = "rk4",
+    integrator: str = AUTO,
 ) -> Conclusion:
     """Find what ``model`` lacks on the horizons of ``context``.
 
     ``start`` holds parameter values to start from (none: by regression, and the guesses; the better one is
-    carried on). ``integrator`` solves the equations, and the other one checks it.
+    carried on). ``integrator`` solves the equations ("auto": the one that the starts need), and the other one
+    checks it.
 
     Raises:
         ValueError: if a record does not fit the model or it diverges on the records.
@@ -93,7 +95,7 @@ def conclude(
     spread = np.concatenate([record.counted for record in split.records]).std(axis=0)
     floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
-    found = search(model, context, starts, floor, Numerics(integrator=integrator))
+    found = search(model, context, starts, floor, numerics_for(model, split, starts, integrator))
     settled = _settled(found, noise, context)
     if context.laws and (settled.remains or settled.times > rules.far):
         lawful = with_law(settled.found, settled.left, context)

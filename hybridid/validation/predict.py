@@ -21,6 +21,7 @@ from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.settings.choices import View
+from hybridid.simulation.chosen import integrator_for
 from hybridid.simulation.matching import check_records
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import substeps_for
@@ -136,6 +137,7 @@ def _predict(
     check_records(model, [record])
     p = model.values(values)
     estimate = initial_state == "estimated"
+    integrator = integrator_for(model, p, [record], integrator)
     substeps = substeps or substeps_for(model, p, [record], integrator=integrator)
     problem = build_problem(model, [record], horizon, substeps, estimate, free=(), integrator=integrator)
     x0 = initial_states(problem, p, method) if estimate else problem.measured_x0()

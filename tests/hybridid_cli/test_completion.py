@@ -111,7 +111,10 @@ def test_bash_completes_what_is_typed(bash, tmp_path):
             {f"validate.{k}=" for k in ("horizon", "initial_state", "lags", "records", "views")},
         ),
         ("hybridid fit validate.initial_state=m", {"validate.initial_state=measured"}),
-        ("hybridid fit estimator.integrator=", {"estimator.integrator=rk4", "estimator.integrator=rodas3"}),
+        (
+            "hybridid fit estimator.integrator=",
+            {f"estimator.integrator={k}" for k in ("auto", "rk4", "rodas3")},
+        ),
         ("hybridid fit trace.held_out=", {"trace.held_out=auto", "trace.held_out=null"}),
         ("hybridid fit mlflow.enabled=", {"mlflow.enabled=true", "mlflow.enabled=false"}),
         ("hybridid fit --cfg ", {"job", "hydra", "all"}),

@@ -9,6 +9,7 @@ import pytest
 
 from hybridid.estimators import FitSettings, fit
 from hybridid.simulation import simulate
+from hybridid.simulation.chosen import integrator_for
 
 
 @pytest.mark.parametrize("horizon", [None, 100, 37])
@@ -99,8 +100,21 @@ def test_a_model_that_diverges_from_every_start_is_one_line(make_model, noisy):
 def test_too_stiff_a_model_is_one_line(make_model, noisy):
     model = make_model(("viscous", "linear_stiffness"), {"carriage.linear_stiffness.k": {"fixed": 1e13}})
     with pytest.raises(ValueError, match="too stiff for RK4") as caught:
-        fit(model, [noisy])
+        fit(model, [noisy], FitSettings(integrator="rk4"))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("k", "chosen"), [(1.0, "rk4"), (1e13, "rodas3")])
+def test_left_open_the_implicit_integrator_is_taken_where_rk4_is_too_slow(make_model, noisy, k, chosen):
+    model = make_model(("viscous", "linear_stiffness"), {"carriage.linear_stiffness.k": {"fixed": k}})
+    assert integrator_for(model, model.values(), [noisy]) == chosen
+    assert integrator_for(model, model.values(), [noisy], "rk4") == "rk4"
+    with pytest.raises(ValueError, match="unknown integrator 'euler': known: rk4, rodas3"):
+        integrator_for(model, model.values(), [noisy], "euler")
+
+
+def test_the_estimate_says_which_integrator_was_taken(make_model, noisy):
+    assert fit(make_model(), [noisy]).settings.integrator == "rk4"
 
 
 def test_what_cannot_be_fitted_is_refused_in_one_line(carriage, make_model, symmetric):
