@@ -18,6 +18,7 @@ import csv
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -83,11 +84,11 @@ def of_kind(records: Records, *kinds: str) -> dict[str, Record]:
 
 
 def fitted(form: str, records: Records) -> Fitted | None:
-    """The form, fitted in free run to ``records``; None where it is too stiff."""
+    """The form, fitted in free run to ``records`` by RK4; None where it is too stiff for that."""
     settings = settings_of(form)
     model = model_of(settings)
     try:
-        return model, fit(model, list(records.values()), fit_settings(settings))
+        return model, fit(model, list(records.values()), replace(fit_settings(settings), integrator="rk4"))
     except TooStiff:
         return None
 
