@@ -23,7 +23,7 @@ from hybridid_cli.file_globs import with_files
 from hybridid_cli.fleet_results import fleet_summary
 from hybridid_cli.launching import runner_of
 from hybridid_cli.sweep_results import failed, summary
-from hybridid_cli.tasks import settings_from
+from hybridid_cli.tasks import own_folders, settings_from
 from hybridid_cli.terminal import Terminal
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, Incomplete
@@ -135,8 +135,7 @@ class Configs:
 
 def _roots(config: DictConfig) -> tuple[DataRoot, ...]:
     """The folders in which recordings are looked for."""
-    own = [s.path for s in config.hydra.runtime.config_sources if s.schema == "file" and s.provider != "main"]
-    return roots_of(config.paths.get("data"), [Path(folder) for folder in own])
+    return roots_of(config.paths.get("data"), own_folders(config.hydra))
 
 
 def _launcher(folder: Path, context: HydraContext, task: TaskFunction, config: DictConfig) -> Any:

@@ -34,13 +34,18 @@ def settings_of(cfg: DictConfig) -> Settings:
     return settings_from(cfg, hydra, hydra.mode == RunMode.MULTIRUN)
 
 
+def own_folders(hydra: Any) -> tuple[Path, ...]:
+    """The user's own folders, which ``--config-dir`` names."""
+    sources = hydra.runtime.config_sources
+    return tuple(Path(s.path) for s in sources if s.schema == "file" and s.provider != "main")
+
+
 def settings_from(cfg: DictConfig, hydra: Any, in_sweep: bool) -> Settings:
     """The same of a config whose part ``hydra`` is given apart."""
     case = hydra.runtime.choices.get("case")
     if not case:
         raise ConfigError("no case: give case=NAME; hybridid cases lists them")
-    sources = [s.path for s in hydra.runtime.config_sources if s.schema == "file" and s.provider != "main"]
-    folders = tuple(Path(path) for path in sources)
+    folders = own_folders(hydra)
     make_importable(folders)
     plain = _plain(cfg)
     if plain.get("model") is not None:

@@ -21,15 +21,12 @@ from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import LeastSquares, Reduced
 from hybridid.estimators.separate import is_separate, solve_separately
-from hybridid.estimators.stop import Stop, Watch
+from hybridid.estimators.stop import SLOW_GAIN, SLOW_SHARE, SLOW_STEPS, Stop, Watch
 
 Array = NDArray[np.float64]
 MOST_DAMPING = 1e12
 LOOSE = 1e-4
 """Tolerance of the descents at coarser smoothing, which only lead to the next."""
-SLOW_STEPS, SLOW_SHARE, SLOW_GAIN = 10, 1e3, 1e-3
-"""Stick and slip make the cost of long horizons rough: descent then creeps from kink to kink. It
-ends when ten steps gain less than a thousand times the tolerance, and less than a thousandth."""
 ROUGH = "converged (slowly: rough cost)"
 
 

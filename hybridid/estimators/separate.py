@@ -21,7 +21,7 @@ from hybridid.estimators.estimate import Solution
 from hybridid.estimators.normal_equations import STATE_RIDGE, damped, small
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import LeastSquares
-from hybridid.estimators.stop import Stop
+from hybridid.estimators.stop import SLOW_GAIN, SLOW_SHARE, SLOW_STEPS, Stop
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]
@@ -31,9 +31,6 @@ FULL = 1e-10
 """Damping of a full Gauss-Newton step."""
 TRIALS = 2
 """Simulations for each iteration that is allowed: a step that does not lower the cost takes one, too."""
-SLOW_TRIALS, SLOW_SHARE, SLOW_GAIN = 10, 1e3, 1e-3
-"""A horizon rests whose cost is rough: ten trials gain less than its share of a thousand times the tolerance,
-and of a thousandth, of the whole cost."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +88,8 @@ def solve_separately(variables: LeastSquares, p: Array, x0: Array, stop: Stop) -
         whole = now.cost.sum()
         little = max(stop.tolerance * whole, problem.rounding) / w
         unfinished = now.promised(now.step(np.full(w, FULL))) > little
-        if count >= SLOW_TRIALS:
-            unfinished &= history[-SLOW_TRIALS - 1] - now.cost > slow * whole / w
+        if count >= SLOW_STEPS:
+            unfinished &= history[-SLOW_STEPS - 1] - now.cost > slow * whole / w
         rows = np.flatnonzero(unfinished & (damping < MOST))
         if not len(rows):
             status = "stalled: no step lowers the cost" if unfinished.any() else "converged"
