@@ -18,8 +18,9 @@ os.environ.update(MPLBACKEND="Agg", MLFLOW_DISABLE_TELEMETRY="true", DO_NOT_TRAC
 for variable in ("MLFLOW_TRACKING_URI", "MLFLOW_EXPERIMENT_NAME", "MLFLOW_RUN_ID", "HYDRA_FULL_ERROR"):
     os.environ.pop(variable, None)
 
-# a shell that starts the tests in the background lets them ignore Ctrl-C
+# a shell that starts the tests in the background lets them ignore Ctrl-C, and nohup the end of the terminal
 signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 DATA_VARIABLE = "HYBRIDID_DATA"
 NO_DATA = f"needs measured records: set {DATA_VARIABLE}"

@@ -31,14 +31,18 @@ DETECTABLE = 1e-3
 NAME = "ours"
 
 
-def play(scenario: Scenario, records: tuple[Record, Record], most_effects: int = 2, ids=None) -> Answer:
-    """A trace over the whole library (or the effects ``ids``), with its default rules. The league judges
+def play(
+    scenario: Scenario, records: tuple[Record, Record], most_effects: int = 2, ids=None, over=None
+) -> Answer:
+    """A trace over the whole library (or the effects ``ids``, with learned efforts ``over`` these variables
+    alone), with its default rules. The league judges
     names: no law is composed."""
     began = time.process_time()
     effects = [effect for effect in EFFECTS if ids is None or effect.id in ids]
     split = _split(scenario, records)
     model = CASES[scenario.machine].model()
-    found = conclude(model, Context(split, tuple(effects), Rules(most_effects=most_effects), laws=False))
+    rules = Rules(most_effects=most_effects)
+    found = conclude(model, Context(split, tuple(effects), rules, laws=False, variables=over))
     first = found.accepted[0] if found.accepted else None
     return Answer(
         player=NAME,

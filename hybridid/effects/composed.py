@@ -28,7 +28,6 @@ from hybridid.effects.over import (
     OVERS_OF_A_FLOW,
     RECENT,
     Over,
-    Variable,
     factor_of,
     over_inputs,
     symbol_of,
@@ -36,6 +35,7 @@ from hybridid.effects.over import (
 )
 from hybridid.effects.shapes import Seen, Shape, shapes_over
 from hybridid.effects.smooth import magnitude
+from hybridid.effects.variable import Variable
 from hybridid.naming import unknown
 
 WIDE = 1e4

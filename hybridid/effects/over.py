@@ -19,10 +19,8 @@ import casadi as ca
 from hybridid.declarations import Need, Port, Signal
 from hybridid.effects.dimension import DAMPING, EFFORT, INERTIA, ONE, POSITION, TIME, VELOCITY, Dimension
 from hybridid.effects.effect import EffectParameter, EffectState, Local
+from hybridid.effects.variable import Variable
 
-Variable = Literal[
-    "velocity", "position", "time", "load", "recent speed", "bristle deflection", "input", "level"
-]
 Factor = Literal["", "velocity", "sign of velocity", "acceleration", "net flow"]
 RECENT: Variable = "recent speed"
 BRISTLE: Variable = "bristle deflection"

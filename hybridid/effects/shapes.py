@@ -16,7 +16,8 @@ from typing import Literal
 
 import casadi as ca
 
-from hybridid.effects.over import BRISTLE, RECENT, Variable
+from hybridid.effects.over import BRISTLE, RECENT
+from hybridid.effects.variable import Variable
 
 Role = Literal["place", "width", "period"]
 

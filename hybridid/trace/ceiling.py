@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hybridid.declarations import PortKind
 from hybridid.effects.effect import Effect
-from hybridid.effects.over import Over, overs_for
+from hybridid.effects.over import Over
 from hybridid.model import Model
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
@@ -86,7 +86,7 @@ def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Cei
     places = [
         (base, context.split, port.name, over, least_of(context.rules.worth))
         for port in context.equation_ports(base.model)
-        for over in overs_for(port, base.model.signals)
+        for over in context.overs(port, base.model)
         if path.shows(port.name, over)
     ]
     return tuple(context.each(stage, ceiling, places, lambda found: found.place))

@@ -9,6 +9,8 @@ from typing import Any, TypeVar
 from hybridid.declarations import Port
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS
+from hybridid.effects.over import Over, overs_for
+from hybridid.effects.variable import Variable
 from hybridid.model import Model
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.rules import Rules
@@ -24,7 +26,8 @@ class Context:
     ``effects`` are tried at every port of their kind, or only at ``ports``. ``mapper`` runs refits one after
     another or side by side; ``report`` follows them, and ``say`` is told what each step decides. ``laws``:
     where no effect explains what a learned effort finds, laws are composed. ``revise``: each declared effect
-    is left out in turn, and others are sought in its place.
+    is left out in turn, and others are sought in its place. Learned efforts, and the laws that follow them,
+    depend on ``variables`` (None: all that a port has).
     """
 
     split: Split
@@ -36,10 +39,16 @@ class Context:
     say: Callable[[str], None] = unheard
     laws: bool = True
     revise: bool = False
+    variables: tuple[Variable, ...] | None = None
 
     def equation_ports(self, model: Model) -> list[Port]:
         """The effort and flow ports of ``model`` where this trace tries something."""
         return [port for port in model.equation_ports if self.ports is None or port.name in self.ports]
+
+    def overs(self, port: Port, model: Model) -> list[Over]:
+        """What learned efforts or flows at ``port`` of ``model`` depend on in this trace."""
+        every = overs_for(port, model.signals)
+        return [over for over in every if self.variables is None or over.variable in self.variables]
 
     def one(self, function: Callable[..., T], *given: Any) -> T:
         """``function(*given)`` by the mapper, which may keep its results."""

@@ -13,7 +13,8 @@ from scipy.signal import lfilter
 
 from hybridid.effects.dimension import ONE
 from hybridid.effects.effect import Effect, EffectParameter
-from hybridid.effects.over import BRISTLE, RECENT, Over, Variable, factor_of
+from hybridid.effects.over import BRISTLE, RECENT, Over, factor_of
+from hybridid.effects.variable import Variable
 from hybridid.model import Model
 from hybridid.plants.plant import TOGETHER, Plant
 from hybridid.trace.refit import Refit

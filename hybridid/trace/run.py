@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import library_for
+from hybridid.effects.variable import Variable
 from hybridid.estimators import FitSettings
 from hybridid.model import Model
 from hybridid.records.record import Record
@@ -38,6 +39,7 @@ def trace(
     horizon: float | None = None,
     effects: Sequence[Effect] | None = None,
     ports: Sequence[str] | None = None,
+    variables: Sequence[Variable] | None = None,
     rules: Rules | None = None,
     settings: FitSettings | None = None,
     start: Mapping[str, float] | None = None,
@@ -53,8 +55,9 @@ def trace(
 
     Without any, alternate horizons of ``records`` judge. ``horizon`` is the length of each in s (None: 1 s,
     or less where the records are short). ``effects`` (None: the library) are tried at every port of their
-    kind, or only at ``ports``, by ``rules``. ``settings`` are those of the fits before and after, and give
-    the integrator; ``start`` (values by name; None: by regression) is where the declared model starts.
+    kind, or only at ``ports``, by ``rules``. Learned efforts and laws depend on ``variables`` (None: all that
+    a port has). ``settings`` are those of the fits before and after, and give the integrator; ``start``
+    (values by name; None: by regression) is where the declared model starts.
     ``initial_state`` ("estimated" or "measured") is that of free runs. With ``laws``, a law is composed where
     no effect explains what is missing. With ``revise``, each declared effect is left out in turn, and
     others are sought in its place. With ``recordings``, each parameter is tried with a value for each record.
@@ -72,7 +75,8 @@ def trace(
     split = divided(fitted, others, seconds)
     tried = library_for(model.channels) if effects is None else tuple(effects)
     where = None if ports is None else tuple(ports)
-    context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, revise)
+    over = None if variables is None else tuple(variables)
+    context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, revise, over)
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     if recordings:
         check_split(split)

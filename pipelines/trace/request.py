@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from hybridid.declarations import Port, Signal
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
+from hybridid.effects.variable import Variable
 from hybridid.naming import listed
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import automatic_horizon
@@ -28,7 +29,7 @@ class Request:
     """A trace as configured: ``effects`` to try at ``ports`` (None: all), judged by ``rules``, over horizons
     of ``horizon`` s, in parallel ``processes``. ``laws`` are composed where no effect explains.
     ``revise``: each declared effect is left out in turn. ``by_recording``: each parameter is tried with
-    a value for each record."""
+    a value for each record. Learned efforts and laws depend on ``variables`` (None: all)."""
 
     effects: tuple[Effect, ...]
     ports: tuple[str, ...] | None
@@ -38,6 +39,7 @@ class Request:
     laws: bool = True
     revise: bool = False
     by_recording: bool = False
+    variables: tuple[Variable, ...] | None = None
 
 
 def request_of(settings: Settings) -> Request:
@@ -58,7 +60,7 @@ def request_of(settings: Settings) -> Request:
                 raise ConfigError(unknown(f"channel that effect {effect.id} of trace sees", name, known))
     ports = _ports(settings, section, effects)
     horizon, processes = _horizon(settings, section), _processes(settings, section)
-    asked = (section.laws, section.revise, section.by_recording)
+    asked = (section.laws, section.revise, section.by_recording, section.variables)
     return Request(effects, ports, section.rules, horizon, processes, *asked)
 
 

@@ -95,6 +95,7 @@ def traced(
             horizon=request.horizon,
             effects=request.effects,
             ports=request.ports,
+            variables=request.variables,
             rules=request.rules,
             settings=fit_settings(settings),
             start=start,

@@ -18,7 +18,11 @@ ENTRY = """
 title: the virtual rig of EMPS
 case: emps
 data: simulated
-options: [rig.duration=4.0, "trace.effects=[asymmetric_viscous]", trace.laws=false]
+options:
+- rig.duration=4.0
+- trace.effects=[asymmetric_viscous]
+- trace.laws=false
+- trace.variables=[velocity,position]
 declared: [viscous@carriage]
 lacks: [asymmetric_viscous]
 judge: {records: [validation], output: position}

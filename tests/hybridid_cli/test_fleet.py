@@ -13,7 +13,13 @@ from hybridid.records.sources import DataRoot
 from hybridid_cli.file_globs import with_files
 from pipelines.shared.errors import ConfigError
 
-FEW = ("trace.effects=[asymmetric_viscous]", "trace.horizon=0.5", "trace.laws=false", "rig.duration=6")
+FEW = (
+    "trace.effects=[asymmetric_viscous]",
+    "trace.horizon=0.5",
+    "trace.laws=false",
+    "rig.duration=6",
+    "trace.variables=[velocity,position]",
+)
 
 
 def test_one_table_of_all_machines_and_the_same_again(process, quick):

@@ -101,7 +101,12 @@ def test_broken_python_is_one_line(process, mylab):
 def test_own_effect_is_found_and_the_model_with_it_taken_up(process, mylab):
     """Its name in the module is not its id: the augmented model must find it by its import path."""
     case = ("--config-dir", "mylab", "case=mine", "mlflow.enabled=false")
-    tried = ("trace.effects=[cubic_stiffness]", "trace.extra_effects=[cable:CABLE]", "trace.processes=1")
+    tried = (
+        "trace.effects=[cubic_stiffness]",
+        "trace.extra_effects=[cable:CABLE]",
+        "trace.processes=1",
+        "trace.variables=[velocity,position]",
+    )
     said = process("trace", *case, "effects=[viscous]", *tried, "out=tree")
     assert said.code == 0, said.err
     (accepted,) = json.loads(Path("tree/trace/trace.json").read_text())["accepted"]

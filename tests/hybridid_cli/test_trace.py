@@ -172,6 +172,7 @@ def without_seconds(value):
     [
         ("trace.effects=[friktion]", "friktion"),
         ("trace.ports=[gearbox]", "gearbox"),
+        ("trace.variables=[velocty]", "did you mean 'velocity'?"),
         ("trace.worth=-1", "trace.worth"),
     ],
 )

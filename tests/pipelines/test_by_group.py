@@ -133,6 +133,7 @@ def test_a_trace_judges_with_the_values_of_the_groups(settings, cold_and_warm, h
             "processes": 1,
             "laws": False,
             "horizon": 0.3,
+            "variables": ["velocity", "position"],
         },
     }
     tree = run_stages(settings(chosen), "trace", heard).tree
@@ -201,6 +202,7 @@ def test_what_cannot_be_is_one_line(changes, line, settings, cold_and_warm, hear
 def by_recording(**section):
     """The settings of a trace that asks which parameters differ by recording."""
     asked = {"by_recording": True, "effects": ["stribeck"], "processes": 1, "laws": False, "horizon": 0.1}
+    asked["variables"] = ["velocity", "position"]
     changes = {"records": RECORDS, "parameters": {}, "rig": None, "fit.records": None}
     return {**changes, "trace": {"records": None, "held_out": None, **asked, **section}}
 

@@ -74,7 +74,12 @@ def test_a_trace_takes_each_record_s_own(settings, two_masses, heard):
     chosen = {
         **BOTH,
         "effects": ["viscous", "coulomb"],
-        "trace": {"effects": ["asymmetric_viscous"], "processes": 1, "laws": False},
+        "trace": {
+            "effects": ["asymmetric_viscous"],
+            "processes": 1,
+            "laws": False,
+            "variables": ["velocity"],
+        },
         "fit.records": ["identification"],
     }
     request_of(settings(chosen))

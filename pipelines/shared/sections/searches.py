@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from hybridid.effects.variable import Variable
 from hybridid.settings import inlined, setting
 from hybridid.trace.rules import Rules
 
@@ -55,6 +56,9 @@ class TraceSection:
         "judge it (held_out: null)",
     )
     ports: tuple[str, ...] | None = setting(None, "names of the ports to try", null="all")
+    variables: tuple[Variable, ...] | None = setting(
+        None, "what learned efforts and laws may depend on", null="all that a port has"
+    )
     rules: Rules = inlined(Rules())
     processes: int | None = setting(None, "trials side by side", least=1, null=_CORES)
 

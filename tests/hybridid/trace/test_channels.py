@@ -105,6 +105,15 @@ def test_an_input_is_a_place_of_a_learned_effort_unless_it_stands_still_or_is_th
     assert np.array_equal(path.seen("carriage", overs[2]), path.inputs[:, 1])
 
 
+def test_the_variables_of_learned_efforts_can_be_narrowed(model, split):
+    port = model.plant.port("carriage")
+    every = overs_for(port, model.signals)
+    assert Context(split).overs(port, model) == list(every)
+    narrowed = Context(split, variables=("position", "input")).overs(port, model)
+    assert narrowed == [over for over in every if over.variable in ("position", "input")]
+    assert {over.name for over in narrowed} > {"position", "temperature"}
+
+
 @pytest.mark.parametrize(
     ("plant", "port", "name", "same"),
     [

@@ -87,14 +87,14 @@ def test_a_record_that_does_not_exist_is_said_before_anything_is_done(many, hear
 
 
 def test_side_by_side_or_one_by_one_the_files_are_the_same(settings, data, heard, monkeypatch):
-    one = settings({"validate.views": ["free_run"], "plot": {"formats": ["svg", "png"]}})
+    one = settings({"validate.views": ["free_run"], "plot": {"records": ["first"]}})
     found = []
     for processes in (1, 2):
         monkeypatch.setattr(stage, "core_count", lambda n=processes: n)
         folder = run_stages(replace(one, config={**one.config, "force": True}), "run", heard).tree / "plot"
         found.append({p.name: p.read_bytes() for p in folder.iterdir() if p.suffix != ".json"})
     assert found[0] == found[1]
-    assert len(found[0]) > 20
+    assert len(found[0]) > 5
 
 
 @pytest.mark.parametrize(
