@@ -7,10 +7,10 @@ p (n_p,) in the order of ``states``, ``inputs``, ``outputs`` and ``parameters``.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import casadi as ca
 import numpy as np
@@ -22,6 +22,8 @@ from hybridid.model.groups import Groups, by_group, names_of, weights_of
 from hybridid.model.term import Term
 from hybridid.naming import unknown
 from hybridid.plants.plant import Plant
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -215,9 +217,14 @@ class Model:
         given = self.f.sx_in()
         return ca.Function("A", given, [ca.densify(ca.jacobian(self.f(*given), given[1]))])
 
+    def kept(self, key: Hashable, make: Callable[[], T]) -> T:
+        """What ``make`` derives from the functions above, made once and kept as long as the model lives."""
+        if key not in self._derived:
+            self._derived[key] = make()
+        return cast(T, self._derived[key])
+
     @cached_property
-    def derived(self) -> dict[object, Any]:
-        """What others derive from the functions above and keep as long as the model lives."""
+    def _derived(self) -> dict[Hashable, Any]:
         return {}
 
     @property

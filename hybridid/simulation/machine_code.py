@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
-from typing import Any, TypeVar, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,6 @@ from hybridid.simulation.sensitivities import Part, output_part, step_part
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
-T = TypeVar("T")
 WORTH = 3e6
 """Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.2 s, pays: a
 fit simulates some thirty times, and the code is kept."""
@@ -103,7 +102,7 @@ class Code:
     @property
     def parts(self) -> tuple[Part, ...]:
         """Step and outputs, with sensitivities and without."""
-        return self._derived(("parts", self._by, self.integrator, self.held), self._differentiated)
+        return self.model.kept(("parts", self._by, self.integrator, self.held), self._differentiated)
 
     def _differentiated(self) -> tuple[Part, ...]:
         step, outputs = "model_advance", "model_observe"
@@ -116,9 +115,8 @@ class Code:
 
     @property
     def _library(self) -> ctypes.CDLL | None:
-        return self._derived(
-            ("library", self._by, self.integrator, self.held, self.lanes), self._make_library
-        )
+        key = ("library", self._by, self.integrator, self.held, self.lanes)
+        return self.model.kept(key, self._make_library)
 
     def _make_library(self) -> ctypes.CDLL | None:
         """The library, or None if the compiler fails or an operation has no C. It is known by what CasADi
@@ -134,13 +132,6 @@ class Code:
 
     def _written(self) -> str:
         return _side_by_side(self.lanes) + c_of_parts(self.parts, widest() if self.lanes == 1 else 1)
-
-    def _derived(self, key: tuple[object, ...], make: Callable[[], T]) -> T:
-        """What ``make`` makes, kept with the model: many problems of a fit share it."""
-        kept = self.model.derived
-        if key not in kept:
-            kept[key] = make()
-        return cast(T, kept[key])
 
 
 def _typed(kind: type, *names: str) -> tuple[tuple[str, type], ...]:

@@ -8,6 +8,7 @@ Parameteridentifizierung, "internal numerical differentiation".
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -25,7 +26,6 @@ from hybridid.simulation.windows import Windows
 Array = NDArray[np.float64]
 IN_TURN = 10
 """Ratio of the times that CasADi's interpreter needs for horizons in sequence and for all at once."""
-_COMPILED = ("_step", "_symbols", "_chunk", "_sensitivity_chunk")
 
 
 @dataclass(frozen=True)
@@ -123,17 +123,14 @@ class Shooter:
     def _in_turn(self, start: tuple[Array, ...], p: Array) -> list[Array]:
         """As ``_run``, horizon after horizon, each handing its inner states on; and what the last of
         ``start`` has become at the end of each."""
-        shared: dict[str, ca.Function] = {}
         found: list[list[Array]] = []
         kept: list[Array] = []
         for k, before in enumerate(self.windows.follows):
             lone = replace(self, windows=self.windows.select([k]))
-            lone.__dict__.update(shared)
             begin = tuple(a[k : k + 1].copy() for a in start)
             if before >= 0 and np.isfinite(kept[before]).all():
                 begin[0][:, list(self.carried)] = kept[before][:, list(self.carried)]
             results, ends = lone._run(begin, p)
-            shared = {name: lone.__dict__[name] for name in _COMPILED if name in lone.__dict__}
             found.append([*results, ends[-1]])
             kept.append(ends[0])
         return [np.concatenate(parts) for parts in zip(*found, strict=True)]
@@ -170,35 +167,51 @@ class Shooter:
         return self.windows.time[..., None], self.windows.stages, self.windows.inputs
 
     @cached_property
-    def _step(self) -> ca.Function:
-        windows = self.windows
-        return sample_step(self.integrator, self.model, windows.dt, windows.substeps, windows.held)
-
-    @cached_property
-    def _symbols(self) -> tuple[ca.SX, ...]:
-        n_u = len(self.model.inputs)
-        stages = self.windows.stages.shape[2]
-        sizes = (1, stages, n_u, len(self.model.parameters))
-        return tuple(ca.SX.sym(name, n) for name, n in zip("tUup", sizes, strict=True))
-
-    @cached_property
     def _chunk(self) -> ca.Function:
-        t, stages, u, p = self._symbols
-        x = ca.SX.sym("x", len(self.model.states))
-        out = [self._step(t, x, stages, p), x, self.model.h(t, x, u, p)]
-        one = ca.Function("sample", [x, t, stages, u, p], [ca.densify(v) for v in out], {"cse": True})
-        return one.mapaccum("chunk", self.windows.chunk, 1).map(self.windows.count)
+        return self._of_chunk("chunk", 1, self._sample, ())
 
     @cached_property
     def _sensitivity_chunk(self) -> ca.Function:
-        t, stages, u, p = self._symbols
+        return self._of_chunk("sensitivity chunk", 2, self._sample_with_sensitivities, self.free)
+
+    def _of_chunk(
+        self, name: str, handed_on: int, sample: Callable[[], ca.Function], by: tuple[str, ...]
+    ) -> ca.Function:
+        """``sample`` over a chunk of each horizon; its first ``handed_on`` results go to the next sample.
+        What is not of the number of horizons is made once a model."""
+        w = self.windows
+        key = (name, by, self.integrator, w.held, w.dt, w.substeps, w.chunk)
+        one = self.model.kept(key, lambda: sample().mapaccum("chunk", w.chunk, handed_on))
+        return one.map(w.count)
+
+    def _sample(self) -> ca.Function:
+        t, stages, u, p = self._symbols()
+        x = ca.SX.sym("x", len(self.model.states))
+        out = [self._step(t, x, stages, p), x, self.model.h(t, x, u, p)]
+        return ca.Function("sample", [x, t, stages, u, p], [ca.densify(v) for v in out], {"cse": True})
+
+    def _sample_with_sensitivities(self) -> ca.Function:
+        t, stages, u, p = self._symbols()
         n_x = len(self.model.states)
         x, s = ca.SX.sym("x", n_x), ca.SX.sym("S", n_x, n_x + len(self.free))
         x_next, y = self._step(t, x, stages, p), self.model.h(t, x, u, p)
         s_next, dy = (total_derivative(self.model, value, x, p, s, self.free) for value in (x_next, y))
         out = [ca.densify(v) for v in (x_next, s_next, x, y, dy)]
-        one = ca.Function("sample", [x, s, t, stages, u, p], out, {"cse": True})
-        return one.mapaccum("chunk", self.windows.chunk, 2).map(self.windows.count)
+        return ca.Function("sample", [x, s, t, stages, u, p], out, {"cse": True})
+
+    @property
+    def _step(self) -> ca.Function:
+        w = self.windows
+        key = ("sample step", self.integrator, w.held, w.dt, w.substeps)
+        return self.model.kept(
+            key, lambda: sample_step(self.integrator, self.model, w.dt, w.substeps, w.held)
+        )
+
+    def _symbols(self) -> tuple[ca.SX, ...]:
+        n_u = len(self.model.inputs)
+        stages = self.windows.stages.shape[2]
+        sizes = (1, stages, n_u, len(self.model.parameters))
+        return tuple(ca.SX.sym(name, n) for name, n in zip("tUup", sizes, strict=True))
 
 
 def _shot(states: Array, outputs: Array, final: Array, *slopes: Array) -> Shot:

@@ -182,10 +182,7 @@ def _modes(model: Model, p: Array, record: Record, path: Array) -> tuple[Modes, 
 
 def _slopes(model: Model, samples: int) -> ca.Function:
     """df/dx at so many samples and one p, kept with the model: a fit asks for it many times."""
-    key = ("slopes", samples)
-    if key not in model.derived:
-        model.derived[key] = model.by_state.map("slopes", "serial", samples, [3], [])
-    return model.derived[key]
+    return model.kept(("slopes", samples), lambda: model.by_state.map("slopes", "serial", samples, [3], []))
 
 
 def _outputs(model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array], steps: int) -> Array:
