@@ -67,6 +67,11 @@ class Left:
     exceeded: bool
 
     @property
+    def smeared(self) -> float:
+        """The RMS error of the smoothing of sign(v) alone."""
+        return math.sqrt(max(self.simulation**2 - self.step**2, 0.0))
+
+    @property
     def times(self) -> float:
         """The error over what noise and simulation leave together; nan where the noise is not told."""
         limit = math.hypot(self.noise, self.simulation)

@@ -11,19 +11,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.advice import advise
-from hybridid.estimators.estimate import Estimate
+from hybridid.estimators.estimate import Estimate, Left
 from hybridid.estimators.findings import several_valleys
 from hybridid.estimators.pieces import pieces
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.model import Model
 from hybridid.quality.doubt import doubt_of
 from hybridid.quality.hypotheses import Hypothesis, hypotheses
+from hybridid.quality.smoothing import steady_horizon
 from hybridid.quality.trial import MOST_OF, Data, Trial, tried
 from hybridid.quality.verdict import WRONG, Finding, Quality, Verdict, View
 from hybridid.quality.views import views_of
@@ -32,6 +33,7 @@ from hybridid.quality.words import (
     explains_little,
     incomplete,
     sentence,
+    smoothing_decides,
     too_long_steps,
     worse_than_nothing,
 )
@@ -45,7 +47,8 @@ SAMPLES, FITS = 2000, 16
 ALIKE = 2.0
 """Ratio of what two hypotheses leave up to which the records do not tell them apart."""
 COARSE, MATTERS = 0.5, 0.01
-"""Shares of what the fit and of what doing nothing leave, above which the error of the step is no detail."""
+"""Shares of what the fit and of what doing nothing leave, above which an error of the simulation is no
+detail."""
 
 
 def judge(
@@ -70,7 +73,7 @@ def judge(
     findings = [Finding("worse_than_nothing", worse_than_nothing(bad))] if bad else []
     if bad or more or unknown:
         findings += _explanations(model, problem, estimate, bool(bad or more))
-    findings += _steps(estimate, views)
+    findings += [*_steps(estimate, views), *_smoothing(problem, estimate, views)]
     if not findings and (more or unknown):
         findings += _incomplete(estimate, views)
     findings += [Finding("valley", said) for said in several_valleys(estimate.starts)]
@@ -90,13 +93,27 @@ def _verdict(estimate: Estimate, findings: Sequence[Finding]) -> Verdict:
 
 def _steps(estimate: Estimate, views: Sequence[View]) -> list[Finding]:
     """That the fitted motion is too fast for the steps: with others the fit would be another one."""
+    coarse = _decisive({one.output: one.step for one in estimate.left}, estimate, views)
+    return [Finding("step", too_long_steps(coarse, estimate.substeps))] if coarse else []
+
+
+def _smoothing(problem: Problem, estimate: Estimate, views: Sequence[View]) -> list[Finding]:
+    """That the smoothing of sign(v) decides: with another width the fit would be another one."""
+    smeared = {one.output: one.smeared for one in estimate.left}
+    decided = _decisive(smeared, estimate, views)
+    if not decided:
+        return []
+    return [Finding("smoothing", smoothing_decides(decided, steady_horizon(problem, estimate)))]
+
+
+def _decisive(errors: Mapping[str, float], estimate: Estimate, views: Sequence[View]) -> list[Left]:
+    """Outputs of which an error of the simulation is no detail, beside what is left and beside the motion."""
     nothing = {v.output: v.nothing for v in views}
-    coarse = [
+    return [
         one
         for one in estimate.left
-        if one.step > COARSE * one.rmse and one.step > MATTERS * nothing[one.output]
+        if errors[one.output] > max(COARSE * one.rmse, MATTERS * nothing[one.output])
     ]
-    return [Finding("step", too_long_steps(coarse, estimate.substeps))] if coarse else []
 
 
 def _incomplete(estimate: Estimate, views: Sequence[View]) -> list[Finding]:

@@ -9,8 +9,12 @@ from hybridid.advice import Advice
 from hybridid.estimators.estimate import Estimate
 
 Verdict = Literal["sound", "incomplete", "wrong", "not_converged"]
-Kind = Literal["incomplete", "worse_than_nothing", "sign", "unit", "swapped", "bound", "step", "valley"]
-WRONG: frozenset[Kind] = frozenset(("worse_than_nothing", "sign", "unit", "swapped", "bound", "step"))
+Kind = Literal[
+    "incomplete", "worse_than_nothing", "sign", "unit", "swapped", "bound", "step", "smoothing", "valley"
+]
+WRONG: frozenset[Kind] = frozenset(
+    ("worse_than_nothing", "sign", "unit", "swapped", "bound", "step", "smoothing")
+)
 """Findings with which no estimate is worth its standard error."""
 
 
@@ -22,7 +26,8 @@ class Finding:
     ``worse_than_nothing``: a constant predicts better. ``sign``, ``unit``, ``swapped``, ``bound``: with a
     sign, a unit or two columns changed, or without the bounds of some parameters, the same model explains
     most of what it leaves. ``step``: the simulation's steps are too long for the motion that was fitted.
-    ``valley``: descents from several starts ended at different costs; the lowest is kept.
+    ``smoothing``: the smoothing of sign(v) decides what was fitted. ``valley``: descents from several starts
+    ended at different costs; the lowest is kept.
     """
 
     kind: Kind

@@ -75,6 +75,26 @@ def too_long_steps(coarse: Sequence[Left], substeps: int) -> str:
     )
 
 
+def smoothing_decides(outputs: Sequence[Left], samples: int | None) -> str:
+    """Which outputs the smoothing of sign(v) changes by as much as the fit leaves, and what to do: horizons
+    of so many ``samples``, or a smaller epsilon."""
+    said = "; ".join(
+        f"{one.output}: without the smoothing it changes by some {quantity(one.smeared, one.unit, 2)}, and "
+        f"the fit leaves {quantity(one.rmse, one.unit, 3)}"
+        for one in outputs
+    )
+    remedy = (
+        "give the port a smaller epsilon"
+        if samples is None
+        else f"over short horizons the smoothing matters less: try estimator.horizon={samples}"
+    )
+    return (
+        f"the smoothing of sign(v) decides what was fitted ({said}): "
+        f"the estimates are those of the smoothing; "
+        f"{remedy}"
+    )
+
+
 def sentence(verdict: Verdict, estimate: Estimate) -> str:
     """The verdict in one line: whether to trust the estimates, and why."""
     if verdict == "wrong":

@@ -174,3 +174,21 @@ def test_a_fit_leaves_its_valley_for_a_lower_one_and_says_so():
     quality = judge(model, [record], found)
     assert quality.verdict == "sound"
     assert [f.kind for f in quality.findings] == ["valley"]
+
+
+def test_a_fit_that_hangs_on_the_smoothing_is_told_with_a_horizon(model, record):
+    """What the smoothing changes is set here; the horizon is that of the model and its record."""
+    given = fit(model, [record])
+    motion = record.outputs.std()
+
+    def judged(rmse, simulation, noise=3 * NOISE):
+        left = replace(given.left[0], rmse=rmse, simulation=simulation, step=0.0, noise=noise, exceeded=False)
+        return judge(model, [record], replace(given, left=(left,)))
+
+    found = judged(0.05 * motion, 0.04 * motion)
+    assert (found.verdict, [one.kind for one in found.findings]) == ("wrong", ["smoothing"])
+    assert found.findings[0].said.endswith("try estimator.horizon=200")
+    finer = judged(0.05 * motion, 0.04 * motion, noise=1e-12)
+    assert finer.findings[0].said.endswith("give the port a smaller epsilon")
+    assert judged(0.05 * motion, 0.02 * motion).verdict == "sound", "less than half of what is left"
+    assert judged(0.005 * motion, 0.004 * motion).verdict == "sound", "less than 1 % of the motion"
