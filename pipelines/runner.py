@@ -173,7 +173,7 @@ def _changed_by(
 def _made_from(stage: Stage, settings: Settings, root: Path) -> Fingerprint:
     inputs = {f"the result of {name}": folder_digest(root / name) for name in stage.reads}
     inputs |= stage.inputs(settings)
-    return fingerprint(settings.part(stage.keys), inputs, f"pipelines.{stage.name}")
+    return fingerprint(stage.options(settings), inputs, f"pipelines.{stage.name}")
 
 
 def _because(reasons: list[str]) -> str:

@@ -35,7 +35,7 @@ def results_folder(stage: Stage, settings: Settings, root: Path) -> Path:
     """Where the results of ``stage`` with these settings lie in the tree ``root``."""
     if not stage.side_by_side:
         return root / stage.name
-    return _home(stage, root) / _digest(settings.part(stage.keys))
+    return _home(stage, root) / _digest(stage.options(settings))
 
 
 def show_newest(stage: Stage, folder: Path, root: Path) -> None:

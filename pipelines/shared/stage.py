@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pipelines.shared.config import Settings
 from pipelines.shared.watch import Watcher
@@ -36,6 +37,7 @@ class Stage:
     tree, before any other stage works on them. If ``asked`` is False for a config, the stage is skipped and
     its earlier result removed. Its code is the module or package ``pipelines.<name>`` and all that this
     imports. ``side_by_side``: its results with other values of ``keys`` stay beside the new ones.
+    ``moves_nothing`` are keys among these that change no number, such as how many processes share the work.
     """
 
     name: str
@@ -47,6 +49,12 @@ class Stage:
     check_records: Callable[[Settings, Path], None] = lambda settings, tree: None
     asked: Callable[[Settings], bool] = lambda settings: True
     side_by_side: bool = False
+    moves_nothing: tuple[str, ...] = ()
+
+    def options(self, settings: Settings) -> dict[str, Any]:
+        """The part of the config that its results depend on, as flat dotted keys."""
+        part = settings.part(self.keys)
+        return {key: value for key, value in part.items() if key not in self.moves_nothing}
 
 
 @dataclass(frozen=True)

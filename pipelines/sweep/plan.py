@@ -17,6 +17,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hybridid.naming import counted
 from hybridid.residuals.settings import SMALL
 from pipelines.sweep.point import GRIDS, Point
 from pipelines.sweep.work import SweepJob
@@ -171,7 +172,8 @@ def _words(
 ) -> Iterable[str]:
     """The plan in one or two lines."""
     where = "on other machines" if cores is None else f"on {cores} core{'s' * (cores > 1)}"
-    yield f"{len(points)} points, {len(points) - len(missing)} of them fresh, {len(missing)} to do {where}"
+    every, fresh = counted(len(points), "point"), len(points) - len(missing)
+    yield f"{every}, {fresh} of them fresh, {len(missing)} to do {where}"
     together = [stack for stack in stacks if len(stack) > 1]
     if together:
         sizes = " + ".join(str(len(stack)) for stack in together)

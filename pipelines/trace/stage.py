@@ -213,4 +213,5 @@ TRACE = Stage(
     check=check,
     check_records=check_records,
     side_by_side=True,
+    moves_nothing=("trace.processes",),
 )

@@ -51,6 +51,12 @@ def test_two_lie_side_by_side_and_going_back_is_fresh(trace, heard):
     assert not LINK.readlink().is_absolute()  # so that the tree can be moved
 
 
+def test_the_number_of_processes_is_no_option(trace):
+    """It moves no number: a trace by one process is that by two."""
+    trace({**SHORT, "trace.processes": 1})
+    assert trace({**SHORT, "trace.processes": 2}).ran == ()
+
+
 def test_the_line_names_the_newest_and_counts_the_others(trace, heard):
     for options in (SHORT, LONG, {"trace.horizon": 0.3, "trace.worth": 0.1, "trace.effects": ["dahl"]}):
         newest = trace(options).folders["trace"]
