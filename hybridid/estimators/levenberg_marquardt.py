@@ -20,6 +20,7 @@ from hybridid.estimators.estimate import Solution
 from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import LeastSquares, Reduced
+from hybridid.estimators.rough_horizons import POOR, has_own_states, mended
 from hybridid.estimators.separate import is_separate, solve_separately
 from hybridid.estimators.stop import SLOW_GAIN, SLOW_SHARE, SLOW_STEPS, Stop, Watch
 
@@ -27,6 +28,12 @@ Array = NDArray[np.float64]
 MOST_DAMPING = 1e12
 LOOSE = 1e-4
 """Tolerance of the descents at coarser smoothing, which only lead to the next."""
+STUBBORN = 2.0**3
+"""Growth of the damping after two trials of a step have failed: the next is mended where it fails."""
+REST = 0.1
+"""Standard errors, of white noise, by which parameters that stand still may move in ``SLOW_STEPS`` steps."""
+ROUNDS = 10
+"""Descents from better initial states, at most."""
 ROUGH = "converged (slowly: rough cost)"
 
 
@@ -36,7 +43,8 @@ class LevenbergMarquardt:
 
     Converged means that the predicted relative decrease of a full Gauss-Newton step is below the tolerance,
     that only rounding is left, or that the cost is rough: the last ``SLOW_STEPS`` steps together gained
-    hardly more than the tolerance, or no step lowers the cost and none predicted more.
+    hardly more than the tolerance or, where horizons have initial states of their own, hardly moved the
+    parameters; or no step lowers the cost and none predicted more.
     """
 
     solves: ClassVar[tuple[type, ...]] = (Reduced,)
@@ -63,6 +71,7 @@ class LevenbergMarquardt:
             found = _descend(variables, smoothed, x0, coarse, _from(watch, begun))
             p, x0, begun = found.p, found.x0, begun + found.iterations
         found = _descend(variables, problem.smoothed(p, factors[-1]), x0, stop, _from(watch, begun))
+        found = _with_better_states(variables, found, stop, _from(watch, begun))
         return replace(found, x0=carry(problem, found.p, found.x0), iterations=begun + found.iterations)
 
 
@@ -81,6 +90,8 @@ def _descend(variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Wa
         return Solution(p, x0, np.inf, "the simulation diverges at the start", False, 0)
     damping, growth, history = 1e-4, 2.0, [cost]
     slow = min(SLOW_SHARE * tolerance, SLOW_GAIN)
+    apart = has_own_states(problem)
+    places = [p]
     eager = True  # the last step was taken at its first trial: so may the next be, and then slopes are needed
     for iteration in range(1, stop.iterations + 1):
         normal = variables.linearised(shot if shot.sensitive else problem.shooter(x0, p, True))
@@ -89,13 +100,17 @@ def _descend(variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Wa
             return Solution(p, x0, cost, blown, False, iteration, tuple(history))
         held = variables.held(p, normal.gp)
         normal = normal.holding(variables.held_states(x0, normal.gx))
+        here = shot
         if cost <= problem.rounding or _promises_little(normal, held, cost, tolerance):
             return Solution(p, x0, cost, "converged", True, iteration - 1, tuple(history))
         while True:
             dp, dx = normal.step(damping, held)
             trial_p, trial_x = variables.moved(p, x0, dp, dx)
             promised = normal.predicted(*variables.between(p, x0, trial_p, trial_x))
-            shot = problem.shooter(trial_x, trial_p, sensitivities=eager and iteration < stop.iterations)
+            slopes = eager and iteration < stop.iterations
+            shot = problem.shooter(trial_x, trial_p, sensitivities=slopes)
+            if apart and growth >= STUBBORN and not cost - problem.cost(shot) > POOR * promised:
+                trial_x, shot = mended(problem, (x0, here), (trial_x, shot), trial_p)
             trial = problem.cost(shot)
             ratio = (cost - trial) / promised if promised > 0 else -1.0
             if np.isfinite(trial) and ratio > 0:
@@ -109,11 +124,49 @@ def _descend(variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Wa
         damping, growth, eager = max(damping, 1e-12), 2.0, growth == 2.0
         p, x0, cost = trial_p, trial_x, trial
         history.append(cost)
+        places.append(p)
         watch(iteration, cost)
-        if len(history) > SLOW_STEPS and history[-SLOW_STEPS - 1] - cost < slow * cost:
+        if _creeps(history, slow) or (apart and _at_rest(variables, normal, places, history)):
             return Solution(p, x0, cost, ROUGH, True, iteration, tuple(history))
     most = stop.iterations
     return Solution(p, x0, cost, f"stopped after {most} iterations", False, most, tuple(history))
+
+
+def _with_better_states(variables: LeastSquares, found: Solution, stop: Stop, watch: Watch) -> Solution:
+    """``found``, where its cost is rough: the initial states are sought horizon by horizon, and as long as
+    they lower the cost, the descent goes on from there."""
+    problem = variables.problem
+    if found.status != ROUGH or not has_own_states(problem):
+        return found
+    apart = LeastSquares.of(problem.estimating(()))
+    for _ in range(ROUNDS):
+        states = solve_separately(apart, found.p, found.x0, stop)
+        if found.cost - states.cost <= SLOW_GAIN * found.cost:
+            break
+        begun = found.iterations
+        further = _descend(variables, found.p, states.x0, stop, _from(watch, begun))
+        found = replace(
+            further, iterations=begun + further.iterations, history=(*found.history, *further.history)
+        )
+    return found
+
+
+def _creeps(history: Sequence[float], gain: float) -> bool:
+    """Whether the last ``SLOW_STEPS`` steps together lowered the cost by less than the share ``gain``."""
+    return len(history) > SLOW_STEPS and history[-SLOW_STEPS - 1] - history[-1] < gain * history[-1]
+
+
+def _at_rest(
+    variables: LeastSquares, normal: Normal | Coupled, places: Sequence[Array], history: Sequence[float]
+) -> bool:
+    """Whether the last ``SLOW_STEPS`` steps moved the parameters by less than ``REST`` standard errors, and
+    gained little. ``normal`` are the equations before the last step."""
+    if not (_creeps(history, SLOW_GAIN) and isinstance(normal, Normal)):
+        return False
+    problem = variables.problem
+    moved = (places[-1] - places[-1 - SLOW_STEPS])[variables.positions] / variables.p
+    variance = 2.0 * history[-1] / (problem.windows.samples * len(problem.scale))
+    return normal.of_parameters(moved) < REST**2 * variance
 
 
 def _promises_little(

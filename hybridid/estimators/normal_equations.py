@@ -66,6 +66,14 @@ class Normal:
             dp[moving] = np.linalg.lstsq(block, -right[moving] / size, rcond=1e-14)[0] / size
         return dp, -(inner_g + np.einsum("wmn,n->wm", inner_p, dp))
 
+    def of_parameters(self, dp: Array) -> float:
+        """``dp' S dp`` of a step of the parameters that the initial states follow, S the Schur complement:
+        over the variance of a sample's noise, the squared length of the step in standard errors."""
+        xx = damped(self.xx, 0.0, STATE_RIDGE)
+        across = self.xp @ dp
+        followed = np.linalg.solve(xx, across[..., None])[..., 0]
+        return float(dp @ self.pp @ dp - np.sum(across * followed))
+
     def predicted(self, dp: Array, dx: Array) -> float:
         """Decrease of the cost that the linear model promises for a step."""
         linear = self.gp @ dp + np.sum(self.gx * dx)

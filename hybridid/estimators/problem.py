@@ -86,6 +86,13 @@ class Problem:
             total = 0.5 * float(np.sum(r * r))
         return total if np.isfinite(total) else np.inf
 
+    def costs(self, shot: Shot) -> Array:
+        """The cost of each horizon, (w,); infinite where the simulation diverged."""
+        r = self.residuals(shot)
+        with np.errstate(over="ignore", invalid="ignore"):
+            each = 0.5 * np.sum(r * r, axis=(1, 2))
+        return np.where(np.isfinite(each), each, np.inf)
+
     @property
     def rounding(self) -> float:
         """A cost that the arithmetic alone leaves."""
