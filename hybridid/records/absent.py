@@ -55,15 +55,18 @@ def gap_of(record: str, signal: _Mapped, role: str, values: Array, time: Array) 
     if signal.missing != "mask":
         raise RecordError(
             f"{where} [{signal.unit}] is missing (NaN) at sample {k} (t = {time[k]:g} s), {share} are; "
-            f"{_remedy(signal.name, role)}"
+            f"{_remedy(record, signal.name, role)}"
         )
     filled = np.where(absent, np.interp(time, time[~absent], values[~absent]), values)
     return Gap(filled, absent, f"{where} is missing at {share}, the first at t = {time[k]:g} s: masked")
 
 
-def _remedy(name: str, role: str) -> str:
+def _remedy(record: str, name: str, role: str) -> str:
     if role == "outputs":
-        return f"set signals.outputs.{name}.missing=mask to leave them out of the fit and the scores"
+        return (
+            f"set signals.outputs.{name}.missing=mask to leave them out "
+            f"(records.{record}.outputs.{name}.missing where the record has outputs of its own)"
+        )
     driving = ": what drives the model must be known throughout" if role == "inputs" else ""
     return f"repair them in the file{driving}"
 

@@ -263,7 +263,8 @@ def test_missing_cells_end_with_the_key_that_masks_them(gappy):
         read_record("run", record_map(gappy), [])
     assert str(said.value) == (
         f"record run: output 'angle' [rad] is missing (NaN) at sample 7 (t = {T[7]:g} s), 4 of {N} "
-        "samples are; set signals.outputs.angle.missing=mask to leave them out of the fit and the scores"
+        "samples are; set signals.outputs.angle.missing=mask to leave them out "
+        "(records.run.outputs.angle.missing where the record has outputs of its own)"
     )
 
 
