@@ -15,7 +15,7 @@ from pathlib import Path
 
 from benchmarks.strangers.machines import MACHINES
 from benchmarks.strangers.recording import Simulated
-from benchmarks.strangers.rigs import free_swing, gap_damper
+from benchmarks.strangers.rigs import free_swing, gap_damper, three_swings
 from benchmarks.strangers.tanks import overflowing
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,6 +35,7 @@ class Machine:
 RIGS = (
     Machine("gap_damper", "test_rig", gap_damper),
     Machine("free_swing", "pendulum", free_swing),
+    Machine("three_swings", "pendulum", three_swings),
     Machine("overflowing", "two_tanks", overflowing),
 )
 """Machines that lack what their template declares."""
@@ -52,11 +53,6 @@ class Outcome:
     sentence: str
     off: float | None
     parameter: str
-
-    @property
-    def commands(self) -> int:
-        """How many commands the user gave."""
-        return len(self.wall)
 
 
 def machines() -> tuple[Machine, ...]:
@@ -79,10 +75,12 @@ def played(machine: Machine, folder: Path) -> Outcome:
     """
     made = machine.record()
     name = f"my_{machine.name}"
-    (folder / f"{machine.name}.csv").write_text(made.text, encoding="utf-8")
+    files = [f"{machine.name}{k or ''}.csv" for k in range(1 + len(made.more))]
+    for file, text in zip(files, (made.text, *made.more), strict=True):
+        (folder / file).write_text(text, encoding="utf-8")
     case = ("--config-dir", name, f"case={name}", *made.settings)
     lines = (
-        ("new", name, "--from", f"{machine.name}.csv", "--template", machine.template, *made.words),
+        ("new", name, "--from", *files, "--template", machine.template, *made.words),
         ("run", *case),
         ("trace", *case),
     )

@@ -13,12 +13,14 @@ STICK = 2e-3  # of the usual speed: smooths sign(v)
 
 @dataclass(frozen=True)
 class Simulated:
-    """A recording's text, what ``new`` needs to be told beside it, and the truth by parameter."""
+    """A recording's text, what ``new`` needs to be told beside it, and the truth by parameter. ``more`` are
+    the texts of further recordings."""
 
     text: str
     truth: Mapping[str, float]
     words: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
+    more: tuple[str, ...] = ()
 
 
 def clock(duration: float, rate: float = 500.0) -> np.ndarray:

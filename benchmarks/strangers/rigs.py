@@ -26,7 +26,8 @@ def gap_damper(seconds: float = 20.0) -> Simulated:
     t, q = fine[::FINE], q[::FINE]
     noise = np.random.default_rng(8).normal(0, [1e-6, 0.1], (len(t), 2))  # 1 µm, 0.1 N
     text = table("time [s],stroke [mm],load cell [N]", t, (q + noise[:, 0]) * 1e3, force + noise[:, 1])
-    return Simulated(text, {"M": MOVED, "K": 0.0})
+    play = {"specimen.friction_behind_play.g": GAP, "specimen.friction_behind_play.f_c": LEVEL}
+    return Simulated(text, {"M": MOVED, **play})
 
 
 def _pushed(q: np.ndarray) -> np.ndarray:
@@ -51,15 +52,31 @@ def _dahl(friction: float, step: float) -> float:
     return side * LEVEL + (friction - side * LEVEL) * np.exp(-STIFFNESS * abs(step) / LEVEL)
 
 
-def free_swing(seconds: float = 20.0) -> Simulated:
-    """A pendulum let go at 60°: a bearing with viscous and dry friction, and the drag of the air."""
+def free_swing(seconds: float = 20.0, more: tuple[float, ...] = ()) -> Simulated:
+    """A pendulum let go at 60°: a bearing with viscous and dry friction, and the drag of the air. It is let
+    go once ``more`` at each of these angles in °."""
+    truth = {
+        "G": 20.0,
+        "pivot.viscous.f_v": 0.05,
+        "pivot.coulomb.f_c": 0.06,
+        "pivot.quadratic_drag.c_d": 0.03,
+    }
+    first, *others = (_swing(angle, seconds) for angle in (60.0, *more))
+    return Simulated(first, truth, more=tuple(others))
+
+
+def three_swings() -> Simulated:
+    """The same pendulum, let go at 60°, 25° and 40°."""
+    return free_swing(more=(25.0, 40.0))
+
+
+def _swing(angle: float, seconds: float) -> str:
     t = clock(seconds)
 
     def rates(_: float, x: np.ndarray) -> list[float]:
         resisting = 0.05 * x[1] + 0.06 * np.tanh(x[1] / 2e-3) + 0.03 * x[1] * abs(x[1])
         return [x[1], -20.0 * np.sin(x[0]) - resisting]
 
-    q, _ = run(rates, [np.radians(60.0), 0.0], t)
+    q, _ = run(rates, [np.radians(angle), 0.0], t)
     counts = np.round(q / (2 * np.pi) * 16384)  # of the encoder
-    truth = {"G": 20.0, "pivot.viscous.f_v": 0.05, "pivot.coulomb.f_c": 0.06, "pivot.quadratic_drag.c": 0.03}
-    return Simulated(table("time [s],angle [deg]", t, counts * 360 / 16384), truth)
+    return table("time [s],angle [deg]", t, counts * 360 / 16384)
