@@ -11,14 +11,14 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-blunders study-rebuilt study-servo study-sweep study-slurm league league-drawn league-measured torture clean distclean FORCE
+.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-blunders study-rebuilt study-servo study-strangers study-sweep study-slurm league league-drawn league-measured torture clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
 	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
-	@echo "  ARGS=...         for make league, league-drawn, league-measured, study-laws, study-rebuilt and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
+	@echo "  ARGS=...         for make league, league-drawn, league-measured, study-laws, study-rebuilt, study-strangers and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
@@ -76,6 +76,9 @@ benchmark: $(READY) ## how fast are fits, simulations, commands and traces, besi
 
 study-servo: $(READY) ## how well does the servo's model predict a trajectory of another kind? (measured, minutes)
 	$(BIN)/python benchmarks/servo.py
+
+study-strangers: $(READY) ## how long is it from a recording to a traced report, for each template of hybridid new? (simulated, minutes)
+	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.strangers $(ARGS)
 
 study-sweep: $(READY) ## how much faster than a plain loop is a sweep? (simulated, minutes)
 	$(BIN)/python benchmarks/sweep_speed.py

@@ -14,7 +14,9 @@ WITH_VALUE = ("--config-dir", "-cd", "--cfg", "-c", "--package", "-p", "--info",
 FLAGS = (*SWITCHES, *WITH_VALUE)
 MAY_BE_NEW = ("parameters", "channels", "rig", "archive")
 """Keys that a command line may give though the case's file does not."""
-_OF_RECORDS = re.compile(r"signals\.resample|records\.[^.]+\.(resample|steps)")
+_OF_RECORDS = re.compile(
+    r"signals\.resample|records\.[^.]+\.(resample|steps)|(signals|records\.[^.]+)\.outputs\.[^.]+\.missing"
+)
 """The same below keys whose others the case's file must give."""
 CFG = ("job", "hydra", "all")
 

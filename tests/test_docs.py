@@ -352,6 +352,24 @@ def test_the_mask_of_the_page_leaves_out_the_hand(bench):
     assert abs(whole["J"]["value"] / BENCH["J"] - 1) > 0.25
 
 
+def test_missing_cells_of_the_page_are_refused_until_the_key_is_set(bench):
+    """The drive's switch is on there: 60 angles from 3.5 s on."""
+    header, *rows = (bench / "mylab" / "bench_1.csv").read_text().splitlines()
+    for k in range(700, 760):
+        t, current, _, on = rows[k].split(";")
+        rows[k] = f"{t};{current};;{on}"
+    (bench / "mylab" / "gaps.csv").write_text("\n".join([header, *rows]))
+    words = [*data_commands()[0], "records.first.files=gaps.csv"]
+    refused = attempt(["-m", "hybridid_cli", "fit", *words, "out=gaps", "mlflow.enabled=false"], bench)
+    assert refused.returncode == 1
+    (line,) = re.findall(r"^(hybridid: record first: output .*)$", DATA.read_text(), flags=re.MULTILINE)
+    assert line in refused.stderr
+    found, said = fitted(bench, [*words, "signals.outputs.angle.missing=mask"], "gaps")
+    assert "output 'angle' is missing at 60 of 2000 samples, the first at t = 3.5 s: masked" in said
+    for name, truth in BENCH.items():
+        assert found[name]["value"] == pytest.approx(truth, rel=0.02), name
+
+
 def test_uneven_stamps_of_the_page_end_with_the_key_to_set(bench):
     words = ["-m", "hybridid_cli", "fit", "--config-dir", "mylab", "case=bench", "out=uneven"]
     done = attempt([*words, "records.second.resample=null", "mlflow.enabled=false"], bench)

@@ -84,9 +84,10 @@ def by_parameter(problem: Problem, shot: Shot) -> Array:
             own, ends = used[before], shot.ends_by[before][:, inner].T
             by_x = shot.by_state[before][own][..., moving] / problem.scale[:, None]
             by_p = total[before][own] / problem.scale[:, None]
+            counted = problem.windows.cells[before][own][..., None].astype(float)
             if problem.weights is not None:
-                counted = problem.weights[before][own][..., None]
-                by_x, by_p = by_x * counted, by_p * counted
+                counted = counted * problem.weights[before][own][..., None]
+            by_x, by_p = by_x * counted, by_p * counted
             following = -_fitted(by_x, by_p)
             by_state, by_p = ends[:, :n_x], ends[:, n_x:]
             arriving[k] = by_p + by_state[:, inner] @ arriving[before] + by_state[:, moving] @ following

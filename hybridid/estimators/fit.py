@@ -102,6 +102,7 @@ def _check_outputs(records: Sequence[Record]) -> None:
     names = " and ".join(record.name for record in records)
     for k, channel in enumerate(records[0].output_channels):
         samples = np.concatenate([record.counted[:, k] for record in records])
+        samples = samples[np.isfinite(samples)]
         if not np.ptp(samples) > 0:
             raise ValueError(
                 f"output {channel.name} of {names} is {samples[0]:.6g} {channel.unit} at every sample: "

@@ -92,7 +92,7 @@ def floor_of(problem: Problem, p: Array, x0: Array, smeared: Array, residual: Ar
 
 
 def _rms(problem: Problem, error: Array) -> Array:
-    return np.sqrt((error**2).sum(axis=(0, 1)) / problem.windows.samples)
+    return np.sqrt((error**2).sum(axis=(0, 1)) / problem.windows.counts)
 
 
 def _by_step(problem: Problem, p: Array, x0: Array, shot: Shot) -> Array:
@@ -101,14 +101,14 @@ def _by_step(problem: Problem, p: Array, x0: Array, shot: Shot) -> Array:
     finer = cut(problem.records, windows.horizon, 2 * windows.substeps)
     outputs = problem.shooter.over(finer)(x0, p).outputs
     error = (outputs - shot.outputs) / problem.scale * 2**RK4_ORDER / (2**RK4_ORDER - 1)
-    return np.where(windows.used[..., None] & np.isfinite(error), error, 0.0)
+    return np.where(windows.cells & np.isfinite(error), error, 0.0)
 
 
 def _less_initial_states(problem: Problem, shot: Shot, residual: Array) -> Array:
     """``residual`` without what other initial states would take, to first order: where they are not
     estimated, their error is no fault of the model."""
     w, length, n_y = shot.by_state.shape[:3]
-    used = problem.windows.used[..., None, None]
+    used = problem.windows.cells[..., None]
     by_state = np.where(used, shot.by_state / problem.scale[:, None], 0.0)[..., ~problem.carried]
     tall = by_state.reshape(w, length * n_y, -1)
     if not np.isfinite(tall).all():
@@ -126,10 +126,11 @@ def _louder(problem: Problem, shot: Shot, residual: Array, asked: NDArray[np.int
     found = np.full(residual.shape[2], np.nan)
     if not len(asked):
         return found
-    used = problem.windows.used
+    cells = problem.windows.cells
     motion = _motion(problem, shot)
     length = max(1, problem.windows.samples // STRETCHES)
     for k in asked:
+        used = cells[..., k]
         pieces = [error[own, k] for error, own in zip(residual, used, strict=True)]
         coefficients, _ = autoregression(pieces)
         taps, first = np.append(1.0, -coefficients), len(coefficients)

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 def columns(problem: Problem, by_state: Array, by_parameter: Array) -> Array:
     """J (w, n_x + n, n_y H) of dy/dx0 (w, H, n_y, n_x) and dy/dp (w, H, n_y, n): divided by the outputs'
-    scales and weighted, zero where a horizon is padded."""
+    scales and weighted, zero where an output does not count."""
     w, length, n_y, n_x = by_state.shape
     found = np.empty((w, n_x + by_parameter.shape[3], n_y, length))
     found[:, :n_x] = by_state.transpose(0, 3, 2, 1)
@@ -26,9 +26,9 @@ def columns(problem: Problem, by_state: Array, by_parameter: Array) -> Array:
         found *= 1.0 / problem.scale[:, None]
         if problem.weights is not None:
             found *= problem.weights.transpose(0, 2, 1)[:, None]
-    for k in np.flatnonzero(~problem.windows.used.all(axis=1)):
+    for k in np.flatnonzero(~problem.windows.cells.all(axis=(1, 2))):
         # what lies beyond a record's end may have left the range of numbers
-        found[k][..., ~problem.windows.used[k]] = 0.0
+        found[k][:, ~problem.windows.cells[k].T] = 0.0
     return found.reshape(*found.shape[:2], n_y * length)
 
 

@@ -44,7 +44,7 @@ class Intervals:
     """The shooting intervals of all horizons.
 
     Shapes: ``time`` (m, L), ``stages`` (m, L, n_U), ``inputs`` (m, L, n_u), ``outputs``
-    (m, L, n_y), ``used`` (m, L). ``first`` marks the interval that opens a horizon,
+    (m, L, n_y), ``cells`` (m, L, n_y): which count. ``first`` marks the interval that opens a horizon,
     ``nodes`` (m, n_x) are start values of the states.
     """
 
@@ -52,7 +52,7 @@ class Intervals:
     stages: Array
     inputs: Array
     outputs: Array
-    used: NDArray[np.bool_]
+    cells: NDArray[np.bool_]
     first: NDArray[np.bool_]
     nodes: Array
 
@@ -79,13 +79,14 @@ def split(problem: Problem, interval: int, x0: Array, p: Array) -> Intervals:
     for k, (record, start, stop) in enumerate(windows.origin):
         for begin in range(0, stop - start, length):
             index = np.minimum(np.arange(begin, begin + length), stop - start - 1)
-            used = (np.arange(begin, begin + length) < stop - start) & ~windows.holes[k, index]
+            inside = (np.arange(begin, begin + length) < stop - start) & ~windows.holes[k, index]
+            measured = windows.cells[k, index] | ~windows.used[k, index, None]
             node = x0[k] if begin == 0 else np.where(shown, states[record][start + begin], runs[k, begin])
             fields = (windows.time, windows.stages, windows.inputs, windows.outputs)
-            rows.append((*(a[k, index] for a in fields), used, node))
+            rows.append((*(a[k, index] for a in fields), inside[:, None] & measured, node))
             first.append(begin == 0)
-    time, stages, inputs, outputs, used, nodes = (np.stack(column) for column in zip(*rows, strict=True))
-    return Intervals(time, stages, inputs, outputs, used, np.array(first), nodes)
+    time, stages, inputs, outputs, cells, nodes = (np.stack(column) for column in zip(*rows, strict=True))
+    return Intervals(time, stages, inputs, outputs, cells, np.array(first), nodes)
 
 
 @dataclass(frozen=True)
@@ -174,7 +175,7 @@ class Program:
         data = self.intervals
         n_y = data.outputs.shape[2]
         measured = data.outputs.reshape(-1, n_y).T
-        weight = data.used.reshape(1, -1) / self.problem.scale[:, None]
+        weight = data.cells.reshape(-1, n_y).T / self.problem.scale[:, None]
         return ca.vec((simulated - ca.DM(measured)) * ca.DM(weight))
 
     def _simulate(self, nodes: ca.MX, values: ca.MX) -> tuple[ca.MX, ca.MX]:

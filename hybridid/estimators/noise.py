@@ -56,13 +56,14 @@ class Autoregression(NamedTuple):
 class Absorbed:
     """A residual and the orthonormal basis of what the fit took from it.
 
-    Shapes: ``residual`` (w, H, n_y) and ``used`` (w, H), zero and False where padded;
-    ``states`` (w, H, n_y, m), orthonormal within each horizon; ``parameters``
-    (w, H, n_y, n), orthonormal over all horizons and to ``states``.
+    Shapes: ``residual`` (w, H, n_y) and ``cells`` (w, H, n_y), zero and False where an output does not count;
+    ``used`` (w, H), the samples in use; ``states`` (w, H, n_y, m), orthonormal within each horizon;
+    ``parameters`` (w, H, n_y, n), orthonormal over all horizons and to ``states``.
     """
 
     residual: Array
     used: NDArray[np.bool_]
+    cells: NDArray[np.bool_]
     states: Array
     parameters: Array
 
@@ -71,14 +72,20 @@ class Absorbed:
         """Samples of each horizon, (w,)."""
         return self.used.sum(axis=1)
 
+    @property
+    def samples(self) -> NDArray[np.int64]:
+        """Samples of each output, (n_y,)."""
+        return self.cells.sum(axis=(0, 1))
+
     def pairs(self, lags: int) -> NDArray[np.int64]:
-        """Pairs of samples at 0 to ``lags`` samples' distance, (lags + 1,)."""
-        if (self.used == within(self.used)).all():
-            return np.maximum(self.lengths[:, None] - np.arange(lags + 1), 0).sum(axis=0)
-        length = self.used.shape[1]
-        both = (self.used[:, k:] & self.used[:, : length - k] for k in range(min(lags + 1, length)))
-        found = np.array([one.sum() for one in both])
-        return np.pad(found, (0, lags + 1 - len(found)))
+        """Pairs of samples of each output at 0 to ``lags`` samples' distance, (n_y, lags + 1)."""
+        if (self.cells == within(self.used)[..., None]).all():
+            found = np.maximum(self.lengths[:, None] - np.arange(lags + 1), 0).sum(axis=0)
+            return np.tile(found, (self.cells.shape[2], 1))
+        length, cells = self.cells.shape[1], self.cells
+        both = (cells[:, k:] & cells[:, : length - k] for k in range(min(lags + 1, length)))
+        found = np.array([one.sum(axis=(0, 1)) for one in both]).T
+        return np.pad(found, ((0, 0), (0, lags + 1 - found.shape[1])))
 
 
 def noise_of(fitted: Absorbed) -> list[Autoregression]:
@@ -89,7 +96,7 @@ def noise_of(fitted: Absorbed) -> list[Autoregression]:
     basis = _Basis.of(fitted, size)
     weights, targets = None, list(seen)
     for attempt in range(ROUNDS):
-        noises = [_chosen(target, basis.samples) for target in targets]
+        noises = [_chosen(t, float(n)) for t, n in zip(targets, fitted.samples, strict=True)]
         kernels = [_extended(t, noise, basis.length) for t, noise in zip(targets, noises, strict=True)]
         expected, spread = basis.expected(kernels, lags)
         if weights is not None and np.allclose(spread, weights, rtol=CLOSE, atol=0):
@@ -121,7 +128,7 @@ def most_lags(lengths: Sequence[int] | NDArray[np.int64]) -> int:
 def _autocovariance(fitted: Absorbed, size: int, lags: int) -> Array:
     """Products of the residual at up to ``lags`` samples' distance, a sample's share, (n_y, lags + 1)."""
     power = (np.abs(fft.rfft(fitted.residual, size, axis=1)) ** 2).sum(axis=0)
-    return fft.irfft(power, size, axis=0)[: lags + 1].T / fitted.lengths.sum()
+    return fft.irfft(power, size, axis=0)[: lags + 1].T / fitted.samples[:, None]
 
 
 def _levinson(covariance: Array) -> list[Autoregression]:
@@ -190,10 +197,6 @@ class _Basis:
         return cls(value, fft.rfft(value, size, axis=3), fitted, states, size)
 
     @property
-    def samples(self) -> float:
-        return float(self.fitted.lengths.sum())
-
-    @property
     def length(self) -> int:
         return self.value.shape[3]
 
@@ -208,23 +211,25 @@ class _Basis:
         parameters' variances (n,) in the coordinates of their basis. Noise in different
         horizons counts as independent.
         """
-        count = self.fitted.pairs(lags)
-        through = [self._spread(value, kernel) for value, kernel in zip(self.transform, kernels, strict=True)]
+        counts = self.fitted.pairs(lags)
+        through = [self._spread(k, kernel) for k, kernel in enumerate(kernels)]
         inner = sum(b @ z.swapaxes(1, 2) for b, z in zip(self.value, through, strict=True))
         own = inner[:, self.states :, self.states :].sum(axis=0)
         inner[:, self.states :, self.states :] = own
         left = []
-        for value, conjugate, z, kernel in zip(self.value, self._conjugate, through, kernels, strict=True):
+        of_each = zip(self.value, self._conjugate, through, kernels, counts, strict=True)
+        for value, conjugate, z, kernel, count in of_each:
             taken = fft.rfft(z - 0.5 * inner.swapaxes(1, 2) @ value, self.size, axis=2)
             crossed = fft.irfft(np.einsum("wkf,wkf->f", conjugate, taken), self.size)
             both = crossed[: lags + 1] + crossed[-np.arange(lags + 1)]
             left.append(count * kernel[: lags + 1] - both)
-        return np.array(left) / self.samples, np.diag(own)
+        return np.array(left) / self.fitted.samples[:, None], np.diag(own)
 
-    def _spread(self, transform: NDArray[np.complex128], kernel: Array) -> Array:
-        """``Sigma B`` within each horizon, (w, k, H)."""
+    def _spread(self, output: int, kernel: Array) -> Array:
+        """``Sigma B`` of an output within each horizon, (w, k, H)."""
         circle = np.zeros(self.size)
         circle[: len(kernel)] = kernel
         circle[len(circle) - len(kernel) + 1 :] = kernel[:0:-1]
-        product = fft.irfft(transform * fft.rfft(circle), self.size, axis=2)[..., : self.length]
-        return np.where(self.fitted.used[:, None, :], product, 0.0)
+        driven = self.transform[output] * fft.rfft(circle)
+        product = fft.irfft(driven, self.size, axis=2)[..., : self.length]
+        return np.where(self.fitted.cells[:, None, :, output], product, 0.0)

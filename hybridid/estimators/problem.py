@@ -73,11 +73,11 @@ class Problem:
         return [measured_states(self.model, record) for record in self.records]
 
     def residuals(self, shot: Shot) -> Array:
-        """``(y - y_hat) / s``, zero where a horizon is padded; shape (w, H, n_y)."""
+        """``(y - y_hat) / s``, zero where an output does not count; shape (w, H, n_y)."""
         error = (self.windows.outputs - shot.outputs) / self.scale
         if self.weights is not None:
             error = error * self.weights
-        return np.where(self.windows.used[..., None], error, 0.0)
+        return np.where(self.windows.cells, error, 0.0)
 
     def cost(self, shot: Shot) -> float:
         """Half the sum of squared residuals; infinite if the simulation diverged."""
@@ -145,7 +145,7 @@ def build_problem(
     windows = cut(records, horizon, substeps)
     names = tuple(p.name for p in model.free) if free is None else tuple(free)
     pooled = np.concatenate([record.counted for record in records])
-    scale = pooled.std(axis=0)
+    scale = np.nanstd(pooled, axis=0)
     scale[scale == 0] = 1.0
     shooter = Shooter(model, windows, names, integrator, _inner(model))
     return Problem(model, tuple(records), windows, shooter, scale, estimate_x0)

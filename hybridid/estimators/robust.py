@@ -43,7 +43,7 @@ class Clipped:
     """Residuals (w, H, n_y) of a solution and where each output's are clipped, ``at`` (n_y,)."""
 
     residual: Array
-    used: NDArray[np.bool_]
+    cells: NDArray[np.bool_]
     at: Array
 
     @classmethod
@@ -51,9 +51,10 @@ class Clipped:
         """Of ``problem``, whose weights do not count."""
         plain = replace(problem, weights=None)
         residual = plain.residuals(problem.shooter(solution.x0, solution.p))
-        used = problem.windows.used
-        sigma = np.median(np.abs(residual[used]), axis=0) / NORMAL
-        return cls(residual, used, THRESHOLD * np.where(sigma > EXACT, sigma, np.inf))
+        cells = problem.windows.cells
+        size = np.where(cells, np.abs(residual), np.nan).reshape(-1, residual.shape[2])
+        sigma = np.nanmedian(size, axis=0) / NORMAL
+        return cls(residual, cells, THRESHOLD * np.where(sigma > EXACT, sigma, np.inf))
 
     @property
     def weights(self) -> Array:
@@ -71,7 +72,8 @@ class Clipped:
     @property
     def pseudo(self) -> Array:
         """The residual (w, H, n_y) of which least squares have the covariance of this fit."""
-        kept = np.mean(np.abs(self.residual[self.used]) <= self.at, axis=0)
+        inside = self.cells & (np.abs(self.residual) <= self.at)
+        kept = inside.sum(axis=(0, 1)) / self.cells.sum(axis=(0, 1))
         return np.clip(self.residual, -self.at, self.at) / kept
 
 

@@ -26,6 +26,7 @@ from hybridid.simulation.initial import (
     measured_states,
     observed,
     output_derivative,
+    telling,
     widest_half_width,
 )
 from hybridid.simulation.unobserved import free_run_states
@@ -124,7 +125,7 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
     )
     step = max(1, record.n // MOST_SAMPLES)
     inner = np.arange(width, record.n - width, step)
-    inner = inner[record.counts[inner]] if record.masked else inner
+    inner = inner[telling(record)[inner]] if record.partly else inner
     # a machine that swings freely has no input, which LAPACK refuses
     inputs = (
         savgol_filter(record.inputs, 2 * width + 1, ORDER, axis=0) if record.inputs.size else record.inputs

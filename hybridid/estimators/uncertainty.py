@@ -89,11 +89,12 @@ def uncertainty(problem: Problem, p: Array, x0: Array, residual: Array | None = 
         return _none(len(scale), len(problem.scale))
     q, spread, condition = _orthogonal(jacobian.reshape(-1, len(scale)) * scale)
     residual = problem.residuals(shot) if residual is None else residual
-    fitted = Absorbed(residual, problem.windows.used, states, q.reshape(jacobian.shape))
+    windows = problem.windows
+    fitted = Absorbed(residual, windows.used, windows.cells, states, q.reshape(jacobian.shape))
     with np.errstate(invalid="ignore"):
         noise, scores = (
             spread @ middle @ spread.T * np.outer(scale, scale)
-            for middle in (_of_noise(fitted, problem.windows.origin), _of_scores(fitted))
+            for middle in (_of_noise(fitted, windows.origin), _of_scores(fitted))
         )
         more = np.sqrt(np.maximum(np.diag(scores) / np.diag(noise), 1.0))
         by_width = _by_width(problem, p, x0)
@@ -135,8 +136,8 @@ def _smeared(by_width: Array, fitted: Absorbed, along: Array) -> Array:
     by_states = np.einsum("whkm,whk->wm", fitted.states, by_width)
     left = by_width - np.einsum("whkm,wm->whk", fitted.states, by_states)
     left -= np.einsum("whkn,n->whk", fitted.parameters, along)
-    left = np.where(fitted.used[..., None], left, 0.0)
-    rms = np.sqrt((left**2).sum(axis=(0, 1)) / fitted.used.sum())
+    left = np.where(fitted.cells, left, 0.0)
+    rms = np.sqrt((left**2).sum(axis=(0, 1)) / fitted.samples)
     return np.where(np.isfinite(rms), rms, 0.0)
 
 
@@ -146,7 +147,7 @@ def _projected(problem: Problem, shot: Shot) -> tuple[Array, Array]:
     By the initial states an orthonormal basis within each horizon, (w, H, n_y, n_x), none
     where they are known; by the parameters (w, H, n_y, n) with that basis projected out.
     """
-    used = problem.windows.used[..., None, None]
+    used = problem.windows.cells[..., None]
     both = by_parameter(problem, shot), shot.by_state
     jp, jx = (np.where(used, by / problem.scale[:, None], 0.0) for by in both)
     jx = np.where(problem.moving[:, None, None, :], jx, 0.0)

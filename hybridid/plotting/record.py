@@ -110,6 +110,10 @@ def _caption(record: Record) -> str:
     signals = [channel.name for channel in record.channels if not channel.constant]
     listed = ", ".join(name.replace("_", " ") for name in signals)
     masked = f"; {np.sum(~record.counts):,} of them masked (shaded)" if record.masked else ""
+    if record.absent is not None:
+        names = [channel.name.replace("_", " ") for channel in record.output_channels]
+        holes = zip(names, record.absent.sum(axis=0).tolist(), strict=True)
+        masked += "".join(f"; {name} missing at {n:,} (interpolated)" for name, n in holes if n)
     return (
         f"Record {record.name} ({record.provenance}): {listed}; {record.n:,} samples at "
         f"{1 / record.dt:g} Hz over {record.time[-1] - record.time[0]:.3g} s{masked}."

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.validation.predict import Prediction
+from hybridid.validation.predict import Prediction, holes_of
 
 Array = NDArray[np.float64]
 
@@ -71,18 +71,20 @@ class Response:
             )
         column = names.index(name)
         starts = _starts(prediction)
+        kept, rows = prediction.samples_of(column)
+        time = prediction.time[kept]
         return cls(
             model=model,
             record=prediction.record,
             output=name,
             unit=prediction.output_units[column],
-            time=prediction.time,
-            measured=prediction.measured[:, column],
-            predicted=prediction.predicted[:, column],
+            time=time,
+            measured=prediction.measured[kept, column],
+            predicted=prediction.predicted[kept, column],
             view=_view(prediction, starts),
             starts=starts,
             provenance=prediction.provenance,
-            holes=prediction.holes,
+            holes=np.empty((0, 2)) if rows is None else holes_of(time, rows),
         )
 
     @property

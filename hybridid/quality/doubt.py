@@ -71,7 +71,7 @@ def _left(problem: Problem, p: Array, x0: Array, basis: Array, kept: NDArray[np.
 
 def _basis(problem: Problem, shot: Shot) -> Array:
     """Orthonormal basis (w, H n_y, n_x) of what the initial states of each horizon can take."""
-    used = problem.windows.used[..., None, None]
+    used = problem.windows.cells[..., None]
     by_state = np.where(used, shot.by_state / problem.scale[:, None], 0.0)
     tall = by_state.reshape(len(by_state), -1, by_state.shape[3])
     size = np.linalg.norm(tall, axis=1, keepdims=True)

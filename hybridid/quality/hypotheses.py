@@ -62,7 +62,11 @@ class Hypothesis:
         """``record`` with the change undone that is supposed."""
         both = np.column_stack([record.inputs, record.outputs]) * np.array(self.factors)
         both, n_u = both[:, list(self.order)], record.inputs.shape[1]
-        return replace(record, inputs=both[:, :n_u], outputs=both[:, n_u:], warnings=())
+        changed = {"inputs": both[:, :n_u], "outputs": both[:, n_u:], "warnings": ()}
+        if record.absent is not None:
+            cells = np.column_stack([np.zeros_like(record.inputs, dtype=bool), record.absent])
+            changed["absent"] = cells[:, list(self.order)][:, n_u:]
+        return replace(record, **changed)
 
     def loosened(self, model: Model) -> Model:
         """``model`` without the bounds of the released parameters."""

@@ -123,9 +123,9 @@ def stretches(residual: Array, used: NDArray[np.bool_]) -> Array:
 
 def _of_nothing(windows: Windows) -> Array:
     """RMS (n_y,) of the outputs about the mean of each horizon: what a constant leaves."""
-    used = windows.used[..., None]
-    count = used.sum(axis=1, keepdims=True)
+    used = windows.cells
+    count = np.maximum(used.sum(axis=1, keepdims=True), 1)
     mean = np.where(used, windows.outputs, 0.0).sum(axis=1, keepdims=True) / count
     moved = np.where(used, windows.outputs - mean, 0.0)
-    rms = np.sqrt((moved**2).sum(axis=(0, 1)) / windows.samples)
+    rms = np.sqrt((moved**2).sum(axis=(0, 1)) / windows.counts)
     return np.where(rms > 0, rms, 1.0)

@@ -23,8 +23,8 @@ def views_of(
 ) -> tuple[View, ...]:
     """Each output over the horizons of ``problem``, which is that of the fit, and in free run."""
     shot = problem.shooter(estimate.initial_states, model.values(estimate.values))
-    used = problem.windows.used
-    own = problem.windows.outputs[used] - shot.outputs[used]
+    windows = problem.windows
+    own = np.where(windows.cells, windows.outputs - shot.outputs, np.nan)[windows.used]
     if estimate.settings.horizon is None:
         return tuple(_rows(model, records, own, None, _constant(records)))
     horizon = estimate.settings.horizon * records[0].dt
@@ -38,7 +38,7 @@ def _rows(
 ) -> Iterator[View]:
     spread = _constant(records)
     with np.errstate(over="ignore", invalid="ignore"):
-        rmse = np.sqrt(np.mean(error**2, axis=0))
+        rmse = np.sqrt(_mean(error**2))
         r2 = 1.0 - np.square(rmse / np.where(spread > 0, spread, np.nan))
     for output, *numbers in zip(model.outputs, rmse.tolist(), r2.tolist(), nothing.tolist(), strict=True):
         yield View(output.name, output.unit, horizon, *numbers)
@@ -61,10 +61,19 @@ def _free(model: Model, records: Sequence[Record], estimate: Estimate) -> Array:
 
 def _constant(records: Sequence[Record]) -> Array:
     """RMS (n_y,) of the outputs about the mean of each record."""
-    return np.sqrt(np.concatenate([(r.counted - r.counted.mean(axis=0)) ** 2 for r in records]).mean(axis=0))
+    about = [(r.counted - np.nanmean(r.counted, axis=0)) ** 2 for r in records]
+    return np.sqrt(np.nanmean(np.concatenate(about), axis=0))
 
 
 def _held(problem: Problem) -> Array:
     """RMS (n_y,) of the outputs about the value with which each horizon begins."""
-    outputs = problem.windows.outputs
-    return np.sqrt(np.mean((outputs - outputs[:, :1])[problem.windows.used] ** 2, axis=0))
+    windows = problem.windows
+    moved = np.where(windows.cells, windows.outputs - windows.outputs[:, :1], np.nan)
+    return np.sqrt(np.nanmean(moved[windows.used] ** 2, axis=0))
+
+
+def _mean(squares: Array) -> Array:
+    """Mean of (n, n_y) over what was measured, (n_y,); nan where nothing is."""
+    measured = np.isfinite(squares)
+    with np.errstate(invalid="ignore"):
+        return np.where(measured, squares, 0.0).sum(axis=0) / measured.sum(axis=0)

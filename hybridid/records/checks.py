@@ -8,7 +8,7 @@ import numpy as np
 
 from hybridid.records.channel import Array, Channel, RecordError, Signals
 from hybridid.records.clipping import clipped_runs
-from hybridid.records.masked import Counts
+from hybridid.records.masked import Cells, Counts
 
 MINIMUM_SAMPLES = 10
 # Time stamps printed with too few digits deviate by less than this, a lost or late sample by more.
@@ -22,11 +22,11 @@ GRID_TOLERANCE = 0.5  # of the sampling time
 
 
 def check_samples(
-    name: str, time: Array, signals: Sequence[Signals], counts: Counts | None = None
+    name: str, time: Array, signals: Sequence[Signals], cells: Cells | None = None
 ) -> tuple[str, ...]:
     """Warnings about the samples of record ``name``, each one line; ``time`` is (n,) in s.
 
-    ``counts`` (n,) are the samples that count; None: all.
+    ``cells`` (n, n_y) says which of the outputs count; None: all.
 
     Raises:
         RecordError: if lengths or shapes disagree, there is no output, names repeat, there are fewer
@@ -44,12 +44,25 @@ def check_samples(
     for role, channel, values in _each(signals):
         check_finite(values, f"{role} {channel.name!r}", channel.unit, where, time)
     check_even(time, where)
-    if counts is not None and counts.sum() < MINIMUM_SAMPLES:
+    if cells is not None:
+        _check_cells(time, signals, cells, where)
+    return tuple(_warnings(time, signals, where, cells))
+
+
+def _check_cells(time: Array, signals: Sequence[Signals], cells: Cells, where: str) -> None:
+    count = int(cells.any(axis=1).sum())
+    if count < MINIMUM_SAMPLES:
         raise RecordError(
-            f"{where}: {counts.sum()} of {len(time)} samples count, at least {MINIMUM_SAMPLES} are needed: "
+            f"{where}: {count} of {len(time)} samples count, at least {MINIMUM_SAMPLES} are needed: "
             "the mask leaves too few"
         )
-    return tuple(_warnings(time, signals, where, counts))
+    outputs = next(group for group in signals if group.role == "outputs")
+    for channel, count in zip(outputs.channels, cells.sum(axis=0).tolist(), strict=True):
+        if count < MINIMUM_SAMPLES:
+            raise RecordError(
+                f"{where}: output {channel.name!r} counts at {count} of {len(time)} samples, at least "
+                f"{MINIMUM_SAMPLES} are needed"
+            )
 
 
 def check_finite(values: Array, what: str, unit: str, where: str, time: Array | None = None) -> None:
@@ -167,16 +180,23 @@ def _each(signals: Sequence[Signals]) -> Iterator[tuple[str, Channel, Array]]:
             yield role.removesuffix("s").removesuffix(" signal"), channel, values[:, j]
 
 
-def _warnings(time: Array, signals: Sequence[Signals], where: str, counts: Counts | None) -> Iterator[str]:
-    for role, channel, values in _each(signals):
+def _counts(signals: Sequence[Signals], cells: Cells | None) -> Iterator[Counts | None]:
+    """For every signal the samples at which it counts, (n,); None: all."""
+    for role, _, channels in signals:
+        for j in range(len(channels)):
+            yield cells[:, j] if cells is not None and role == "outputs" else None
+
+
+def _warnings(time: Array, signals: Sequence[Signals], where: str, cells: Cells | None) -> Iterator[str]:
+    for (role, channel, values), counts in zip(_each(signals), _counts(signals, cells), strict=True):
         if role == "auxiliary" or channel.constant:  # no model uses it; it is meant
             continue
-        seen = values[counts] if counts is not None and role == "output" else values
+        seen = values if counts is None else values[counts]
         if seen.min() == seen.max():
             yield f"{where}: {role} {channel.name!r} is constant ({seen[0]:g} {channel.unit})"
             continue
         runs = clipped_runs(values)
-        if counts is not None and role == "output":
+        if counts is not None:
             runs = [run for run in runs if counts[slice(*run)].any()]
         if runs:
             start, stop = runs[0]

@@ -11,6 +11,7 @@ import numpy as np
 
 from hybridid.naming import shortened, unknown
 from hybridid.plain import build
+from hybridid.records.absent import Missing, gap_of, on_grid
 from hybridid.records.channel import Array, Channel, Hold, RecordError
 from hybridid.records.checks import check_finite, set_resample
 from hybridid.records.columns import Columns, clock_of, find_column, find_time
@@ -39,6 +40,8 @@ class SignalMap:
     ``factor`` names a scalar or a column of the same files (EMPS: force [N] = ``gtau`` · ``vir``).
     ``offset`` is in ``unit``. If several files have a column of that name, write ``file:column``
     with the file's name or stem. Without a ``hold`` an input is assumed to be held constant (``zoh``).
+    ``missing`` says what becomes of cells without a number: ``refuse`` ends the command, ``mask`` leaves them
+    out, of an output alone.
     """
 
     name: str
@@ -50,6 +53,7 @@ class SignalMap:
     factor: str | None = None
     hold: Hold | None = None
     meaning: str = ""
+    missing: Missing = "refuse"
 
     def __post_init__(self) -> None:
         if not self.name.isprintable() or not 0 < len(self.name) <= LONGEST:
@@ -172,17 +176,24 @@ def build_record(
     signals = [*inputs, *outputs, *auxiliary]
     if not signals:
         raise RecordError(f"record {name}: it names no signal")
-    values = [_signal(signal, tables) for signal in signals]
-    stamps = _stamps(time, tables, len(values[0]))
+    found = [_signal(signal, tables) for signal in signals]
+    stamps = _stamps(time, tables, len(found[0]))
     clocks = _clocks(name, time, signals, tables, resample is not None)
     if clocks is None:
-        _check_lengths(name, stamps, signals, values)
-    warnings: tuple[str, ...] = ()
+        _check_lengths(name, stamps, signals, found)
+    roles = ["inputs"] * len(inputs) + ["outputs"] * len(outputs) + ["auxiliary"] * len(auxiliary)
+    own = [stamps] * len(signals) if clocks is None else clocks
+    gaps = [gap_of(name, s, role, v, at) for s, role, v, at in zip(signals, roles, found, own, strict=True)]
+    values = [gap.filled for gap in gaps]
+    warnings: tuple[str, ...] = tuple(gap.said for gap in gaps if gap.said)
+    absent = [gap.absent for gap in gaps]
     if resample is not None:
         plan = resample if isinstance(resample, Resample) else Resample(resample)
         holds = [s.channel.hold if i < len(inputs) else None for i, s in enumerate(signals)]
         _check_finite(name, stamps, signals, values)
-        stamps, values, warnings = resampled(stamps, values, holds, plan, f"record {name}", clocks)
+        stamps, values, remarks = resampled(stamps, values, holds, plan, f"record {name}", clocks)
+        absent = [on_grid(stamps, at, cells) for at, cells in zip(own, absent, strict=True)]
+        warnings = (*warnings, *remarks)
     n_u, n_y = len(inputs), len(inputs) + len(outputs)
     return Record(
         name=name,
@@ -196,6 +207,7 @@ def build_record(
         source=", ".join(map(str, paths)),
         digest=digest_of(paths),
         warnings=warnings,
+        absent=np.column_stack(absent[n_u:n_y]),
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Counts = NDArray[np.bool_]
+Cells = NDArray[np.bool_]
 Levels = NDArray[np.int8]
 COUNTS, THROUGH, APART = 0, 1, 2
 """What a sample is: it counts, it is masked and simulated through, it is masked and not simulated."""

@@ -11,7 +11,18 @@ import numpy as np
 from hybridid.naming import unknown
 from hybridid.records.channel import HOLDS, Array, Channel, Hold, RecordError, Signals
 from hybridid.records.checks import check_samples
-from hybridid.records.masked import APART, Counts, Levels, Masked, levels_of, masked_of, pieces
+from hybridid.records.masked import (
+    APART,
+    COUNTS,
+    THROUGH,
+    Cells,
+    Counts,
+    Levels,
+    Masked,
+    levels_of,
+    masked_of,
+    pieces,
+)
 
 __all__ = ["HOLDS", "Array", "Channel", "Hold", "Record", "RecordError"]
 
@@ -25,7 +36,9 @@ class Record:
     ``simulated`` marks whatever comes from a virtual rig; it travels with every result.
     ``digest`` is the SHA-256 of the file it came from, or of the rig's configuration.
     ``warnings`` are one line each: those of reading and preprocessing, and those of its own check.
-    ``masked`` are the stretches of samples that do not count (``with_masked``).
+    ``masked`` are the stretches of samples that do not count (``with_masked``). ``absent`` (n, n_y) marks the
+    cells of ``outputs`` that were not measured, where another output was; None: there are none. They hold
+    interpolated values.
 
     Raises:
         RecordError: if shapes or lengths disagree, a value is not finite, the time
@@ -45,6 +58,7 @@ class Record:
     digest: str = ""
     warnings: tuple[str, ...] = field(default=())
     masked: tuple[Masked, ...] = ()
+    absent: Cells | None = None
     _seen_by_check: tuple[str, ...] = field(init=False, repr=False, default=())
 
     def __post_init__(self) -> None:
@@ -52,8 +66,10 @@ class Record:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, self._frozen(name, value))
-        counts = self.counts if self.masked else None
-        seen = check_samples(self.name, self.time, self._signals(), counts)
+        if self.absent is not None:
+            self._set_absent(self.absent)
+        cells = self.cells if self.partly else None
+        seen = check_samples(self.name, self.time, self._signals(), cells)
         object.__setattr__(self, "_seen_by_check", seen)
         # a copy takes its warnings with it, and its check finds them again
         found = dict.fromkeys((*self.warnings, *self._seen_by_check))
@@ -66,6 +82,21 @@ class Record:
             raise RecordError(f"record {self.name}: {name} is not an array of numbers: {wrong}") from wrong
         frozen.flags.writeable = False
         return frozen
+
+    def _set_absent(self, absent: Cells) -> None:
+        """Check and freeze ``absent``. A sample without any output is masked, and simulated through."""
+        cells = np.array(absent, dtype=bool)
+        if cells.shape != self.outputs.shape:
+            raise RecordError(
+                f"record {self.name}: absent has shape {cells.shape}, the outputs {self.outputs.shape}"
+            )
+        nothing: Counts = np.logical_and.reduce(cells, axis=1)
+        if nothing.any():
+            levels = np.maximum(self.levels, np.where(nothing, THROUGH, COUNTS)).astype(np.int8)
+            object.__setattr__(self, "masked", masked_of(levels))
+            cells &= ~nothing[:, None]
+        cells.flags.writeable = False
+        object.__setattr__(self, "absent", cells if cells.any() else None)
 
     def _signals(self) -> tuple[Signals, ...]:
         """Inputs, outputs and, if there are any, auxiliary signals."""
@@ -95,9 +126,26 @@ class Record:
         return levels_of(self.masked, self.n)
 
     @property
+    def cells(self) -> Cells:
+        """Which cells of the outputs count, (n, n_y): measured, and not masked."""
+        counts = np.repeat(self.counts[:, None], self.outputs.shape[1], axis=1)
+        return counts if self.absent is None else counts & ~self.absent
+
+    @property
+    def whole(self) -> Counts:
+        """Which samples count with all their outputs, (n,)."""
+        found: Counts = np.logical_and.reduce(self.cells, axis=1)
+        return found
+
+    @property
+    def measured(self) -> Array:
+        """The outputs, nan where they were not measured, (n, n_y)."""
+        return self.outputs if self.absent is None else np.where(self.absent, np.nan, self.outputs)
+
+    @property
     def counted(self) -> Array:
-        """The outputs at the samples that count, (m, n_y)."""
-        return self.outputs[self.counts] if self.masked else self.outputs
+        """The outputs at the samples that count, nan where they were not measured, (m, n_y)."""
+        return self.measured[self.counts] if self.masked else self.measured
 
     @property
     def pieces(self) -> list[tuple[int, int]]:
@@ -206,9 +254,25 @@ class Record:
         kept = tuple(w for w in self.warnings if w not in self._seen_by_check)
         return replace(self, masked=masked_of(levels), warnings=kept)
 
+    @property
+    def partly(self) -> bool:
+        """Whether not every cell of the outputs counts."""
+        return bool(self.masked) or self.absent is not None
+
+    def of_whole_samples(self) -> Record:
+        """The record with each sample masked at which an output was not measured, and simulated through.
+
+        Raises:
+            RecordError: if too few samples count.
+        """
+        if self.absent is None:
+            return self
+        levels = np.where(self.absent.any(axis=1), THROUGH, COUNTS).astype(np.int8)
+        return replace(self, absent=None).with_masked(np.maximum(self.levels, levels))
+
     def unmasked(self) -> Record:
         """The record with all its samples counting."""
-        return replace(self, masked=()) if self.masked else self
+        return replace(self, masked=(), absent=None) if self.partly else self
 
     def part(self, start: int, stop: int, name: str | None = None) -> Record:
         """Samples ``start`` to ``stop`` (exclusive) as a record of their own.
@@ -228,4 +292,5 @@ class Record:
             auxiliary=None if self.auxiliary is None else self.auxiliary[cut],
             warnings=tuple(w for w in self.warnings if w not in self._seen_by_check),
             masked=masked_of(self.levels[cut]) if self.masked else (),
+            absent=None if self.absent is None else self.absent[cut],
         )

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_coeffs, savgol_filter, welch
 from scipy.stats import chi2
 
+from hybridid.records.masked import Counts, pieces
 from hybridid.records.record import Record
 
 Array = NDArray[np.float64]
@@ -32,7 +33,7 @@ class SensorNoise(NamedTuple):
 
 def sensor_noise(record: Record) -> tuple[SensorNoise, ...]:
     """The noise of each output: at least the quantisation, and the larger of two looks at white noise."""
-    return tuple(_told(y) for y in _counted(record).T)
+    return tuple(_told(y) for y in _counted(record))
 
 
 def _told(y: Array) -> SensorNoise:
@@ -50,17 +51,21 @@ def noise_level(record: Record) -> Array:
     motion for noise, the spectrum what leaks from strong motion; neither takes noise for motion.
     """
     return np.array(
-        [max(_quantisation(y) / np.sqrt(12), min(_local(y), _quietest(y))) for y in _counted(record).T]
+        [max(_quantisation(y) / np.sqrt(12), min(_local(y), _quietest(y))) for y in _counted(record)]
     )
 
 
-def _counted(record: Record) -> Array:
-    """The outputs (m, n_y) at the samples that count, each stretch shifted to where the one before ended."""
-    if not record.masked:
-        return record.outputs
+def _counted(record: Record) -> list[Array]:
+    """Each output (m,) at the samples that count, each stretch shifted to where the one before ended."""
+    if not record.partly:
+        return list(record.outputs.T)
+    return [_joined(y, counts) for y, counts in zip(record.outputs.T, record.cells.T, strict=True)]
+
+
+def _joined(y: Array, counts: Counts) -> Array:
     found: list[Array] = []
-    for first, end in record.pieces:
-        piece = record.outputs[first:end]
+    for first, end in pieces(counts):
+        piece = y[first:end]
         found.append(piece - piece[0] + found[-1][-1] if found else piece)
     return np.concatenate(found)
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from hybridid.records.channel import Array, Channel, RecordError
-from hybridid.records.masked import Masked
+from hybridid.records.masked import Masked, runs
 from hybridid.records.record import Record
 from hybridid.records.tables import column, read_table
 
@@ -68,6 +68,9 @@ def load_record(path: Path | str) -> Record:
     del description["format"]
     auxiliary = _matrix(table, channels["auxiliary"])
     masked = tuple(Masked(*stretch) for stretch in description.pop("masked", ()))
+    absent = np.zeros((table.num_rows, len(channels["output"])), dtype=bool)
+    for output, first, end in description.pop("absent", ()):
+        absent[first:end, output] = True
     return Record(
         time=column(table, "time"),
         inputs=_matrix(table, channels["input"]),
@@ -77,6 +80,7 @@ def load_record(path: Path | str) -> Record:
         output_channels=channels["output"],
         auxiliary_channels=channels["auxiliary"],
         masked=masked,
+        absent=absent,
         **{**description, "warnings": tuple(description["warnings"])},
     )
 
@@ -94,7 +98,19 @@ def _description(record: Record) -> dict[str, Any]:
         "warnings": record.warnings,
         **{role: [asdict(channel) for channel in channels] for role, channels in roles},
         **({"masked": record.masked} if record.masked else {}),
+        **({"absent": _stretches(record)} if record.absent is not None else {}),
     }
+
+
+def _stretches(record: Record) -> list[tuple[int, int, int]]:
+    """Output, first and end sample of each stretch of cells that are absent."""
+    absent = np.zeros_like(record.outputs, dtype=bool) if record.absent is None else record.absent
+    return [
+        (output, first, end)
+        for output, cells in enumerate(absent.T)
+        for first, end in runs(cells)
+        if cells[first]
+    ]
 
 
 def _matrix(table: Any, channels: tuple[Channel, ...]) -> Array:

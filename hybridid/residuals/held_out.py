@@ -161,7 +161,7 @@ def score_fold(gray: Model, fold: Fold, candidate: Candidate, alone: Alone) -> F
 
 def _mean_square(model: Model, values: dict[str, float], fold: Fold, settings: FitSettings) -> Array:
     errors = [free_run(model, values, r, "estimated", settings.integrator).error for r in fold.held_out]
-    return np.mean(np.concatenate(errors) ** 2, axis=0)
+    return np.nanmean(np.concatenate(errors) ** 2, axis=0)
 
 
 def compare(
@@ -181,7 +181,7 @@ def compare(
         for fold, fitted in zip(cut, alone, strict=True)
     ]
     scores = list(mapper(score_fold, jobs))
-    spread = np.concatenate([r.counted for r in records]).std(axis=0)
+    spread = np.nanstd(np.concatenate([r.counted for r in records]), axis=0)
     spread[spread == 0] = 1.0
     return [
         Scored(candidate, tuple(scores[k * count : (k + 1) * count]), spread)

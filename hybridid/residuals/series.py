@@ -50,9 +50,9 @@ def surroundings(prediction: Prediction, record: Record, output: str) -> Surroun
     """The signals for a network on ``output`` along a gray box' prediction of ``record``.
 
     Raises:
-        RecordError: if the record is masked.
+        RecordError: if the record is masked, or an output was not measured somewhere.
     """
-    if record.masked:
+    if record.partly:
         raise RecordError(
             f"record {record.name} is masked: residual=narx needs the error at every sample; crop the "
             "record, or use residual=rbf"

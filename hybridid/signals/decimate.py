@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import signal
 
-from hybridid.records.masked import Levels, masked_of
+from hybridid.records.masked import Cells, Levels, masked_of
 from hybridid.records.record import Array, Hold, Record
 from hybridid.signals.step import Step, StepError
 
@@ -64,7 +64,13 @@ class Decimate(Step):
             outputs=part(record.outputs, (None,) * len(record.output_channels)),
             auxiliary=None if auxiliary is None else part(auxiliary, (None,) * auxiliary.shape[1]),
             masked=masked_of(_thinned(record.levels, self.factor, kept)) if record.masked else (),
+            absent=None if record.absent is None else self._fewer(record.absent, kept),
         )
+
+    def _fewer(self, absent: Cells, kept: int) -> Cells:
+        """The absent cells (kept, n_y): those that the filter mixes with one."""
+        columns = [_thinned(column.astype(np.int8), self.factor, kept) for column in absent.T]
+        return np.column_stack(columns).astype(bool)
 
 
 def _thinned(levels: Levels, factor: int, kept: int) -> Levels:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from hybridid.records.masked import Cells
 from hybridid.records.record import Array, Channel, Record
 
 Role = Literal["output", "input", "auxiliary"]
@@ -83,7 +84,7 @@ class Target:
         if self.name in {channel.name for channel in record.channels}:
             raise StepError(f"record {record.name} already has a signal {self.name!r}; choose another name")
         channel = Channel(self.name, self.unit, "foh" if self.role == "input" else "zoh")
-        appended = _appended(record, channel, values, self.role)
+        appended = _appended(record, channel, values, self.role, self.source)
         return _demoted(appended, self.source, self.role == "output") if self.demote else appended
 
 
@@ -123,12 +124,13 @@ def edited(record: Record, values: Mapping[str, Array], unit: str | None = None)
     )
 
 
-def _appended(record: Record, channel: Channel, values: Array, role: Role) -> Record:
+def _appended(record: Record, channel: Channel, values: Array, role: Role, source: str) -> Record:
     if role == "output":
         return replace(
             record,
             outputs=np.column_stack([record.outputs, values]),
             output_channels=(*record.output_channels, channel),
+            absent=_absent_with(record, source),
         )
     if role == "input":
         return replace(
@@ -141,6 +143,15 @@ def _appended(record: Record, channel: Channel, values: Array, role: Role) -> Re
         auxiliary=np.column_stack([_auxiliary(record), values]),
         auxiliary_channels=(*record.auxiliary_channels, channel),
     )
+
+
+def _absent_with(record: Record, source: str) -> Cells | None:
+    """The absent cells with one more output, which is missing where ``source`` is."""
+    if record.absent is None:
+        return None
+    names = [channel.name for channel in record.output_channels]
+    own = record.absent[:, names.index(source)] if source in names else np.zeros(record.n, dtype=bool)
+    return np.column_stack([record.absent, own])
 
 
 def _demoted(record: Record, name: str, made: bool) -> Record:
@@ -157,6 +168,7 @@ def _demoted(record: Record, name: str, made: bool) -> Record:
     return replace(
         record,
         outputs=record.outputs[:, kept],
+        absent=None if record.absent is None else record.absent[:, kept],
         output_channels=tuple(record.output_channels[k] for k in kept),
         auxiliary=np.column_stack([_auxiliary(record), record.outputs[:, j]]),
         auxiliary_channels=(*record.auxiliary_channels, record.output_channels[j]),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from hybridid.model import Model
+from hybridid.records.masked import Counts
 from hybridid.records.record import Record
 
 Array = NDArray[np.float64]
@@ -20,6 +21,8 @@ SHARE = 0.99
 """Share of an output's power that counts as signal; the rest counts as noise."""
 MARGIN = 2.0
 """The polynomial passes frequencies up to this multiple of the signal's highest frequency."""
+FEW = 0.1
+"""Share of the samples that show all outputs below which the others are taken, too."""
 _KEPT: WeakKeyDictionary[Record, dict[tuple[str, int, int], Array]] = WeakKeyDictionary()
 
 
@@ -65,11 +68,26 @@ def measured_states(model: Model, record: Record, half_width: int = HALF_WIDTH) 
     return states
 
 
+def telling(record: Record) -> Counts:
+    """Which samples (n,) show where the machine was: those that count with all outputs; where these are few,
+    as of sensors of other rates, all that count."""
+    return record.whole if record.whole.mean() >= FEW * record.counts.mean() else record.counts
+
+
+def _filled(record: Record, output: str) -> Array:
+    """An output (n,), with a straight line through the cells at which it was not measured."""
+    samples = record.output(output)
+    if record.absent is None:
+        return samples
+    seen = record.cells[:, [channel.name for channel in record.output_channels].index(output)]
+    return np.where(seen, samples, np.interp(record.time, record.time[seen], samples[seen]))
+
+
 def output_derivative(record: Record, output: str, derivative: int, half_width: int = HALF_WIDTH) -> Array:
     """``smoothed_derivative`` of an output, (n,), found once a record: each model tried asks for it."""
     kept, key = _KEPT.setdefault(record, {}), (output, derivative, half_width)
     if key not in kept:
-        samples = record.output(output)
+        samples = _filled(record, output)
         found = smoothed_derivative(samples, record.dt, derivative, half_width)
         if record.masked:  # what does not count says nothing of the samples beside it
             for piece in (slice(*one) for one in record.pieces):

@@ -17,6 +17,7 @@ CALL = 2500
 """Samples that one call of a compiled function simulates, over all horizons together."""
 SHORTEST = 0.2
 """A last horizon shorter than this share of the others is omitted."""
+_BY_HORIZON = ("time", "stages", "inputs", "outputs", "used", "cells")
 HEAD = 10
 """Samples that must count in the first horizon after a masked stretch."""
 
@@ -28,7 +29,8 @@ class Windows:
     One call simulates ``chunk`` samples of each, so ``length`` is a multiple of it.
 
     Shapes: ``time`` (w, length); ``stages`` (w, length, n_U) inputs of each step;
-    ``inputs`` (w, length, n_u); ``outputs`` (w, length, n_y); ``used`` (w, length).
+    ``inputs`` (w, length, n_u); ``outputs`` (w, length, n_y); ``used`` (w, length); ``cells`` (w, length,
+    n_y), the outputs that were measured of the samples in use.
     ``origin`` gives (record index, first sample, end sample) of each. ``used`` is False where a record is
     masked, too. ``horizon`` is the length asked for: one that would end in a masked stretch ends after it.
     ``heads`` are (record index, first sample) of the horizons that begin a record, or begin anew after a
@@ -44,6 +46,7 @@ class Windows:
     inputs: Array
     outputs: Array
     used: NDArray[np.bool_]
+    cells: NDArray[np.bool_]
     origin: tuple[tuple[int, int, int], ...]
     horizon: int
     heads: frozenset[tuple[int, int]]
@@ -61,13 +64,14 @@ class Windows:
     def select(self, chosen: Sequence[int]) -> Windows:
         """The horizons with these indices only, in this order."""
         rows = list(chosen)
-        arrays = {name: getattr(self, name)[rows] for name in ("time", "stages", "inputs", "outputs", "used")}
+        arrays = {name: getattr(self, name)[rows] for name in _BY_HORIZON}
         return replace(self, **arrays, origin=tuple(self.origin[k] for k in rows))
 
     def without_ends(self, gap: int) -> Windows:
         """The same horizons with their last ``gap`` samples not in use."""
         ends = np.array(self.lengths)[:, None] - gap
-        return replace(self, used=self.used & (np.arange(self.length) < ends))
+        inside = np.arange(self.length) < ends
+        return replace(self, used=self.used & inside, cells=self.cells & inside[..., None])
 
     @cached_property
     def holes(self) -> NDArray[np.bool_]:
@@ -100,6 +104,11 @@ class Windows:
     def samples(self) -> int:
         """Number of samples in use."""
         return int(self.used.sum())
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """Number of samples in use of each output, (n_y,)."""
+        return self.cells.sum(axis=(0, 1))
 
 
 def within(used: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -144,7 +153,11 @@ def cut(records: Sequence[Record], horizon: int | None, substeps: int, most: int
     for row, (index, start, stop) in zip(used, origin, strict=True):
         if records[index].masked:
             row[: stop - start] = records[index].counts[start:stop]
-    parts = (time, staged, inputs, outputs, used)
+    cells = np.repeat(used[..., None], outputs.shape[2], axis=2)
+    for row, (index, start, stop) in zip(cells, origin, strict=True):
+        if records[index].absent is not None:
+            row[: stop - start] = records[index].cells[start:stop]
+    parts = (time, staged, inputs, outputs, used, cells)
     return Windows(dt, held, substeps, chunk, *parts, tuple(origin), length, heads)
 
 

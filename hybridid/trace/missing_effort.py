@@ -223,8 +223,8 @@ class _Linearised:
         c = c.reshape(n_y, n, m).swapaxes(0, 1)
         b = x_next.T - np.einsum("nij,nj->ni", a, states)
         d = y.T - np.einsum("nij,nj->ni", c, states)
-        if record.masked:  # an output that depends on no state and is as measured moves nothing
-            unseen = ~record.counts
+        if record.partly:  # an output that depends on no state and is as measured moves nothing
+            unseen = ~record.cells
             c[unseen], d[unseen] = 0.0, record.outputs[unseen]
         return (
             np.ascontiguousarray(a),

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+from hybridid.advice.decay import free_decay
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import library_for
 from hybridid.effects.variable import Variable
@@ -61,15 +62,16 @@ def trace(
     ``initial_state`` ("estimated" or "measured") is that of free runs. With ``laws``, a law is composed where
     no effect explains what is missing. With ``revise``, each declared effect is left out in turn, and
     others are sought in its place. With ``recordings``, each parameter is tried with a value for each record.
-    ``mapper`` runs the refits, one after another or side by side;
-    ``report`` follows them. ``say`` is told what each step decides, as it falls.
+    A sample at which one output was not measured does not count for the others either. ``mapper`` runs the
+    refits, one after another or side by side; ``report`` follows them. ``say`` is told what each step
+    decides, as it falls.
 
     Raises:
         ValueError: if a record does not fit the model, the model diverges on the records, or they give too
             few horizons for a verdict; with ``recordings``, if there is one record or a record is held out.
     """
     began = time.perf_counter()
-    fitted, others = tuple(records), tuple(held_out)
+    fitted, others = (tuple(r.of_whole_samples() for r in part) for part in (records, held_out))
     ours, theirs = ([float(r.counts.sum()) * r.dt for r in part] for part in (fitted, others))
     seconds = horizon or automatic_horizon(ours, theirs)
     split = divided(fitted, others, seconds)
@@ -93,4 +95,9 @@ def trace(
     evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     traced = replace(traced, by_recording=differ)
-    return replace(traced, sentence=sentence(traced))
+    return replace(traced, sentence=sentence(traced) + (_confounded(fitted) if traced.accepted else ""))
+
+
+def _confounded(records: Sequence[Record]) -> str:
+    """That a name may stand for another one, where all records are one free decay; else empty."""
+    return "".join(f" Beware: {one.said}." for one in free_decay(records))

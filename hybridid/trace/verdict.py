@@ -92,7 +92,7 @@ def conclude(
     """
     split, rules = context.split, context.rules
     noise = np.max([noise_level(record) for record in split.records], axis=0)
-    spread = np.concatenate([record.counted for record in split.records]).std(axis=0)
+    spread = np.nanstd(np.concatenate([record.counted for record in split.records]), axis=0)
     floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
     found = search(model, context, starts, floor, numerics_for(model, split, starts, integrator))

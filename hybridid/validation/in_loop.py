@@ -162,7 +162,7 @@ def in_loop(
         view="loop",
         provenance=record.provenance,
         time=record.time[kept],
-        measured=np.column_stack([record.outputs, *recorded])[kept],
+        measured=np.column_stack([record.measured, *recorded])[kept],
         predicted=predicted[kept],
         states=run.states[kept],
         output_names=tuple(s.name for s in signals),

@@ -85,8 +85,9 @@ def diverged(
 
 
 def _row(prediction: Prediction, model_name: str, column: int, output: str, unit: str) -> Metrics:
-    y = prediction.measured[:, column]
-    error = y - prediction.predicted[:, column]
+    kept, _ = prediction.samples_of(column)
+    y = prediction.measured[kept, column]
+    error = y - prediction.predicted[kept, column]
     squares = float(np.sum(error**2))
     spread = float(np.sum((y - y.mean()) ** 2))
     ratio = squares / spread if spread > 0 else (np.inf if squares > 0 else 0.0)

@@ -20,7 +20,7 @@ from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.initial import measured_states, output_derivative
+from hybridid.simulation.initial import measured_states, output_derivative, telling
 from hybridid.validation.predict import Prediction
 
 Array = NDArray[np.float64]
@@ -78,7 +78,7 @@ def resisting_effort(
         return None
     width = min(HALF_WIDTH, (record.n - 1) // 4)
     inner = np.arange(width, record.n - width)
-    inner = inner[record.counts[inner]] if record.masked else inner
+    inner = inner[telling(record)[inner]] if record.partly else inner
     x = measured_states(model, record, width)[inner]
     measured = [output_derivative(record, str(s.observed_by), s.derivative + 1, width) for s in model.states]
     rates = np.stack(measured, axis=1)[inner]

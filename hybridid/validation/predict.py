@@ -34,7 +34,8 @@ VIEWS: tuple[View, ...] = get_args(View)
 class Prediction:
     """A model's outputs and the measured ones.
 
-    Shapes: ``time`` (n,) s, ``measured`` and ``predicted`` (n, n_y), ``states`` (n, n_x).
+    Shapes: ``time`` (n,) s, ``measured`` and ``predicted`` (n, n_y), ``states`` (n, n_x). ``measured`` is nan
+    where an output was not measured.
     ``breaks`` are the first samples of the horizons, ``initial_states`` (w, n_x) the states there.
     ``rows`` (n,) are the samples of the record that it shows, if these are not its first: masked ones are
     left out.
@@ -73,6 +74,14 @@ class Prediction:
     def error(self) -> Array:
         """``measured - predicted``, (n, n_y)."""
         return self.measured - self.predicted
+
+    def samples_of(self, column: int) -> tuple[NDArray[np.bool_], NDArray[np.int64] | None]:
+        """At which of its samples an output was measured, (n,), and their ``rows`` in the record, (m,)."""
+        kept = np.isfinite(self.measured[:, column])
+        if kept.all():
+            return kept, self.rows
+        rows = self.breaks[0] + np.arange(len(kept)) if self.rows is None else self.rows
+        return kept, rows[kept]
 
 
 def holes_of(time: Array, rows: NDArray[np.int64]) -> Array:
@@ -152,7 +161,7 @@ def _predict(
         view=view,
         provenance=record.provenance,
         time=time,
-        measured=problem.windows.outputs[used],
+        measured=np.where(problem.windows.cells, problem.windows.outputs, np.nan)[used],
         predicted=predicted,
         states=states,
         output_names=tuple(s.name for s in model.outputs),

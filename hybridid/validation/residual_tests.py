@@ -60,11 +60,12 @@ def residual_tests(prediction: Prediction, record: Record, lags: int = 50) -> li
 def _tests(
     prediction: Prediction, column: int, inputs: Array, names: list[str], dt: float, lags: int
 ) -> ResidualTests:
-    error = prediction.error[:, column] - prediction.error[:, column].mean()
+    kept, rows = prediction.samples_of(column)
+    error = prediction.error[kept, column] - prediction.error[kept, column].mean()
     n = len(error)
     pairs, spans = n - np.arange(1, lags + 1), 1.0
-    if prediction.rows is not None:
-        error, pairs = _with_holes(error, prediction.rows, lags)
+    if rows is not None:
+        error, pairs = _with_holes(error, rows, len(inputs), lags)
         spans = len(error) / n
     auto = correlation(error, error, lags)[lags:]
     squares = auto[1:] ** 2 / pairs
@@ -86,10 +87,12 @@ def _tests(
     )
 
 
-def _with_holes(error: Array, rows: NDArray[np.int64], lags: int) -> tuple[Array, NDArray[np.int64]]:
-    """``error`` (n,) at the samples ``rows`` of a record, zero between them, and how many pairs of its
-    samples are 1 to ``lags`` apart."""
-    found, used = np.zeros(rows[-1] + 1), np.zeros(rows[-1] + 1, dtype=bool)
+def _with_holes(
+    error: Array, rows: NDArray[np.int64], length: int, lags: int
+) -> tuple[Array, NDArray[np.int64]]:
+    """``error`` (n,) at the samples ``rows`` of ``length`` of a record, zero between them, and how many pairs
+    of its samples are 1 to ``lags`` apart."""
+    found, used = np.zeros(length), np.zeros(length, dtype=bool)
     found[rows], used[rows] = error, True
     pairs = np.array([np.sum(used[k:] & used[:-k]) for k in range(1, lags + 1)])
     return found, np.maximum(pairs, 1)

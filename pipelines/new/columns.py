@@ -21,13 +21,15 @@ Ask = Callable[[str, Sequence[str]], str | None]
 class Chosen:
     """A signal and its column: ``signal = scale · column``. ``told`` says how the scale is known: from the
     ``user``, from the unit in the ``header``, or from ``nothing``: then the signal's own unit is assumed.
-    ``hold`` is the course of an input between its samples, None where nothing tells it."""
+    ``hold`` is the course of an input between its samples, None where nothing tells it. ``gaps``: it is an
+    output, and a recording lacks some of its cells."""
 
     signal: Signal
     column: ColumnFound
     scale: float
     told: str
     hold: Hold | None = None
+    gaps: bool = False
 
 
 def chosen(

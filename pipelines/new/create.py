@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -61,7 +61,7 @@ def new(request: Request, ask: Ask) -> Machine:
         raise RecordError(f"the recordings have different time columns: {sorted(map(str, apart))}")
     found = [one for one in columns_found(tables[0]) if one.name != times[0].column]
     picked = chosen(plan, found, request.signals, request.scales, ask)
-    picked = tuple(_with_hold(one, plan, request) for one in picked)
+    picked = tuple(_with_gaps(_with_hold(one, plan, request), plan, tables) for one in picked)
     times = [_aligned(time, table, picked) for time, table in zip(times, tables, strict=True)]
     names = _record_names(request.recordings)
     here = request.folder.resolve()
@@ -137,6 +137,12 @@ def _with_hold(one: Chosen, plan: Template, request: Request) -> Chosen:
     return replace(one, hold=request.holds.get(one.signal.name, "zoh" if one.column.held else None))
 
 
+def _with_gaps(one: Chosen, plan: Template, tables: Sequence[Columns]) -> Chosen:
+    """An output that says whether cells of it are missing."""
+    gaps = any(np.isnan(table[one.column.name]).any() for table in tables)
+    return replace(one, gaps=gaps and one.signal in plan.outputs)
+
+
 def _record_names(paths: tuple[Path, ...]) -> list[str]:
     """A name for each recording, after its file."""
     names = [re.sub(r"\W+", "_", path.stem).strip("_").lower() or "record" for path in paths]
@@ -147,7 +153,12 @@ def _read(name: str, table: Columns, time: TimeFound, plan: Template, picked: tu
     """The recording as the case will read it, so that what is written works."""
     signals = {
         one.signal.name: SignalMap(
-            one.signal.name, one.signal.unit, one.column.name, one.scale, hold=one.hold
+            one.signal.name,
+            one.signal.unit,
+            one.column.name,
+            one.scale,
+            hold=one.hold,
+            missing="mask" if one.gaps else "refuse",
         )
         for one in picked
     }

@@ -28,7 +28,8 @@ def left_by_a_fit(series: np.ndarray, horizons: int, degree: int) -> Absorbed:
     direction /= np.linalg.norm(direction)
     residual = residual - direction * np.sum(direction * residual)
     used = np.ones((horizons, length), dtype=bool)
-    return Absorbed(residual[..., None], used, states[:, :, None, :], direction[:, :, None, None])
+    taken = states[:, :, None, :], direction[:, :, None, None]
+    return Absorbed(residual[..., None], used, used[..., None], *taken)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -74,7 +75,8 @@ def test_each_output_has_a_noise_of_its_own(noise):
         return np.concatenate([first * [[1], [0]], second * [[0], [1]]], axis=3)
 
     residual = np.concatenate([part.residual for part in parts], axis=2)
-    white, slow = noise_of(Absorbed(residual, parts[0].used, beside("states"), beside("parameters")))
+    cells = np.concatenate([part.cells for part in parts], axis=2)
+    white, slow = noise_of(Absorbed(residual, parts[0].used, cells, beside("states"), beside("parameters")))
     assert white.order == 0
     assert white.variance == pytest.approx(0.25, rel=0.1)
     assert slow.coefficients[0] == pytest.approx(0.8, abs=0.05)
@@ -87,6 +89,7 @@ def test_padding_says_nothing(noise):
     padded = Absorbed(
         np.pad(whole.residual, (*pad, (0, 0))),
         np.pad(whole.used, pad),
+        np.pad(whole.cells, (*pad, (0, 0))),
         np.pad(whole.states, (*pad, (0, 0), (0, 0))),
         np.pad(whole.parameters, (*pad, (0, 0), (0, 0))),
     )

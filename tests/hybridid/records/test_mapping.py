@@ -248,6 +248,54 @@ def test_an_uneven_record_passes_only_when_resampling_is_asked_for(tmp_path):
     assert any("(linear" in w for w in linear.warnings)
 
 
+@pytest.fixture
+def gappy(tmp_path):
+    """A plan of two outputs at even stamps; the angle drops out at samples 7 to 9, both at sample 50."""
+    angle, force = np.sin(20 * T), VIR.copy()
+    angle[7:10] = angle[50] = force[50] = np.nan
+    pd.DataFrame({"t": T, "q": angle, "F": force}).to_csv(tmp_path / "run.csv", index=False)
+    outputs = {"angle": {"unit": "rad", "column": "q"}, "force": {"unit": "N", "column": "F"}}
+    return {"files": str(tmp_path / "run.csv"), "time": {"column": "t"}, "outputs": outputs}
+
+
+def test_missing_cells_end_with_the_key_that_masks_them(gappy):
+    with pytest.raises(RecordError) as said:
+        read_record("run", record_map(gappy), [])
+    assert str(said.value) == (
+        f"record run: output 'angle' [rad] is missing (NaN) at sample 7 (t = {T[7]:g} s), 4 of {N} "
+        "samples are; set signals.outputs.angle.missing=mask to leave them out "
+        "(records.run.outputs.angle.missing where the record has outputs of its own)"
+    )
+
+
+def test_missing_cells_are_masked_where_asked(gappy):
+    for output in gappy["outputs"].values():
+        output["missing"] = "mask"
+    record = read_record("run", record_map(gappy), [])
+    assert record.absent.sum(axis=0).tolist() == [3, 0]
+    assert [tuple(one) for one in record.masked] == [(50, 51, True)]  # nothing was measured there
+    assert record.output("angle")[8] == pytest.approx(np.sin(20 * T[8]), abs=1e-3)
+    assert np.isnan(record.measured[7:10, 0]).all()
+    assert record.warnings[0] == (
+        f"record run: output 'angle' is missing at 4 of {N} samples, the first at t = {T[7]:g} s: masked"
+    )
+    finer = read_record("run", record_map({**gappy, "resample": 0.0005}), [])
+    absent = finer.time[finer.absent[:, 0]]
+    assert absent.min() > T[6]
+    assert absent.max() < T[10]
+    assert len(absent) == 7
+
+
+def test_only_an_output_may_be_masked_where_it_is_missing(gappy):
+    gappy["inputs"] = {"force": {**gappy["outputs"].pop("force"), "missing": "mask"}}
+    gappy["outputs"]["angle"]["missing"] = "mask"
+    with pytest.raises(RecordError, match="input 'force' has missing: mask, which only an output may have"):
+        read_record("run", record_map(gappy), [])
+    del gappy["inputs"]["force"]["missing"]
+    with pytest.raises(RecordError, match="what drives the model must be known throughout"):
+        read_record("run", record_map(gappy), [])
+
+
 def test_resampling_does_not_spread_a_missing_value(tmp_path):
     values = VIR.copy()
     values[7] = np.nan

@@ -95,3 +95,12 @@ def test_what_is_no_record_of_ours_is_one_line(tmp_path):
     for name in ("broken", "other"):
         with pytest.raises(RecordError, match=f"{name}.parquet: not a record that hybridid wrote"):
             load_record(tmp_path / f"{name}.parquet")
+
+
+def test_absent_cells_survive_the_file(make_record, tmp_path):
+    absent = np.zeros((200, 2), dtype=bool)
+    absent[20:30, 1] = absent[5, 0] = absent[40, 0] = absent[40, 1] = True
+    record = make_record(absent=absent)
+    again = load_record(save_record(record, tmp_path / "one.parquet"))
+    np.testing.assert_array_equal(again.absent, record.absent)
+    assert again.masked == record.masked == ((40, 41, True),)

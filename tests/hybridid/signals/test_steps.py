@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from hybridid.records.channel import Channel
 from hybridid.signals.butterworth import Butterworth
 from hybridid.signals.step import StepError
 from hybridid.signals.steps import STEPS, apply_steps, parse_step, parse_steps
@@ -156,3 +157,25 @@ def test_a_signal_made_from_a_lagging_one_lags(record_of):
 def test_ready_made_steps_are_taken_too(record_of):
     record = record_of(y=lambda t: np.sin(900 * t))
     assert np.ptp(apply_steps(record, [Butterworth(("position",), 5.0)]).output("position")[500:1500]) < 1e-3
+
+
+def test_absent_cells_go_along_with_their_output(record_of):
+    """A derivative is missing where its source is; a demoted source takes its cells along."""
+    record = record_of(y=lambda t: np.sin(9 * t))
+    gone = np.zeros((record.n, 1), dtype=bool)
+    gone[300:340] = True
+    double = dataclasses.replace(
+        record,
+        outputs=np.hstack([record.outputs, record.outputs]),
+        output_channels=(*record.output_channels, Channel("other", "m")),
+        absent=np.hstack([gone, ~gone & False]),
+    )
+    derive = {"step": "differentiate", "signal": "position", "name": "v", "unit": "m/s", "cutoff": 20}
+    made = apply_steps(double, [derive])
+    assert made.absent.sum(axis=0).tolist() == [40, 0, 40]
+    demoted = apply_steps(double, [{**derive, "demote": True}])
+    assert [channel.name for channel in demoted.output_channels] == ["v", "other"]
+    assert demoted.absent.sum(axis=0).tolist() == [40, 0]
+    fewer = apply_steps(double, [{"step": "decimate", "factor": 4}])
+    assert fewer.absent.sum(axis=0).tolist() == [11, 0]  # with those that the filter mixes most
+    assert apply_steps(double, [{"step": "crop", "start": 0.32}]).absent.sum() == 20

@@ -3,8 +3,10 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from hybridid.records.record import Channel, Record
 from hybridid.trace.entries import (
     AcceptedEffect,
     Floor,
@@ -16,6 +18,7 @@ from hybridid.trace.entries import (
 )
 from hybridid.trace.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
+from hybridid.trace.run import _confounded
 from hybridid.trace.words import _members, idle_in_words, sentence, structure_in_words, tried_in_words
 
 
@@ -190,3 +193,30 @@ def test_what_speaks_against_the_declared_physics_is_told(nothing):
         "These records show nothing of carriage.offset, which was declared: it ends at zero."
     )
     assert idle_in_words(nothing()) == ""
+
+
+@pytest.fixture
+def make_decay():
+    """A free swing from ``amplitude`` rad, simulated: 10 s at 100 Hz."""
+
+    def make(amplitude=1.0):
+        t = np.arange(0, 10, 0.01)
+        return Record(
+            name="decay",
+            time=t,
+            inputs=np.empty((len(t), 0)),
+            outputs=(amplitude * np.exp(-0.2 * t) * np.cos(12 * t))[:, None],
+            input_channels=(),
+            output_channels=(Channel("angle", "rad"),),
+            simulated=True,
+        )
+
+    return make
+
+
+def test_a_free_decay_warns_beside_a_name(make_decay):
+    """Amplitude and time are one there, so a friction over the one may be a friction over the other."""
+    assert _confounded([make_decay()]).startswith(
+        " Beware: amplitude and time are one in decay: a free decay"
+    )
+    assert _confounded([make_decay(), make_decay(amplitude=0.3)]) == ""

@@ -81,3 +81,29 @@ def test_a_parameter_of_a_new_case_may_differ_by_recording(recorded, say, own_fo
     assert values == pytest.approx([1.5, 1.5], rel=0.05)
     assert found["differences"]["guide.coulomb.f_c"]["p_value"] > 0.9
     assert "record c is not fitted, so guide.coulomb.f_c has no value of its own there" in said.err
+
+
+def test_cells_that_are_missing_are_masked(recorded, machine, say, own_folder, rig):
+    """The link's encoder drops out: the case says so, and the motor's angle there counts."""
+    words = recorded("two_inertias")
+    header, *lines = machine("two_inertias").text.splitlines()
+    gone = [line.rpartition("\t")[0] + "\t" if k % 500 < 50 else line for k, line in enumerate(lines)]
+    (own_folder / "two_inertias.csv").write_text("\n".join([header, *gone]))
+    said = say("new", rig, *words)
+    assert said.code == 0, said.complaint
+    assert "output 'link_angle' is missing at 250 of 2500 samples, the first at t = 0 s: masked" in said.out
+    outputs = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())["signals"]["outputs"]
+    assert {name: one.get("missing") for name, one in outputs.items()} == {
+        "motor_angle": None,
+        "link_angle": "mask",
+    }
+    validate = ("validate", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false", "out=tree")
+    assert say(*validate).code == 0
+    found = json.loads((own_folder / "tree/fit/estimate.json").read_text())["parameters"]
+    for name, value in machine("two_inertias").truth.items():
+        assert found[name]["value"] == pytest.approx(value, rel=0.02)
+    rows = json.loads((own_folder / "tree/validate/metrics.json").read_text())
+    counted = {row["output"]: row["n"] for row in rows if row["record"] == "fitted"}
+    assert counted == {"motor_angle": 1750, "link_angle": 1550}
+    refused = say(*validate, "signals.outputs.link_angle.missing=refuse")
+    assert "set signals.outputs.link_angle.missing=mask" in refused.complaint

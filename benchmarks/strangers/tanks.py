@@ -1,0 +1,48 @@
+"""Tanks, simulated at 1 Hz: alone, and two of which one may overflow."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from benchmarks.strangers.recording import Simulated, clock, noisy, run, table
+
+EDGE, WEIR = 0.35, 2e-3  # m; m^1.5/s: of an upper tank that overflows
+
+
+def tank(seconds: float = 1000.0) -> Simulated:
+    t = clock(seconds, 1.0)
+    flow = 2e-4 * (1 + 0.6 * np.sign(np.sin(2 * np.pi * t / 250)))  # held between the samples
+    level = np.empty_like(t)
+    level[0] = 0.1
+    for k, held in enumerate(flow[:-1]):
+        fill = lambda s, h, inflow: [(inflow - 4e-4 * np.sqrt(max(h[0], 0))) / 0.02]  # noqa: E731
+        level[k + 1] = solve_ivp(fill, (0, 1), [level[k]], args=(held,), rtol=1e-9).y[0, -1]
+    text = table("time,pump [L/min],level [cm]", t, flow * 6e4, noisy(level) * 100)
+    return Simulated(text, {"A": 0.02, "c": 4e-4})
+
+
+def two_tanks(seconds: float = 1000.0, edge: float = np.inf) -> Simulated:
+    """One tank runs into another. Over its edge at ``edge`` m, the upper one overflows into the drain."""
+    t = clock(seconds, 1.0)
+    slots = np.random.default_rng(3).uniform(0.8e-4, 3.2e-4, len(t) // 60 + 1)
+    inflow = np.repeat(slots, 60)[: len(t)]  # held for a minute
+    levels = np.empty((2, len(t)))
+    levels[:, 0] = 0.2, 0.15
+    for k in range(len(t) - 1):
+
+        def rates(_: float, h: np.ndarray, pumped: float = inflow[k]) -> list[float]:
+            between, out = (4e-4 * np.sqrt(max(level, 0.0)) for level in h)
+            spilled = WEIR * max(h[0] - edge, 0.0) ** 1.5
+            return [(pumped - between - spilled) / 0.02, (between - 1.1 * out) / 0.03]
+
+        levels[:, k + 1] = run(rates, levels[:, k].tolist(), np.array([0.0, 1.0]))[:, -1]
+    upper, lower = (noisy(level, 5e-3) for level in levels)
+    text = table("t [s],pump [L/min],upper [cm],lower [cm]", t, inflow * 6e4, upper * 100, lower * 100)
+    return Simulated(text, {"A_1": 0.02, "A_2": 0.03, "c_1": 4e-4, "c_2": 4.4e-4})
+
+
+def overflowing(seconds: float = 3000.0) -> Simulated:
+    """The two tanks, the upper one with an edge that it passes now and then."""
+    made = two_tanks(seconds, EDGE)
+    return Simulated(made.text, {**made.truth, "upper.overflow.limit": EDGE})

@@ -1,0 +1,169 @@
+"""Cells of one output that were not measured, on a simulated sledge of two sensors: the other one counts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete, dlsim
+
+from hybridid.declarations import Parameter, Signal, State
+from hybridid.estimators import FitSettings, fit
+from hybridid.model import compose
+from hybridid.plants.plant import Plant
+from hybridid.plotting.series import Response
+from hybridid.records.channel import Channel, RecordError
+from hybridid.records.record import Record
+from hybridid.records.sensor_noise import noise_level
+from hybridid.residuals.series import error_series
+from hybridid.simulation.windows import cut
+from hybridid.validation import free_run, horizon_run, metrics, residual_tests
+
+N, DT, TRUTH = 1200, 0.01, {"M": 2.0, "d": 3.0}
+NOISE = np.array([2e-3, 1e-2])  # m, m/s
+
+
+class Sledge(Plant):
+    """``M q'' = force - d q'``."""
+
+    name = "sledge"
+    meaning = "a sledge with two sensors"
+    source = "this test"
+    states = (
+        State("q", "m", scale=1.0, observed_by="position", derivative=0),
+        State("v", "m/s", scale=1.0, observed_by="speed", derivative=0),
+    )
+    inputs = (Signal("force", "N"),)
+    outputs = (Signal("position", "m"), Signal("speed", "m/s"))
+    parameters = (
+        Parameter("M", "kg", guess=1.0, lower=0.1, upper=10.0),
+        Parameter("d", "N·s/m", guess=1.0, lower=0.1, upper=10.0),
+    )
+    ports = ()
+
+    def motion(self, x, u, p):
+        return {}
+
+    def derivative(self, x, u, p, effort):
+        return {"q": x.v, "v": (u.force - p.d * x.v) / p.M}
+
+    def output(self, x, u, p):
+        return {"position": x.q, "speed": x.v}
+
+
+@pytest.fixture(scope="module")
+def sledge():
+    return compose(Sledge())
+
+
+@pytest.fixture(scope="module")
+def record():
+    generator = np.random.default_rng(0)
+    force = np.repeat(generator.uniform(-5, 5, N // 20), 20)
+    rates = np.array([[0, 1], [0, -TRUTH["d"] / TRUTH["M"]]]), np.array([[0], [1 / TRUTH["M"]]])
+    *discrete, step = cont2discrete((*rates, np.eye(2), np.zeros((2, 1))), DT)
+    _, outputs, _ = dlsim((*discrete, step), force)
+    return Record(
+        name="sledge",
+        time=DT * np.arange(N),
+        inputs=force[:, None],
+        outputs=outputs + generator.normal(0, NOISE, (N, 2)),
+        input_channels=(Channel("force", "N", "zoh"),),
+        output_channels=(Channel("position", "m"), Channel("speed", "m/s")),
+        simulated=True,
+    )
+
+
+@pytest.fixture(scope="module")
+def holes():
+    """The speed drops out for a second now and then, the position at single samples."""
+    cells = np.zeros((N, 2), dtype=bool)
+    for start in range(150, N, 300):
+        cells[start : start + 100, 1] = True
+    cells[np.random.default_rng(1).integers(0, N, 100), 0] = True
+    return cells & ~cells.all(axis=1, keepdims=True)
+
+
+@pytest.fixture(scope="module")
+def with_value(record, holes):
+    """The record whose cells there hold ``value``, and do not count if ``absent``."""
+
+    def made(value, absent=True):
+        outputs = np.where(holes, value, record.outputs)
+        return replace(record, outputs=outputs, absent=holes if absent else None, warnings=())
+
+    return made
+
+
+SETTINGS = {
+    "free run": FitSettings(),
+    "horizons": FitSettings(horizon=100),
+    "multiple shooting": FitSettings(method="multiple_shooting", interval=50),
+    "Huber": FitSettings(loss="huber"),
+}
+
+
+@pytest.mark.parametrize("kind", SETTINGS)
+def test_what_stands_in_an_absent_cell_moves_nothing(sledge, with_value, kind):
+    ours, other = (fit(sledge, [with_value(value)], SETTINGS[kind]) for value in (0.0, 0.7))
+    for one, also in zip(ours.parameters, other.parameters, strict=True):
+        assert one.value == pytest.approx(also.value, abs=0.01 * one.std)
+        assert one.std == pytest.approx(also.std, rel=1e-3)
+        assert abs(one.value - TRUTH[one.name]) < 4 * one.std
+    spoiled = fit(sledge, [with_value(0.7, absent=False)])
+    assert max(abs(spoiled.values[name] - TRUTH[name]) / TRUTH[name] for name in TRUTH) > 0.05
+
+
+def test_the_other_output_counts_where_one_is_absent(sledge, record):
+    """Each sample shows one output, a random one: half of the cells, and √2 of the standard errors."""
+    first = np.random.default_rng(2).random(N) < 0.5
+    cells = np.column_stack([first, ~first])
+    half = fit(sledge, [replace(record, absent=cells)])
+    whole = fit(sledge, [record])
+    for one, also in zip(half.parameters, whole.parameters, strict=True):
+        assert one.std / also.std == pytest.approx(np.sqrt(2), rel=0.1)
+
+
+def test_scores_and_tests_see_what_was_measured_alone(sledge, with_value, holes):
+    spoiled = with_value(50.0)
+    for run in (free_run(sledge, TRUTH, spoiled), horizon_run(sledge, TRUTH, spoiled, 100)):
+        rows = metrics(run, "sledge")
+        assert [row.n for row in rows] == (~holes).sum(axis=0).tolist()
+        assert [row.rmse for row in rows] == pytest.approx(NOISE, rel=0.1)
+        tests = residual_tests(run, spoiled)
+        assert all(np.isfinite(one.autocorrelation).all() for one in tests)
+        for k, name in enumerate(run.output_names):
+            drawn = Response.of("sledge", run, name)
+            assert len(drawn.time) == (~holes[:, k]).sum()
+            assert np.abs(drawn.error).max() < 6 * NOISE[k]
+    assert noise_level(spoiled) == pytest.approx(NOISE, rel=0.3)
+
+
+def test_a_sample_without_any_output_is_masked(record):
+    cells = np.zeros((N, 2), dtype=bool)
+    cells[30:40] = True
+    cells[100:120, 1] = True
+    found = replace(record, absent=cells)
+    assert [tuple(one) for one in found.masked] == [(30, 40, True)]
+    assert found.absent.sum(axis=0).tolist() == [0, 20]
+    windows = cut([found], None, 1)
+    assert windows.samples == N - 10
+    assert windows.counts.tolist() == [N - 10, N - 30]
+    whole = found.of_whole_samples()
+    assert whole.absent is None
+    assert [(one.first, one.end) for one in whole.masked] == [(30, 40), (100, 120)]
+    assert found.part(90, 200).absent.sum(axis=0).tolist() == [0, 20]
+
+
+def test_too_few_cells_are_refused(record):
+    cells = np.zeros((N, 2), dtype=bool)
+    cells[5:, 1] = True
+    with pytest.raises(RecordError, match=r"output 'speed' counts at 5 of 1200 samples, at least 10"):
+        replace(record, absent=cells)
+
+
+def test_a_network_that_needs_every_error_says_so(sledge, with_value):
+    spoiled = with_value(0.0)
+    with pytest.raises(RecordError, match="residual=narx needs the error at every sample"):
+        error_series(free_run(sledge, TRUTH, spoiled), spoiled, "speed")
