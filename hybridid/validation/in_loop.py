@@ -70,7 +70,7 @@ def synchronised(loop: Loop, record: Record) -> Loop:
 
 
 def agreement(loop: Loop, record: Record, most: float) -> tuple[Agreement, ...]:
-    """What the law makes of the recorded outputs, for each of its commands.
+    """What the law makes of the recorded outputs, for each of its commands, at the samples that count.
 
     Raises:
         ValueError: if the record lacks a signal of the law, or is too short for it.
@@ -81,10 +81,13 @@ def agreement(loop: Loop, record: Record, most: float) -> tuple[Agreement, ...]:
         raise ValueError(
             f"controller {law.name} must see {begin} samples, record {record.name} has {record.n}"
         )
+    counts = record.counts & (np.arange(record.n) >= begin)
+    if not counts.any():
+        raise ValueError(f"controller {law.name}: the mask of record {record.name} leaves nothing to compare")
     found = []
     for command, said in zip(law.commands, replayed(loop, record).T, strict=True):
-        recorded = record.input(command.name)[begin:]
-        rms = float(np.sqrt(np.mean((said[begin:] - recorded) ** 2)))
+        recorded = record.input(command.name)[counts]
+        rms = float(np.sqrt(np.mean((said[counts] - recorded) ** 2)))
         spread = float(recorded.std()) or float(np.abs(recorded).max())
         share = rms / spread if spread > 0 else (np.inf if rms > 0 else 0.0)
         where = (law.name, record.name, record.provenance, command.name, command.unit)

@@ -128,3 +128,19 @@ def test_masked_samples_are_left_out(record, model):
     np.testing.assert_allclose(found.predicted, whole.predicted[masked.counts], atol=1e-6)
     apart = in_loop(model, TRUTH, record.with_masked(2 * levels), Loop(EMPSPD(), GAINS), 300)
     assert len(apart.time) == 100
+
+
+def test_a_hand_on_the_machine_is_no_other_law(record):
+    """Where it is masked, the recorded command may be anything."""
+    levels = np.zeros(record.n, dtype=np.int8)
+    levels[200:300] = 1
+    pushed = np.where(levels[:, None] > 0, record.inputs + 50.0, record.inputs)
+    disturbed = replace(record, inputs=pushed, warnings=())
+    (seen,) = agreement(Loop(EMPSPD(), GAINS), disturbed, 0.01)
+    (masked,) = agreement(Loop(EMPSPD(), GAINS), disturbed.with_masked(levels), 0.01)
+    assert not seen.agrees
+    assert masked.agrees
+    early = np.ones(record.n, dtype=np.int8)
+    early[:10] = 0
+    with pytest.raises(ValueError, match=r"the mask of record .* leaves nothing to compare"):
+        agreement(Loop(EMPSPD(), GAINS, every=20), record.with_masked(early), 0.01)
