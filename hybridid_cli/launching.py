@@ -12,7 +12,7 @@ from hydra._internal.core_plugins.basic_launcher import BasicLauncher
 from hydra.core.utils import JobReturn, JobStatus
 
 from pipelines.shared.config import Settings
-from pipelines.shared.errors import ConfigError
+from pipelines.shared.errors import ConfigError, LostJob
 from pipelines.shared.pool import core_count
 from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
@@ -50,19 +50,32 @@ class LauncherProcesses:
     _launched: int = field(default=0, init=False)
 
     def carry_out(self, sweep_jobs: Sequence[SweepJob], watcher: Watcher, ended: OnJobEnd) -> Failures:
-        """Run all jobs. A broken pool is started again for the jobs that had not begun."""
+        """Run all jobs. A broken pool is started again for the jobs that had not begun.
+
+        A trace that was lost by chance is launched once more, since it goes on where it was.
+        """
         self.folder.mkdir(parents=True, exist_ok=True)
         left = {self._written(sweep_job): sweep_job for sweep_job in sweep_jobs}
         paths = dict(left)
         troubles: dict[Path, str] = {}
+        once_more: set[Path] = set()
         while left:
             before = len(left)
             lost, broke = self._launch(left, watcher)
-            troubles |= lost
+            troubles |= {path: one_line(error) for path, error in lost.items()}
+            again = {path for path in lost if _goes_on(left[path], lost[path])} - once_more
+            once_more |= again
+            for path in again:
+                name = left[path].name
+                watcher.say(f"{name}: {troubles[path]}; it is launched once more and goes on where it was")
             # a broken pool also loses jobs that had not begun: they are launched again. A job that the
             # launcher itself reports as failed was cancelled: it is not
-            left = {path: sweep_job for path, sweep_job in left.items() if broke and not _marked(path, BEGUN)}
-            if len(left) == before:
+            left = {
+                path: sweep_job
+                for path, sweep_job in left.items()
+                if path in again or (broke and not _marked(path, BEGUN))
+            }
+            if len(left) == before and not again:
                 break
         failures: dict[str, str] = {}
         for path, sweep_job in paths.items():
@@ -76,7 +89,9 @@ class LauncherProcesses:
         write_text(path, json_text(sweep_job.plain()), mode=0o600)
         return path.resolve()
 
-    def _launch(self, sweep_jobs: Mapping[Path, SweepJob], watcher: Watcher) -> tuple[dict[Path, str], bool]:
+    def _launch(
+        self, sweep_jobs: Mapping[Path, SweepJob], watcher: Watcher
+    ) -> tuple[dict[Path, Exception], bool]:
         """Launch jobs and wait for all; returns why jobs failed, and whether the launcher itself failed."""
         own = f"hydra.sweep.dir={self.folder}"  # a job composes its config anew, from words
         jobs = [
@@ -91,9 +106,9 @@ class LauncherProcesses:
             raise
         except Exception as error:
             watcher.carry_on()
-            return dict.fromkeys(sweep_jobs, one_line(error)), True
+            return dict.fromkeys(sweep_jobs, error), True
         lost = {path: given for path, given in zip(sweep_jobs, returns, strict=True) if _failed(given)}
-        return {path: one_line(given._return_value) for path, given in lost.items()}, False
+        return {path: given._return_value for path, given in lost.items()}, False
 
 
 def _coordinates(sweep_job: SweepJob) -> list[str]:
@@ -104,6 +119,11 @@ def _coordinates(sweep_job: SweepJob) -> list[str]:
 
 def _failed(given: JobReturn) -> bool:
     return given.status == JobStatus.FAILED
+
+
+def _goes_on(sweep_job: SweepJob, error: Exception) -> bool:
+    """Whether a lost job is worth another launch: a trace keeps its refits, a network trains from nothing."""
+    return isinstance(error, LostJob) and error.by_chance and sweep_job.points[0].is_traced
 
 
 def _marked(path: Path, mark: str) -> bool:

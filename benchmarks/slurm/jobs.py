@@ -1,0 +1,64 @@
+"""The one-node Slurm, and the job of a sweep that is killed on it on purpose."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import subprocess
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+ONE_NODE = Path(__file__).with_name("one_node.sh")
+
+
+@dataclass(frozen=True)
+class Kill:
+    """Which job is killed: of the ``array`` (0 the first), once ``ended`` jobs have ended, one that began
+    ``youngest`` to ``oldest`` seconds ago."""
+
+    array: int = 0
+    ended: int = 3
+    youngest: float = 0.0
+    oldest: float = math.inf
+
+
+def cluster() -> dict[str, str]:
+    """Bring it up; the environment in which its commands find it."""
+    root = os.environ.get("HYBRIDID_SLURM", "/tmp/hybridid-slurm")
+    subprocess.run([str(ONE_NODE), "up"], check=True)
+    found = {"SLURM_CONF": f"{root}/slurm.conf", "MLFLOW_DISABLE_TELEMETRY": "true"}
+    return {**os.environ, **found, "PYTHONPATH": str(Path(__file__).parents[2])}
+
+
+def kill_one(sweep: subprocess.Popen[bytes], log: Path, environment: Mapping[str, str], kill: Kill) -> str:
+    """Kill a job of the ``sweep`` whose lines are in ``log``; its id, empty if the sweep ended before.
+
+    At once: a job that is merely cancelled has half a minute to end, and may be done by then.
+    """
+    while sweep.poll() is None:
+        time.sleep(0.1)
+        jobs = launched(log.read_text(), kill.array)
+        ended = [path for path in jobs if path.with_suffix(".outcome").exists()]
+        ages = {path: _age(path.with_suffix(".begun")) for path in jobs if path not in ended}
+        begun = [path for path, age in ages.items() if kill.youngest <= age < kill.oldest]
+        if len(ended) >= kill.ended and begun:
+            subprocess.run(["scancel", "--signal=KILL", jobs[begun[0]]], env=environment, check=True)
+            return jobs[begun[0]]
+    return ""
+
+
+def _age(path: Path) -> float:
+    """Seconds since it was written; without end if it is not there."""
+    return time.time() - path.stat().st_mtime if path.exists() else math.inf
+
+
+def launched(said: str, array: int) -> dict[Path, str]:
+    """The jobs of an array by their files, as the launcher wrote them; each array goes on counting."""
+    parts = re.split(r"submitted to Slurm as job (\d+)", said)
+    if len(parts) < 2 * array + 2:
+        return {}
+    files = re.findall(r"#\d+ : .*sweep\.job=(\S+)", parts[2 * array])
+    return {Path(path): f"{parts[2 * array + 1]}_{number}" for number, path in enumerate(files)}
