@@ -55,10 +55,8 @@ def watcher():
 
 
 def carried_out(launcher, tmp_path, watcher, stage="trace"):
-    points = [
-        Point(Settings("emps", {"sweep": {"stage": stage}, "rig": {"path": "a:B", "seed": k}}), {"rig.seed": k})
-        for k in (0, 1)
-    ]
+    configs = [{"sweep": {"stage": stage}, "rig": {"path": "a:B", "seed": k}} for k in (0, 1)]
+    points = [Point(Settings("emps", config), {"rig.seed": k}) for k, config in enumerate(configs)]
     jobs = [SweepJob(point.name, (point,)) for point in points]
     runner = LauncherProcesses(launcher, (), tmp_path, None)
     return runner.carry_out(jobs, watcher, lambda job, failures: None), points[1].key
