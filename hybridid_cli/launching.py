@@ -25,10 +25,17 @@ from pipelines.sweep.work import Failures, SweepJob, one_line
 BEGUN, OUTCOME = ".begun", ".outcome"
 
 
-def runner_of(launcher: Any, words: Sequence[str], folder: Path, processes: int | None) -> JobRunner:
+def runner_of(
+    launcher: Any,
+    words: Sequence[str],
+    folder: Path,
+    processes: int | None,
+    added: frozenset[str] = frozenset(),
+) -> JobRunner:
     """The runner of the jobs. The basic launcher runs one job at a time, so local processes replace it.
 
-    ``words`` are the overrides from which each job composes its config.
+    ``words`` are the overrides from which each job composes its config. ``added`` are the swept keys and
+    groups that the config lacks.
     """
     if isinstance(launcher, BasicLauncher):
         return LocalProcesses(processes or core_count())
@@ -36,7 +43,7 @@ def runner_of(launcher: Any, words: Sequence[str], folder: Path, processes: int 
     if type(launcher).__name__ == "JoblibLauncher":
         given = int(launcher.joblib.get("n_jobs") or -1)
         cores = given if given > 0 else core_count()
-    return LauncherProcesses(launcher, tuple(words), folder / "jobs", cores)
+    return LauncherProcesses(launcher, tuple(words), folder / "jobs", cores, added)
 
 
 @dataclass
@@ -47,6 +54,7 @@ class LauncherProcesses:
     words: tuple[str, ...]
     folder: Path
     cores: int | None
+    added: frozenset[str] = frozenset()
     _launched: int = field(default=0, init=False)
 
     def carry_out(self, sweep_jobs: Sequence[SweepJob], watcher: Watcher, ended: OnJobEnd) -> Failures:
@@ -95,7 +103,7 @@ class LauncherProcesses:
         """Launch jobs and wait for all; returns why jobs failed, and whether the launcher itself failed."""
         own = f"hydra.sweep.dir={self.folder}"  # a job composes its config anew, from words
         jobs = [
-            [*self.words, *_coordinates(sweep_job), own, f"sweep.job={path}"]
+            [*self.words, *_coordinates(sweep_job, self.added), own, f"sweep.job={path}"]
             for path, sweep_job in sweep_jobs.items()
         ]
         number = self._launched
@@ -111,10 +119,13 @@ class LauncherProcesses:
         return {path: given._return_value for path, given in lost.items()}, False
 
 
-def _coordinates(sweep_job: SweepJob) -> list[str]:
-    """The coordinates of the job's first point as overrides; ``++`` adds a key that the config lacks."""
+def _coordinates(sweep_job: SweepJob, added: frozenset[str]) -> list[str]:
+    """The coordinates of the job's first point as overrides.
+
+    ``++`` adds a key, and ``+`` a group, that the config lacks.
+    """
     at = sweep_job.points[0].at.items()
-    return [f"{'++' if '.' in key else ''}{key}={spelt(value)}" for key, value in at]
+    return [f"{'++' if '.' in key else '+' * (key in added)}{key}={spelt(value)}" for key, value in at]
 
 
 def _failed(given: JobReturn) -> bool:

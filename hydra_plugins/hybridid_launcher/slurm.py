@@ -35,7 +35,7 @@ _ENDED = (
     "TIMEOUT",
 )  # fmt: skip
 _BY_CHANCE = ("BOOT_FAIL", "FAILED", "NODE_FAIL")
-"""States of a lost job that might succeed on another node."""
+"""States of a killed job that might succeed on another node."""
 
 
 class SlurmLauncher(submitit_launcher.SlurmLauncher):
@@ -112,11 +112,14 @@ def _outcome(job: Job[JobReturn], overrides: Sequence[str]) -> JobReturn:
 
     try:
         return job.results()[0]
-    except (FailedJobError, UncompletedJobError):
-        why = f"Slurm job {job.job_id} is lost ({job.state.lower()}); its log: {job.paths.stderr}"
+    except (FailedJobError, UncompletedJobError) as error:
+        # the first raised an exception: its result is there before squeue tells its end
+        state = "FAILED" if isinstance(error, FailedJobError) else job.state
+        by_chance = isinstance(error, UncompletedJobError) and state in _BY_CHANCE
+        why = f"Slurm job {job.job_id} is lost ({state.lower()}); its log: {job.paths.stderr}"
         log.info(f"{why}; it was {' '.join(filter_overrides(overrides))}")
         lost = JobReturn(overrides=overrides, status=JobStatus.FAILED)
-        lost.return_value = LostJob(why, job.state in _BY_CHANCE)
+        lost.return_value = LostJob(why, by_chance)
         return lost
 
 

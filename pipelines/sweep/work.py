@@ -15,7 +15,7 @@ from hybridid.hybrid.narx_grid import narx_hybrid, train_networks
 from pipelines.residual import stage as residual
 from pipelines.residual.narx import NARXRequest, report_to
 from pipelines.runner import run_stages
-from pipelines.shared.errors import ConfigError
+from pipelines.shared.errors import ConfigError, Incomplete
 from pipelines.shared.freshness import RECEIPT
 from pipelines.shared.secrets import masked
 from pipelines.shared.stage import Job
@@ -75,7 +75,7 @@ def carry_out(job: SweepJob, watcher: Watcher) -> Failures:
 
 def one_line(error: Exception) -> str:
     """An exception in one line."""
-    kind = "" if isinstance(error, ConfigError) else f"{type(error).__name__}: "
+    kind = "" if isinstance(error, (ConfigError, Incomplete)) else f"{type(error).__name__}: "
     return " ".join(masked(f"{kind}{error}").split())[:_LONGEST]
 
 

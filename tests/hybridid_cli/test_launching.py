@@ -25,12 +25,12 @@ class Loses:
 
     def launch(self, jobs, initial_job_idx):
         paths = [Path(words[-1].removeprefix("sweep.job=")) for words in jobs]
-        self.launches.append([path.name for path in paths])
+        self.launches.append(jobs)
         return [self._job(path) for path in paths]
 
     def _job(self, path):
         path.with_suffix(BEGUN).touch()
-        if read_json(path)["points"][0]["at"] == {"rig.seed": 1} and self.times:
+        if read_json(path)["points"][0]["at"] == {"machine": "m1"} and self.times:
             self.times -= 1
             lost = JobReturn(status=JobStatus.FAILED)
             lost.return_value = self.error
@@ -54,11 +54,11 @@ def watcher():
     return Hears()
 
 
-def carried_out(launcher, tmp_path, watcher, stage="trace"):
+def carried_out(launcher, tmp_path, watcher, stage="trace", **rest):
     configs = [{"sweep": {"stage": stage}, "rig": {"path": "a:B", "seed": k}} for k in (0, 1)]
-    points = [Point(Settings("emps", config), {"rig.seed": k}) for k, config in enumerate(configs)]
+    points = [Point(Settings("emps", config), {"machine": f"m{k}"}) for k, config in enumerate(configs)]
     jobs = [SweepJob(point.name, (point,)) for point in points]
-    runner = LauncherProcesses(launcher, (), tmp_path, None)
+    runner = LauncherProcesses(launcher, (), tmp_path, None, **rest)
     return runner.carry_out(jobs, watcher, lambda job, failures: None), points[1].key
 
 
@@ -83,3 +83,10 @@ def test_a_cancelled_trace_and_a_network_are_named(error, stage, tmp_path, watch
     failures, key = carried_out(launcher, tmp_path, watcher, stage)
     assert len(launcher.launches) == 1
     assert "7_1 is lost" in failures[key]
+
+
+def test_a_group_that_the_config_lacks_is_added(tmp_path, watcher):
+    """As ``+machine=glob(*)`` asks: without the sign no job could compose its config."""
+    launcher = Loses(BY_CHANCE, times=0)
+    carried_out(launcher, tmp_path, watcher, added=frozenset({"machine"}))
+    assert [words[0] for words in launcher.launches[0]] == ["+machine=m0", "+machine=m1"]
