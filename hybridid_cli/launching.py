@@ -18,7 +18,7 @@ from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
 from pipelines.shared.trust import admit, paths_in
 from pipelines.shared.watch import Watcher
-from pipelines.sweep.job_runner import JobRunner, LocalProcesses, OnJobEnd, log_job, lost_reason
+from pipelines.sweep.job_runner import ONCE_MORE, JobRunner, LocalProcesses, OnJobEnd, log_job, lost_reason
 from pipelines.sweep.point import spelt
 from pipelines.sweep.work import Failures, SweepJob, one_line
 
@@ -71,11 +71,10 @@ class LauncherProcesses:
             before = len(left)
             lost, broke = self._launch(left, watcher)
             troubles |= {path: one_line(error) for path, error in lost.items()}
-            again = {path for path in lost if _goes_on(left[path], lost[path])} - once_more
+            again = {path for path in lost if _again(left[path], lost[path])} - once_more
             once_more |= again
             for path in again:
-                name = left[path].name
-                watcher.say(f"{name}: {troubles[path]}; it is launched once more and goes on where it was")
+                watcher.say(f"{left[path].name}: {troubles[path]}; {ONCE_MORE}")
             # a broken pool also loses jobs that had not begun: they are launched again. A job that the
             # launcher itself reports as failed was cancelled: it is not
             left = {
@@ -132,9 +131,9 @@ def _failed(given: JobReturn) -> bool:
     return given.status == JobStatus.FAILED
 
 
-def _goes_on(sweep_job: SweepJob, error: Exception) -> bool:
-    """Whether a lost job is worth another launch: a trace keeps its refits, a network trains from nothing."""
-    return isinstance(error, LostJob) and error.by_chance and sweep_job.points[0].is_traced
+def _again(sweep_job: SweepJob, error: Exception) -> bool:
+    """Whether a lost job is worth another launch."""
+    return isinstance(error, LostJob) and error.by_chance and sweep_job.goes_on
 
 
 def _marked(path: Path, mark: str) -> bool:

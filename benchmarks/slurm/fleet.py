@@ -34,7 +34,7 @@ ASKED = (
     "case=emps", "data=simulated", "+machine=glob(*)", "estimator.horizon=500", "trace.horizon=0.5",
     "trace.laws=false", f"trace.effects=[{','.join(TRIED)}]", "launcher=slurm",
 )  # fmt: skip
-YOUNGEST = 6.0  # s that the killed trace has worked: some of its refits are done
+YOUNGEST = 8.0  # s that the killed trace has worked: some of its refits are done
 
 
 def main() -> int:
@@ -80,7 +80,8 @@ def study(
     log = folder / "first.log"
     with log.open("w") as stream:
         first = subprocess.Popen(command, cwd=folder, env=environment, stdout=stream, stderr=stream)
-        killed = kill_one(first, log, environment, Kill(youngest=YOUNGEST))
+        ended = min(len(hidden) // 2, 10)
+        killed = kill_one(first, log, environment, Kill(ended=ended, youngest=YOUNGEST, at_once=True))
         print(f"killed on purpose after {time.monotonic() - began:.0f} s: job {killed or 'none'}", flush=True)
         code = first.wait()
     print(f"first: {time.monotonic() - began:.0f} s, exit code {code}")

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import os
 import re
+import signal
 import subprocess
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,12 +19,14 @@ ONE_NODE = Path(__file__).with_name("one_node.sh")
 @dataclass(frozen=True)
 class Kill:
     """Which job is killed: of the ``array`` (0 the first), once ``ended`` jobs have ended, one that began
-    ``youngest`` to ``oldest`` seconds ago."""
+    ``youngest`` to ``oldest`` seconds ago. ``at_once``: with ``kill -9`` of all its processes, as when its node
+    dies; else by Slurm, which first asks them to end."""
 
     array: int = 0
     ended: int = 3
     youngest: float = 0.0
     oldest: float = math.inf
+    at_once: bool = False
 
 
 def cluster() -> dict[str, str]:
@@ -45,9 +49,27 @@ def kill_one(sweep: subprocess.Popen[bytes], log: Path, environment: Mapping[str
         ages = {path: _age(path.with_suffix(".begun")) for path in jobs if path not in ended}
         begun = [path for path, age in ages.items() if kill.youngest <= age < kill.oldest]
         if len(ended) >= kill.ended and begun:
-            subprocess.run(["scancel", "--signal=KILL", jobs[begun[0]]], env=environment, check=True)
-            return jobs[begun[0]]
+            job = jobs[begun[0]]
+            if kill.at_once:
+                for process in _processes_of(job):
+                    with suppress(ProcessLookupError):
+                        os.kill(process, signal.SIGKILL)
+            else:
+                subprocess.run(["scancel", "--signal=KILL", job], env=environment, check=True)
+            return job
     return ""
+
+
+def _processes_of(job: str) -> list[int]:
+    """Those on this machine that Slurm started for a job of an array, and their children."""
+    array, _, task = job.partition("_")
+    wanted = {f"SLURM_ARRAY_JOB_ID={array}".encode(), f"SLURM_ARRAY_TASK_ID={task}".encode()}
+    found = []
+    for place in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # it ended meanwhile, or is another user's
+            if wanted <= set((place / "environ").read_bytes().split(b"\0")):
+                found.append(int(place.name))
+    return found
 
 
 def _age(path: Path) -> float:

@@ -43,6 +43,12 @@ class SweepJob:
     gray: bool = False
     sweep: str = ""
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether it would go on where it was, if its process were lost: a trace keeps its refits, a network
+        trains from nothing."""
+        return self.points[0].is_traced
+
     def plain(self) -> dict[str, Any]:
         """As JSON takes it."""
         points = [point.plain() for point in self.points]

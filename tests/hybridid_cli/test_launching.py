@@ -10,7 +10,10 @@ from hydra.core.utils import JobReturn, JobStatus
 from hybridid_cli.launching import BEGUN, OUTCOME, LauncherProcesses
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import LostJob
+from pipelines.shared.pool import Lost
 from pipelines.shared.storage import read_json
+from pipelines.sweep import job_runner
+from pipelines.sweep.job_runner import LocalProcesses
 from pipelines.sweep.point import Point
 from pipelines.sweep.work import SweepJob
 
@@ -48,18 +51,24 @@ class Hears:
     def say(self, line):
         self.lines.append(line)
 
+    warn = say
+
 
 @pytest.fixture
 def watcher():
     return Hears()
 
 
-def carried_out(launcher, tmp_path, watcher, stage="trace", **rest):
+def two_jobs(stage):
     configs = [{"sweep": {"stage": stage}, "rig": {"path": "a:B", "seed": k}} for k in (0, 1)]
     points = [Point(Settings("emps", config), {"machine": f"m{k}"}) for k, config in enumerate(configs)]
-    jobs = [SweepJob(point.name, (point,)) for point in points]
+    return [SweepJob(point.name, (point,)) for point in points]
+
+
+def carried_out(launcher, tmp_path, watcher, stage="trace", **rest):
+    jobs = two_jobs(stage)
     runner = LauncherProcesses(launcher, (), tmp_path, None, **rest)
-    return runner.carry_out(jobs, watcher, lambda job, failures: None), points[1].key
+    return runner.carry_out(jobs, watcher, lambda job, failures: None), jobs[1].points[0].key
 
 
 def test_a_trace_lost_by_chance_is_launched_once_more(tmp_path, watcher):
@@ -67,7 +76,7 @@ def test_a_trace_lost_by_chance_is_launched_once_more(tmp_path, watcher):
     failures, _ = carried_out(launcher, tmp_path, watcher)
     assert failures == {}
     assert [len(one) for one in launcher.launches] == [2, 1]
-    assert "it is launched once more and goes on where it was" in watcher.lines[0]
+    assert "it is started once more and goes on where it was" in watcher.lines[0]
 
 
 def test_but_only_once(tmp_path, watcher):
@@ -90,3 +99,20 @@ def test_a_group_that_the_config_lacks_is_added(tmp_path, watcher):
     launcher = Loses(BY_CHANCE, times=0)
     carried_out(launcher, tmp_path, watcher, added=frozenset({"machine"}))
     assert [words[0] for words in launcher.launches[0]] == ["+machine=m0", "+machine=m1"]
+
+
+def test_a_trace_whose_process_is_killed_here_is_started_once_more(watcher, monkeypatch):
+    rounds = []
+
+    def side_by_side(work, tasks, processes, watcher_of):
+        rounds.append(list(tasks))
+        for name in tasks:
+            watcher_of(name)
+            yield name, Lost("its process was killed by SIGKILL") if name == "machine=m1" else {}
+
+    monkeypatch.setattr(job_runner, "side_by_side", side_by_side)
+    (first, second), ended = two_jobs("trace"), []
+    failures = LocalProcesses(2).carry_out([first, second], watcher, lambda job, lost: ended.append(job))
+    assert rounds == [["machine=m0", "machine=m1"], ["machine=m1"]]
+    assert ended == [first, second]
+    assert failures == {second.points[0].key: "its process was killed by SIGKILL"}
