@@ -106,14 +106,14 @@ def _complete(hidden: Mapping[str, str], folder: Path) -> bool:
     print(f"  table: {len(machines)} of {len(hidden)} verdicts, {len(found['failures'])} failures")
     print(f"  verdicts: {dict(Counter(one['verdict'] for one in machines.values()))}")
     right = sum(_right(one, hidden[name]) for name, one in machines.items())
-    print(f"  {right} name what the machine hides, or that it hides nothing", flush=True)
+    print(f"  {right} name what the machine hides, or say that nothing is missing", flush=True)
     print(f"  seconds of a trace: median {np.median([one['seconds'] for one in machines.values()]):.1f}")
     return machines.keys() == hidden.keys() and not found["failures"]
 
 
 def _right(one: Mapping[str, Any], law: str) -> bool:
     lacks = [name for said in one["lacks"] for name in said.removeprefix("one of {").rstrip("}").split(", ")]
-    return any(name.endswith(f".{law}") for name in lacks) if law else not lacks
+    return any(name.endswith(f".{law}") for name in lacks) if law else one["verdict"] == "nothing_missing"
 
 
 if __name__ == "__main__":

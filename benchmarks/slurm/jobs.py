@@ -19,8 +19,10 @@ ONE_NODE = Path(__file__).with_name("one_node.sh")
 @dataclass(frozen=True)
 class Kill:
     """Which job is killed: of the ``array`` (0 the first), once ``ended`` jobs have ended, one that began
-    ``youngest`` to ``oldest`` seconds ago. ``at_once``: with ``kill -9`` of all its processes, as when its node
-    dies; else by Slurm, which first asks them to end."""
+    ``youngest`` to ``oldest`` seconds ago.
+
+    ``at_once``: by ``kill -9`` of all its processes, as when its node dies; else by Slurm.
+    """
 
     array: int = 0
     ended: int = 3
