@@ -18,6 +18,7 @@ from benchmarks.speed.row import OURS, Row, rows_of
 from hybridid.effects.library import effect_named
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import Model
+from hybridid.naming import counted
 from hybridid.records.record import Record
 from hybridid.residuals.rbf import RBFNetwork
 
@@ -77,7 +78,7 @@ def growing(repeats: int, say: Say, quick: bool) -> Iterator[Row]:
     counts = [count for count in (1, 12, 100) if count <= max(most, 12)]
     more = ((count, [like_emps(5_000, seed) for seed in range(count)]) for count in counts)
     yield from _beside_first(
-        _ours(f"{count} recordings of 5,000 samples", runs, repeats, say) for count, runs in more
+        _ours(f"{counted(count, 'recording')} of 5,000 samples", runs, repeats, say) for count, runs in more
     )
     record = [like_emps(25_000)]
     for what, change in MODELS.items():
