@@ -11,14 +11,14 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-blunders study-rebuilt study-servo study-strangers study-sweep study-slurm league league-drawn league-measured torture clean distclean FORCE
+.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-blunders study-rebuilt study-servo study-strangers study-sweep study-slurm study-fleet league league-drawn league-measured torture clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
 	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
-	@echo "  ARGS=...         for make league, league-drawn, league-measured, study-laws, study-rebuilt, study-strangers and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
+	@echo "  ARGS=...         for make league, league-drawn, league-measured, study-laws, study-rebuilt, study-strangers, study-fleet and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
@@ -84,7 +84,10 @@ study-sweep: $(READY) ## how much faster than a plain loop is a sweep? (simulate
 	$(BIN)/python benchmarks/sweep_speed.py
 
 study-slurm: $(READY) ## 64 jobs on a Slurm of one node, one killed on purpose (simulated; needs slurm-wlm, munge)
-	$(BIN)/python benchmarks/slurm/study.py
+	$(BIN)/python -m benchmarks.slurm.study
+
+study-fleet: $(READY) ## 40 machines traced on a Slurm of one node, one worker killed on purpose (simulated; needs slurm-wlm, munge)
+	$(BIN)/python -m benchmarks.slurm.fleet $(ARGS)
 
 league: $(READY) ## which of ours and two rivals names what simulated machines hide? (hours; goes on where it stopped)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.league $(ARGS)

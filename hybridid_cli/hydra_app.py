@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 from hybridid_cli import interrupt
 from hybridid_cli.config_files import conf_folder
@@ -14,6 +14,8 @@ from hybridid_cli.words import prepared
 from pipelines.shared.secrets import typed
 
 FULL_ERROR = "HYDRA_FULL_ERROR"
+SHORT = ("preprocess", "fit", "validate")
+"""Commands that end before MLflow is imported, and fork no other processes."""
 
 
 def run(command: str, words: Sequence[str]) -> int:
@@ -23,6 +25,11 @@ def run(command: str, words: Sequence[str]) -> int:
     traceback = wants_traceback() or "--debug" in words
     if command == "sweep":
         _load_early(ready)
+    with _mlflow_beside(command, ready):
+        return _handed_to_hydra(command, words, ready, traceback)
+
+
+def _handed_to_hydra(command: str, words: Sequence[str], ready: list[str], traceback: bool) -> int:
     import hydra
 
     from hybridid_cli.explain import FAILED, explained
@@ -58,6 +65,17 @@ def _load_early(words: Sequence[str]) -> None:
         from pipelines.shared.pool import load_early
 
         load_early("pipelines.sweep.work", "hybridid.residuals.training")
+
+
+def _mlflow_beside(command: str, words: Sequence[str]) -> AbstractContextManager[None]:
+    """Imports MLflow beside a command that ends sooner than this import, and logs a run."""
+    given = {word.partition("=")[0] for word in words}
+    looks = {"--cfg", "-c", "--info", "-i", "-m", "--multirun", "--resolve"} & given
+    if command not in SHORT or looks or "mlflow.enabled=false" in words:
+        return nullcontext()
+    from pipelines.tracking.ahead import imported_beside
+
+    return imported_beside()
 
 
 @contextmanager

@@ -12,23 +12,30 @@ from hydra._internal.core_plugins.basic_launcher import BasicLauncher
 from hydra.core.utils import JobReturn, JobStatus
 
 from pipelines.shared.config import Settings
-from pipelines.shared.errors import ConfigError
+from pipelines.shared.errors import ConfigError, LostJob
 from pipelines.shared.pool import core_count
 from pipelines.shared.storage import json_text, read_json
 from pipelines.shared.tree import write_text
 from pipelines.shared.trust import admit, paths_in
 from pipelines.shared.watch import Watcher
-from pipelines.sweep.job_runner import JobRunner, LocalProcesses, OnJobEnd, log_job, lost_reason
+from pipelines.sweep.job_runner import ONCE_MORE, JobRunner, LocalProcesses, OnJobEnd, log_job, lost_reason
 from pipelines.sweep.point import spelt
 from pipelines.sweep.work import Failures, SweepJob, one_line
 
 BEGUN, OUTCOME = ".begun", ".outcome"
 
 
-def runner_of(launcher: Any, words: Sequence[str], folder: Path, processes: int | None) -> JobRunner:
+def runner_of(
+    launcher: Any,
+    words: Sequence[str],
+    folder: Path,
+    processes: int | None,
+    added: frozenset[str] = frozenset(),
+) -> JobRunner:
     """The runner of the jobs. The basic launcher runs one job at a time, so local processes replace it.
 
-    ``words`` are the overrides from which each job composes its config.
+    ``words`` are the overrides from which each job composes its config. ``added`` are the swept keys and
+    groups that the config lacks.
     """
     if isinstance(launcher, BasicLauncher):
         return LocalProcesses(processes or core_count())
@@ -36,7 +43,7 @@ def runner_of(launcher: Any, words: Sequence[str], folder: Path, processes: int 
     if type(launcher).__name__ == "JoblibLauncher":
         given = int(launcher.joblib.get("n_jobs") or -1)
         cores = given if given > 0 else core_count()
-    return LauncherProcesses(launcher, tuple(words), folder / "jobs", cores)
+    return LauncherProcesses(launcher, tuple(words), folder / "jobs", cores, added)
 
 
 @dataclass
@@ -47,22 +54,35 @@ class LauncherProcesses:
     words: tuple[str, ...]
     folder: Path
     cores: int | None
+    added: frozenset[str] = frozenset()
     _launched: int = field(default=0, init=False)
 
     def carry_out(self, sweep_jobs: Sequence[SweepJob], watcher: Watcher, ended: OnJobEnd) -> Failures:
-        """Run all jobs. A broken pool is started again for the jobs that had not begun."""
+        """Run all jobs. A broken pool is started again for the jobs that had not begun.
+
+        A trace that was lost by chance is launched once more, since it goes on where it was.
+        """
         self.folder.mkdir(parents=True, exist_ok=True)
         left = {self._written(sweep_job): sweep_job for sweep_job in sweep_jobs}
         paths = dict(left)
         troubles: dict[Path, str] = {}
+        once_more: set[Path] = set()
         while left:
             before = len(left)
             lost, broke = self._launch(left, watcher)
-            troubles |= lost
+            troubles |= {path: one_line(error) for path, error in lost.items()}
+            again = {path for path in lost if _again(left[path], lost[path])} - once_more
+            once_more |= again
+            for path in again:
+                watcher.say(f"{left[path].name}: {troubles[path]}; {ONCE_MORE}")
             # a broken pool also loses jobs that had not begun: they are launched again. A job that the
             # launcher itself reports as failed was cancelled: it is not
-            left = {path: sweep_job for path, sweep_job in left.items() if broke and not _marked(path, BEGUN)}
-            if len(left) == before:
+            left = {
+                path: sweep_job
+                for path, sweep_job in left.items()
+                if path in again or (broke and not _marked(path, BEGUN))
+            }
+            if len(left) == before and not again:
                 break
         failures: dict[str, str] = {}
         for path, sweep_job in paths.items():
@@ -76,11 +96,13 @@ class LauncherProcesses:
         write_text(path, json_text(sweep_job.plain()), mode=0o600)
         return path.resolve()
 
-    def _launch(self, sweep_jobs: Mapping[Path, SweepJob], watcher: Watcher) -> tuple[dict[Path, str], bool]:
+    def _launch(
+        self, sweep_jobs: Mapping[Path, SweepJob], watcher: Watcher
+    ) -> tuple[dict[Path, Exception], bool]:
         """Launch jobs and wait for all; returns why jobs failed, and whether the launcher itself failed."""
         own = f"hydra.sweep.dir={self.folder}"  # a job composes its config anew, from words
         jobs = [
-            [*self.words, *_coordinates(sweep_job), own, f"sweep.job={path}"]
+            [*self.words, *_coordinates(sweep_job, self.added), own, f"sweep.job={path}"]
             for path, sweep_job in sweep_jobs.items()
         ]
         number = self._launched
@@ -91,19 +113,27 @@ class LauncherProcesses:
             raise
         except Exception as error:
             watcher.carry_on()
-            return dict.fromkeys(sweep_jobs, one_line(error)), True
+            return dict.fromkeys(sweep_jobs, error), True
         lost = {path: given for path, given in zip(sweep_jobs, returns, strict=True) if _failed(given)}
-        return {path: one_line(given._return_value) for path, given in lost.items()}, False
+        return {path: given._return_value for path, given in lost.items()}, False
 
 
-def _coordinates(sweep_job: SweepJob) -> list[str]:
-    """The coordinates of the job's first point as overrides; ``++`` adds a key that the config lacks."""
+def _coordinates(sweep_job: SweepJob, added: frozenset[str]) -> list[str]:
+    """The coordinates of the job's first point as overrides.
+
+    ``++`` adds a key, and ``+`` a group, that the config lacks.
+    """
     at = sweep_job.points[0].at.items()
-    return [f"{'++' if '.' in key else ''}{key}={spelt(value)}" for key, value in at]
+    return [f"{'++' if '.' in key else '+' * (key in added)}{key}={spelt(value)}" for key, value in at]
 
 
 def _failed(given: JobReturn) -> bool:
     return given.status == JobStatus.FAILED
+
+
+def _again(sweep_job: SweepJob, error: Exception) -> bool:
+    """Whether a lost job is worth another launch."""
+    return isinstance(error, LostJob) and error.by_chance and sweep_job.goes_on
 
 
 def _marked(path: Path, mark: str) -> bool:

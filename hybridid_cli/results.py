@@ -13,9 +13,7 @@ from hybridid.estimators.estimate import EstimatedParameter
 from hybridid.estimators.words import differ_together, differs
 from hybridid.quantities import NONE, fixed, mean_square, number, quantity, r_squared
 from hybridid.validation.in_loop import Agreement
-from hybridid_cli.residual_results import residual_results
 from hybridid_cli.tables import provenance, rendered, table, view, warnings
-from hybridid_cli.trace_results import trace_results
 from pipelines.shared.fitted import Fit, fit_of
 from pipelines.shared.predictions import agreements_in, metric_rows
 from pipelines.shared.prepared import prepared_records
@@ -31,8 +29,14 @@ def summary(outcome: Outcome, command: str) -> str:
 
 
 def _shown(outcome: Outcome, stage: str) -> list[RenderableType]:
-    if stage == "trace":
+    if stage == "trace":  # imports of its own, which a fit need not wait for
+        from hybridid_cli.trace_results import trace_results
+
         return trace_results(outcome.tree, outcome.folders[stage])
+    if stage == "residual":
+        from hybridid_cli.residual_results import residual_results
+
+        return residual_results(outcome.tree)
     return _SECTIONS[stage](outcome.tree)
 
 
@@ -154,7 +158,6 @@ def _figures(tree: Path) -> list[RenderableType]:
 _SECTIONS: dict[str, Callable[[Path], list[RenderableType]]] = {
     "preprocess": _records,
     "fit": _estimates,
-    "residual": residual_results,
     "validate": _scores,
     "plot": _figures,
 }

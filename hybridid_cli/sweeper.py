@@ -66,7 +66,8 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         asked = Sweep(name, tuple(map(masked, words)), shared, tuple(points), folder_of(name, points))
         plain = [word for o in overrides if not o.is_sweep_override() for word in _words(o)]
         launcher = _launcher(asked.folder, context, task, config)
-        runner = runner_of(launcher, plain, asked.folder, request.processes)
+        added = frozenset(_key(o) for o in overrides if o.is_add())
+        runner = runner_of(launcher, plain, asked.folder, request.processes, added)
         logged = parent_run(common(points), name, asked.key, terminal)
         with locked(asked.folder, terminal.say), logged as parent:
             swept = conduct(asked, runner, request, parent, terminal)

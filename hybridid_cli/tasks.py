@@ -14,7 +14,6 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf, open_dict
 
 from hybridid.plain import build
-from hybridid.quality.verdict import WRONG
 from hybridid.settings import keys
 from hybridid_cli import interrupt
 from hybridid_cli.terminal import Terminal
@@ -125,6 +124,7 @@ def _raise_what_is_wrong(outcome: Outcome) -> None:
     a sweep goes on."""
     if "fit" not in outcome.stages:
         return
+    from hybridid.quality.verdict import WRONG
     from pipelines.shared.fitted import fit_of
 
     quality = fit_of(outcome.tree).quality

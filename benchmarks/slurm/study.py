@@ -8,22 +8,20 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
-import os
-import re
 import subprocess
 import sys
 import time
 from pathlib import Path
 from typing import Any
 
-ONE_NODE = Path(__file__).with_name("one_node.sh")
+from benchmarks.slurm.jobs import Kill, cluster, kill_one
+
 NETWORK = (
     "case=emps", "data=simulated", "rig.duration=1.2", "residual=narx", "residual.orders.error=2",
     "residual.orders.inputs=1", "residual.orders.gray=1", "residual.depth=1", "residual.width=4",
     "residual.every=5", "residual.horizons=[1]", "residual.epochs=5",
 )  # fmt: skip
-ENOUGH = 3  # jobs that end before one is killed
+GRAY = 1  # array that comes before that of the points: the gray box
 LOGGED = """
 import collections, json
 from mlflow.tracking import MlflowClient
@@ -54,14 +52,6 @@ def main() -> int:
     return 0 if sound else 1
 
 
-def cluster() -> dict[str, str]:
-    """Bring it up; the environment in which its commands find it."""
-    root = os.environ.get("HYBRIDID_SLURM", "/tmp/hybridid-slurm")
-    subprocess.run([str(ONE_NODE), "up"], check=True)
-    found = {"SLURM_CONF": f"{root}/slurm.conf", "MLFLOW_DISABLE_TELEMETRY": "true"}
-    return {**os.environ, **found, "PYTHONPATH": str(Path(__file__).parents[2])}
-
-
 def study(jobs: int, folder: Path, environment: dict[str, str]) -> bool:
     """Sweep, kill one, sweep again; whether both did what they must."""
     command = [sys.executable, "-m", "hybridid_cli", "sweep", *NETWORK, "launcher=slurm", "sweep.stack=1"]
@@ -69,7 +59,7 @@ def study(jobs: int, folder: Path, environment: dict[str, str]) -> bool:
     began = time.monotonic()
     with (folder / "first.log").open("w") as log:
         first = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=log)
-        killed = kill_one(first, folder, environment)
+        killed = kill_one(first, folder / "first.log", environment, Kill(array=GRAY, oldest=1.0))
         code = first.wait()
     said = (folder / "first.log").read_text()
     print(f"first: {time.monotonic() - began:.0f} s, exit code {code}; killed on purpose: job {killed}")
@@ -90,36 +80,6 @@ def study(jobs: int, folder: Path, environment: dict[str, str]) -> bool:
     logged = logged_runs(folder, environment)
     sound = sound and again.returncode == 0 and logged["children"] == {"FINISHED": jobs}
     return bool(sound and logged["parents"] == ["FINISHED"] and logged["nested"] and logged["different"])
-
-
-def kill_one(sweep: subprocess.Popen[bytes], folder: Path, environment: dict[str, str]) -> str:
-    """Kill a job of the array that has just begun its work, once some have ended; its id.
-
-    At once: a job that is merely cancelled has half a minute to end, and may be done by then.
-    """
-    while sweep.poll() is None:
-        time.sleep(0.1)
-        jobs = launched((folder / "first.log").read_text())
-        ended = [path for path in jobs if path.with_suffix(".outcome").exists()]
-        begun = [p for p in jobs if p not in ended and _age(p.with_suffix(".begun")) < 1.0]
-        if len(ended) >= ENOUGH and begun:
-            subprocess.run(["scancel", "--signal=KILL", jobs[begun[0]]], env=environment, check=True)
-            return jobs[begun[0]]
-    return "none, for the sweep ended before"
-
-
-def _age(path: Path) -> float:
-    """Seconds since it was written; without end if it is not there."""
-    return time.time() - path.stat().st_mtime if path.exists() else math.inf
-
-
-def launched(said: str) -> dict[Path, str]:
-    """The array's jobs by their files, as the launcher wrote them; the gray box' job came before them."""
-    numbered = [(int(n), Path(path)) for n, path in re.findall(r"#(\d+) : .*sweep\.job=(\S+)", said)]
-    arrays = re.findall(r"submitted to Slurm as job (\d+)", said)
-    if len(arrays) < 2:
-        return {}
-    return {path: f"{arrays[1]}_{number - 1}" for number, path in numbered if number > 0}
 
 
 def logged_runs(folder: Path, environment: dict[str, str]) -> dict[str, Any]:

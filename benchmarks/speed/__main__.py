@@ -31,8 +31,12 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
     parser.add_argument("--quick", action="store_true", help="only what takes seconds")
     parser.add_argument("--out", type=Path, default=Path("outputs/benchmark"))
     asked = parser.parse_args(arguments)
-    rows = [row for name in asked.only for row in PARTS[name](asked.repeats, say, asked.quick)]
-    say(write_report(rows, asked.out))
+    rows: list[Row] = []
+    said = ""
+    for name in asked.only:  # a page after each part: the last ones take long
+        rows += PARTS[name](asked.repeats, say, asked.quick)
+        said = write_report(rows, asked.out)
+    say(said)
     return rows
 
 

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
+from importlib.util import find_spec
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.speed.contest import Way, contest
 from benchmarks.speed.emps import Contested, contested, like_emps
-from benchmarks.speed.rivals import Task, by_every_sample, by_numba, by_solve_ivp
+from benchmarks.speed.rivals import Task, by_every_sample, by_jax_sysid, by_numba, by_solve_ivp
 from benchmarks.speed.row import OURS, Row, rows_of
+from hybridid.effects.library import effect_named
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import Model
+from hybridid.naming import counted
 from hybridid.records.record import Record
 from hybridid.residuals.rbf import RBFNetwork
 
@@ -25,8 +29,11 @@ RIVALS = {
     "least_squares, numba RK4": by_numba,
     "every sample a node, IPOPT": by_every_sample,
     "least_squares, solve_ivp": by_solve_ivp,
+    "jax-sysid": by_jax_sysid,
 }
-SLOW = {"every sample a node, IPOPT", "least_squares, solve_ivp"}
+SLOW = {"every sample a node, IPOPT", "least_squares, solve_ivp", "jax-sysid"}
+OPTIONAL = {"jax-sysid": "jax_sysid"}
+"""Ways by libraries that we do not require, and the modules that they need."""
 BAD = (0.4, 2.5)
 """The guesses times one of these, in turn, inside the bounds: bad starts."""
 
@@ -39,9 +46,13 @@ def beside(repeats: int, say: Say, quick: bool) -> Iterator[Row]:
             say(start)
             task = one.task()
             fast = [name for name in RIVALS if not (quick and name in SLOW)]
-            rivals = [Way(name, partial(RIVALS[name], task), slow=name in SLOW) for name in fast]
+            absent = [name for name in fast if name in OPTIONAL and find_spec(OPTIONAL[name]) is None]
+            there = [name for name in fast if name not in absent]
+            rivals = [Way(name, partial(RIVALS[name], task), slow=name in SLOW) for name in there]
             found = contest([Way(OURS, one.ours), *rivals], repeats, say)
-            yield from rows_of(BESIDE, start, found, own.records[0].provenance, partial(_reached, task))
+            provenance = own.records[0].provenance
+            yield from rows_of(BESIDE, start, found, provenance, partial(_reached, task))
+            yield from (Row(BESIDE, start, name, (nan,), "not installed", provenance) for name in absent)
 
 
 def _reached(task: Task, p: NDArray[np.float64]) -> str:
@@ -60,31 +71,46 @@ def _badly_started(own: Contested) -> Contested:
 def growing(repeats: int, say: Say, quick: bool) -> Iterator[Row]:
     """A simulated EMPS, horizons of 1 s, measured initial states."""
     most = 1 if quick else 100
-    for times in (1, 10, 100):
-        if times <= most:
-            whole = [like_emps(25_000 * times)]
-            yield from _ours(f"{whole[0].n:,} samples", whole, repeats if times < 100 else 1, say)
-    for count in (1, 12, 100):
-        if count <= max(most, 12):
-            runs = [like_emps(5_000, seed) for seed in range(count)]
-            yield from _ours(f"{count} recordings of 5,000 samples", runs, repeats, say)
+    longer = ((times, [like_emps(25_000 * times)]) for times in (1, 10, 100) if times <= most)
+    yield from _beside_first(
+        _ours(f"{whole[0].n:,} samples", whole, repeats if times < 100 else 1, say) for times, whole in longer
+    )
+    counts = [count for count in (1, 12, 100) if count <= max(most, 12)]
+    more = ((count, [like_emps(5_000, seed) for seed in range(count)]) for count in counts)
+    yield from _beside_first(
+        _ours(f"{counted(count, 'recording')} of 5,000 samples", runs, repeats, say) for count, runs in more
+    )
     record = [like_emps(25_000)]
-    yield from _ours("1 parameter", record, repeats, say, _only_the_mass)
-    yield from _ours("19 parameters", record, repeats, say, _with_a_network)
+    for what, change in MODELS.items():
+        yield _ours(what, record, repeats, say, change)
 
 
 def _ours(
     what: str, records: list[Record], repeats: int, say: Say, change: Callable[[Model], Model] = lambda m: m
-) -> Iterator[Row]:
+) -> Row:
     say(what)
     model = change(contested(1000, "data=simulated").model)
 
-    def run() -> str:
+    def run() -> tuple[float, int, str]:
         found = fit(model, records, FitSettings(horizon=1000, initial_state="measured"))
-        free = len(model.free)
-        return f"cost {found.cost:.6g}, {free} free, {found.iterations} iterations, {found.status}"
+        return found.cost, found.iterations, found.status
 
-    yield from rows_of(GROWING, what, contest([Way(OURS, run)], repeats, say), "simulated")
+    (timed,) = contest([Way(OURS, run)], repeats, say)
+    cost, iterations, status = timed.found
+    reached = f"cost {cost:.6g}, {len(model.free)} free, {iterations} iterations, {status}"
+    size = {"samples": float(sum(r.n for r in records)), "iterations": float(iterations)}
+    return Row(GROWING, what, OURS, timed.seconds, reached, "simulated", timed.memory, details=size)
+
+
+def _beside_first(rows: Iterable[Row]) -> Iterator[Row]:
+    """With each row's seconds a sample over those of the first row: 1 where the time is linear."""
+    first: Row | None = None
+    for row in rows:
+        first = first or row
+        each = [one.median / one.details["samples"] for one in (row, first)]
+        yield replace(
+            row, details={**row.details, "seconds a sample over the first row's": each[0] / each[1]}
+        )
 
 
 def _only_the_mass(model: Model) -> Model:
@@ -92,7 +118,18 @@ def _only_the_mass(model: Model) -> Model:
     return replace(model, adjustments={**model.adjustments, **known})
 
 
+def _with_one_effect(model: Model) -> Model:
+    return model.plus(effect_named("asymmetric_viscous"), "carriage")
+
+
 def _with_a_network(model: Model) -> Model:
-    """Four parameters, and five radial basis functions of the velocity with three each."""
+    """Five parameters, and five radial basis functions of the velocity with three each."""
     network = RBFNetwork(5, (-0.3, 0.3), "velocity")
-    return model.plus(network.effect(model.plant.port("carriage")), "carriage")
+    return _with_one_effect(model).plus(network.effect(model.plant.port("carriage")), "carriage")
+
+
+MODELS: dict[str, Callable[[Model], Model]] = {
+    "1 parameter": _only_the_mass,
+    "5 parameters": _with_one_effect,
+    "20 parameters": _with_a_network,
+}

@@ -54,7 +54,7 @@ def _table(part: str, rows: Sequence[Row]) -> Table:
     columns = {
         "what": [row.what for row in own],
         "way": [row.way for row in own],
-        "median [s]": [number(row.median, 3) for row in own],
+        "median [s]": [number(row.median, 3, NONE) for row in own],
         "times ours": ["" if row.way == OURS else number(_ratio(row, own), 3, NONE) for row in own],
         "peak [MB]": [number(row.memory, 3, NONE) for row in own],
         "arithmetic needs [s]": [number(row.least, 3, NONE) for row in own],
@@ -79,7 +79,7 @@ def _ratio(row: Row, rows: Sequence[Row]) -> float:
 
 def _line(row: Row, rows: Sequence[Row]) -> str:
     beside = "" if row.way == OURS else f", {number(_ratio(row, rows), 3, NONE)} times ours"
-    return f"{row.what}, {row.way}: {number(row.median, 3)} s{beside} ({row.reached}; {row.provenance})"
+    return f"{row.what}, {row.way}: {number(row.median, 3, NONE)} s{beside} ({row.reached}; {row.provenance})"
 
 
 def _pictures(part: str, rows: Sequence[Row], folder: Path) -> tuple[Picture, ...]:

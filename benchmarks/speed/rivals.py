@@ -9,7 +9,9 @@ parameters (4,): M, f_v, f_c, offset in SI units.
 
 from __future__ import annotations
 
+from contextlib import redirect_stdout
 from dataclasses import dataclass
+from io import StringIO
 from typing import Any
 
 import casadi as ca
@@ -137,6 +139,42 @@ def by_every_sample(task: Task) -> Array:
         ubg=0,
     )
     return np.asarray(found["x"][:4]).ravel() * scale
+
+
+def by_jax_sysid(task: Task) -> Array:
+    """jax-sysid's ``Model`` with the same step: all horizons in one scan, L-BFGS-B, gradients by JAX.
+
+    The cost is its own default, the sum of squares, without its penalties on parameters and initial states.
+    Each call compiles its model: that is how ``fit`` of jax-sysid comes. We do not require it:
+    ``pip install jax jax-sysid``.
+    """
+    import jax
+    import jax.numpy as jnp
+    from jax_sysid.models import Model
+
+    jax.config.update("jax_enable_x64", True)
+    w, h, scale, used = len(task.x0), task.dt, jnp.array(task.scale), jnp.array(task.used.T)
+
+    def rate(v: Any, u: Any, p: Any) -> Any:
+        return (u - p[1] * v - p[2] * jnp.tanh(v / task.epsilon) - p[3]) / p[0]
+
+    def step(x: Any, u: Any, given: Any) -> Any:
+        p, v, q = given[0] * scale, x[:w], x[w:]
+        a1 = rate(v, u, p)
+        a2 = rate(v2 := v + h / 2 * a1, u, p)
+        a3 = rate(v3 := v + h / 2 * a2, u, p)
+        v4 = v + h * a3
+        after = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + rate(v4, u, p))
+        return jnp.concatenate([after, q + h / 6 * (v + 2 * v2 + 2 * v3 + v4)])
+
+    model = Model(2 * w, w, w, state_fcn=step, output_fcn=lambda x, u, given: x[w:])
+    model.loss(lambda y, seen: 1e6 * jnp.sum(used * (y - seen) ** 2), rho_x0=0.0, rho_th=0.0, train_x0=False)
+    model.optimization(adam_epochs=0, lbfgs_epochs=1000, iprint=-1)
+    model.init(params=[task.guess / task.scale], x0=task.x0.T.ravel())
+    model.params_min, model.params_max = [task.lower / task.scale], [task.upper / task.scale]
+    with redirect_stdout(StringIO()):
+        model.fit(task.position.T, task.force.T)
+    return np.asarray(model.params[0]) * task.scale
 
 
 def _step(task: Task) -> ca.Function:

@@ -18,7 +18,7 @@ import numpy as np
 from hybridid.records.channel import Array, Channel, RecordError
 from hybridid.records.masked import Masked, runs
 from hybridid.records.record import Record
-from hybridid.records.tables import column, read_table
+from hybridid.records.tables import column, read_table, table_of
 
 KEY = b"hybridid"
 FORMAT = 1
@@ -27,17 +27,16 @@ ROLES = ("input", "output", "auxiliary")
 
 def save_record(record: Record, path: Path | str) -> Path:
     """Write ``record`` to ``path`` (``.parquet``), which is returned. A failed write leaves no file."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
+    from pyarrow import parquet
 
     path = Path(path)
     columns = {"time": record.time, **{c.name: record.signal(c.name) for c in record.channels}}
     description = json.dumps(_description(record), ensure_ascii=False)
-    table = pa.table(columns).replace_schema_metadata({KEY: description.encode()})
+    table = table_of(columns).replace_schema_metadata({KEY: description.encode()})
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
     try:
-        pq.write_table(table, temporary)
+        parquet.write_table(table, temporary)
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)

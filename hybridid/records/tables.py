@@ -1,12 +1,14 @@
-"""Columns of numbers in a Parquet file, read without pandas and pyarrow's dataset engine.
+"""Columns of numbers in a Parquet file, read and written without pandas and pyarrow's dataset engine.
 
-``pyarrow.parquet.read_table`` and ``to_numpy`` load both, which costs every command and worker half a second.
+``pyarrow.parquet.read_table``, ``pyarrow.table`` of arrays and ``to_numpy`` load them. This costs every
+command and worker half a second.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +27,23 @@ def read_table(path: Path) -> pa.Table:
 
     with parquet.ParquetFile(path) as file:
         return file.read()
+
+
+def table_of(columns: Mapping[str, NDArray[Any]]) -> pa.Table:
+    """Columns of numbers or words, (n,) each, as a table."""
+    import pyarrow as pa
+
+    return pa.table({name: _arrow(np.asarray(values)) for name, values in columns.items()})
+
+
+def _arrow(values: NDArray[Any]) -> pa.Array:
+    """``values``, whose memory is shared if they are numbers in one piece."""
+    import pyarrow as pa
+
+    if values.dtype.kind not in "fiu":
+        return pa.array(values.tolist())
+    whole = np.ascontiguousarray(values)
+    return pa.Array.from_buffers(pa.from_numpy_dtype(whole.dtype), len(whole), [None, pa.py_buffer(whole)])
 
 
 def column(table: pa.Table, name: str) -> NDArray[np.float64]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.residuals.recursion import recur
 from hybridid.residuals.regressors import Scaling, exogenous, scaled_error
 from hybridid.residuals.series import ErrorSeries, Surroundings
 from hybridid.residuals.settings import Architecture
@@ -39,6 +38,8 @@ class Weights:
 def scaled_run(weights: Weights, rows: Array, past: Array, carry: float, limit: float) -> tuple[Array, int]:
     """Scaled errors (m,) along exogenous regressors ``rows`` (m, d) from ``past`` ones, newest first; and
     how many stayed within ``limit``: nan follows."""
+    from hybridid.residuals.recursion import recur  # numba takes a quarter of a second
+
     first, *inner, last = weights.matrices
     lags, width = len(past), len(first)
     return recur(

@@ -34,7 +34,6 @@ from hybridid.simulation.stability import substeps_for
 from hybridid.simulation.unobserved import filled_states
 from hybridid.trace.before_after import FittedModel
 from hybridid.trace.context import Context
-from hybridid.trace.kalman import kalman_filter, smooth
 from hybridid.validation.predict import holes_of
 
 Array = NDArray[np.float64]
@@ -101,6 +100,8 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
     Raises:
         ValueError: if the port takes neither.
     """
+    from hybridid.trace.kalman import kalman_filter, smooth  # numba takes a quarter of a second
+
     where = model.plant.port(port)
     if not where.in_equations:
         raise ValueError(

@@ -16,7 +16,7 @@ from hydra.core.singleton import Singleton
 from hydra.core.utils import JobReturn, JobStatus, filter_overrides
 from hydra_plugins.hydra_submitit_launcher import submitit_launcher
 
-from pipelines.shared.errors import ConfigError, Incomplete
+from pipelines.shared.errors import ConfigError, LostJob
 
 if TYPE_CHECKING:  # Hydra looks for plugins at every start: it must stay light
     from submitit import Job
@@ -34,10 +34,8 @@ _ENDED = (
     "BOOT_FAIL", "CANCELLED", "COMPLETED", "DEADLINE", "FAILED", "NODE_FAIL", "OUT_OF_MEMORY", "REVOKED",
     "TIMEOUT",
 )  # fmt: skip
-
-
-class Lost(Incomplete):
-    """A job that ended without a result: killed, out of memory or time, its node gone."""
+_BY_CHANCE = ("BOOT_FAIL", "FAILED", "NODE_FAIL")
+"""States of a killed job that might succeed on another node."""
 
 
 class SlurmLauncher(submitit_launcher.SlurmLauncher):
@@ -114,11 +112,14 @@ def _outcome(job: Job[JobReturn], overrides: Sequence[str]) -> JobReturn:
 
     try:
         return job.results()[0]
-    except (FailedJobError, UncompletedJobError):
-        why = f"Slurm job {job.job_id} is lost ({job.state.lower()}); its log: {job.paths.stderr}"
+    except (FailedJobError, UncompletedJobError) as error:
+        # the first raised an exception: its result is there before squeue tells its end
+        state = "FAILED" if isinstance(error, FailedJobError) else job.state
+        by_chance = isinstance(error, UncompletedJobError) and state in _BY_CHANCE
+        why = f"Slurm job {job.job_id} is lost ({state.lower()}); its log: {job.paths.stderr}"
         log.info(f"{why}; it was {' '.join(filter_overrides(overrides))}")
         lost = JobReturn(overrides=overrides, status=JobStatus.FAILED)
-        lost.return_value = Lost(why)
+        lost.return_value = LostJob(why, by_chance)
         return lost
 
 

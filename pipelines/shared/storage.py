@@ -53,11 +53,9 @@ def read_as(cls: type[T], path: Path) -> T:
 
 def write_table(path: Path, columns: Mapping[str, NDArray[Any]], about: Mapping[str, str]) -> None:
     """Write columns of equal length as Parquet, with the notes ``about`` them in the file's metadata."""
-    import pyarrow
     from pyarrow import parquet
 
-    table = pyarrow.table({name: np.asarray(values) for name, values in columns.items()})
-    parquet.write_table(table.replace_schema_metadata(dict(about)), path)
+    parquet.write_table(tables.table_of(columns).replace_schema_metadata(dict(about)), path)
 
 
 def read_table(path: Path) -> tuple[dict[str, NDArray[np.float64]], dict[str, str]]:

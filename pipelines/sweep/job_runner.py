@@ -16,6 +16,9 @@ from pipelines.sweep.work import Failures, SweepJob, carry_out
 OnJobEnd = Callable[[SweepJob, Failures], None]
 """Called with a finished job and the failures of its points."""
 
+ONCE_MORE = "it is started once more and goes on where it was"
+"""What is said of a trace whose process is lost."""
+
 
 class JobRunner(Protocol):
     """Runs the jobs of a sweep."""
@@ -38,22 +41,29 @@ class LocalProcesses:
     cores: int
 
     def carry_out(self, jobs: Sequence[SweepJob], watcher: Watcher, ended: OnJobEnd) -> Failures:
-        """Run all jobs, ``cores`` at a time."""
-        failures: dict[str, str] = {}
+        """Run all jobs, ``cores`` at a time. A trace whose process is lost is started once more at the end,
+        since it goes on where it was."""
         names = {job.name: job for job in jobs}
         board = Board("sweep", list(names), watcher)
         began: dict[str, float] = {}
-        for name, outcome in side_by_side(carry_out, names, self.cores, lambda n: _begun(began, n, board)):
-            of_job = outcome
-            if isinstance(of_job, Lost):
-                of_job = {point.key: lost_reason(names[name], of_job.reason) for point in names[name].points}
-            failures |= of_job
-            if of_job:
-                lost = "" if len(of_job) == 1 else f"{len(of_job)} points: "
-                board.failed(name, lost + next(iter(of_job.values())))
-            else:
-                board.done(name, time.monotonic() - began[name])
-            ended(names[name], of_job)
+        failures: dict[str, str] = {}
+        once_more = dict[str, SweepJob]()
+        for left, again in ((names, False), (once_more, True)):
+            for name, outcome in side_by_side(carry_out, left, self.cores, lambda n: _begun(began, n, board)):
+                of_job = outcome
+                if isinstance(of_job, Lost):
+                    if names[name].goes_on and of_job.error is None and not again:
+                        watcher.say(f"{name}: {of_job.reason}; {ONCE_MORE}")
+                        once_more[name] = names[name]
+                        continue
+                    of_job = {p.key: lost_reason(names[name], of_job.reason) for p in names[name].points}
+                failures |= of_job
+                if of_job:
+                    lost = "" if len(of_job) == 1 else f"{len(of_job)} points: "
+                    board.failed(name, lost + next(iter(of_job.values())))
+                else:
+                    board.done(name, time.monotonic() - began[name])
+                ended(names[name], of_job)
         return failures
 
 

@@ -15,7 +15,7 @@ from hybridid.hybrid.narx_grid import narx_hybrid, train_networks
 from pipelines.residual import stage as residual
 from pipelines.residual.narx import NARXRequest, report_to
 from pipelines.runner import run_stages
-from pipelines.shared.errors import ConfigError
+from pipelines.shared.errors import ConfigError, Incomplete
 from pipelines.shared.freshness import RECEIPT
 from pipelines.shared.secrets import masked
 from pipelines.shared.stage import Job
@@ -42,6 +42,12 @@ class SweepJob:
     points: tuple[Point, ...]
     gray: bool = False
     sweep: str = ""
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether it would go on where it was, if its process were lost: a trace keeps its refits, a network
+        trains from nothing."""
+        return self.points[0].is_traced
 
     def plain(self) -> dict[str, Any]:
         """As JSON takes it."""
@@ -75,7 +81,7 @@ def carry_out(job: SweepJob, watcher: Watcher) -> Failures:
 
 def one_line(error: Exception) -> str:
     """An exception in one line."""
-    kind = "" if isinstance(error, ConfigError) else f"{type(error).__name__}: "
+    kind = "" if isinstance(error, (ConfigError, Incomplete)) else f"{type(error).__name__}: "
     return " ".join(masked(f"{kind}{error}").split())[:_LONGEST]
 
 

@@ -16,7 +16,6 @@ from hybridid.records.store import load_record
 from hybridid.trace.candidates import admissible
 from hybridid.trace.mapper import Mapper, Report, unheard
 from hybridid.trace.result import Trace
-from hybridid.trace.run import trace
 from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
@@ -87,6 +86,8 @@ def traced(
     The first refit starts at the parameters ``start`` (None: at the guesses). ``keep`` lets the mapper keep
     its results, and ``say`` is told what each step decides.
     """
+    from hybridid.trace.run import trace  # other commands need not wait for it
+
     with mapper_of(request.processes) as mapper:
         return trace(
             model_of(settings),

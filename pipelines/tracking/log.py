@@ -11,6 +11,7 @@ from filelock import Timeout
 from pipelines.shared.config import Settings
 from pipelines.shared.secrets import credentials
 from pipelines.shared.watch import Watcher
+from pipelines.tracking import ahead
 from pipelines.tracking.abandoned import end_abandoned
 from pipelines.tracking.begun import lift_left
 from pipelines.tracking.note import Artifact, Note, Status, short
@@ -89,6 +90,8 @@ def _sent(given: Note, settings: Settings) -> str:
     uri = tracking_uri(settings)
     if paused(uri):
         return "it did not answer in time, less than a minute ago"
+    if ahead.sends(settings):
+        return ahead.sent_beside(given, settings)
     try:
         send(given, settings, settings.mlflow.patience)
     except Exception as error:

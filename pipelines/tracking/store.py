@@ -43,15 +43,20 @@ def store_folder(settings: Settings) -> Path:
 
 def client(settings: Settings, uri: str | None = None) -> MlflowClient:
     """A client of the store (at ``uri``, if given), which exists from then on."""
-    os.environ.update(_SENDS_NOTHING)
-    for name, value in (_SILENT | patience.REQUESTS).items():
-        os.environ.setdefault(name, value)
+    set_environment()
     with alone(settings):
         own = store_folder(settings) / STORE
         at = uri or tracking_uri(settings)
         if at == _address(own) and not own.exists():
             _make(own)
         return _client(at, os.getpid())
+
+
+def set_environment() -> None:
+    """What MLflow reads when it is imported."""
+    os.environ.update(_SENDS_NOTHING)
+    for name, value in (_SILENT | patience.REQUESTS).items():
+        os.environ.setdefault(name, value)
 
 
 def _make(store: Path) -> None:

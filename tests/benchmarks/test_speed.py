@@ -8,12 +8,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.speed import fits
 from benchmarks.speed.contest import Way, contest
 from benchmarks.speed.emps import Contested, contested, like_emps
 from benchmarks.speed.fits import BESIDE
 from benchmarks.speed.report import write_report
-from benchmarks.speed.rivals import by_every_sample, by_numba
+from benchmarks.speed.rivals import by_every_sample, by_jax_sysid, by_numba
 from benchmarks.speed.row import OURS, Row
+
+
+@pytest.fixture(scope="module")
+def short():
+    """0.6 s of a simulated EMPS."""
+    return Contested(contested(200, "data=simulated").model, (like_emps(600),), 200)
 
 
 def silent(line):
@@ -46,14 +53,31 @@ def test_a_way_that_fails_is_named():
         contest([Way("broken", lambda: 1 / 0)], 1, silent)
 
 
-def test_every_way_ends_at_the_same_optimum():
+def test_every_way_ends_at_the_same_optimum(short):
     """Ours, a plain least-squares fit and the thesis' transcription, on 0.6 s of a simulated EMPS."""
-    own = Contested(contested(200, "data=simulated").model, (like_emps(600),), 200)
-    task = own.task()
-    ours, theirs = own.ours(), [by_numba(task), by_every_sample(task)]
+    task = short.task()
+    ours, theirs = short.ours(), [by_numba(task), by_every_sample(task)]
     for one in theirs:
         assert task.rmse(one) == pytest.approx(task.rmse(ours), rel=1e-5)
         np.testing.assert_allclose(one, ours, rtol=2e-3)
+
+
+def test_a_library_that_is_not_installed_is_a_row_of_its_own(short, monkeypatch):
+    monkeypatch.setitem(fits.OPTIONAL, "jax-sysid", "no_such_module")
+    monkeypatch.setattr(fits, "SLOW", ())
+    monkeypatch.setattr(fits, "RIVALS", {"jax-sysid": by_jax_sysid})
+    monkeypatch.setattr(fits, "contested", lambda horizon: short)
+    rows = list(fits.beside(1, silent, True))
+    assert [(row.way, row.reached) for row in rows if row.way != OURS] == [("jax-sysid", "not installed")] * 4
+
+
+def test_growth_is_told_in_seconds_a_sample():
+    rows = [
+        Row("growing", "few", OURS, (1.0,), "", "simulated", details={"samples": 10.0}),
+        Row("growing", "many", OURS, (30.0,), "", "simulated", details={"samples": 200.0}),
+    ]
+    told = "seconds a sample over the first row's"
+    assert [row.details[told] for row in fits._beside_first(rows)] == pytest.approx([1.0, 1.5])
 
 
 def test_the_page_holds_every_way_against_ours(tmp_path):
