@@ -13,7 +13,7 @@ from hybridid.estimators.estimate import Progress
 from hybridid.hybrid.gray_box import Errors, GrayBox, GrayRun, gray_scores, hybrid_scores
 from hybridid.hybrid.output_error import OutputErrorHybrid
 from hybridid.hybrid.report import FittedHybrid, NARXReport, NetworkScore
-from hybridid.residuals.choice import RULE, smallest_near_best
+from hybridid.residuals.choice import RULE, chosen_network
 from hybridid.residuals.demand import stack_of
 from hybridid.residuals.settings import Architecture, Training
 
@@ -82,7 +82,7 @@ def narx_hybrid(
         ValueError: if every network of an output diverged on the held-out blocks.
     """
     outputs = list(dict.fromkeys(one.network.output for one in trained))
-    best = [smallest_near_best([one for one in trained if one.network.output == o]) for o in outputs]
+    best = [chosen_network([one for one in trained if one.network.output == o]) for o in outputs]
     hybrid = OutputErrorHybrid(gray.model, gray.estimate.values, tuple(b.network for b in best))
     rows = tuple(_row(one, one in best, gray, runs) for one in trained)
     history = {one.network.output: one.history for one in best}

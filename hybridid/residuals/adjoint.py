@@ -1,7 +1,7 @@
 """A network's error over stretches that it runs free, and the gradient of it, compiled.
 
-This is one file, because numba's cache does not notice a change in another one. All sums run in one fixed order on
-one thread, so the number of threads never changes a result.
+This is one file, because numba's cache does not notice a change in another one. All sums run in one fixed
+order on one thread, so the number of threads never changes a result.
 """
 
 # mypy: disallow-untyped-defs=False, disallow-incomplete-defs=False
@@ -56,9 +56,10 @@ def _remember(past, value):  # pragma: no cover
 def simulate(layers, rows, runs, before, carry, limit, seen, active, found):  # pragma: no cover
     """Predict ``found`` (m,) over ``runs`` (r, 2), each from ``before`` (r, lags), the newest first.
 
-    ``layers``: weights of past errors (lags, width) and of ``rows`` (m, d) (d, width), bias (width,); of the other
-    hidden layers (depth - 1, width, width) and (depth - 1, width); of the output (width,) and (1,). Keeps what the
-    gradient needs: past errors ``seen`` (m, lags) and neurons ``active`` (m, depth, width). False where |e| > limit.
+    ``layers``: weights of past errors (lags, width) and of ``rows`` (m, d) (d, width), bias (width,); of the
+    other hidden layers (depth - 1, width, width) and (depth - 1, width); of the output (width,) and (1,).
+    Keeps what the gradient needs: past errors ``seen`` (m, lags) and neurons ``active`` (m, depth, width).
+    False where |e| > limit.
     """
     by_past, by_rows, bias, hidden, biases, output, offset = layers
     sums, past = np.empty(len(bias)), np.empty(len(by_past))
@@ -90,8 +91,9 @@ def simulate(layers, rows, runs, before, carry, limit, seen, active, found):  # 
 def gradient(layers, turned, rows, runs, carry, seen, active, by_value, into):  # pragma: no cover
     """Add to ``into``, alike to ``layers``, the derivatives of a sum over all predictions.
 
-    ``by_value`` (m,) are its derivatives by each prediction alone; it is overwritten by those through all later ones.
-    ``turned`` are the weights of the past errors (width, lags) and of the hidden layers, transposed.
+    ``by_value`` (m,) are its derivatives by each prediction alone; it is overwritten by those through all
+    later ones. ``turned`` are the weights of the past errors (width, lags) and of the hidden layers,
+    transposed.
     """
     output = layers[5]
     past_turned, hidden_turned = turned

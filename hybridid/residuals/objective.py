@@ -1,4 +1,4 @@
-"""What ``optimiser=lbfgs`` minimises: a network's mean square error in free run, and the size of its weights."""
+"""What ``optimiser=lbfgs`` minimises: mean square error in free run, and the size of the weights."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ Layers = tuple[Array, ...]
 class Shape:
     """How the weights of a network lie in one vector.
 
-    In order: weights of the past errors (lags, width), of the exogenous regressors (d, width), bias (width,); other
-    hidden layers (depth - 1, width, width) and (depth - 1, width); output (width,) and (1,). The error is ``carry``
-    (0 or 1) times the last one plus ``gain`` times the output.
+    In order: weights of the past errors (lags, width), of the exogenous regressors (d, width), bias
+    (width,); other hidden layers (depth - 1, width, width) and (depth - 1, width); output (width,) and (1,).
+    The error is ``carry`` (0 or 1) times the last one plus ``gain`` times the output.
     """
 
     lags: int
@@ -79,7 +79,10 @@ class Shape:
         flat = np.zeros(self.count)
         past, rows, _, hidden, _, output, _ = self.parts(flat)
         scale = (2.0 / self.width) ** 0.5
-        first = dice.normal(size=(self.lags + self.exogenous, self.width)) * (2.0 / (len(past) + len(rows))) ** 0.5
+        first = (
+            dice.normal(size=(self.lags + self.exogenous, self.width))
+            * (2.0 / (len(past) + len(rows))) ** 0.5
+        )
         past[:], rows[:] = first[: self.lags], first[self.lags :]
         hidden[:] = dice.normal(size=hidden.shape) * scale
         output[:] = dice.normal(size=output.shape) * scale * 0.1
@@ -87,7 +90,7 @@ class Shape:
 
 
 class FreeRun:
-    """Mean square of the scaled error over ``stretches``, each run free; infinite where |e| exceeds ``limit``."""
+    """Mean square of the scaled error over free runs of ``stretches``; infinite if |e| exceeds ``limit``."""
 
     def __init__(self, shape: Shape, samples: Samples, stretches: Stretches, limit: float) -> None:
         self.shape, self.stretches, self.limit = shape, stretches, limit
@@ -127,7 +130,7 @@ class FreeRun:
 def held_out(
     shape: Shape, samples: Samples, criterion: str, horizons: Sequence[int | None], limit: float
 ) -> FreeRun:
-    """The error on the held-out blocks: in a run of each record from zero, or over windows as in the thesis."""
+    """The error on the held-out blocks: in runs of the records from zero, or over windows (thesis)."""
     last = horizons[-1]
     if criterion == "free_run" or last is None:
         return FreeRun(shape, samples, Stretches.whole(samples, shape.lags, samples.split.held_out), limit)

@@ -1,9 +1,9 @@
-"""``optimiser=lbfgs``: a network trained by a quasi-Newton method on all samples at once, from several starts.
+"""``optimiser=lbfgs``: a network trained on all samples at once, from several starts.
 
 For a network of some hundred weights on a record of some thousand samples, one pass with its gradient takes a
-millisecond. A quasi-Newton method then reaches the optimum of its objective, where a descent in small random steps
-stops somewhere on the way, each seed elsewhere. The method is SciPy's L-BFGS-B. Source: Liu, Nocedal (1989),
-Math. Programming 45, 503-528; Byrd, Lu, Nocedal, Zhu (1995), SIAM J. Sci. Comput. 16, 1190-1208.
+millisecond. A quasi-Newton method then reaches the optimum of its objective, where a descent in small random
+steps stops somewhere on the way, each seed elsewhere. The method is SciPy's L-BFGS-B. Source: Liu, Nocedal
+(1989), Math. Programming 45, 503-528; Byrd, Lu, Nocedal, Zhu (1995), SIAM J. Sci. Comput. 16, 1190-1208.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from hybridid.residuals.narx import Weights
 from hybridid.residuals.objective import FreeRun, Shape, held_out
 from hybridid.residuals.samples import Samples
-from hybridid.residuals.settings import Architecture, Epoch, Training
+from hybridid.residuals.settings import PAIRS, Architecture, Epoch, Training
 from hybridid.residuals.stretches import training
 
 if TYPE_CHECKING:
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Tell = Callable[[int | None, int, float, float], None]
 """Is told the horizon, the epoch, the held-out error, and which share of all is done."""
-PAIRS = 20
-"""Steps that the method remembers."""
 SETTLED = 1e-9
 """Relative decrease of the objective in one step that counts as none."""
 LOOK = 10
@@ -48,7 +46,7 @@ class Descended:
 
 @dataclass(frozen=True, eq=False)
 class _Way:
-    """Where a network has come to: its weights, their objective, and why the training on each horizon ended."""
+    """Where a network has come to: its weights, and why the training on each horizon ended."""
 
     flat: Array
     objective: float = float("inf")
@@ -57,7 +55,7 @@ class _Way:
 
 
 class Descent:
-    """The training of one network on ``samples``; a network with |e| above ``limit`` (scaled) has diverged."""
+    """The training of one network; it has diverged where the scaled |e| exceeds ``limit``."""
 
     def __init__(
         self, one: Architecture, samples: Samples, settings: Training, gain: float, limit: float
@@ -67,8 +65,7 @@ class Descent:
         self._held_out = held_out(self.shape, samples, settings.criterion, settings.horizons, limit)
 
     def run(self, seed: int, tell: Tell) -> Descended:
-        """Train every start of ``seed`` on the first horizon and the better half of them on the others; the one with
-        the lowest objective at the end is kept."""
+        """Train every start on the first horizon, the better half on the others; keep the best."""
         (first, *others), starts = self.settings.horizons, self.settings.starts
         finalists = -(-starts // 2) if others else starts
         steps = _Steps(self.settings, starts + finalists * len(others), tell)

@@ -17,6 +17,9 @@ SMALL = 64
 """Width up to which networks train faster together than one after the other. A training step of a narrow
 network takes mostly the overhead of its function calls; that of a wider one takes mostly arithmetic."""
 
+PAIRS = 20
+"""Steps that lbfgs remembers."""
+
 
 @dataclass(frozen=True)
 class Architecture:
@@ -53,20 +56,21 @@ class Training:
     held-out error has not decreased for ``patience`` epochs, or after ``epochs``. The weights with the
     lowest held-out error of all are kept.
 
-    The ``optimiser`` "adam" takes small random steps, ``batch`` predicted samples each, at ``learning_rate``. It
-    suits long records and wide networks. "lbfgs" takes quasi-Newton steps on all samples at once, an epoch each, and
-    reaches the optimum. It suits networks of some hundred weights and records of some thousand samples. Its last
-    horizon may be None, the whole record from an error of zero, as in use. ``starts`` random networks
-    are then trained for each seed on all horizons but the last. The one with the lowest training objective goes on,
-    and the kept weights are of the last horizon.
+    The ``optimiser`` "adam" takes small random steps, ``batch`` predicted samples each, at ``learning_rate``.
+    It suits long records and wide networks. "lbfgs" takes quasi-Newton steps on all samples at once, an epoch
+    each, to the optimum of its objective. It suits networks of some hundred weights on records of some
+    thousand samples. Its last horizon may be None: the whole record from an error of zero, as in use. For
+    each seed it begins ``starts`` random networks. The half with the lower objective goes on to further
+    horizons, and the one with the lowest objective at the end is kept, at its optimum. Only where the
+    held-out error ends the training, the weights of the lowest held-out error are kept.
 
-    With the ``criterion`` "free_run", this is the error on the
-    held-out blocks in a simulation of the whole record from an error of zero, as in use. With "horizon", it
-    is the error over windows of the last horizon, each from measured errors, as in the thesis.
+    With the ``criterion`` "free_run", the held-out error is that on the held-out blocks in a simulation of
+    the whole record from an error of zero, as in use. With "horizon", it is the error over windows of the
+    last horizon, each from measured errors, as in the thesis.
 
     Each record is cut into ``blocks`` contiguous blocks; ``held_out`` is the share of them that is not used
-    for training. ``weight_decay`` times half the squared norm of the weights is added to the mean
-    squared error.
+    for training. Half of ``weight_decay`` times the sum of the squared weights is added to the mean squared
+    error.
     A network has diverged if its |error| exceeds ``guard`` times the largest error in the training data.
     ``precision`` is that of the arithmetic. A network trained in a stack equals one trained alone, up to
     rounding.
@@ -90,7 +94,7 @@ class Training:
     )
     starts: int = setting(
         1,
-        "random networks begun for each seed, of which the best goes on to the last horizon; with optimiser=lbfgs",
+        "random networks begun for each seed, of which the best go on; with optimiser=lbfgs",
         least=1,
     )
     criterion: Literal["free_run", "horizon"] = setting(
@@ -109,7 +113,9 @@ class Training:
         "a network whose |error| exceeds the largest that trained it so many times has diverged",
         above=1,
     )
-    precision: Literal["single", "double"] = setting("single", "precision of adam's arithmetic; lbfgs is double")
+    precision: Literal["single", "double"] = setting(
+        "single", "precision of adam's arithmetic; lbfgs is double"
+    )
 
     def __post_init__(self) -> None:
         check(self, "residual")
@@ -118,8 +124,8 @@ class Training:
         rising = [one for one in given if one is not None]
         if len(rising) < len(given) or sorted(rising) != rising:
             raise ValueError(
-                f"residual.horizons is {list(self.horizons)}: rising numbers of samples, such as [1, 10, 50]; "
-                "null may be the last"
+                f"residual.horizons is {list(self.horizons)}: rising numbers of samples, such as "
+                "[1, 10, 50]; null may be the last"
             )
         if self.optimiser == "adam" and last is None:
             raise ValueError("residual.horizons ends with null, the whole record: only optimiser=lbfgs can")

@@ -37,8 +37,10 @@ class Stretches:
 
 
 def training(samples: Samples, lags: int, horizon: int | None) -> Stretches:
-    """What a horizon trains on: adjacent windows that cover the training blocks (the last of each block may be
-    shorter), or whole records (None)."""
+    """What a horizon trains on: adjacent windows that cover the training blocks, or whole records (None).
+
+    The last window of a block may be shorter.
+    """
     split = samples.split
     if horizon is None:
         return Stretches.whole(samples, lags, split.train)
