@@ -64,7 +64,8 @@ def train_networks(tasks: Sequence[Task], training: Training, report: Report | N
         stacks.setdefault(stack_of(task.architecture), []).append(number)
     trained: dict[int, Trained] = {}
     for count, (size, numbers) in enumerate(stacks.items()):
-        name = f"{len(numbers)} networks " + (f"of {size[0]} x {size[1]}" if size else "side by side")
+        together = "one by one" if training.optimiser == "lbfgs" else "side by side"
+        name = f"{len(numbers)} networks " + (f"of {size[0]} x {size[1]}" if size else together)
         tell = None if report is None else _part(report, name, count, len(stacks))
         found = train_stack([tasks[k] for k in numbers], training, tell)
         trained.update(zip(numbers, found, strict=True))

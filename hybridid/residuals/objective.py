@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.residuals.adjoint import gradient, simulate
 from hybridid.residuals.narx import Weights
+from hybridid.residuals.recursion import gradient, simulate
 from hybridid.residuals.samples import Samples
 from hybridid.residuals.settings import Architecture
 from hybridid.residuals.stretches import Stretches

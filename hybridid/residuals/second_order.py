@@ -70,11 +70,10 @@ class Descent:
         finalists = -(-starts // 2) if others else starts
         steps = _Steps(self.settings, starts + finalists * len(others), tell)
         ways = [_Way(self.shape.start(np.random.default_rng([seed, k]))) for k in range(starts)]
-        error = self._error(first)
-        ways = sorted((self._go_on(way, error, first, steps) for way in ways), key=lambda way: way.objective)
+        ways = [self._go_on(way, self._error(first), first, steps) for way in ways]
         for horizon in others:
-            error = self._error(horizon)
-            ways = [self._go_on(way, error, horizon, steps) for way in ways[:finalists]]
+            ways = sorted(ways, key=lambda way: way.objective)[:finalists]
+            ways = [self._go_on(way, self._error(horizon), horizon, steps) for way in ways]
         best = min(ways, key=lambda way: way.objective)
         return Descended(self.shape.weights(best.flat), best.history, best.stopped)
 
