@@ -77,7 +77,7 @@ def test_seeds_end_alike_where_those_of_adam_do_not(series, small):
 
 
 def test_a_rounding_error_moves_it_less_than_another_seed(series, small):
-    """Another machine rounds otherwise, and hundreds of steps enlarge that; the optimum bounds by how much."""
+    """Another machine rounds otherwise, and hundreds of steps enlarge that."""
     one = series(300, 0)
     shaken = replace(one, error=one.error * (1 + 1e-12 * np.random.default_rng(0).normal(size=300)))
     first, second = (train(Task((s,), small), SETTINGS) for s in (one, shaken))
