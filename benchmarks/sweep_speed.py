@@ -37,7 +37,17 @@ OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies" / "sweep_sp
 OUTPUT = "vertical_velocity"
 CORES = 2
 GRID = {"depth": (3, 4, 5), "width": (8, 16, 32)}
-WORDS = ("experiment=vehicle_narx", "data=simulated")
+ADAM = (
+    "optimiser=adam",
+    "starts=1",
+    "horizons=[10]",
+    "patience=400",
+    "batch=256",
+    "learning_rate=3e-3",
+    "weight_decay=1e-2",
+)
+"""Networks share a stack only with adam."""
+WORDS = ("experiment=vehicle_narx", "data=simulated", *(f"residual.{word}" for word in ADAM))
 WAYS = ("sweep", "plain loop", "bare loop")
 
 

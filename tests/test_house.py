@@ -68,7 +68,18 @@ def test_module_is_short_and_says_what_it_is(path):
 
 
 TRAINING = {
-    f"hybridid/residuals/{name}.py" for name in ("adam", "samples", "course", "criteria", "stack", "training")
+    f"hybridid/residuals/{name}.py"
+    for name in (
+        "adam",
+        "samples",
+        "course",
+        "criteria",
+        "stack",
+        "training",
+        "stretches",
+        "objective",
+        "second_order",
+    )
 }
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from benchmarks.speed.commands import commands
 from benchmarks.speed.fits import beside, growing
+from benchmarks.speed.networks import networks
 from benchmarks.speed.report import write_report
 from benchmarks.speed.row import Row
 from benchmarks.speed.simulations import simulations
@@ -18,6 +19,7 @@ PARTS: dict[str, Part] = {
     "fits": beside,
     "growing": growing,
     "simulations": simulations,
+    "networks": networks,
     "commands": commands,
     "traces": traces,
 }

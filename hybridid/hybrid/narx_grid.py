@@ -13,7 +13,7 @@ from hybridid.estimators.estimate import Progress
 from hybridid.hybrid.gray_box import Errors, GrayBox, GrayRun, gray_scores, hybrid_scores
 from hybridid.hybrid.output_error import OutputErrorHybrid
 from hybridid.hybrid.report import FittedHybrid, NARXReport, NetworkScore
-from hybridid.residuals.choice import RULE, smallest_near_best
+from hybridid.residuals.choice import RULE, chosen_network
 from hybridid.residuals.demand import stack_of
 from hybridid.residuals.settings import Architecture, Training
 
@@ -64,7 +64,8 @@ def train_networks(tasks: Sequence[Task], training: Training, report: Report | N
         stacks.setdefault(stack_of(task.architecture), []).append(number)
     trained: dict[int, Trained] = {}
     for count, (size, numbers) in enumerate(stacks.items()):
-        name = f"{len(numbers)} networks " + (f"of {size[0]} x {size[1]}" if size else "side by side")
+        together = "one by one" if training.optimiser == "lbfgs" else "side by side"
+        name = f"{len(numbers)} networks " + (f"of {size[0]} x {size[1]}" if size else together)
         tell = None if report is None else _part(report, name, count, len(stacks))
         found = train_stack([tasks[k] for k in numbers], training, tell)
         trained.update(zip(numbers, found, strict=True))
@@ -82,7 +83,7 @@ def narx_hybrid(
         ValueError: if every network of an output diverged on the held-out blocks.
     """
     outputs = list(dict.fromkeys(one.network.output for one in trained))
-    best = [smallest_near_best([one for one in trained if one.network.output == o]) for o in outputs]
+    best = [chosen_network([one for one in trained if one.network.output == o]) for o in outputs]
     hybrid = OutputErrorHybrid(gray.model, gray.estimate.values, tuple(b.network for b in best))
     rows = tuple(_row(one, one in best, gray, runs) for one in trained)
     history = {one.network.output: one.history for one in best}

@@ -54,12 +54,14 @@ class FreeRunError(Criterion):
 
     def __call__(self, stack: Stack, networks: Sequence[int]) -> Array:
         weights = stack.padded_weights()
-        return np.array([self._of(w, k, stack) for w, k in zip(weights, networks, strict=True)])
+        pairs = zip(weights, networks, strict=True)
+        return np.array([self.of(one, k, stack.lags, stack.carry) for one, k in pairs])
 
-    def _of(self, weights: Weights, network: int, stack: Stack) -> float:
-        sample, limit, begin = self.samples[network], self.limits[network], np.zeros(stack.lags)
+    def of(self, weights: Weights, network: int, lags: int, carry: float) -> float:
+        """Value of one network with these weights, which sees ``lags`` past errors; ``carry``: 0 or 1."""
+        sample, limit, begin = self.samples[network], self.limits[network], np.zeros(lags)
         error, rows = sample.doubles
-        runs = [scaled_run(weights, rows[a:b], begin, stack.carry, limit)[0] for a, b in sample.pieces]
+        runs = [scaled_run(weights, rows[a:b], begin, carry, limit)[0] for a, b in sample.pieces]
         square = float(np.mean((np.concatenate(runs) - error)[sample.held_out] ** 2))
         return square if np.isfinite(square) else np.inf
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hybridid.demand import Demand
-from hybridid.residuals.settings import SMALL, Architecture, Training
+from hybridid.residuals.settings import PAIRS, SMALL, Architecture, Training
 
 _ITEM: Mapping[str, int] = {"single": 4, "double": 8}
 _BASE = 1e8
@@ -24,12 +24,17 @@ def training_demand(
 ) -> Demand:
     """Of ``copies`` networks of each size, on errors of ``samples`` samples in all records.
 
-    Small networks train in one stack, each larger size in one of its own, one after the other.
+    Small networks train in one stack, each larger size in one of its own, one after the other. With lbfgs,
+    each network trains alone.
     """
-    stacks: dict[tuple[int, int] | None, list[Architecture]] = {}
-    for one in architectures:
-        stacks.setdefault(stack_of(one), []).extend([one] * copies)
-    parts = [_Stack(tuple(own), samples, training) for own in stacks.values()]
+    parts: list[_Stack | _Alone]
+    if training.optimiser == "lbfgs":
+        parts = [_Alone(one, copies, samples, training) for one in architectures]
+    else:
+        stacks: dict[tuple[int, int] | None, list[Architecture]] = {}
+        for one in architectures:
+            stacks.setdefault(stack_of(one), []).extend([one] * copies)
+        parts = [_Stack(tuple(own), samples, training) for own in stacks.values()]
     count = len(architectures) * copies
     return Demand(
         f"the training of {count} network{'s' * (count > 1)}",
@@ -37,6 +42,57 @@ def training_demand(
         sum(part.seconds for part in parts),
         max(parts, key=lambda part: part.memory).keys,
     )
+
+
+_SETTLES = 20
+"""Epochs that a descent of lbfgs takes at least, however soon it has converged."""
+
+
+@dataclass(frozen=True)
+class _Alone:
+    """Networks of one size that train one after another, with lbfgs."""
+
+    network: Architecture
+    copies: int
+    samples: int
+    training: Training
+
+    @property
+    def weights(self) -> float:
+        """Of one network."""
+        one = self.network
+        return (one.orders.regressors + 2 + (one.depth - 1) * (one.width + 1)) * one.width + 1
+
+    @property
+    def memory(self) -> float:
+        """Bytes: the pairs of steps that the method remembers, three times over in its own work; the neurons
+        and regressors of each sample, for the training and for the held-out error."""
+        one, grid = self.network, self.samples / self.network.every
+        return 8 * (
+            6 * PAIRS * self.weights + 2 * grid * (one.depth * one.width + 2 * one.orders.regressors + 8)
+        )
+
+    @property
+    def seconds(self) -> float:
+        """At least: a descent from each start, and of half of them on each further horizon."""
+        training = self.training
+        descents = training.starts + max(1, training.starts // 2) * (len(training.horizons) - 1)
+        epochs = min(training.epochs, training.patience, _SETTLES)
+        each = 6 * self.samples / self.network.every * self.weights / _FLOPS
+        return self.copies * descents * epochs * each
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The setting that is furthest from what is usual."""
+        one = self.network
+        times = {
+            f"residual.width ({one.width})": one.width / 100,
+            f"residual.depth ({one.depth})": one.depth / 10,
+            f"residual.orders ({one.orders.longest})": one.orders.longest / 100,
+            f"residual.starts ({self.training.starts})": self.training.starts / 10,
+            "residual.optimiser (lbfgs), on so many samples": self.samples / 100_000,
+        }
+        return (max(times, key=lambda name: times[name]),)
 
 
 @dataclass(frozen=True)
@@ -57,7 +113,7 @@ class _Stack:
     def memory(self) -> float:
         """Bytes: eight copies of the weights in training (best, gradients, moments, in passing) and two in
         double precision for the free run; what a step keeps for its gradients; regressors of each sample."""
-        item, batch = _ITEM[self.training.precision], self._windows * self.training.horizons[-1]
+        item, batch = _ITEM[self.training.precision], self._windows * self.training.windows[-1]
         kept = 1.5 * len(self.networks) * batch * (2 * self.depth * self.width + self.regressors) * item
         return self.weights * (8 * item + 16) + kept + 4 * self._grid * (self.regressors + 2) * (item + 8)
 
@@ -68,7 +124,7 @@ class _Stack:
         epochs = min(training.epochs, training.patience)
         trained = self._grid * (1 - training.held_out)
         found = 0.0
-        for horizon in training.horizons:
+        for horizon in training.windows:
             steps = max(1.0, trained / (max(1, training.batch // horizon) * horizon))
             once = 6 * trained * self.weights / _FLOPS + 8 * self._grid * self.weights / _READ
             found += epochs * (once + steps * horizon * self.depth * _STEP)
@@ -106,7 +162,7 @@ class _Stack:
 
     @property
     def _windows(self) -> int:
-        return max(1, self.training.batch // self.training.horizons[-1])
+        return max(1, self.training.batch // self.training.windows[-1])
 
 
 def stack_of(one: Architecture) -> tuple[int, int] | None:

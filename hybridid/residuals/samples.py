@@ -104,7 +104,7 @@ def check_lengths(samples: Samples, settings: Training, output: str) -> None:
     Raises:
         ValueError: if they are too short.
     """
-    horizon, split, reach = settings.horizons[-1], samples.split, samples.reach
+    horizon, split, reach = max(settings.windows, default=1), samples.split, samples.reach
     parts = [("training", split.train, len(split.starts(horizon, reach)))]
     if settings.criterion == "horizon":
         parts.append(("held-out", split.held_out, len(split.checks(horizon, reach))))

@@ -17,6 +17,9 @@ SMALL = 64
 """Width up to which networks train faster together than one after the other. A training step of a narrow
 network takes mostly the overhead of its function calls; that of a wider one takes mostly arithmetic."""
 
+PAIRS = 20
+"""Steps that lbfgs remembers."""
+
 
 @dataclass(frozen=True)
 class Architecture:
@@ -45,18 +48,29 @@ class Architecture:
 
 @dataclass(frozen=True)
 class Training:
-    """How networks are trained: Adam on the mean squared error over ``horizons`` in turn.
+    """How networks are trained: on the mean squared error over ``horizons`` in turn.
 
     A horizon of 1 is the one-step prediction of the thesis. Over a horizon of h grid samples, the network
     starts from measured errors and then uses its own predictions as past errors; the gradient goes back
     through all h samples. ``(1, 10, 50)`` goes from easy to hard. On each horizon, training ends when the
     held-out error has not decreased for ``patience`` epochs, or after ``epochs``. The weights with the
-    lowest held-out error of all are kept. With the ``criterion`` "free_run", this is the error on the
-    held-out blocks in a simulation of the whole record from an error of zero, as in use. With "horizon", it
-    is the error over windows of the last horizon, each from measured errors, as in the thesis.
+    lowest held-out error of all are kept.
+
+    The ``optimiser`` "adam" takes small random steps, ``batch`` predicted samples each, at ``learning_rate``.
+    It suits long records and wide networks. "lbfgs" takes quasi-Newton steps on all samples at once, an epoch
+    each, to the optimum of its objective. It suits networks of some hundred weights on records of some
+    thousand samples. Its last horizon may be None: the whole record from an error of zero, as in use. For
+    each seed it begins ``starts`` random networks. The half with the lower objective goes on to further
+    horizons, and the one with the lowest objective at the end is kept, at its optimum. Only where the
+    held-out error ends the training, the weights of the lowest held-out error are kept.
+
+    With the ``criterion`` "free_run", the held-out error is that on the held-out blocks in a simulation of
+    the whole record from an error of zero, as in use. With "horizon", it is the error over windows of the
+    last horizon, each from measured errors, as in the thesis.
 
     Each record is cut into ``blocks`` contiguous blocks; ``held_out`` is the share of them that is not used
-    for training. ``batch`` is the number of predicted samples in a step. ``weight_decay`` is Adam's L2 term.
+    for training. Half of ``weight_decay`` times the sum of the squared weights is added to the mean squared
+    error.
     A network has diverged if its |error| exceeds ``guard`` times the largest error in the training data.
     ``precision`` is that of the arithmetic. A network trained in a stack equals one trained alone, up to
     rounding.
@@ -65,13 +79,23 @@ class Training:
         ValueError: if a setting is outside what is allowed.
     """
 
-    horizons: tuple[int, ...] = setting(
+    horizons: tuple[int | None, ...] = setting(
         (1, 10, 50),
         "how long the network runs free in training, one length after the other; [1]: one step ahead, "
-        "as in the thesis",
+        "as in the thesis; null as the last, with optimiser=lbfgs: the whole record from an error of zero",
         unit="samples",
         least=1,
         some=True,
+    )
+    optimiser: Literal["adam", "lbfgs"] = setting(
+        "adam",
+        "adam: random steps, for long records and wide networks; lbfgs: quasi-Newton steps on all samples, "
+        "for small networks on short records",
+    )
+    starts: int = setting(
+        1,
+        "random networks begun for each seed, of which the best go on; with optimiser=lbfgs",
+        least=1,
     )
     criterion: Literal["free_run", "horizon"] = setting(
         "free_run",
@@ -79,9 +103,9 @@ class Training:
     )
     epochs: int = setting(200, "epochs on each horizon at most", least=1)
     patience: int = setting(20, "epochs without a lower held-out error that end the training", least=1)
-    batch: int = setting(512, "predicted samples in each step", least=1)
-    learning_rate: float = setting(1e-3, "learning rate of Adam", above=0)
-    weight_decay: float = setting(0.0, "L2 term of Adam", least=0)
+    batch: int = setting(512, "predicted samples in each step of adam", least=1)
+    learning_rate: float = setting(1e-3, "learning rate of adam", above=0)
+    weight_decay: float = setting(0.0, "half of it times the squared weights is added to the error", least=0)
     held_out: float = setting(0.2, "share of the blocks that no gradient sees", above=0, most=0.5)
     blocks: int = setting(10, "contiguous blocks of each record", least=2)
     guard: float = setting(
@@ -89,22 +113,39 @@ class Training:
         "a network whose |error| exceeds the largest that trained it so many times has diverged",
         above=1,
     )
-    precision: Literal["single", "double"] = setting("single", "precision of the arithmetic")
+    precision: Literal["single", "double"] = setting(
+        "single", "precision of adam's arithmetic; lbfgs is double"
+    )
 
     def __post_init__(self) -> None:
         check(self, "residual")
-        if sorted(self.horizons) != list(self.horizons):
+        *early, last = self.horizons
+        given = [*early, *([] if last is None else [last])]
+        rising = [one for one in given if one is not None]
+        if len(rising) < len(given) or sorted(rising) != rising:
             raise ValueError(
-                f"residual.horizons is {list(self.horizons)}: rising numbers of samples, such as [1, 10, 50]"
+                f"residual.horizons is {list(self.horizons)}: rising numbers of samples, such as "
+                "[1, 10, 50]; null may be the last"
             )
+        if self.optimiser == "adam" and last is None:
+            raise ValueError("residual.horizons ends with null, the whole record: only optimiser=lbfgs can")
+        if self.optimiser == "adam" and self.starts > 1:
+            raise ValueError(f"residual.starts is {self.starts}: only optimiser=lbfgs can begin several")
+        if self.criterion == "horizon" and last is None:
+            raise ValueError("residual.criterion=horizon needs a last horizon in samples, not null")
+
+    @property
+    def windows(self) -> tuple[int, ...]:
+        """The horizons in samples: all but a whole record."""
+        return tuple(one for one in self.horizons if one is not None)
 
 
 @dataclass(frozen=True)
 class Epoch:
     """Mean squared errors over the error's mean square: of the training over its horizon, and of the
-    held-out blocks by the criterion."""
+    held-out blocks by the criterion. A ``horizon`` of None is the whole record."""
 
-    horizon: int
+    horizon: int | None
     train: float
     held_out: float
 

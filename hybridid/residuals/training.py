@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from hybridid.residuals.narx import NARX
 from hybridid.residuals.orders import Orders
 from hybridid.residuals.regressors import Scaling
 from hybridid.residuals.samples import Samples, check_lengths, samples_of
+from hybridid.residuals.second_order import Descended, Descent
 from hybridid.residuals.series import ErrorSeries
 from hybridid.residuals.settings import Architecture, Epoch, Training
 from hybridid.residuals.stack import new_stack, one_thread, padded_orders
@@ -76,6 +77,8 @@ def train_stack(tasks: Sequence[Task], settings: Training, report: Report | None
         ValueError: if the tasks do not fit into one stack, an error is zero throughout, or the blocks
             are too short for horizons and orders.
     """
+    if settings.optimiser == "lbfgs":
+        return _one_by_one(tasks, settings, report)
     began = time.perf_counter()
     architectures = [task.architecture for task in tasks]
     scalings = [Scaling.of(task.series, task.architecture.every) for task in tasks]
@@ -87,18 +90,55 @@ def train_stack(tasks: Sequence[Task], settings: Training, report: Report | None
         free_run = FreeRunError(samples, limits)
         criterion: Criterion = free_run
         if settings.criterion == "horizon":
-            criterion = HorizonError.of(samples, settings.horizons[-1], stack.lags)
+            criterion = HorizonError.of(samples, settings.windows[-1], stack.lags)
         course = Course(stack, samples, criterion, settings, [task.seed for task in tasks])
-        for stage, length in enumerate(settings.horizons):
+        for stage, length in enumerate(settings.windows):
             course.run(length, _reporter(report, stage, settings))
         held_out = free_run(course.best, range(len(tasks)))
     seconds = time.perf_counter() - began
     return [
         _trained(
-            course, k, task, scalings[k], (held_out[k], without_correction(samples[k])), settings, seconds
+            Descended(course.best.weights(k), tuple(course.history[k]), tuple(course.stopped[k])),
+            task,
+            scalings[k],
+            (held_out[k], without_correction(samples[k])),
+            settings,
+            seconds,
         )
         for k, task in enumerate(tasks)
     ]
+
+
+def _one_by_one(tasks: Sequence[Task], settings: Training, report: Report | None) -> list[Trained]:
+    """``optimiser=lbfgs``: one network after another, in double precision."""
+    began, found = time.perf_counter(), []
+    exact = replace(settings, precision="double")
+    for k, task in enumerate(tasks):
+        one, scaling = task.architecture, Scaling.of(task.series, task.architecture.every)
+        samples = samples_of(task.series, scaling, one, one.orders, exact)
+        check_lengths(samples, settings, task.series[0].seen.output)
+        limit = settings.guard * _largest(task) / scaling.error
+        descent = Descent(one, samples, settings, _gain(task, scaling), limit)
+        done = descent.run(task.seed, _part_of(report, k, len(tasks)))
+        free_run = FreeRunError([samples], [limit])
+        square = free_run.of(done.weights, 0, one.orders.error, float(one.increment))
+        found.append((done, task, scaling, (square, without_correction(samples)), settings))
+    seconds = time.perf_counter() - began
+    return [_trained(*one, seconds) for one in found]
+
+
+def _part_of(
+    report: Report | None, number: int, count: int
+) -> Callable[[int | None, int, float, float], None]:
+    """Reports one network's training as a part of all."""
+
+    def tell(horizon: int | None, epoch: int, held_out: float, done: float) -> None:
+        if report:
+            length = "whole record" if horizon is None else f"horizon {horizon}"
+            name = f"network {number + 1} of {count}, {length}"
+            report(Progress(name, epoch, held_out, (number + done) / count))
+
+    return tell
 
 
 def _samples(
@@ -130,8 +170,8 @@ def _gain(task: Task, scaling: Scaling) -> float:
 def _reporter(report: Report | None, stage: int, settings: Training) -> Callable[[int, float], None]:
     def tell(epoch: int, held_out: float) -> None:
         if report:
-            done = (stage + epoch / settings.epochs) / len(settings.horizons)
-            report(Progress(f"network, horizon {settings.horizons[stage]}", epoch, held_out, done))
+            done = (stage + epoch / settings.epochs) / len(settings.windows)
+            report(Progress(f"network, horizon {settings.windows[stage]}", epoch, held_out, done))
 
     return tell
 
@@ -141,8 +181,7 @@ def _largest(task: Task) -> float:
 
 
 def _trained(
-    course: Course,
-    index: int,
+    found: Descended,
     task: Task,
     scaling: Scaling,
     squares: tuple[float, float],
@@ -157,7 +196,7 @@ def _trained(
         input_names=seen.input_names,
         architecture=task.architecture,
         scaling=scaling,
-        weights=course.best.weights(index),
+        weights=found.weights,
         limit=settings.guard * _largest(task),
         seed=task.seed,
         records=tuple(s.record for s in task.series),
@@ -169,7 +208,7 @@ def _trained(
         held_out=float(held_out),
         zero=zero,
         unit=seen.unit,
-        history=tuple(course.history[index]),
-        stopped=tuple(course.stopped[index]),
+        history=found.history,
+        stopped=found.stopped,
         seconds=seconds,
     )

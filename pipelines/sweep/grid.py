@@ -12,14 +12,14 @@ from dataclasses import dataclass, field
 from statistics import fmean, stdev
 from typing import Any
 
-from hybridid.residuals.choice import RULE as SMALLEST_NEAR_BEST
-from hybridid.residuals.choice import smallest_within
+from hybridid.residuals.choice import RULE as SIZE_THEN_SEED
+from hybridid.residuals.choice import chosen_by_size, smallest_within
 from hybridid.residuals.held_out import RULE as FEWEST_NODES
 from pipelines.sweep.point import SEEDS, Point, spelt
 from pipelines.sweep.rows import Row, rows_of
 
 RULES: Mapping[str | None, str] = {
-    "narx": SMALLEST_NEAR_BEST,
+    "narx": SIZE_THEN_SEED,
     "rbf": FEWEST_NODES,
     None: "none: the fit of a gray box holds nothing out, so nothing is chosen; compare the records' scores",
 }
@@ -108,20 +108,21 @@ def _group(rows: Sequence[Row], axes: Sequence[str], several: bool) -> Group:
         cells.setdefault(spelt(_at(row, axes)), []).append(row)
     first = rows[0].point
     title = f"{first.settings.case}, {rows[0].output}" if several else rows[0].output
-    return Group(
-        title,
-        tuple(Cell(_at(own[0], axes), tuple(own)) for own in cells.values()),
-        chosen_of(rows),
-        RULES[first.kind],
-    )
+    made = tuple(Cell(_at(own[0], axes), tuple(own)) for own in cells.values())
+    return Group(title, made, chosen_of(made), RULES[first.kind])
 
 
 def _at(row: Row, axes: Sequence[str]) -> dict[str, Any]:
     return {key: row.point.at.get(key) for key in axes if key != SEEDS}
 
 
-def chosen_of(rows: Sequence[Row]) -> Row | None:
-    """The smallest nearly as good as the best; None if nothing was held out or every one diverged."""
+def chosen_of(cells: Sequence[Cell]) -> Row | None:
+    """The network to keep by ``RULES``; None if nothing was held out or every one diverged."""
+    rows = [row for cell in cells for row in cell.rows]
+    if rows[0].point.kind == "narx":
+        errors = [[math.inf if r.held_out is None else r.held_out for r in cell.rows] for cell in cells]
+        found = chosen_by_size(errors, [cell.rows[0].size for cell in cells])
+        return None if found is None else cells[found[0]].rows[found[1]]
     judged = [(row, row.merit, row.near) for row in rows if row.merit is not None and row.near is not None]
     if not judged:
         return None

@@ -8,7 +8,8 @@ multiplication, for each sample,
 with depth and width of the largest network in a stack. For small networks the overhead ``CALL`` is most of
 the time, so a stack of many takes hardly longer than one; wide networks gain nothing. ``RUN`` is the free run
 on the held-out blocks, one network after another. Both constants were measured on one thread: stacks of 1 and
-8 networks, 8 to 256 neurons wide.
+8 networks, 8 to 256 neurons wide. With ``residual.optimiser=lbfgs`` networks train one after another: the
+cost of each is depth * (ALONE + width²).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from pipelines.sweep.work import SweepJob
 
 CALL = 12_000.0
 RUN = 4_000.0
+ALONE = 300.0
 A_JOB = 16
 """Points in a stack at most where jobs go to other machines: a job that is lost costs no more."""
 
@@ -105,6 +107,8 @@ def cost(points: Sequence[Point]) -> float:
     """Of a step of training, relative to others; points without a NARX network count as long."""
     if any(point.kind != "narx" for point in points):
         return float("inf")
+    if points[0].settings.get("residual.optimiser") == "lbfgs":
+        return sum(_number(p, "depth") * (_number(p, "width") ** 2 + ALONE) for p in points)
     depth, width = (max(_number(p, key) for p in points) for key in ("depth", "width"))
     networks = len(points)
     return depth * (CALL + networks * width**2) + networks * RUN
@@ -163,6 +167,13 @@ def _cut(points: Sequence[Point], limit: float, most: int | None) -> list[tuple[
     return [*stacks, begun]
 
 
+def _reason(stacks: Sequence[Sequence[Point]]) -> str:
+    """Why points train together."""
+    if all(stack[0].settings.get("residual.optimiser") == "lbfgs" for stack in stacks):
+        return "one after another in one process, so that it starts and scores once"
+    return f"with at most {SMALL} neurons a layer, many networks take hardly longer than one"
+
+
 def _words(
     points: Sequence[Point],
     missing: Sequence[Point],
@@ -179,8 +190,7 @@ def _words(
         sizes = " + ".join(str(len(stack)) for stack in together)
         yield (
             f"{sum(map(len, together))} points train together in {len(together)} "
-            f"stack{'s' * (len(together) > 1)} ({sizes}): with at most {SMALL} neurons a layer, "
-            "many networks take hardly longer than one"
+            f"stack{'s' * (len(together) > 1)} ({sizes}): {_reason(together)}"
         )
     alone = len(large) + len(stacks) - len(together)
     if alone:

@@ -31,7 +31,8 @@ class Row:
 
     ``held_out`` is the RMSE on the blocks that no fit has seen, ``without`` the gray box' there; None where
     nothing is held out, or the model diverged. ``size`` is what complexity is counted in: weights, or nodes.
-    ``merit`` is what the choice goes by, smaller is better, ``near`` up to what it is as good as this one.
+    Of radial basis functions, ``merit`` is what the choice goes by, smaller is better, ``near`` up to what
+    it is as good as this one.
     """
 
     point: Point
@@ -56,19 +57,15 @@ def rows_of(point: Point) -> list[Row]:
 
 
 def _narx(point: Point) -> Iterator[Row]:
-    from hybridid.residuals.choice import NEAR
-
     report = residual_of(point.tree).report
     assert isinstance(report, NARXReport)
     for one in report.networks:
-        held_out = _known(one.held_out)
-        near = None if held_out is None else NEAR * held_out
         scores = tuple(
             Score(row.record, row.fitted, row.provenance, _known(row.rmse), _known(row.r2))
             for row in one.hybrid
         )
-        without = _known(one.without)
-        yield Row(point, one.output, one.unit, scores, one.weights, held_out, without, held_out, near)
+        errors = (_known(one.held_out), _known(one.without))
+        yield Row(point, one.output, one.unit, scores, one.weights, *errors)
 
 
 def _rbf(point: Point) -> Iterator[Row]:

@@ -40,7 +40,7 @@ class NARXSection:
     )
     seeds: tuple[int, ...] = setting(
         (0, 1, 2),
-        "of each size one network for each; the smallest within 5 % of the lowest held-out error is kept",
+        "of each size one network for each; sizes are chosen by the mean of their seeds",
         least=0,
         most=2**63 - 1,
         some=True,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import replace
+from statistics import fmean, stdev
 
 import pytest
 
@@ -48,14 +49,18 @@ def test_a_sweep_ends_in_a_table_a_map_and_a_choice(points, done, fits_schema):
     assert len(output["cells"]) == 4
 
     rows = list(csv.DictReader((folder / "networks.csv").open()))
-    errors = {row["tree"]: float(row["held_out_rmse"]) for row in rows}
+    errors: dict[int, list[float]] = {}
+    for row in rows:
+        errors.setdefault(int(row["size"]), []).append(float(row["held_out_rmse"]))
     (kept,) = [row for row in rows if row["chosen"] == "True"]
-    near = [row for row in rows if errors[row["tree"]] <= NEAR * min(errors.values())]
-    assert int(kept["size"]) == min(int(row["size"]) for row in near)
+    best = min(errors.values(), key=fmean)
+    limit = max(NEAR * fmean(best), fmean(best) + stdev(best) / 2**0.5)
+    size = min(size for size, seeds in errors.items() if fmean(seeds) <= limit)
+    assert (int(kept["size"]), float(kept["held_out_rmse"])) == (size, min(errors[size]))
     assert output["chosen"]["tree"] == kept["tree"]
 
     page = (folder / "index.md").read_text()
-    assert f"within {percent(NEAR - 1)} of the lowest" in page
+    assert f"one standard error of the lowest, or within {percent(NEAR - 1)} if that is more" in page
     assert "heat_map_position.svg" in page
     said = summary(swept, groups)
     assert "chosen for position" in said
