@@ -15,6 +15,8 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 
 T = TypeVar("T")
+PAIRS = 12
+"""Of effects that are refitted after a stall, unless the user says otherwise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,8 +25,9 @@ class Context:
 
     ``effects`` are tried at every port of their kind, or only at ``ports``. ``mapper`` runs refits one after
     another or side by side; ``report`` follows them, and ``say`` is told what each step decides. ``laws``:
-    where no effect explains what a learned effort finds, laws are composed. ``revise``: each declared effect
-    is left out in turn, and others are sought in its place.
+    where no effect explains what a learned effort finds, laws are composed. ``pairs``: so many pairs of
+    effects are refitted where no single effect explains it. ``revise``: each declared effect is left out in
+    turn, and others are sought in its place.
     """
 
     split: Split
@@ -35,6 +38,7 @@ class Context:
     report: Report = silent
     say: Callable[[str], None] = unheard
     laws: bool = True
+    pairs: int = PAIRS
     revise: bool = False
 
     def equation_ports(self, model: Model) -> list[Port]:

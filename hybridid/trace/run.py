@@ -15,7 +15,7 @@ from hybridid.simulation.chosen import as_integrator
 from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.completeness import ceilings_of_each, with_networks
-from hybridid.trace.context import Context
+from hybridid.trace.context import PAIRS, Context
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
@@ -43,6 +43,7 @@ def trace(
     start: Mapping[str, float] | None = None,
     initial_state: str = "estimated",
     laws: bool = True,
+    pairs: int = PAIRS,
     revise: bool = False,
     recordings: bool = False,
     mapper: Mapper = serial,
@@ -55,8 +56,9 @@ def trace(
     or less where the records are short). ``effects`` (None: the library) are tried at every port of their
     kind, or only at ``ports``, by ``rules``. ``settings`` are those of the fits before and after, and give
     the integrator; ``start`` (values by name; None: by regression) is where the declared model starts.
-    ``initial_state`` ("estimated" or "measured") is that of free runs. With ``laws``, a law is composed where
-    no effect explains what is missing. With ``revise``, each declared effect is left out in turn, and
+    ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect explains what is
+    missing, ``pairs`` of effects are tried, the most promising ones (0: none); with ``laws``, a law is
+    composed. With ``revise``, each declared effect is left out in turn, and
     others are sought in its place. With ``recordings``, each parameter is tried with a value for each record.
     ``mapper`` runs the refits, one after another or side by side;
     ``report`` follows them. ``say`` is told what each step decides, as it falls.
@@ -72,7 +74,7 @@ def trace(
     split = divided(fitted, others, seconds)
     tried = library_for(model.channels) if effects is None else tuple(effects)
     where = None if ports is None else tuple(ports)
-    context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, revise)
+    context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, pairs, revise)
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     if recordings:
         check_split(split)
