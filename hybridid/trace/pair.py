@@ -102,9 +102,9 @@ def _starts(
 ) -> list[dict[str, float]]:
     """Starts of both together: every combination of the starts of each."""
     each: list[list[Values]] = []
-    for shape, single in zip(promise.shapes, singles, strict=True):
+    for start, single in zip(promise.starts, singles, strict=True):
         ended = [_own(single.refit, single.candidate)] if single is not None and single.refit else []
-        each.append([shape.start, *ended])
+        each.append([start, *ended])
     return [{**base.values, **one, **other} for one, other in product(*each)]
 
 
@@ -168,7 +168,15 @@ def _decided(pair: PairTrial, rules: Rules) -> PairTrial:
         said = f"held-out RMSE changes by {-pair.gain:+.1%}; {rules.worth:.0%} less is asked{ended}"
         return replace(pair, status=REJECTED, reason=said)
     p = pair.p_adjusted
-    members = tuple(replace(member, p_adjusted=p, status=PASSED) for member in pair.members)
+    members = tuple(
+        replace(
+            member,
+            p_adjusted=p,
+            status=PASSED,
+            reason=f"beside {other.name} the held-out RMSE is {member.gain:.1%} lower, adjusted p = {p:.2g}",
+        )
+        for member, other in zip(pair.members, pair.candidates[::-1], strict=False)
+    )
     pair = replace(pair, members=members)
     for member, other in zip(members, members[::-1], strict=True):
         if member.gain < rules.worth:

@@ -13,7 +13,7 @@ negative. The fitted horizons alone decide; no held-out one has a part in it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -21,21 +21,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.sensitivity import Seen, Shape
+from hybridid.trace.sensitivity import Seen
 
 Array = NDArray[np.float64]
 RIDGE = 1e-10
 """Of the squared columns: keeps those that are nearly alike from blowing up."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Promise:
-    """Two effects, the shapes that promise most, and the ``share`` of the squared residual that each of the
-    two adds to the other at least."""
+    """Two effects, the ``starts`` of the shapes that promise most, and the ``share`` of the squared residual
+    that each of the two adds to the other at least."""
 
     first: Candidate
     second: Candidate
-    shapes: tuple[Shape, Shape]
+    starts: tuple[Mapping[str, float], Mapping[str, float]]
     share: float
 
 
@@ -49,7 +49,7 @@ def promises(seen: Sequence[Seen], collinear: float) -> list[Promise]:
     if not shapes:
         return []
     columns = [shape.columns / _size(shape.columns) for shape in shapes]
-    residual = shapes[0].residual
+    residual = next(one.residual for one in seen if one.shapes)
     fit = _Fit.of(columns, residual, [shape.positive for shape in shapes])
     numbers = iter(range(len(shapes)))
     places = [[next(numbers) for _ in one.shapes] for one in seen]
@@ -70,7 +70,7 @@ def promises(seen: Sequence[Seen], collinear: float) -> list[Promise]:
         share = (drops[best] - max(alone[a], alone[b])) / total
         if share > 0:
             s, t = pairs[best]
-            found.append(Promise(one, other, (shapes[s], shapes[t]), share))
+            found.append(Promise(one, other, (shapes[s].start, shapes[t].start), share))
     return sorted(found, key=lambda promise: -promise.share)
 
 

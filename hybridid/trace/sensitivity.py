@@ -10,7 +10,7 @@ there (a limit that nothing reaches) shows the change of the outputs at each amp
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,8 @@ from hybridid.trace.split import Split
 from hybridid.trace.trial import Trial
 
 Array = NDArray[np.float64]
-SAMPLES = 20000
+_Projected = tuple["Shape", Array] | None
+SAMPLES = 10000
 """Of the outputs, evenly chosen, that decide at most."""
 UNSEEN = 1e-6
 """Share of a column, left by the projection, that is rounding alone."""
@@ -33,25 +34,26 @@ UNSEEN = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """One shape of an effect: its ``columns`` (n, k), one for each amplitude, and the ``residual`` (n,) of
-    the base model, both less what that model could do instead.
+    """One shape of an effect: its ``columns`` (n, k), one for each amplitude, less what the base model could
+    do instead.
 
     ``positive`` (k,): which amplitudes cannot be negative. ``start`` holds the effect's own parameters by
     qualified name: the amplitudes are zero or, where the columns are differences, those that made them.
     """
 
     columns: Array
-    residual: Array
     positive: tuple[bool, ...]
     start: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """A candidate with its shapes; none where its sensitivities cannot be had."""
+    """A candidate with its shapes; none where its sensitivities cannot be had. ``residual`` (n,) is that of
+    the base model, less what this could do instead."""
 
     candidate: Candidate
-    shapes: tuple[Shape, ...]
+    shapes: tuple[Shape, ...] = ()
+    residual: Array = field(default_factory=lambda: np.empty(0))
 
 
 @np.errstate(all="ignore")  # a start may diverge: it has no shape
@@ -59,13 +61,16 @@ def seen(candidate: Candidate, single: Trial | None, base: Refit, split: Split) 
     """The shapes of ``candidate`` beside ``base``: those that it starts with, and the one with which its
     trial ``single`` ended."""
     try:
-        return Seen(candidate, tuple(_shapes(candidate, single, base, split)))
+        found = list(_shapes(candidate, single, base, split))
     except (ValueError, *FAILURES):
-        return Seen(candidate, ())
+        found = []
+    return Seen(candidate, tuple(shape for shape, _ in found), found[0][1]) if found else Seen(candidate)
 
 
-def _shapes(candidate: Candidate, single: Trial | None, base: Refit, split: Split) -> Iterator[Shape]:
-    """Shapes with derivatives; only if there are none, with differences."""
+def _shapes(
+    candidate: Candidate, single: Trial | None, base: Refit, split: Split
+) -> Iterator[tuple[Shape, Array]]:
+    """Shapes with derivatives, each with the residual; only if there are none, with differences."""
     model = candidate.added_to(base.model)
     port, known = model.plant.port(candidate.port), known_means(candidate, model, split)
     amplitudes = {f"{candidate.name}.{p.name}": p.at(port) for p in candidate.effect.parameters if p.nests}
@@ -101,7 +106,7 @@ class _View:
     split: Split
     positive: tuple[bool, ...]
 
-    def derivative(self, start: Mapping[str, float], amplitudes: Sequence[str]) -> Shape | None:
+    def derivative(self, start: Mapping[str, float], amplitudes: Sequence[str]) -> _Projected:
         """The derivatives by the ``amplitudes`` at zero."""
         problem, p, x0 = self._begun(start)
         by, error = _linearised(problem, p, x0)
@@ -110,7 +115,7 @@ class _View:
             return None
         return self._shape(problem, by, np.take(by, [len(x0[0]) + k for k in own], axis=1), error, start)
 
-    def difference(self, start: Mapping[str, float], absent: Mapping[str, float]) -> Shape | None:
+    def difference(self, start: Mapping[str, float], absent: Mapping[str, float]) -> _Projected:
         """The change of the outputs from ``absent`` to ``start``."""
         problem, p, x0 = self._begun(absent)
         by, error = _linearised(problem, p, x0)
@@ -136,7 +141,7 @@ class _View:
         error: Array,
         start: Mapping[str, float],
         several: bool = True,
-    ) -> Shape | None:
+    ) -> _Projected:
         """``own`` (w, k, n) and ``error`` (w, n), less what the other columns of ``by`` (w, q, n) can do."""
         known = {p.name for p in self.base.model.free}
         kept = [len(problem.model.states) + k for k, name in enumerate(problem.free) if name in known]
@@ -153,7 +158,7 @@ class _View:
         every = slice(None, None, -(-len(rest) // SAMPLES))
         own_start = {n: v for n, v in start.items() if n.startswith(f"{self.candidate.name}.")}
         positive = self.positive if several else (True,)
-        return Shape(rest[every, :-1], rest[every, -1], positive, own_start)
+        return Shape(rest[every, :-1], positive, own_start), rest[every, -1]
 
 
 def _linearised(problem: Problem, p: Array, x0: Array) -> tuple[Array, Array]:
