@@ -9,6 +9,11 @@ be a member, also one that was refused or withdrawn alone.
 A pair that passes must survive other numerics, each member beside the other. Then every candidate is tried in
 the place of each member, beside the other one: those that do as well form its class, as in a forward step. A
 pair is refused where another one without a common member, and physically unrelated, explains as much.
+
+An effect that resembles a pair may have been accepted in its place, and others that mend what it leaves. So
+where effects were accepted and something is still left, pairs are also tried beside the declared model. One
+that alone explains more than all accepted effects together, by more than ``Rules.tie`` and significantly,
+takes their place. (Sequential replacement: Miller (2002), Subset Selection in Regression, 2nd ed., ch. 3.)
 """
 
 from __future__ import annotations
@@ -16,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from hybridid.naming import counted
+from hybridid.naming import counted, listed
 from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
@@ -29,10 +34,11 @@ from hybridid.trace.sensitivity import seen
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, attempt, equivalents, judge, related
 
 
-def with_pair(found: Search, context: Context) -> Search:
+def with_pair(found: Search, context: Context, accepted_before: Search | None = None) -> Search:
     """``found`` with the best pair of effects that passes, and in its last step the pairs that were tried.
 
-    It is ``found`` itself if it did not end with a stall, or no pair can be formed.
+    It is ``found`` itself if it did not end with a stall, or no pair can be formed. The pair must explain
+    more than the last model of ``accepted_before``, whose pairs count as well.
     """
     step, rules = found.steps[-1] if found.steps else None, context.rules
     room = len(found.accepted) + 2 <= rules.most_effects
@@ -58,9 +64,38 @@ def with_pair(found: Search, context: Context) -> Search:
     ]
     trials = context.each("pairs", attempt_pair, chosen, lambda trial: trial.name)
     family = len(candidates) * (len(candidates) - 1) // 2
-    step = _decided(replace(step, family=family), judge_pairs(trials, family, rules), context)
+    if accepted_before is not None:
+        family += accepted_before.steps[-1].family
+    judged = judge_pairs(trials, family, rules)
+    if accepted_before is not None:
+        judged = [_unless_better(pair, accepted_before, family, rules) for pair in judged]
+    step = _decided(replace(step, family=family), judged, context)
     context.say(f"of {counted(family, 'pair')}, {len(trials)} tried: {_said_of(step)}")
     return _taken(found, step, context)
+
+
+def in_place(found: Search, context: Context) -> Search:
+    """The pair that explains more than all accepted effects of ``found``, in their place; ``found`` itself if
+    there is none."""
+    if not found.accepted:
+        return found
+    names = listed([one.name for one in found.accepted])
+    context.say(f"pairs in place of {names}")
+    first = replace(found.steps[0], accepted=None, together=None, dropped=())
+    begun = replace(found, steps=(first,), final=first.base, accepted=(), withdrawn="")
+    tried = with_pair(begun, context, found)
+    return tried if tried.accepted else found
+
+
+def _unless_better(pair: PairTrial, before: Search, family: int, rules: Rules) -> PairTrial:
+    """``pair``, refused if it does not explain more than the last model of ``before``."""
+    if pair.status != PASSED or pair.refit is None:
+        return pair
+    better = compare(before.final.score, pair.refit.score)
+    if better.gain >= rules.tie and family * better.p_value <= rules.alpha:
+        return pair
+    names = listed([one.name for one in before.accepted])
+    return replace(pair, status=REJECTED, reason=f"explains no more than {names}, found one by one")
 
 
 def _taken(found: Search, step: Step, context: Context) -> Search:

@@ -24,7 +24,7 @@ from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.laws import with_law
 from hybridid.trace.numerics import numerics_for
-from hybridid.trace.pairs import with_pair
+from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.recheck import recheck
 from hybridid.trace.refit import Refit
 from hybridid.trace.revision import Replacement, replacements
@@ -137,10 +137,23 @@ def _is_left(settled: _Settled, rules: Rules) -> bool:
 
 
 def _with_pairs(settled: _Settled, noise: Array, context: Context, floor: float) -> _Settled:
-    """``settled`` with pairs of effects, and what is found beside them, as long as something is left.
+    """``settled`` with pairs of effects, and what is found beside them, as long as something is left: beside
+    what was accepted, else in its place.
 
     They come before laws: two known effects say more of a machine than one formula that fits as well.
     """
+    settled = _beside_pairs(settled, noise, context, floor)
+    if not (_is_left(settled, context.rules) and context.pairs):
+        return settled
+    replaced = in_place(settled.found, context)
+    if replaced is settled.found:
+        return settled
+    other = _settled(continued(replaced, context, floor), noise, context)
+    return _beside_pairs(other, noise, context, floor) if other.found.accepted else settled
+
+
+def _beside_pairs(settled: _Settled, noise: Array, context: Context, floor: float) -> _Settled:
+    """``settled`` with pairs beside what was accepted."""
     for _ in range(context.rules.most_effects // 2):
         if not _is_left(settled, context.rules):
             break

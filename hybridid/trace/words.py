@@ -98,14 +98,21 @@ def _concluded(found: Trace) -> str:
 
 
 def _only_together(found: Trace) -> str:
-    """Which accepted effects help only as a pair; empty if none do."""
+    """Which accepted effects were found as a pair, and whether they help only together; empty if none."""
     names = [one.name for one in found.accepted]
-    pairs = dict.fromkeys(
-        " and ".join(sorted((one.name, one.together), key=names.index))
-        for one in found.accepted
-        if one.together in names
-    )
-    return "".join(f" {pair} help only together: neither passed alone." for pair in pairs)
+    said = ""
+    for one in found.accepted:
+        if one.together not in names[names.index(one.name) :]:  # told with the first of the two
+            continue
+        step = found.steps[one.step - 1]
+        passed = any(t.status == PASSED and t.name in (one.name, one.together) for t in step.trials)
+        why = (
+            "were found together: they explain more than what passed alone"
+            if passed
+            else "help only together: neither passed alone"
+        )
+        said += f" {one.name} and {one.together} {why}."
+    return said
 
 
 def named_effects(found: Trace) -> int:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
-from hybridid.trace.pairs import with_pair
+from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.promise import promises
 from hybridid.trace.refit import refit
 from hybridid.trace.rules import Rules
@@ -113,6 +114,20 @@ def test_a_pair_is_withdrawn_as_a_whole(paired):
     assert step.taken == ()
     assert [pair.status for pair in step.pairs if pair.name == f"{SPRING} + {OFFSET}"] == [REJECTED]
     assert ended.stopped.startswith(f"{SPRING} + {OFFSET} stands in for something else")
+
+
+def test_a_pair_takes_the_place_of_effects_only_if_it_explains_more(stalled, paired, context):
+    """An effect that bends as the spring does may have been accepted first."""
+    said = []
+    one = replace(context, pairs=1, say=said.append)
+    bent = replace(stalled, accepted=(SimpleNamespace(name="carriage.bend"),))
+    better = in_place(bent, one)
+    assert {effect.name for effect in better.accepted} == {SPRING, OFFSET}
+    assert said[0] == "pairs in place of carriage.bend"
+    as_good = replace(bent, final=paired.final)
+    assert in_place(as_good, one) is as_good
+    assert in_place(better, one) is better
+    assert in_place(stalled, one) is stalled
 
 
 def test_where_nothing_is_missing_no_pair_is_accepted(make_model, split_of):

@@ -178,11 +178,19 @@ def test_a_pair_helps_only_together(nothing):
     spring, offset, drag = (accepted(name, "F", False) for name in ("spring", "offset", "drag"))
     spring, offset = replace(spring, together=offset.name), replace(offset, together=spring.name)
     path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
-    found = replace(nothing(), verdict="effect_found", accepted=(drag, spring, offset), path=path)
+    step = StepTaken(nothing().path[0], spring.name, (), (DRAG, SPRING), together=offset.name)
+    found = replace(
+        nothing(), verdict="effect_found", accepted=(drag, spring, offset), path=path, steps=(step,)
+    )
     assert sentence(found).endswith(
         "in position. carriage.spring and carriage.offset help only together: neither passed alone."
     )
-    assert "only together" not in sentence(replace(found, accepted=(drag, spring)))
+    assert "together" not in sentence(replace(found, accepted=(drag, spring)))
+    alone = replace(tried("spring", 0.2, ""), status="passed")
+    said = sentence(replace(found, steps=(replace(step, trials=(alone,)),)))
+    assert said.endswith(
+        "carriage.spring and carriage.offset were found together: they explain more than what passed alone."
+    )
 
 
 def test_pairs_that_were_tried_are_told(nothing):
