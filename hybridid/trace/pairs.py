@@ -8,7 +8,8 @@ be a member, also one that was refused or withdrawn alone.
 
 A pair that passes must survive other numerics, each member beside the other. Then every candidate is tried in
 the place of each member, beside the other one: those that do as well form its class, as in a forward step. A
-pair is refused where another one without a common member, and physically unrelated, explains as much.
+pair is refused where another one without a common member, and physically unrelated, explains as much; then no
+other is accepted either.
 
 An effect that resembles a pair may have been accepted in its place, and others that mend what it leaves. So
 where effects were accepted and something is still left, pairs are also tried beside the declared model. One
@@ -133,8 +134,9 @@ def _decided(step: Step, judged: Sequence[PairTrial], context: Context) -> Step:
             survivals_of(poorer, member, context, {})
             for poorer, member in zip(best.alone, best.members, strict=True)
         ]
-        why = "; ".join(filter(None, map(objection, survivals))) or _strangers(step, best, judged, rules)
-        if not why:
+        lost = "; ".join(filter(None, map(objection, survivals)))
+        strangers = "" if lost else _strangers(step, best, judged, rules)
+        if not lost and not strangers:
             classes = [_class_of(best, k, judged, step.family, context) for k in range(2)]
             first, second = (
                 Accepted(member, alike, kept, together=other.candidate.name)
@@ -143,8 +145,10 @@ def _decided(step: Step, judged: Sequence[PairTrial], context: Context) -> Step:
                 )
             )
             return replace(step, pairs=tuple(judged), accepted=first, together=second)
-        withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
+        withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {lost or strangers}")
         judged = [withdrawn if pair is best else pair for pair in judged]
+        if strangers:  # whatever explains less is no better a name
+            break
     return replace(step, pairs=tuple(judged))
 
 
