@@ -9,7 +9,7 @@ there (a limit that nothing reaches) shows the change of the outputs at each amp
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -60,10 +60,7 @@ class Seen:
 def seen(candidate: Candidate, single: Trial | None, base: Refit, split: Split) -> Seen:
     """The shapes of ``candidate`` beside ``base``: those that it starts with, and the one with which its
     trial ``single`` ended."""
-    try:
-        found = list(_shapes(candidate, single, base, split))
-    except (ValueError, *FAILURES):
-        found = []
+    found = list(_shapes(candidate, single, base, split))
     return Seen(candidate, tuple(shape for shape, _ in found), found[0][1]) if found else Seen(candidate)
 
 
@@ -83,14 +80,19 @@ def _shapes(
     view = _View(candidate, base, split, positive)
     starts = [{**start, **known} for start in starts]
     absent = _each_once([{**start, **nothing} for start in starts])
-    found = [shape for start in absent if (shape := view.derivative(start, tuple(amplitudes))) is not None]
-    if found:
-        yield from found
-        return
-    present = _each_once([start for start in starts if any(start[name] for name in amplitudes)])
-    for start in present:
-        if (shape := view.difference(start, {**start, **nothing})) is not None:
-            yield shape
+    found = [_if_possible(view.derivative, start, tuple(amplitudes)) for start in absent]
+    if not any(found):
+        present = _each_once([start for start in starts if any(start[name] for name in amplitudes)])
+        found = [_if_possible(view.difference, start, {**start, **nothing}) for start in present]
+    yield from filter(None, found)
+
+
+def _if_possible(look: Callable[..., _Projected], *given: object) -> _Projected:
+    """What ``look`` shows; None where the model cannot be simulated from there."""
+    try:
+        return look(*given)
+    except (ValueError, *FAILURES):
+        return None
 
 
 def _each_once(starts: Sequence[Mapping[str, float]]) -> list[Mapping[str, float]]:
