@@ -44,7 +44,7 @@ class PairTrial:
 
     ``members`` are the trials of each beside the other, ``alone`` the refits with the other one only: what
     each trial is compared with. There are none where the pair could not be fitted or gains too little.
-    ``promised`` is the share of the squared error that chose the pair.
+    ``promised`` is the share by which the pair was chosen.
     """
 
     candidates: tuple[Candidate, Candidate]

@@ -4,11 +4,14 @@ With the columns C of the shapes that two effects take (``hybridid.trace.sensiti
 
     drop = r'C (C'C)^-1 C'r
 
-is the decrease of the squared error that both promise together, to first order. The promise of a pair is
-what each of the two adds to the other at least: the drop of both less that of the better one alone, at its
-best shape. A pair is accepted only if each member is needed beside the other, and the larger drop of a pair
-whose one member takes it all says nothing of that. An amplitude that cannot be negative must not come out
-negative. The fitted horizons alone decide; no held-out one has a part in it.
+is the decrease of the squared error that both promise together, to first order. A pair is accepted only if
+each member takes its share of the error beside the other one. The promise of a pair is the smaller of the two,
+
+    min over a, b of  (drop(a, b) - drop(a)) / (r'r - drop(a)),
+
+drop(a) being that of a alone at its best shape. So a pair whose one member takes all that both take promises
+nothing. An amplitude that cannot be negative must not come out negative. The fitted horizons alone decide; no
+held-out one has a part in it.
 """
 
 from __future__ import annotations
@@ -30,8 +33,8 @@ RIDGE = 1e-10
 
 @dataclass(frozen=True)
 class Promise:
-    """Two effects, the ``starts`` of the shapes that promise most, and the ``share`` of the squared residual
-    that each of the two adds to the other at least."""
+    """Two effects, the ``starts`` of the shapes that promise most, and the ``share`` that each of the two at
+    least takes from the squared residual beside the other one."""
 
     first: Candidate
     second: Candidate
@@ -67,7 +70,8 @@ def promises(seen: Sequence[Seen], collinear: float) -> list[Promise]:
         if not drops or total <= 0:
             continue
         best = int(np.argmax(drops))
-        share = (drops[best] - max(alone[a], alone[b])) / total
+        left = [total - alone[k] for k in (a, b)]
+        share = min((1 - (total - drops[best]) / one) if one > RIDGE * total else 0.0 for one in left)
         if share > 0:
             s, t = pairs[best]
             found.append(Promise(one, other, (shapes[s].start, shapes[t].start), share))

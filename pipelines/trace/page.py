@@ -40,9 +40,9 @@ _TRIED = (
     "all effects tried in a step (Holm, weighted by what each takes from the fitted horizons)."
 )
 _PAIRS = (
-    "Where no effect passed, pairs of effects were ranked by what each adds to the other in a least-squares "
-    "fit of the residual, and the most promising ones refitted. Their p-values are adjusted for all pairs "
-    "that could be formed."
+    "Where no effect passed, pairs of effects were ranked by what each takes beside the other in a "
+    "least-squares fit of the residual, and the most promising ones refitted. Their p-values are adjusted for "
+    "all pairs that could be formed."
 )
 _RESIDUAL = (
     "The missing effort (at a level: flow) is what the model would need in addition at the port to agree "

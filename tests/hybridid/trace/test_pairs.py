@@ -97,7 +97,7 @@ def test_to_first_order_the_effects_take_what_their_refit_takes(stalled, context
         1 - refit(one.added_to(base.model), split, [base.values], base).cost / base.cost for one in candidates
     ]
     both = refit(candidates[1].added_to(candidates[0].added_to(base.model)), split, [base.values], base)
-    assert promise.share == pytest.approx(1 - both.cost / base.cost - max(alone), abs=0.05)
+    assert promise.share == pytest.approx(1 - both.cost / base.cost / (1 - max(alone)), abs=0.05)
 
 
 def test_a_limit_that_nothing_reaches_shows_its_differences(stalled, context):

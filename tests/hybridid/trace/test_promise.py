@@ -49,7 +49,8 @@ def test_the_promise_is_what_least_squares_gives_each_beside_the_other(rng):
     expected = {}
     for a, b in combinations(range(4), 2):
         both = max(drop(residual, one, other) for one in shapes[a] for other in shapes[b])
-        expected[f"cart.e{a}", f"cart.e{b}"] = both - max(alone[a], alone[b])
+        shares = [(both - alone[k]) / (1 - alone[k]) for k in (a, b)]
+        expected[f"cart.e{a}", f"cart.e{b}"] = min(shares)
     assert {(p.first.name, p.second.name): p.share for p in found} == pytest.approx(expected, abs=1e-6)
     assert (found[0].first.name, found[0].second.name) == ("cart.e0", "cart.e3")
     assert found[0].starts == ({"shape": 1}, {"shape": 2})
