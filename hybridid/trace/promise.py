@@ -5,7 +5,7 @@ With the columns C of the shapes that two effects take (``hybridid.trace.sensiti
     drop = r'C (C'C)^-1 C'r
 
 is the decrease of the squared error that both promise together, to first order. A pair is accepted only if
-each member takes its share of the error beside the other one. The promise of a pair is the smaller of the two,
+each member takes its share of the error beside the other one. Its promise is the smaller of the two shares,
 
     min over a, b of  (drop(a, b) - drop(a)) / (r'r - drop(a)),
 

@@ -41,8 +41,8 @@ _TRIED = (
 )
 _PAIRS = (
     "Where no effect passed, pairs of effects were ranked by what each takes beside the other in a "
-    "least-squares fit of the residual, and the most promising ones refitted. Their p-values are adjusted for "
-    "all pairs that could be formed."
+    "least-squares fit of the residual, and the most promising ones refitted. Their p-values are adjusted "
+    "for all pairs that could be formed."
 )
 _RESIDUAL = (
     "The missing effort (at a level: flow) is what the model would need in addition at the port to agree "
