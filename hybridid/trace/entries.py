@@ -168,7 +168,8 @@ class TriedPair:
     ``effects`` name them with their ports. ``promised`` is the share that each at least takes from the
     squared error beside the other one, to first order. ``gain`` is the relative decrease of the held-out
     RMSE by both (-1: they could not be fitted), ``gains`` that of each beside the other (empty where both
-    together gain too little). ``p_value`` is adjusted for all pairs that could be formed, ``parameters`` are their own.
+    together gain too little). ``p_value`` is adjusted for all pairs that could be formed, ``parameters`` are
+    their own.
     """
 
     effects: tuple[str, str]

@@ -3,8 +3,10 @@
 The derivative of the outputs by an effect's amplitude, at amplitude zero, is one column for each amplitude.
 The initial state of each horizon and the parameters of the model can make a part of it, so that part is
 projected out. What is left of several effects' columns says how much of the residual they would take
-together, to first order (Frisch, Waugh (1933), Econometrica 1(4), 387-401). An effect without a derivative
-there (a limit that nothing reaches) shows the change of the outputs at each amplitude that it may start with.
+together, to first order (Frisch, Waugh (1933), Econometrica 1(4), 387-401). An effect that is strong where
+it acts (an edge that a level cannot pass) is far from its derivative at zero. So the change of the outputs
+that its trial alone made is a shape as well. An effect with neither (a limit that nothing reaches) shows the
+change at each amplitude that it may start with.
 """
 
 from __future__ import annotations
@@ -67,7 +69,8 @@ def seen(candidate: Candidate, single: Trial | None, base: Refit, split: Split) 
 def _shapes(
     candidate: Candidate, single: Trial | None, base: Refit, split: Split
 ) -> Iterator[tuple[Shape, Array]]:
-    """Shapes with derivatives, each with the residual; only if there are none, with differences."""
+    """Shapes with derivatives, each with the residual, and the change that the trial ``single`` made; only if
+    there are none of either, with differences."""
     model = candidate.added_to(base.model)
     port, known = model.plant.port(candidate.port), known_means(candidate, model, split)
     amplitudes = {f"{candidate.name}.{p.name}": p.at(port) for p in candidate.effect.parameters if p.nests}
@@ -81,6 +84,8 @@ def _shapes(
     starts = [{**start, **known} for start in starts]
     absent = _each_once([{**start, **nothing} for start in starts])
     found = [_if_possible(view.derivative, start, tuple(amplitudes)) for start in absent]
+    if single is not None and single.refit is not None:
+        found.append(_if_possible(view.ended, single.refit, absent[0]))
     if not any(found):
         present = _each_once([start for start in starts if any(start[name] for name in amplitudes)])
         found = [_if_possible(view.difference, start, {**start, **nothing}) for start in present]
@@ -121,12 +126,18 @@ class _View:
         """The change of the outputs from ``absent`` to ``start``."""
         problem, p, x0 = self._begun(absent)
         by, error = _linearised(problem, p, x0)
-        there = problem.model.values(start)
-        present = problem.residuals(
-            problem.shooter(x0, problem.smoothed(there, self.base.numerics.smoothing))
-        )
-        change = error - present.swapaxes(1, 2).reshape(error.shape)
+        there = problem.smoothed(problem.model.values(start), self.base.numerics.smoothing)
+        change = error - _residuals(problem, there, x0)
         return self._shape(problem, by, change[:, None], error, start, several=False)
+
+    def ended(self, single: Refit, absent: Mapping[str, float]) -> _Projected:
+        """The change of the outputs from ``absent`` to where a trial ended, all that it moved included."""
+        problem, p, x0 = self._begun(absent)
+        by, error = _linearised(problem, p, x0)
+        fitted = list(self.split.fitted)
+        there = single.problem(self.split).on(fitted)
+        change = error - _residuals(there, single.model.values(single.values), single.x0[fitted])
+        return self._shape(problem, by, change[:, None], error, single.values, several=False)
 
     def _begun(self, start: Mapping[str, float]) -> tuple[Problem, Array, Array]:
         """The problem on the fitted horizons, the parameters and the initial states of ``start``."""
@@ -168,6 +179,11 @@ def _linearised(problem: Problem, p: Array, x0: Array) -> tuple[Array, Array]:
     shot = problem.shooter(x0, p, sensitivities=True)
     by = columns(problem, shot.by_state, by_parameter(problem, shot))
     return by, problem.residuals(shot).swapaxes(1, 2).reshape(len(by), -1)
+
+
+def _residuals(problem: Problem, p: Array, x0: Array) -> Array:
+    """The residuals (w, n) at a point."""
+    return problem.residuals(problem.shooter(x0, p)).swapaxes(1, 2).reshape(len(x0), -1)
 
 
 def without(given: Array, states: Array) -> Array:

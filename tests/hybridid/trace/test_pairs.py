@@ -56,7 +56,7 @@ def test_the_pair_is_found_where_neither_passes_alone(stalled, paired, said):
     assert values[f"{SPRING}.k"] == pytest.approx(STIFFNESS, rel=0.02)
     assert values[f"{OFFSET}.offset"] == pytest.approx(-STIFFNESS * CENTRE, rel=0.02)
     assert paired.final.score.rmse == pytest.approx(2e-6, rel=0.1)
-    assert said[-1].startswith(f"of 6 pairs, 3 tried: {SPRING} and {OFFSET} take 9")
+    assert said[-1].startswith(f"of 6 pairs, 6 tried: {SPRING} and {OFFSET} take 9")
 
 
 def test_it_completes_the_step_that_stalled(stalled, paired):
