@@ -15,7 +15,7 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 
 T = TypeVar("T")
-PAIRS = 12
+PAIRS = 24
 """Of effects that are refitted after a stall, unless the user says otherwise."""
 
 

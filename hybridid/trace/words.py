@@ -122,7 +122,7 @@ def named_effects(found: Trace) -> int:
 
 
 def tried_in_words(found: Trace) -> str:
-    """``38 effects``, or ``38 effects, 12 of 703 pairs of them and 26 laws``."""
+    """``38 effects``, or ``38 effects, 24 of 703 pairs of them and 26 laws``."""
     named = named_effects(found)
     laws = len(found.rejected) + len(found.accepted) - named
     tried = [counted(named, "effect")]
