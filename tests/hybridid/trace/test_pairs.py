@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
@@ -106,6 +107,16 @@ def test_a_limit_that_nothing_reaches_shows_its_differences(stalled, context):
     shown = seen(trial.candidate, None, stalled.final, context.split)
     assert shown.shapes
     assert all(any(shape.start.values()) for shape in shown.shapes)
+
+
+def test_of_a_linear_effect_its_trial_changed_what_its_derivative_says(stalled, context):
+    (trial,) = (t for t in stalled.steps[0].trials if t.candidate.effect.id == "offset")
+    first, last = seen(trial.candidate, trial, stalled.final, context.split).shapes
+    assert first.start == {f"{OFFSET}.offset": 0.0}
+    assert last.start == {f"{OFFSET}.offset": trial.own("values")["offset"]}
+    changed = first.columns[:, 0] * last.start[f"{OFFSET}.offset"]
+    assert np.linalg.norm(last.columns[:, 0] - changed) < 0.1 * np.linalg.norm(changed)
+    assert last.positive == (True,)
 
 
 def test_a_pair_is_withdrawn_as_a_whole(paired):
