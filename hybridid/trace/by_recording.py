@@ -24,10 +24,10 @@ from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.entries import DifferingParameter, Value
 from hybridid.trace.evidence import Comparison, compare, holm
-from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit
+from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit, values_without
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Search, values_without
+from hybridid.trace.search import Search
 from hybridid.trace.split import Split
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED
 

@@ -22,6 +22,11 @@ class Candidate:
         """``port.effect``, as in the qualified names of its parameters."""
         return Term(self.effect, self.port).name
 
+    @property
+    def ports(self) -> tuple[str, ...]:
+        """The ports where it acts; several for ports alike."""
+        return Term(self.effect, self.port).ports
+
     def added_to(self, model: Model) -> Model:
         """``model`` with the effect at its port.
 

@@ -13,7 +13,7 @@ from hybridid.effects.over import Over, overs_for
 from hybridid.effects.variable import Variable
 from hybridid.model import Model
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
-from hybridid.trace.rules import Rules
+from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.split import Split
 
 T = TypeVar("T")
@@ -25,9 +25,10 @@ class Context:
 
     ``effects`` are tried at every port of their kind, or only at ``ports``. ``mapper`` runs refits one after
     another or side by side; ``report`` follows them, and ``say`` is told what each step decides. ``laws``:
-    where no effect explains what a learned effort finds, laws are composed. ``revise``: each declared effect
-    is left out in turn, and others are sought in its place. Learned efforts, and the laws that follow them,
-    depend on ``variables`` (None: all that a port has).
+    where no effect explains what a learned effort finds, laws are composed. ``pairs``: so many pairs of
+    effects are refitted where no single effect explains it. ``revise``: each declared effect is left out in
+    turn, and others are sought in its place. Learned efforts, and the laws that follow them, depend on
+    ``variables`` (None: all that a port has).
     """
 
     split: Split
@@ -38,6 +39,7 @@ class Context:
     report: Report = silent
     say: Callable[[str], None] = unheard
     laws: bool = True
+    pairs: int = PAIRS
     revise: bool = False
     variables: tuple[Variable, ...] | None = None
 

@@ -68,7 +68,8 @@ class AcceptedEffect:
     records cannot tell apart, itself first; ``class_members`` their trials; ``separating_experiments`` say
     what to record so that they come apart. ``gain``, ``p_value`` and ``likelihood_gain`` (the summed
     log-likelihood ratio) are of its ``step``; ``survivals`` the same under other numerics. ``is_law``: a
-    composed law; ``form_of`` is the effect of the library that has its form, if one has.
+    composed law; ``form_of`` is the effect of the library that has its form, if one has. ``together`` names
+    the other effect of a pair; ``gain`` and the trials of the class are then beside that one.
     """
 
     effect: str
@@ -90,6 +91,7 @@ class AcceptedEffect:
     survivals: tuple[Survival, ...]
     is_law: bool = False
     form_of: str = ""
+    together: str = ""
 
     @property
     def name(self) -> str:
@@ -160,13 +162,52 @@ class Level:
 
 
 @dataclass(frozen=True)
+class TriedPair:
+    """Two effects that were tried together where no single one passed, and what was decided.
+
+    ``effects`` name them with their ports. ``promised`` is the share that each at least takes from the
+    squared error beside the other one, to first order. ``gain`` is the relative decrease of the held-out
+    RMSE by both (-1: they could not be fitted), ``gains`` that of each beside the other (empty where both
+    together gain too little). ``p_value`` is adjusted for all pairs that could be formed, ``parameters`` are
+    their own.
+    """
+
+    effects: tuple[str, str]
+    status: str
+    reason: str
+    promised: float
+    gain: float
+    gains: tuple[float, ...]
+    p_value: float
+    parameters: Mapping[str, Value]
+    seconds: float
+
+    @property
+    def name(self) -> str:
+        """``carriage.linear_stiffness + carriage.offset``."""
+        return " + ".join(self.effects)
+
+
+@dataclass(frozen=True)
 class StepTaken:
-    """One step of the search: where its model stood, all trials, the accepted effect and the dropped ones."""
+    """One step of the search: where its model stood, all trials, the accepted effect and the dropped ones.
+
+    Where no effect passed, ``pairs`` may have been tried, of ``family`` that could be formed. Of an accepted
+    pair, ``accepted`` is the first effect and ``together`` the second.
+    """
 
     base: Level
     accepted: str | None
     dropped: tuple[str, ...]
     trials: tuple[TriedEffect, ...]
+    pairs: tuple[TriedPair, ...] = ()
+    family: int = 0
+    together: str | None = None
+
+    @property
+    def taken(self) -> tuple[str, ...]:
+        """The names of what was accepted: nothing, an effect, or a pair."""
+        return tuple(name for name in (self.accepted, self.together) if name is not None)
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from dataclasses import replace
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, values_without
+from hybridid.trace.search import Accepted, Search
 from hybridid.trace.split import Split
 from hybridid.trace.trial import PASSED, Trial, attempt, equivalents, judge, look_alikes
 
@@ -84,8 +84,11 @@ def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accep
 def _judged_beside_others(found: Search, one: Accepted) -> bool:
     """Whether the model that ``one`` was judged beside held an effect that the last model lacks."""
     left = {term.name for term in found.final.model.terms}
-    judged = [step.base for step in found.steps if step.accepted and step.accepted.name == one.name]
-    return bool(judged) and not {term.name for term in judged[-1].model.terms} <= left
+    judged = [step for step in found.steps if any(other.name == one.name for other in step.taken)]
+    if not judged:
+        return False
+    beside = {term.name for term in judged[-1].base.model.terms}
+    return not beside | {other.name for other in judged[-1].taken} <= left
 
 
 def _passed_before(found: Search, one: Accepted, context: Context) -> list[Candidate]:

@@ -198,6 +198,12 @@ def refit_if_possible(
         return None
 
 
+def values_without(refitted: Refit, name: str) -> dict[str, float]:
+    """The parameter values of ``refitted`` without those of the effect ``name``."""
+    kept = {p.name for p in refitted.model.without(name).parameters}
+    return {key: value for key, value in refitted.values.items() if key in kept}
+
+
 def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, float]) -> Problem:
     """Every horizon of ``split`` as a problem of ``model``, solved as ``before`` was, in steps fit for
     ``values``."""

@@ -18,8 +18,8 @@ from hybridid.model import Model, Term
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import CONTINUATION, Refit, refit
-from hybridid.trace.search import Accepted, Search, continued, values_without
+from hybridid.trace.refit import CONTINUATION, Refit, refit, values_without
+from hybridid.trace.search import Accepted, Search, continued
 from hybridid.trace.trial import attempt
 
 MORE = 2

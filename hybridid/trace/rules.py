@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from hybridid.settings import check, setting
 
+PAIRS = 24
+"""Of effects that are refitted after a stall, unless the user says otherwise."""
+
 
 @dataclass(frozen=True)
 class Rules:

@@ -21,7 +21,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
-from hybridid.trace.rules import Rules
+from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.split import automatic_horizon, divided
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
@@ -46,6 +46,7 @@ def trace(
     start: Mapping[str, float] | None = None,
     initial_state: str = "estimated",
     laws: bool = True,
+    pairs: int = PAIRS,
     revise: bool = False,
     recordings: bool = False,
     mapper: Mapper = serial,
@@ -59,8 +60,9 @@ def trace(
     kind, or only at ``ports``, by ``rules``. Learned efforts and laws depend on ``variables`` (None: all that
     a port has). ``settings`` are those of the fits before and after, and give the integrator; ``start``
     (values by name; None: by regression) is where the declared model starts.
-    ``initial_state`` ("estimated" or "measured") is that of free runs. With ``laws``, a law is composed where
-    no effect explains what is missing. With ``revise``, each declared effect is left out in turn, and
+    ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect explains what is
+    missing, ``pairs`` of effects are tried, the most promising ones (0: none); with ``laws``, a law is
+    composed. With ``revise``, each declared effect is left out in turn, and
     others are sought in its place. With ``recordings``, each parameter is tried with a value for each record.
     A sample at which one output was not measured does not count for the others either. ``mapper`` runs the
     refits, one after another or side by side; ``report`` follows them. ``say`` is told what each step
@@ -78,7 +80,7 @@ def trace(
     tried = library_for(model.channels) if effects is None else tuple(effects)
     where = None if ports is None else tuple(ports)
     over = None if variables is None else tuple(variables)
-    context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, revise, over)
+    context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, pairs, revise, over)
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     if recordings:
         check_split(split)

@@ -12,7 +12,8 @@ from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import LawOverLearned
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
+from hybridid.trace.pair import PairTrial
+from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.trial import (
@@ -34,13 +35,15 @@ Otherwise = dict[Numerics, Refit | None]
 class Accepted:
     """An effect taken into the model, with those the records cannot tell from it.
 
-    A composed law is also ``drawn`` over the learned effort that it explains.
+    A composed law is also ``drawn`` over the learned effort that it explains. Of a pair, ``together`` names
+    the other effect; the trial is then the one beside it.
     """
 
     trial: Trial
     alike: tuple[Trial, ...]
     survivals: tuple[Survival, ...]
     drawn: LawOverLearned | None = None
+    together: str = ""
 
     @property
     def name(self) -> str:
@@ -50,12 +53,24 @@ class Accepted:
 
 @dataclass(frozen=True)
 class Step:
-    """One forward step: what the model was, every trial, and what was taken, if anything."""
+    """One forward step: what the model was, every trial, and what was taken, if anything.
+
+    Where no effect passed, ``pairs`` may have been refitted, of ``family`` that could be formed. Of a pair
+    that was taken, ``accepted`` is the first effect and ``together`` the second.
+    """
 
     base: Refit
     trials: tuple[Trial, ...]
     accepted: Accepted | None
     dropped: tuple[str, ...] = ()
+    pairs: tuple[PairTrial, ...] = ()
+    family: int = 0
+    together: Accepted | None = None
+
+    @property
+    def taken(self) -> tuple[Accepted, ...]:
+        """What was accepted: nothing, an effect, or a pair."""
+        return tuple(one for one in (self.accepted, self.together) if one is not None)
 
 
 @dataclass(frozen=True)
@@ -131,7 +146,7 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
         if not passed:
             return Step(base, tuple(judged), None)
         best = _preferred(passed, rules)
-        survivals = _survivals(base, best, context, otherwise)
+        survivals = survivals_of(base, best, context, otherwise)
         why = objection(survivals)
         if not why:
             alike = tuple(equivalents(best, judged, rules))
@@ -161,7 +176,7 @@ def _free_parameters(trial: Trial) -> int:
     return sum(not p.fixed for p in trial.candidate.effect.parameters)
 
 
-def _survivals(base: Refit, best: Trial, context: Context, otherwise: Otherwise) -> tuple[Survival, ...]:
+def survivals_of(base: Refit, best: Trial, context: Context, otherwise: Otherwise) -> tuple[Survival, ...]:
     """What becomes of the gain of ``best`` under every variation of the numerics it was solved with.
 
     ``otherwise`` holds the base under the variations of earlier calls, and takes those of this one.
@@ -176,11 +191,11 @@ def _survivals(base: Refit, best: Trial, context: Context, otherwise: Otherwise)
 
 
 def without_needless(
-    refitted: Refit, accepted: list[Accepted], context: Context
+    refitted: Refit, accepted: list[Accepted], context: Context, new: int = 1
 ) -> tuple[Refit, list[Accepted], tuple[str, ...]]:
-    """Take out again each accepted effect that the later ones have made needless."""
+    """Take out again each accepted effect that the last ``new`` ones have made needless."""
     dropped: list[str] = []
-    for one in accepted[:-1]:
+    for one in accepted[:-new]:
         model, values = refitted.model.without(one.name), values_without(refitted, one.name)
         given = (model, context.split, [values], refitted, refitted.numerics, math.inf)
         poorer = context.one(refit_if_possible, *given)
@@ -191,9 +206,3 @@ def without_needless(
             refitted = poorer
             dropped.append(one.name)
     return refitted, [one for one in accepted if one.name not in dropped], tuple(dropped)
-
-
-def values_without(refitted: Refit, name: str) -> dict[str, float]:
-    """The parameter values of ``refitted`` without those of the effect ``name``."""
-    kept = {p.name for p in refitted.model.without(name).parameters}
-    return {key: value for key, value in refitted.values.items() if key in kept}

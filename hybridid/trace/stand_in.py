@@ -36,12 +36,12 @@ from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refit import refit_if_possible, values_without
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, Step, values_without
+from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import Split
-from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE, Trial, look_alikes
+from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE, related
 
 
 def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Context) -> Search:
@@ -69,12 +69,12 @@ def without_mixed_classes(found: Search) -> Search:
     """
     kept = {one.name for one in found.accepted}
     for number, step in enumerate(found.steps):
-        if step.accepted is None or step.accepted.name not in kept:
-            continue
-        strangers = _unrelated(next(one for one in found.accepted if one.name == step.accepted.name))
-        if strangers:
-            why = f"these records cannot tell it from {listed(strangers)}, physically unrelated to it"
-            return _ended_at(found, number, why)
+        for name in (one.name for one in step.taken if one.name in kept):
+            strangers = _unrelated(next(one for one in found.accepted if one.name == name))
+            if strangers:
+                it = name if len(step.taken) > 1 else "it"
+                why = f"these records cannot tell {it} from {listed(strangers)}, physically unrelated to it"
+                return _ended_at(found, number, why)
     return found
 
 
@@ -86,14 +86,10 @@ def _unrelated(one: Accepted) -> list[str]:
     if is_composed(one.trial.candidate.effect):
         return []
     joined, left = [one.trial], [t for t in one.alike if t is not one.trial]
-    while near := [t for t in left if any(_related(t, other) for other in joined)]:
+    while near := [t for t in left if any(related(t, other) for other in joined)]:
         joined += near
         left = [t for t in left if t not in near]
     return [t.candidate.name for t in left]
-
-
-def _related(one: Trial, other: Trial) -> bool:
-    return one.candidate.effect.id == other.candidate.effect.id or look_alikes(one, other)
 
 
 def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tuple[int, str] | None:
@@ -101,14 +97,14 @@ def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tup
     takes = found.final.score.loss**2 - learned.refit.score.loss**2
     kept = {one.name for one in found.accepted}
     for number, step in enumerate(found.steps):
-        if step.accepted is None or step.accepted.name not in kept:
-            continue
-        share = takes / (step.accepted.trial.taken + takes)
-        if share > rules.stands_in and not _needed(found, step.accepted, learned, split, rules):
-            return number, (
-                f"beside it {learned.described} still takes {share:.0%} of what both take "
-                "from the squared error"
-            )
+        for one in (one for one in step.taken if one.name in kept):
+            share = takes / (one.trial.taken + takes)
+            if share > rules.stands_in and not _needed(found, one, learned, split, rules):
+                it = one.name if len(step.taken) > 1 else "it"
+                return number, (
+                    f"beside {it} {learned.described} still takes {share:.0%} of what both take "
+                    "from the squared error"
+                )
     return None
 
 
@@ -120,7 +116,7 @@ def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Se
     bent = [
         (number, t.refit, f"{t.candidate.name}, which is not shown to repeat,")
         for number, step in enumerate(found.steps)
-        if step.accepted is not None and step.accepted.name in kept
+        if any(one.name in kept for one in step.taken)
         for t in step.trials
         if t.status == UNIDENTIFIABLE and t.not_shown and t.refit is not None
     ]
@@ -172,14 +168,14 @@ def _needed(found: Search, one: Accepted, learned: Ceiling, split: Split, rules:
 def _ended_at(found: Search, number: int, why: str) -> Search:
     """The search as if the step ``number`` had found nothing."""
     step = found.steps[number]
-    assert step.accepted is not None
-    name, reason = step.accepted.name, f"stands in for something else: {why}"
+    name, reason = " + ".join(one.name for one in step.taken), f"stands in for something else: {why}"
     trials = tuple(
         replace(t, status=REJECTED, reason=reason) if t.candidate.name == name else t for t in step.trials
     )
-    ended: Step = replace(step, trials=trials, accepted=None)
+    pairs = tuple(replace(p, status=REJECTED, reason=reason) if p.name == name else p for p in step.pairs)
+    ended: Step = replace(step, trials=trials, pairs=pairs, accepted=None, together=None)
     present = {term.name for term in step.base.model.terms}  # with what this step or a later one took out
-    before = [one.accepted for one in found.steps[:number] if one.accepted]
+    before = [one for taken in found.steps[:number] for one in taken.taken]
     kept = {one.name: one for one in (*before, *found.accepted) if one.name in present}
     return replace(
         found,

@@ -23,9 +23,11 @@ from hybridid.trace.entries import (
     ReplacedEffect,
     StepTaken,
     TriedEffect,
+    TriedPair,
     UsedRecord,
     Value,
 )
+from hybridid.trace.pair import PairTrial
 from hybridid.trace.refit import Refit
 from hybridid.trace.result import Estimates, Evidence, LearnedGains, Trace
 from hybridid.trace.revision import Replacement, idle_terms
@@ -114,6 +116,9 @@ def steps_taken(search: Search) -> tuple[StepTaken, ...]:
             step.accepted.name if step.accepted else None,
             step.dropped,
             tuple(_tried(t, number) for t in sorted(step.trials, key=lambda t: -t.gain)),
+            tuple(map(_tried_pair, sorted(step.pairs, key=lambda pair: -pair.gain))),
+            step.family,
+            step.together.name if step.together else None,
         )
         for number, step in enumerate(search.steps, 1)
     )
@@ -132,7 +137,7 @@ def _changes(search: Search) -> Iterator[Level]:
 
 
 def _change(step: Step) -> str:
-    added = f"+ {step.accepted.name}" if step.accepted else ""
+    added = " ".join(f"+ {one.name}" for one in step.taken)
     return ", ".join([added, *(f"− {name}" for name in step.dropped)])
 
 
@@ -214,6 +219,7 @@ def _accepted(one: Accepted, number: int, estimate: Estimate) -> AcceptedEffect:
         survivals=tuple(map(_short, one.survivals)),
         is_law=is_composed(effect),
         form_of=FORMS.get(effect.id, ""),
+        together=one.together,
     )
 
 
@@ -225,7 +231,7 @@ def _short(found: Survival) -> Survival:
 
 def _step_of(search: Search, one: Accepted) -> int:
     numbers = [
-        k for k, step in enumerate(search.steps, 1) if step.accepted and step.accepted.name == one.name
+        k for k, step in enumerate(search.steps, 1) if any(taken.name == one.name for taken in step.taken)
     ]
     return numbers[-1] if numbers else 0
 
@@ -247,6 +253,27 @@ def _at_the_end(search: Search, trial: Trial, number: int) -> TriedEffect:
         reason = f"{trial.reason}, but less than what was accepted in its step; then {search.stopped}"
         return replace(tried, status=REJECTED, reason=reason)
     return tried
+
+
+def _tried_pair(pair: PairTrial) -> TriedPair:
+    first, second = (candidate.name for candidate in pair.candidates)
+    found = pair.refit
+    units = {p.name: p.unit for p in found.model.parameters} if found else {}
+    return TriedPair(
+        effects=(first, second),
+        status=pair.status,
+        reason=pair.reason,
+        promised=pair.promised,
+        gain=pair.gain if pair.comparison else -1.0,
+        gains=tuple(member.gain for member in pair.members),
+        p_value=pair.p_adjusted if pair.comparison else 1.0,
+        parameters={
+            name: Value(value, found.std.get(name, math.nan), units[name])
+            for name, value in (found.values.items() if found else ())
+            if found and name.startswith((f"{first}.", f"{second}."))
+        },
+        seconds=pair.seconds,
+    )
 
 
 def _tried(trial: Trial, number: int) -> TriedEffect:

@@ -16,14 +16,13 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
-from hybridid.trace.refit import CONTINUATION, LEAST_DECREASE, Refit, least_of, refit_if_hopeful
+from hybridid.trace.refit import CONTINUATION, Refit, least_of, refit_if_hopeful
 from hybridid.trace.rules import Rules
+from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
 
 PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED = "passed", "rejected", "unidentifiable", "untried"
-OTHERWISE = "rodas3"
-"""The implicit integrator: it takes up a trial that RK4 could not solve."""
 
 
 @dataclass(frozen=True)
@@ -84,25 +83,11 @@ def attempt(candidate: Candidate, base: Refit, split: Split, worth: float = Rule
 
 def _solved(candidate: Candidate, base: Refit, split: Split, least: float) -> Trial:
     """The trial by the integrator of ``base``, or by the implicit one where that is needed and better."""
-    trial = _attempt(candidate, base, split, base.numerics, base, least)
-    end_solved = trial.refit is not None and not trial.refit.too_stiff
-    unsolved = trial.refit.unsolved if trial.refit and end_solved else None
-    if base.numerics.integrator == OTHERWISE or unsolved == ():
-        return trial
-    to_beat = trial.refit if trial.refit and trial.refit.cost < base.cost else base
-    other = replace(base.numerics, integrator=OTHERWISE)
-    again = _attempt(candidate, base, split, other, to_beat, least, unsolved)
-    if trial.refit is None and again.refit is None:
-        return replace(again, failure=f"{trial.failure}; with {OTHERWISE}: {again.failure}")
-    return again if _explains_more(again, trial) else trial
 
+    def solve(numerics: Numerics, to_beat: Refit, chosen: Sequence[int] | None) -> Trial:
+        return _attempt(candidate, base, split, numerics, to_beat, least, chosen)
 
-def _explains_more(one: Trial, other: Trial) -> bool:
-    """Whether ``one`` could be fitted and the other could not, or its error is lower, fitted or held out."""
-    if one.refit is None or other.refit is None:
-        return one.refit is not None
-    lower = one.refit.cost < (1 - LEAST_DECREASE) * other.refit.cost
-    return lower or one.refit.score.loss < (1 - LEAST_DECREASE) * other.refit.score.loss
+    return by_either_integrator(solve, base)
 
 
 def _attempt(
@@ -165,13 +150,13 @@ def _decided(trial: Trial, rules: Rules) -> Trial:
         return replace(
             trial, status=REJECTED, reason=f"not significant: adjusted p = {p:.2g} over {rules.alpha:g}"
         )
-    vague = trial.not_shown or _undetermined(trial, rules)
+    vague = trial.not_shown or undetermined(trial, rules)
     if vague:
         return replace(trial, status=UNIDENTIFIABLE, reason=vague)
     return replace(trial, status=PASSED, reason=f"held-out RMSE {gain:.1%} lower, adjusted p = {p:.2g}")
 
 
-def _undetermined(trial: Trial, rules: Rules) -> str:
+def undetermined(trial: Trial, rules: Rules) -> str:
     """Why the effect's own parameters are not determined, or nothing if they are."""
     assert trial.refit is not None
     values, errors = trial.own("values"), trial.refit.std
@@ -263,7 +248,7 @@ def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Tria
 def _insignificant(trial: Trial, best: Trial, rules: Rules) -> bool:
     """Whether only significance refused the trial, which takes at least half of what ``best`` takes."""
     only = trial.status == REJECTED and trial.gain >= rules.worth and trial.p_adjusted > rules.alpha
-    return only and 2 * trial.taken >= best.taken and not (trial.not_shown or _undetermined(trial, rules))
+    return only and 2 * trial.taken >= best.taken and not (trial.not_shown or undetermined(trial, rules))
 
 
 def _nearly_alike(best: Trial, other: Trial, rules: Rules) -> bool:
@@ -275,6 +260,11 @@ def look_alikes(one: Trial, other: Trial) -> bool:
     """Whether one effect is declared to look like the other."""
     ours, theirs = one.candidate.effect, other.candidate.effect
     return ours.id in theirs.look_alikes or theirs.id in ours.look_alikes
+
+
+def related(one: Trial, other: Trial) -> bool:
+    """Whether both are the same law, perhaps at several ports, or declared look-alikes."""
+    return one.candidate.effect.id == other.candidate.effect.id or look_alikes(one, other)
 
 
 def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:

@@ -8,7 +8,7 @@ Otherwise the verdict is ``unexplained`` or ``undecided``.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -24,6 +24,7 @@ from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.laws import with_law
 from hybridid.trace.numerics import numerics_for
+from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.recheck import recheck
 from hybridid.trace.refit import Refit
 from hybridid.trace.revision import Replacement, replacements
@@ -96,8 +97,8 @@ def conclude(
     floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
     found = search(model, context, starts, floor, numerics_for(model, split, starts, integrator))
-    settled = _settled(found, noise, context)
-    if context.laws and (settled.remains or settled.times > rules.far):
+    settled = _with_pairs(_settled(found, noise, context), noise, context, floor)
+    if context.laws and _is_left(settled, rules):
         lawful = with_law(settled.found, settled.left, context)
         if lawful is not settled.found:
             settled = _settled(continued(lawful, context, floor), noise, context)
@@ -128,6 +129,39 @@ class _Settled:
     simulation: Array
     times: float
     remains: tuple[str, ...]
+
+
+def _is_left(settled: _Settled, rules: Rules) -> bool:
+    """Whether something is left that no effect explains."""
+    return bool(settled.remains) or settled.times > rules.far
+
+
+def _with_pairs(settled: _Settled, noise: Array, context: Context, floor: float) -> _Settled:
+    """``settled`` with pairs of effects, and what is found beside them, as long as something is left: beside
+    what was accepted, else in its place.
+
+    They come before laws: two known effects say more of a machine than one formula that fits as well.
+    """
+    settled = _beside_pairs(settled, noise, context, floor)
+    if not (_is_left(settled, context.rules) and context.pairs):
+        return settled
+    replaced = in_place(settled.found, context)
+    if replaced is settled.found:
+        return settled
+    other = _settled(continued(replaced, context, floor), noise, context)
+    return _beside_pairs(other, noise, context, floor) if other.found.accepted else settled
+
+
+def _beside_pairs(settled: _Settled, noise: Array, context: Context, floor: float) -> _Settled:
+    """``settled`` with pairs beside what was accepted."""
+    for _ in range(context.rules.most_effects // 2):
+        if not _is_left(settled, context.rules):
+            break
+        tried = with_pair(settled.found, context)
+        if tried is settled.found or not tried.steps[-1].taken:
+            return replace(settled, found=tried)
+        settled = _settled(continued(tried, context, floor), noise, context)
+    return settled
 
 
 def _settled(found: Search, noise: Array, context: Context) -> _Settled:

@@ -84,21 +84,35 @@ def _concluded(found: Trace) -> str:
         )
     if found.verdict == "unexplained":
         place = f"structure remains {listed(found.remains)}, {where}. " if found.remains else ""
-        return (
-            f"Something is missing that {_none(named_effects(found), 'explain')}: {place}{error_left(found)}"
-        )
+        return f"Something is missing that {_unnamed(found)}: {place}{error_left(found)}"
     them = "them" if len(found.accepted) > 1 else "it"
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
     names = [one for one in found.accepted if not one.is_law]
     laws = [one for one in found.accepted if one.is_law]
     lacked = f"The model lacked {listed([_named(entry) for entry in names])}"
     if not laws:
-        return f"{lacked}: {fall}.{_rest(found)}"
+        return f"{lacked}: {fall}.{_only_together(found)}{_rest(found)}"
     before, something = (f"{lacked}. ", "Something else") if names else ("", "Something")
-    return (
-        f"{before}{something} is missing that {_none(named_effects(found), 'explain')}. "
-        f"{_proposed(laws)}: {fall}.{_rest(found)}"
-    )
+    rest = _only_together(found) + _rest(found)
+    return f"{before}{something} is missing that {_unnamed(found)}. {_proposed(laws)}: {fall}.{rest}"
+
+
+def _only_together(found: Trace) -> str:
+    """Which accepted effects were found as a pair, and whether they help only together; empty if none."""
+    names = [one.name for one in found.accepted]
+    said = ""
+    for one in found.accepted:
+        if one.together not in names[names.index(one.name) :]:  # told with the first of the two
+            continue
+        step = found.steps[one.step - 1]
+        passed = any(t.status == PASSED and t.name in (one.name, one.together) for t in step.trials)
+        why = (
+            "were found together: they explain more than what passed alone"
+            if passed
+            else "help only together: neither passed alone"
+        )
+        said += f" {one.name} and {one.together} {why}."
+    return said
 
 
 def named_effects(found: Trace) -> int:
@@ -108,10 +122,13 @@ def named_effects(found: Trace) -> int:
 
 
 def tried_in_words(found: Trace) -> str:
-    """``38 effects``, or ``38 effects and 26 laws``."""
+    """``38 effects``, or ``38 effects, 24 of 703 pairs of them and 26 laws``."""
     named = named_effects(found)
     laws = len(found.rejected) + len(found.accepted) - named
-    return counted(named, "effect") + (f" and {counted(laws, 'law')}" if laws else "")
+    tried = [counted(named, "effect")]
+    if pairs := sum(len(step.pairs) for step in found.steps):
+        tried.append(f"{pairs} of {sum(step.family for step in found.steps)} pairs of them")
+    return listed([*tried, counted(laws, "law")] if laws else tried)
 
 
 def _none(tried: int, does: str) -> str:
@@ -119,6 +136,14 @@ def _none(tried: int, does: str) -> str:
     if tried == 1:
         return f"the one effect tried does not {does}"
     return f"none of the {tried} effects tried {does}s"
+
+
+def _unnamed(found: Trace) -> str:
+    """``none of the 38 effects tried explains``, and no pair where pairs were tried."""
+    pairs = sum(len(step.pairs) for step in found.steps if len(step.taken) < 2)
+    return _none(named_effects(found), "explain") + (
+        f", alone or in {counted(pairs, 'pair')}" if pairs else ""
+    )
 
 
 def _proposed(laws: Sequence[AcceptedEffect]) -> str:

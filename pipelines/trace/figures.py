@@ -49,7 +49,10 @@ def waterfalls(found: Trace) -> Named:
 
 
 def _tried(step: StepTaken) -> list[Tried]:
-    return [Tried(t.name, t.gain, "accepted" if t.name == step.accepted else t.status) for t in step.trials]
+    taken = " + ".join(step.taken)
+    tried = [(t.name, t.gain, t.status) for t in step.trials]
+    tried += [(pair.name, pair.gain, pair.status) for pair in step.pairs]
+    return [Tried(name, gain, "accepted" if name == taken else status) for name, gain, status in tried]
 
 
 def _errors(found: Trace, record: Record) -> Named:

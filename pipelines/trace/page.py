@@ -39,6 +39,11 @@ _TRIED = (
     "gain is the relative decrease of the RMSE on horizons that no fit has seen. p-values are adjusted for "
     "all effects tried in a step (Holm, weighted by what each takes from the fitted horizons)."
 )
+_PAIRS = (
+    "Where no effect passed, pairs of effects were ranked by what each takes beside the other in a "
+    "least-squares fit of the residual, and the most promising ones refitted. Their p-values are adjusted "
+    "for all pairs that could be formed."
+)
 _RESIDUAL = (
     "The missing effort (at a level: flow) is what the model would need in addition at the port to agree "
     "with the record. A smoother estimates it: differentiating the record would amplify its noise."
@@ -55,7 +60,7 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
         Section("Parameters", tables=(_parameters(found),)),
         _declared(found),
         _by_recording(found),
-        Section("What was tried", (_TRIED,), _refused(found), about["trials"]),
+        Section("What was tried", _tried(found), (*_refused(found), *_pairs(found)), about["trials"]),
         Section("The residual", (_RESIDUAL,), pictures=(*about["error"], *about["missing_effort"])),
         _remaining(found, about["ceiling"]),
         Section("How it was decided", tables=(_rules(traced),)),
@@ -79,6 +84,11 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
     )  # fmt: skip
     effects = Table(f"Accepted ({found.provenance})", header, rows, words=(0, 1, 2, 5))
     paragraphs = [f"{a.effect}: {a.title}, {a.equation}. {_capital(a.pattern)}." for a in found.accepted]
+    paragraphs += [
+        f"{a.name} was found only together with {a.together}; its gain is the one beside it."
+        for a in found.accepted
+        if a.together
+    ]
     paragraphs += [
         f"To tell {listed(a.alike)} apart, record: {'; or '.join(a.separating_experiments)}."
         for a in found.accepted
@@ -211,6 +221,26 @@ def _refused(found: Trace) -> tuple[Table, ...]:
     )
     title = f"Tried and not accepted: {len(rows)}, each as judged last ({found.provenance})"
     return (Table(title, header, rows, words=(0, 1, 4, 5)),) if rows else ()
+
+
+def _tried(found: Trace) -> tuple[str, ...]:
+    return (_TRIED, _PAIRS) if any(step.pairs for step in found.steps) else (_TRIED,)
+
+
+def _pairs(found: Trace) -> tuple[Table, ...]:
+    header = ("effects", "promise", "gain", "of each beside the other", "p", "decision", "reason")
+    rows = tuple(
+        (
+            listed(pair.effects), share(pair.promised), share(pair.gain),
+            ", ".join(map(share, pair.gains)) or NONE, probability(pair.p_value),
+            "accepted" if pair.name == " + ".join(step.taken) else pair.status, pair.reason,
+        )
+        for step in found.steps
+        for pair in step.pairs
+    )  # fmt: skip
+    family = sum(step.family for step in found.steps)
+    title = f"Pairs tried: the {len(rows)} most promising of {family} ({found.provenance})"
+    return (Table(title, header, rows, words=(0, 5, 6)),) if rows else ()
 
 
 def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:

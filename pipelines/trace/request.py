@@ -10,7 +10,7 @@ from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
 from hybridid.effects.variable import Variable
 from hybridid.naming import listed
-from hybridid.trace.rules import Rules
+from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.split import automatic_horizon
 from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
@@ -27,9 +27,10 @@ from pipelines.shared.sources import Named, chosen
 @dataclass(frozen=True)
 class Request:
     """A trace as configured: ``effects`` to try at ``ports`` (None: all), judged by ``rules``, over horizons
-    of ``horizon`` s, in parallel ``processes``. ``laws`` are composed where no effect explains.
-    ``revise``: each declared effect is left out in turn. ``by_recording``: each parameter is tried with
-    a value for each record. Learned efforts and laws depend on ``variables`` (None: all)."""
+    of ``horizon`` s, in parallel ``processes``. Where no effect explains, so many ``pairs`` of effects are
+    tried, then ``laws`` composed. ``revise``: each declared effect is left out in turn. ``by_recording``:
+    each parameter is tried with a value for each record. Learned efforts and laws depend on ``variables``
+    (None: all)."""
 
     effects: tuple[Effect, ...]
     ports: tuple[str, ...] | None
@@ -37,6 +38,7 @@ class Request:
     horizon: float
     processes: int
     laws: bool = True
+    pairs: int = PAIRS
     revise: bool = False
     by_recording: bool = False
     variables: tuple[Variable, ...] | None = None
@@ -60,7 +62,7 @@ def request_of(settings: Settings) -> Request:
                 raise ConfigError(unknown(f"channel that effect {effect.id} of trace sees", name, known))
     ports = _ports(settings, section, effects)
     horizon, processes = _horizon(settings, section), _processes(settings, section)
-    asked = (section.laws, section.revise, section.by_recording, section.variables)
+    asked = (section.laws, section.pairs, section.revise, section.by_recording, section.variables)
     return Request(effects, ports, section.rules, horizon, processes, *asked)
 
 

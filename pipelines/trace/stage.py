@@ -102,6 +102,7 @@ def traced(
             start=start,
             initial_state=str(settings["validate.initial_state"]),
             laws=request.laws,
+            pairs=request.pairs,
             revise=request.revise,
             recordings=request.by_recording,
             mapper=keep(mapper),

@@ -27,8 +27,9 @@ EPSILON = 3e-3
 
 @dataclass(frozen=True)
 class Carriage:
-    """``M q'' = force - F`` from rest at 0, ``F = (f_v -+ df_v/2 + damping_slope q) q' + (f_c + warming
-    (temperature - 25 °C)) tanh(q'/epsilon) + drag q' |q'| + offset + ripple sin(2 pi q / pitch)``."""
+    """``M q'' = force - F`` from rest at ``centre``, ``F = (f_v -+ df_v/2 + damping_slope q) q' + (f_c +
+    warming (temperature - 25 °C)) tanh(q'/epsilon) + drag q' |q'| + offset + stiffness (q - centre) + ripple
+    sin(2 pi q / pitch)``."""
 
     M: float = 95.0
     f_v: float = 203.0
@@ -37,6 +38,8 @@ class Carriage:
     df_v: float = 0.0
     drag: float = 0.0  # N s²/m²: it grows with the square of the velocity
     damping_slope: float = 0.0  # N s/m^2: the viscous friction rises by it from place to place
+    stiffness: float = 0.0  # N/m, of a spring
+    centre: float = 0.0  # m, where it rests
     ripple: float = 0.0  # N, a force that is periodic in position
     pitch: float = 0.02  # m, its period
     epsilon: float = EPSILON
@@ -90,11 +93,13 @@ class Carriage:
 def _states(carriage: Carriage, n: int, dt: float) -> Array:
     force, temperature = carriage.force(np.arange(n) * dt), carriage.temperature(np.arange(n) * dt)
     states = np.zeros((n, 2))
+    states[0, 0] = carriage.centre
 
     def rate(_: float, x: Array, u: float, f_c: float) -> list[float]:
         resist = (carriage.f_v + carriage.damping_slope * x[0]) * x[1] - 0.5 * carriage.df_v * abs(x[1])
         resist += f_c * math.tanh(x[1] / carriage.epsilon) + carriage.offset
         resist += carriage.drag * x[1] * abs(x[1])
+        resist += carriage.stiffness * (x[0] - carriage.centre)
         resist += carriage.ripple * math.sin(2 * math.pi * x[0] / carriage.pitch)
         return [x[1], (u - resist) / carriage.M]
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from hybridid.effects.variable import Variable
 from hybridid.settings import inlined, setting
-from hybridid.trace.rules import Rules
+from hybridid.trace.rules import PAIRS, Rules
 
 _CORES = "one a core"
 
@@ -46,6 +46,12 @@ class TraceSection:
     leave_out: tuple[str, ...] = setting((), "ids of effects that are not tried", shown="[ID,...]")
     laws: bool = setting(
         True, "compose a law where no effect explains what a learned effort finds (docs/trace.md)"
+    )
+    pairs: int = setting(
+        PAIRS,
+        "pairs of effects that are tried where no single effect explains what is missing, the most promising "
+        "ones; 0: none (docs/trace.md)",
+        least=0,
     )
     revise: bool = setting(
         False, "leave out each declared effect in turn, and seek others in its place (as long again for each)"

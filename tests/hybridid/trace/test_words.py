@@ -13,7 +13,9 @@ from hybridid.trace.entries import (
     LearnedGain,
     Level,
     ReplacedEffect,
+    StepTaken,
     TriedEffect,
+    TriedPair,
     Value,
 )
 from hybridid.trace.result import Estimates, LearnedGains, Trace
@@ -173,6 +175,35 @@ def test_names_are_told_before_a_law(nothing):
     said = sentence(replace(nothing(DRAG), verdict="law_proposed", accepted=(law, name), path=path))
     assert said.startswith("The model lacked stribeck at carriage (k = −36.9 ± 4.4 N·s/m). Something else is")
     assert "The law proposed at carriage is F = k v³ (k = −36.9 ± 4.4 N·s/m): with them the RMSE" in said
+
+
+def test_a_pair_helps_only_together(nothing):
+    spring, offset, drag = (accepted(name, "F", False) for name in ("spring", "offset", "drag"))
+    spring, offset = replace(spring, together=offset.name), replace(offset, together=spring.name)
+    path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
+    step = StepTaken(nothing().path[0], spring.name, (), (DRAG, SPRING), together=offset.name)
+    found = replace(
+        nothing(), verdict="effect_found", accepted=(drag, spring, offset), path=path, steps=(step,)
+    )
+    assert sentence(found).endswith(
+        "in position. carriage.spring and carriage.offset help only together: neither passed alone."
+    )
+    assert "together" not in sentence(replace(found, accepted=(drag, spring)))
+    alone = replace(tried("spring", 0.2, ""), status="passed")
+    said = sentence(replace(found, steps=(replace(step, trials=(alone,)),)))
+    assert said.endswith(
+        "carriage.spring and carriage.offset were found together: they explain more than what passed alone."
+    )
+
+
+def test_pairs_that_were_tried_are_told(nothing):
+    pair = TriedPair(("carriage.spring", "carriage.offset"), "rejected", "", 0.4, 0.1, (), 0.3, {}, 1.0)
+    step = StepTaken(nothing().path[0], None, (), (), pairs=(pair, pair), family=741)
+    found = replace(nothing(DRAG, SPRING), verdict="unexplained", times=12.3, steps=(step,))
+    assert sentence(found).startswith(
+        "Something is missing that none of the 2 effects tried explains, alone or in 2 pairs: The error"
+    )
+    assert tried_in_words(found) == "2 effects and 2 of 741 pairs of them"
 
 
 def test_what_speaks_against_the_declared_physics_is_told(nothing):

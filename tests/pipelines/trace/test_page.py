@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from hybridid.trace.entries import ReplacedEffect
+from hybridid.trace.entries import ReplacedEffect, TriedPair
 from pipelines.shared.page import Picture, Section, Table
+from pipelines.trace.figures import _tried
 from pipelines.trace.page import trace_page
 
 
@@ -99,6 +100,27 @@ def test_refused_effects_keep_their_reason(section):
     (table,) = section("What was tried").tables
     assert column(table, "gain") == ["60.0 %", "diverges"]
     assert set(column(table, "reason")) == {"its reason"}
+
+
+def test_pairs_that_were_tried_and_the_one_that_was_accepted(section, stored):
+    names = ("cart.coulomb", "cart.offset")
+    best = TriedPair(names, "passed", "each is needed", 0.4, 0.9, (0.8, 0.7), 1e-9, {}, 1.0)
+    other = replace(best, effects=("cart.dahl", "cart.offset"), status="rejected", gains=(), gain=-1.0)
+    (step,) = stored().found.steps
+    step = replace(step, pairs=(best, other), family=741, together="cart.offset")
+    tried = section("What was tried", steps=(step,))
+    assert "ranked" in tried.paragraphs[1]
+    table = tried.tables[1]
+    assert table.caption == "Pairs tried: the 2 most promising of 741 (simulated)"
+    assert column(table, "effects") == ["cart.coulomb and cart.offset", "cart.dahl and cart.offset"]
+    assert column(table, "decision") == ["accepted", "rejected"]
+    assert column(table, "of each beside the other") == ["80.0 %, 70.0 %", "–"]
+    drawn = {one.name: one.status for one in _tried(step)}
+    assert drawn["cart.coulomb + cart.offset"] == "accepted"
+    assert drawn["cart.coulomb"] == "passed"  # its own trial: only the pair was accepted
+    (entry,) = stored().found.accepted
+    accepted = section("What was accepted", accepted=(replace(entry, together="cart.offset"),))
+    assert "cart.coulomb was found only together with cart.offset" in accepted.paragraphs[1]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,232 @@
+"""Pairs of effects, where the search stalled: two that help only together.
+
+A spring about a centre other than zero is a spring and an offset. Each of the two alone gains little or
+nothing, so a search that adds one effect at a time stops before either. So after a stall, all pairs of
+effects are ranked by what they promise together (``hybridid.trace.promise``). The most promising ones are
+refitted and judged (``hybridid.trace.pair``), with all pairs that could be formed counted. Every effect can
+be a member, also one that was refused or withdrawn alone.
+
+A pair that passes must survive other numerics, each member beside the other. Then every candidate is tried in
+the place of each member, beside the other one: those that do as well form its class, as in a forward step. A
+pair is refused where another one without a common member, and physically unrelated, explains as much; then no
+other is accepted either.
+
+An effect that resembles a pair may have been accepted in its place, and others that mend what it leaves. So
+where effects were accepted and something is still left, pairs are also tried beside the declared model. One
+that alone explains more than all accepted effects together, by more than ``Rules.tie`` and significantly,
+takes their place. (Sequential replacement: Miller (2002), Subset Selection in Regression, 2nd ed., ch. 3.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from hybridid.naming import counted, listed
+from hybridid.trace.candidates import admissible
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
+from hybridid.trace.pair import PairTrial, attempt_pair, judge_pairs
+from hybridid.trace.promise import promises
+from hybridid.trace.robustness import objection
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import Accepted, Search, Step, survivals_of, without_needless
+from hybridid.trace.sensitivity import seen
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, attempt, equivalents, judge, related
+
+
+def with_pair(found: Search, context: Context, accepted_before: Search | None = None) -> Search:
+    """``found`` with the best pair of effects that passes, and in its last step the pairs that were tried.
+
+    It is ``found`` itself if it did not end with a stall, or no pair can be formed. The pair must explain
+    more than the last model of ``accepted_before``, whose pairs count as well.
+    """
+    step, rules = found.steps[-1] if found.steps else None, context.rules
+    room = len(found.accepted) + 2 <= rules.most_effects
+    if step is None or step.taken or step.pairs or not (context.pairs and room):
+        return found
+    candidates = list(admissible(step.base.model, context.effects, context.ports))
+    singles = {trial.candidate.name: trial for trial in step.trials}
+    given = [(one, singles.get(one.name), step.base, context.split) for one in candidates]
+    ranked = promises(
+        context.each("pairs, ranked", seen, given, lambda one: one.candidate.name), rules.collinear
+    )
+    if not ranked:
+        return found
+    chosen = [
+        (
+            one,
+            tuple(singles.get(c.name) for c in (one.first, one.second)),
+            step.base,
+            context.split,
+            rules.worth,
+        )
+        for one in ranked[: context.pairs]
+    ]
+    trials = context.each("pairs", attempt_pair, chosen, lambda trial: trial.name)
+    family = len(candidates) * (len(candidates) - 1) // 2
+    if accepted_before is not None:
+        family += accepted_before.steps[-1].family
+    judged = judge_pairs(trials, family, rules)
+    if accepted_before is not None:
+        judged = [_unless_better(pair, accepted_before, family, rules) for pair in judged]
+    step = _decided(replace(step, family=family), judged, context)
+    context.say(f"of {counted(family, 'pair')}, {len(trials)} tried: {_said_of(step)}")
+    return _taken(found, step, context)
+
+
+def in_place(found: Search, context: Context) -> Search:
+    """The pair that explains more than all accepted effects of ``found``, in their place; ``found`` itself if
+    there is none."""
+    if not found.accepted:
+        return found
+    names = listed([one.name for one in found.accepted])
+    context.say(f"pairs in place of {names}")
+    first = replace(found.steps[0], accepted=None, together=None, dropped=())
+    begun = replace(found, steps=(first,), final=first.base, accepted=(), withdrawn="")
+    tried = with_pair(begun, context, found)
+    return tried if tried.accepted else found
+
+
+def _unless_better(pair: PairTrial, before: Search, family: int, rules: Rules) -> PairTrial:
+    """``pair``, refused if it does not explain more than the last model of ``before``."""
+    if pair.status != PASSED or pair.refit is None:
+        return pair
+    better = compare(before.final.score, pair.refit.score)
+    if better.gain >= rules.tie and family * better.p_value <= rules.alpha:
+        return pair
+    names = listed([one.name for one in before.accepted])
+    return replace(pair, status=REJECTED, reason=f"explains no more than {names}, found one by one")
+
+
+def _taken(found: Search, step: Step, context: Context) -> Search:
+    """``found`` with ``step`` in the place of its last, and with what was taken in it."""
+    earlier, new = found.steps[:-1], step.taken
+    if not new or new[0].trial.refit is None:
+        return replace(found, steps=(*earlier, step))
+    final, accepted, dropped = without_needless(
+        new[0].trial.refit, [*found.accepted, *new], context, new=len(new)
+    )
+    return replace(
+        found,
+        steps=(*earlier, replace(step, dropped=dropped)),
+        final=final,
+        accepted=tuple(accepted),
+        withdrawn="",
+    )
+
+
+def _said_of(step: Step) -> str:
+    """What a step decided of its pairs, in one line."""
+    if not step.taken:
+        return "none passes"
+    names = [one.name for one in step.taken]
+    (pair,) = (pair for pair in step.pairs if pair.name == " + ".join(names))
+    return f"{' and '.join(names)} take {pair.gain:.1%} off the held-out error, only together"
+
+
+def _decided(step: Step, judged: Sequence[PairTrial], context: Context) -> Step:
+    """``step`` with the best of the ``judged`` pairs that passes and survives other numerics, if one does."""
+    rules, judged = context.rules, list(judged)
+    while passed := [pair for pair in judged if pair.status == PASSED]:
+        best = _preferred(passed, rules)
+        survivals = [
+            survivals_of(poorer, member, context, {})
+            for poorer, member in zip(best.alone, best.members, strict=True)
+        ]
+        lost = "; ".join(filter(None, map(objection, survivals)))
+        strangers = "" if lost else _strangers(step, best, judged, rules)
+        if not lost and not strangers:
+            classes = [_class_of(best, k, judged, step.family, context) for k in range(2)]
+            first, second = (
+                Accepted(member, alike, kept, together=other.candidate.name)
+                for member, other, alike, kept in zip(
+                    best.members, best.members[::-1], classes, survivals, strict=True
+                )
+            )
+            return replace(step, pairs=tuple(judged), accepted=first, together=second)
+        withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {lost or strangers}")
+        judged = [withdrawn if pair is best else pair for pair in judged]
+        if strangers:  # whatever explains less is no better a name
+            break
+    return replace(step, pairs=tuple(judged))
+
+
+def _preferred(passed: Sequence[PairTrial], rules: Rules) -> PairTrial:
+    """The best held-out error; among those alike, the one with the fewest parameters."""
+    best = max(passed, key=lambda pair: pair.gain)
+    alike = [best, *(pair for pair in passed if pair is not best and _as_good(best, pair, rules))]
+    return min(alike, key=lambda pair: (_free_parameters(pair), -pair.gain))
+
+
+def _free_parameters(pair: PairTrial) -> int:
+    return sum(not p.fixed for one in pair.candidates for p in one.effect.parameters)
+
+
+def _as_good(best: PairTrial, other: PairTrial, rules: Rules) -> bool:
+    """Whether held-out horizons show no advantage of ``best`` worth the name."""
+    assert best.refit is not None
+    assert other.refit is not None
+    advantage = compare(other.refit.score, best.refit.score)
+    return advantage.gain < rules.tie or advantage.p_value > rules.alpha
+
+
+def _equals(step: Step, best: PairTrial, judged: Sequence[PairTrial], rules: Rules) -> list[PairTrial]:
+    """The other pairs that held-out horizons cannot tell from ``best``.
+
+    One that only significance refused counts if it takes at least half as much: see ``trial.equivalents``.
+    """
+    before = step.base.score.loss**2
+
+    def takes(pair: PairTrial) -> float:
+        return before - pair.refit.score.loss**2 if pair.refit else 0.0
+
+    def counts(pair: PairTrial) -> bool:
+        enough = bool(pair.members) and all(member.gain >= rules.worth for member in pair.members)
+        return enough and pair.status != UNIDENTIFIABLE and 2 * takes(pair) >= takes(best)
+
+    return [pair for pair in judged if pair is not best and counts(pair) and _as_good(best, pair, rules)]
+
+
+def _strangers(step: Step, best: PairTrial, judged: Sequence[PairTrial], rules: Rules) -> str:
+    """Which pair without a common member explains as much and is physically unrelated; empty if none."""
+    for pair in _equals(step, best, judged, rules):
+        if not _common(best, pair) and _matched(best, pair) is None:
+            return f"these records cannot tell it from {pair.name}, physically unrelated to it"
+    return ""
+
+
+def _common(one: PairTrial, other: PairTrial) -> bool:
+    return not {c.name for c in one.candidates}.isdisjoint(c.name for c in other.candidates)
+
+
+def _matched(best: PairTrial, pair: PairTrial) -> tuple[Trial, Trial] | None:
+    """The members of ``pair`` in the order of those of ``best`` to which they are related, if they are."""
+    first, second = pair.members
+    for order in ((first, second), (second, first)):
+        if all(related(ours, theirs) for ours, theirs in zip(best.members, order, strict=True)):
+            return order
+    return None
+
+
+def _class_of(
+    best: PairTrial, k: int, judged: Sequence[PairTrial], family: int, context: Context
+) -> tuple[Trial, ...]:
+    """The trials that held-out horizons cannot tell from member ``k`` of ``best``, itself first.
+
+    Every candidate takes its place beside the other member.
+    """
+    member, poorer, rules = best.members[k], best.alone[k], context.rules
+    name = member.candidate.name
+    rivals = [one for one in admissible(poorer.model, context.effects, context.ports) if one.name != name]
+    given = [(one, poorer, context.split, rules.worth) for one in rivals]
+    trials = context.each(f"in place of {name}", attempt, given, lambda trial: trial.candidate.name)
+    alike = equivalents(member, judge(trials, rules, family), rules)
+    assert best.refit is not None
+    for pair in judged:
+        matched = (
+            None if pair is best or pair.status != PASSED or _common(best, pair) else _matched(best, pair)
+        )
+        if matched is not None and _as_good(best, pair, rules):
+            alike.append(matched[k])
+    return tuple(alike)

@@ -1,0 +1,58 @@
+"""Solves a trial by the integrator of its base model, or by the implicit one where needed and better."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Protocol, TypeVar, cast
+
+from hybridid.trace.numerics import Numerics
+from hybridid.trace.refit import LEAST_DECREASE, Refit
+
+OTHERWISE = "rodas3"
+"""The implicit integrator: it takes up a trial that RK4 could not solve."""
+
+
+class Attempted(Protocol):
+    """What a trial came to: a ``refit``, or the ``failure`` in words."""
+
+    @property
+    def refit(self) -> Refit | None:
+        """The refitted model; None if it could not be fitted."""
+
+    @property
+    def failure(self) -> str:
+        """Why it could not be fitted."""
+
+
+T = TypeVar("T", bound=Attempted)
+Solve = Callable[[Numerics, Refit, Sequence[int] | None], T]
+"""``solve(numerics, to_beat, chosen)``: a trial from all starts, or from the ``chosen`` ones by number, that
+may end early where it does not beat a refit."""
+
+
+def by_either_integrator(solve: Solve[T], base: Refit) -> T:
+    """The trial by the integrator of ``base``, or by the implicit one where that is needed and better.
+
+    The implicit one takes the starts that the other could not solve, or all if the end is too stiff. It
+    counts if it explains more: else everything that follows would be solved the slow way for nothing.
+    """
+    trial = solve(base.numerics, base, None)
+    end_solved = trial.refit is not None and not trial.refit.too_stiff
+    unsolved = trial.refit.unsolved if trial.refit and end_solved else None
+    if base.numerics.integrator == OTHERWISE or unsolved == ():
+        return trial
+    to_beat = trial.refit if trial.refit and trial.refit.cost < base.cost else base
+    again = solve(replace(base.numerics, integrator=OTHERWISE), to_beat, unsolved)
+    if trial.refit is None and again.refit is None:
+        failure = f"{trial.failure}; with {OTHERWISE}: {again.failure}"
+        return cast("T", replace(cast("Any", again), failure=failure))
+    return again if _explains_more(again, trial) else trial
+
+
+def _explains_more(one: Attempted, other: Attempted) -> bool:
+    """Whether ``one`` could be fitted and the other could not, or its error is lower, fitted or held out."""
+    if one.refit is None or other.refit is None:
+        return one.refit is not None
+    lower = one.refit.cost < (1 - LEAST_DECREASE) * other.refit.cost
+    return lower or one.refit.score.loss < (1 - LEAST_DECREASE) * other.refit.score.loss

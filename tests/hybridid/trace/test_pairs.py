@@ -1,0 +1,192 @@
+"""A simulated carriage on a spring about a centre other than zero: spring and offset help only together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace import pairs
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import Comparison
+from hybridid.trace.pair import PairTrial
+from hybridid.trace.pairs import in_place, with_pair
+from hybridid.trace.promise import promises
+from hybridid.trace.refit import refit
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import search
+from hybridid.trace.sensitivity import seen
+from hybridid.trace.stand_in import unless_minor
+from hybridid.trace.trial import PASSED, REJECTED, Trial
+
+STIFFNESS, CENTRE = 400.0, 0.15
+DECLARED = ("viscous", "coulomb")
+TRIED = tuple(map(effect_named, ("linear_stiffness", "asymmetric_viscous", "offset", "input_saturation")))
+SPRING, OFFSET = "carriage.linear_stiffness", "carriage.offset"
+
+
+@pytest.fixture(scope="module")
+def said():
+    return []
+
+
+@pytest.fixture(scope="module")
+def context(split_of, said):
+    split = split_of(n=500, stiffness=STIFFNESS, centre=CENTRE, offset=0.0)
+    return Context(split, TRIED, say=said.append)
+
+
+@pytest.fixture(scope="module")
+def stalled(make_model, context):
+    return search(make_model(DECLARED), context, [{}], 0.0)
+
+
+@pytest.fixture(scope="module")
+def paired(stalled, context):
+    return with_pair(stalled, context)
+
+
+def test_the_pair_is_found_where_neither_passes_alone(stalled, paired, said):
+    assert stalled.accepted == ()
+    assert {one.name: one.together for one in paired.accepted} == {SPRING: OFFSET, OFFSET: SPRING}
+    values = paired.final.values
+    assert values[f"{SPRING}.k"] == pytest.approx(STIFFNESS, rel=0.02)
+    assert values[f"{OFFSET}.offset"] == pytest.approx(-STIFFNESS * CENTRE, rel=0.02)
+    assert paired.final.score.rmse == pytest.approx(2e-6, rel=0.1)
+    assert said[-1].startswith(f"of 6 pairs, 6 tried: {SPRING} and {OFFSET} take 9")
+
+
+def test_it_completes_the_step_that_stalled(stalled, paired):
+    (before,), (step,) = stalled.steps, paired.steps
+    assert step.trials == before.trials
+    assert [one.name for one in step.taken] == [SPRING, OFFSET]
+    assert step.family == len(TRIED) * (len(TRIED) - 1) // 2
+    (best,) = (pair for pair in step.pairs if pair.status == "passed")
+    assert best.p_adjusted == pytest.approx(step.family * best.p_value)
+    assert all(one.trial.gain > 0.9 for one in step.taken)
+    assert all(one.alike == (one.trial,) for one in step.taken)
+    assert all(len(one.survivals) > 3 for one in step.taken)
+
+
+def test_one_pair_is_refitted_where_one_is_asked_for_and_it_is_the_most_promising(stalled, context):
+    found = with_pair(stalled, replace(context, pairs=1, rules=Rules(alpha=1e-15)))
+    (tried,) = found.steps[-1].pairs
+    assert {one.name for one in tried.candidates} == {SPRING, OFFSET}
+    assert tried.status == REJECTED
+    assert tried.reason.startswith("not significant")
+    assert found.accepted == ()
+    assert with_pair(found, context) is found  # the pairs of a step are tried once
+
+
+def test_no_pair_is_tried_where_none_is_asked_for_or_may_be_accepted(stalled, paired, context):
+    assert with_pair(stalled, replace(context, pairs=0)) is stalled
+    assert with_pair(stalled, replace(context, rules=Rules(most_effects=1))) is stalled
+    assert with_pair(paired, context) is paired
+
+
+def test_to_first_order_the_effects_take_what_their_refit_takes(stalled, context):
+    """Both are linear: their columns promise what the refit of both finds."""
+    base, split = stalled.final, context.split
+    candidates = [Candidate(effect_named(name), "carriage") for name in ("linear_stiffness", "offset")]
+    shown = [seen(one, None, base, split) for one in candidates]
+    (promise,) = promises(shown, 0.999)
+    alone = [
+        1 - refit(one.added_to(base.model), split, [base.values], base).cost / base.cost for one in candidates
+    ]
+    both = refit(candidates[1].added_to(candidates[0].added_to(base.model)), split, [base.values], base)
+    assert promise.share == pytest.approx(1 - both.cost / base.cost / (1 - max(alone)), abs=0.05)
+
+
+def test_a_limit_that_nothing_reaches_shows_its_differences(stalled, context):
+    """At zero it has no derivative."""
+    (trial,) = (t for t in stalled.steps[0].trials if t.candidate.effect.id == "input_saturation")
+    shown = seen(trial.candidate, None, stalled.final, context.split)
+    assert shown.shapes
+    assert all(any(shape.start.values()) for shape in shown.shapes)
+
+
+def test_of_a_linear_effect_its_trial_changed_what_its_derivative_says(stalled, context):
+    (trial,) = (t for t in stalled.steps[0].trials if t.candidate.effect.id == "offset")
+    first, last = seen(trial.candidate, trial, stalled.final, context.split).shapes
+    assert first.start == {f"{OFFSET}.offset": 0.0}
+    assert last.start == {f"{OFFSET}.offset": trial.own("values")["offset"]}
+    changed = first.columns[:, 0] * last.start[f"{OFFSET}.offset"]
+    assert np.linalg.norm(last.columns[:, 0] - changed) < 0.1 * np.linalg.norm(changed)
+    assert last.positive == (True,)
+
+
+def test_a_pair_is_withdrawn_as_a_whole(paired):
+    rules = Rules(majority=1.0)
+    ended = unless_minor(paired, rules.far + 1, rules)
+    assert ended.accepted == ()
+    assert ended.final is paired.first
+    (step,) = ended.steps
+    assert step.taken == ()
+    assert [pair.status for pair in step.pairs if pair.name == f"{SPRING} + {OFFSET}"] == [REJECTED]
+    assert ended.stopped.startswith(f"{SPRING} + {OFFSET} stands in for something else")
+
+
+def test_a_pair_takes_the_place_of_effects_only_if_it_explains_more(stalled, paired, context):
+    """An effect that bends as the spring does may have been accepted first."""
+    said = []
+    one = replace(context, pairs=1, say=said.append)
+    bent = replace(stalled, accepted=(SimpleNamespace(name="carriage.bend"),))
+    better = in_place(bent, one)
+    assert {effect.name for effect in better.accepted} == {SPRING, OFFSET}
+    assert said[0] == "pairs in place of carriage.bend"
+    as_good = replace(bent, final=paired.final)
+    assert in_place(as_good, one) is as_good
+    assert in_place(better, one) is better
+    assert in_place(stalled, one) is stalled
+
+
+def test_where_nothing_is_missing_no_pair_is_accepted(make_model, split_of):
+    context = Context(split_of(n=500, offset=0.0), TRIED)
+    found = with_pair(search(make_model(DECLARED), context, [{}], 0.0), context)
+    assert len(found.steps[-1].pairs) > 0
+    assert found.accepted == ()
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """``made("offset", "linear_stiffness")``: a pair that passes, as good as any other."""
+    monkeypatch.setattr(pairs, "_as_good", lambda best, other, rules: True)
+
+    def make(*names):
+        candidates = tuple(Candidate(effect_named(name), "carriage") for name in names)
+        solved = SimpleNamespace(score=SimpleNamespace(loss=0.1))
+        members = tuple(Trial(one, solved, Comparison(0.9, 1e-9, 1.0)) for one in candidates)
+        return PairTrial(candidates, 0.5, solved, Comparison(0.9, 1e-9, 1.0), members, status=PASSED)
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("other", "refused"),
+    [
+        (("offset", "quadratic_drag"), False),  # a common member: the other one's rivals are tried
+        (("cubic_stiffness", "asymmetric_coulomb"), False),  # a look-alike of each
+        (("asymmetric_coulomb", "cubic_stiffness"), False),
+        (("quadratic_drag", "stribeck"), True),
+        (("cubic_stiffness", "stribeck"), True),
+    ],
+)
+def test_a_pair_is_refused_where_strangers_explain_as_much(made, other, refused):
+    best, equal = made("offset", "linear_stiffness"), made(*other)
+    step = SimpleNamespace(base=SimpleNamespace(score=SimpleNamespace(loss=1.0)))
+    why = pairs._strangers(step, best, [best, equal], Rules())
+    assert bool(why) == refused
+    assert not refused or why == f"these records cannot tell it from {equal.name}, physically unrelated to it"
+    assert pairs._strangers(step, best, [best, replace(equal, status="unidentifiable")], Rules()) == ""
+
+
+def test_where_strangers_explain_as_much_no_pair_is_accepted(stalled, context, monkeypatch):
+    monkeypatch.setattr(pairs, "_strangers", lambda *given: "these records cannot tell it from another")
+    found = with_pair(stalled, replace(context, pairs=1))
+    assert found.accepted == ()
+    (pair,) = found.steps[-1].pairs
+    assert pair.reason == "withdrawn: these records cannot tell it from another"
