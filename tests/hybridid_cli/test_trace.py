@@ -12,7 +12,12 @@ import pytest
 from jsonschema import Draft202012Validator
 
 HIDDEN = 73.718  # N s/m: f_v of the worn screw, one way less the other
-FEW = ("trace.effects=[asymmetric_viscous, cubic_stiffness]", "trace.horizon=0.5", "trace.processes=1")
+FEW = (
+    "trace.effects=[asymmetric_viscous, cubic_stiffness]",
+    "trace.horizon=0.5",
+    "trace.processes=1",
+    "trace.variables=[velocity,position]",
+)
 RECORDS = ("identification", "validation")
 OF_THE_COMMAND = ("case", "processes", "fitted_records", "commands")
 KEYS = {"verdict", "accepted", "rejected", "before", "after", "noise_floor", "seconds"}
@@ -113,7 +118,8 @@ def test_a_notebook_gets_what_the_command_writes_even_after_an_interruption(trac
         with kept_results("this test", False, said.append) as keep:
             return trace(
                 model, [first], [second],
-                horizon=0.5, effects=tried, start=estimate.values, mapper=keep(serial), report=report,
+                horizon=0.5, effects=tried, variables=("velocity", "position"), start=estimate.values,
+                mapper=keep(serial), report=report,
             )  # fmt: skip
 
     def interrupted(stage, done, of, what):

@@ -35,6 +35,9 @@ def test_the_simulation_is_to_blame_for_what_too_wide_a_smoothing_leaves(make_mo
 
 def test_an_error_far_above_the_noise_is_never_called_nothing(make_model, split_of):
     """A friction that differs by direction, and a library of one effect that does not resemble it."""
-    found = conclude(make_model(), Context(split_of(df_v=80.0), (effect_named("sensor_lag"),), laws=False))
+    found = conclude(
+        make_model(),
+        Context(split_of(df_v=80.0), (effect_named("sensor_lag"),), laws=False, variables=("velocity",)),
+    )
     assert found.times > 3
     assert found.verdict == "unexplained"

@@ -74,7 +74,9 @@ def test_nothing_is_proposed_where_nothing_is_missing(make_model, split_of):
 
 def test_a_sine_finer_than_any_learned_effort_is_found(make_model, split_of):
     """Twelve bumps over the stroke cannot show a ripple of short pitch, so they do not decide."""
-    found = conclude(make_model(), Context(split_of(ripple=4.0, pitch=0.009), TRIED))
+    found = conclude(
+        make_model(), Context(split_of(ripple=4.0, pitch=0.009), TRIED, variables=("velocity", "position"))
+    )
     assert found.verdict == "law_proposed"
     (one,) = found.accepted
     assert one.name == "carriage.sine_of_position"

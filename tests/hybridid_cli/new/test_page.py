@@ -23,8 +23,10 @@ def commands(text: str) -> list[list[str]]:
 
 
 def few(effects: str) -> tuple[str, ...]:
-    """What makes a trace of the page short: these ``effects`` alone, in this process."""
-    return f"trace.effects=[{effects}]", "trace.processes=1", "mlflow.enabled=false"
+    """What makes a trace of the page short: these ``effects`` alone, learned efforts and flows over two
+    variables, in this process."""
+    variables = "trace.variables=[velocity,level]"
+    return f"trace.effects=[{effects}]", variables, "trace.processes=1", "mlflow.enabled=false"
 
 
 def test_the_page_has_a_section_for_each_template():
