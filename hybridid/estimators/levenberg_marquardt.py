@@ -109,8 +109,8 @@ def _descend(variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Wa
             promised = normal.predicted(*variables.between(p, x0, trial_p, trial_x))
             slopes = eager and iteration < stop.iterations
             shot = problem.shooter(trial_x, trial_p, sensitivities=slopes)
-            if apart and growth >= STUBBORN and not cost - problem.cost(shot) > POOR * promised:
-                trial_x, shot = mended(problem, (x0, here), (trial_x, shot), trial_p)
+            if apart and growth >= STUBBORN:
+                trial_x, shot = mended(problem, (x0, here), (trial_x, shot), trial_p, cost - POOR * promised)
             trial = problem.cost(shot)
             ratio = (cost - trial) / promised if promised > 0 else -1.0
             if np.isfinite(trial) and ratio > 0:

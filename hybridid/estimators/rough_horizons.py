@@ -22,7 +22,8 @@ from hybridid.simulation.shooter import Shot
 
 Array = NDArray[np.float64]
 POOR = 0.25
-"""Share of the promised decrease of the cost below which a trial step is mended."""
+"""Share of the promised decrease of the cost below which a trial step is mended, and which the mended step
+must gain: one that gains less wants a shorter step of the parameters."""
 SHORT = Stop(3, 1e-6)
 """A horizon only has to get below the cost that it had."""
 
@@ -33,19 +34,22 @@ def has_own_states(problem: Problem) -> bool:
 
 
 def mended(
-    problem: Problem, now: tuple[Array, Shot], tried: tuple[Array, Shot], p: Array
+    problem: Problem, now: tuple[Array, Shot], tried: tuple[Array, Shot], p: Array, enough: float
 ) -> tuple[Array, Shot]:
-    """Initial states (w, n_x) at the parameters ``p`` (n_p,) of a trial, with their shot: those ``tried``, or
-    better ones where the cost of a horizon rose. ``now`` and ``tried`` are such pairs."""
+    """Initial states (w, n_x) at the parameters ``p`` (n_p,) of a trial, with their shot: better ones where
+    the cost of a horizon rose, if that brings the whole cost below ``enough``; else those ``tried``. ``now``
+    and ``tried`` are such pairs."""
     (x0, here), (x, there) = now, tried
     before, after = problem.costs(here), problem.costs(there)
     worse = np.flatnonzero(~(after <= before))
-    if not 0 < len(worse) < len(before):
+    if after.sum() < enough or not 0 < len(worse) < len(before):
         return tried
     apart = problem.on(worse.tolist()).estimating(())
     found = solve_separately(LeastSquares.of(apart), p, x0[worse], SHORT).x0
-    better = apart.costs(apart.shooter(found, p)) < after[worse]
-    if not better.any():
+    left = apart.costs(apart.shooter(found, p))
+    better = left < after[worse]
+    after[worse[better]] = left[better]
+    if not after.sum() < enough:
         return tried
     mixed = np.array(x)
     mixed[worse[better]] = found[better]

@@ -30,12 +30,16 @@ def test_only_the_horizon_that_got_worse_is_sought_again(problem, here, carriage
     tried = x0.copy()
     tried[3, 1] += 0.3  # m/s
     there = problem.shooter(tried, p)
-    x, found = mended(problem, here, (tried, there), p)
+    whole = problem.cost(there)
+    x, found = mended(problem, here, (tried, there), p, 0.5 * whole)
     np.testing.assert_array_equal(np.delete(x, 3, axis=0), np.delete(tried, 3, axis=0))
     before, after = problem.costs(there), problem.costs(found)
     assert after[3] < 1e-2 * before[3]
     assert np.delete(after, 3) == pytest.approx(np.delete(before, 3))
     assert problem.cost(found) == pytest.approx(after.sum())
+    for enough in (1e-6 * whole, 2 * whole):  # too little is gained, or nothing is wanted
+        given = (tried, there)
+        assert mended(problem, here, given, p, enough) is given
 
 
 def test_a_trial_that_gets_better_or_worse_everywhere_stays(problem, here, carriage):
@@ -44,7 +48,7 @@ def test_a_trial_that_gets_better_or_worse_everywhere_stays(problem, here, carri
     worse = x0 + np.array([0.0, 0.3])
     for tried in (x0, worse):
         given = (tried, problem.shooter(tried, p))
-        assert mended(problem, here, given, p) is given
+        assert mended(problem, here, given, p, np.inf if tried is worse else 0.0) is given
 
 
 def test_it_is_for_several_horizons_that_find_their_own_states(problem, carriage, make_model):
