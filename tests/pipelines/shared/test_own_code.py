@@ -83,9 +83,9 @@ def test_bytecode_beside_the_source_does_not_run(lab):
 
 
 def test_no_bytecode_is_written(lab):
-    (lab / "written_of_test.py").write_text("X = 1")
+    (lab / "written_here.py").write_text("X = 1")
     make_importable([lab])
-    importlib.import_module("written_of_test")
+    importlib.import_module("written_here")
     assert not (lab / "__pycache__").exists()
 
 
