@@ -3,8 +3,9 @@
 A spring about a centre other than zero is a spring and an offset. Each of the two alone gains little or
 nothing, so a search that adds one effect at a time stops before either. So after a stall, all pairs of
 effects are ranked by what they promise together (``hybridid.trace.promise``). The most promising ones are
-refitted and judged (``hybridid.trace.pair``), with all pairs that could be formed counted. Every effect can
-be a member, also one that was refused or withdrawn alone.
+refitted and judged (``hybridid.trace.pair``), with all pairs that could be formed counted; not those that
+promise less than a refit must show to go on. Every effect can be a member, also one that was refused or
+withdrawn alone.
 
 A pair that passes must survive other numerics, each member beside the other. Then every candidate is tried in
 the place of each member, beside the other one: those that do as well form its class, as in a forward step. A
@@ -28,6 +29,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.pair import PairTrial, attempt_pair, judge_pairs
 from hybridid.trace.promise import promises
+from hybridid.trace.refit import least_of
 from hybridid.trace.robustness import objection
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step, survivals_of, without_needless
@@ -53,6 +55,7 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     )
     if not ranked:
         return found
+    hopeful = [one for one in ranked[: context.pairs] if one.share >= least_of(rules.worth)]
     chosen = [
         (
             one,
@@ -61,7 +64,7 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
             context.split,
             rules.worth,
         )
-        for one in ranked[: context.pairs]
+        for one in hopeful
     ]
     trials = context.each("pairs", attempt_pair, chosen, lambda trial: trial.name)
     family = len(candidates) * (len(candidates) - 1) // 2
