@@ -16,7 +16,7 @@ from hybridid.estimators.estimate import Estimate, Progress, Solution
 from hybridid.estimators.findings import estimate_of
 from hybridid.estimators.floor import Floor, floor_of
 from hybridid.estimators.ipopt import Ipopt
-from hybridid.estimators.method import GAUSS_NEWTON, Method
+from hybridid.estimators.method import MENDING, Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
 from hybridid.estimators.plan import Descent, Handover, Refinement, Result, Start
 from hybridid.estimators.problem import Problem, build_problem
@@ -141,7 +141,7 @@ def _doubt(found: Result, residual: Array | None = None) -> tuple[Uncertainty, F
 def method_of(settings: FitSettings) -> Method:
     """Transcription and solver that ``settings.method`` names."""
     if settings.method == "gauss_newton":
-        return GAUSS_NEWTON
+        return MENDING
     return Method(MultipleShooting(settings.interval), Ipopt(settings.hessian))
 
 

@@ -45,8 +45,13 @@ class LevenbergMarquardt:
     that only rounding is left, or that the cost is rough: the last ``SLOW_STEPS`` steps together gained
     hardly more than the tolerance or, where horizons have initial states of their own, hardly moved the
     parameters; or no step lowers the cost and none predicted more.
+
+    ``mends``: a step that fails in a few horizons is mended there (``rough_horizons``). A fit does so. Refits
+    that are compared with each other by small differences, as in a trace, do not: where the cost has many
+    valleys, it decides in which a descent ends.
     """
 
+    mends: bool = False
     solves: ClassVar[tuple[type, ...]] = (Reduced,)
     hands_on: ClassVar[bool] = True
     """Whether inner states run on from horizon to horizon during the descent."""
@@ -68,10 +73,12 @@ class LevenbergMarquardt:
         begun = 0
         for factor in factors[:-1] if problem.widths else ():
             coarse, smoothed = replace(stop, tolerance=LOOSE), problem.smoothed(p, factor)
-            found = _descend(variables, smoothed, x0, coarse, _from(watch, begun))
+            found = _descend(variables, smoothed, x0, coarse, _from(watch, begun), self.mends)
             p, x0, begun = found.p, found.x0, begun + found.iterations
-        found = _descend(variables, problem.smoothed(p, factors[-1]), x0, stop, _from(watch, begun))
-        found = _with_better_states(variables, found, stop, _from(watch, begun))
+        smoothed = problem.smoothed(p, factors[-1])
+        found = _descend(variables, smoothed, x0, stop, _from(watch, begun), self.mends)
+        if self.mends:
+            found = _with_better_states(variables, found, stop, _from(watch, begun))
         return replace(found, x0=carry(problem, found.p, found.x0), iterations=begun + found.iterations)
 
 
@@ -80,7 +87,9 @@ def _from(watch: Watch | None, begun: int) -> Watch:
     return lambda iteration, cost: watch(begun + iteration, cost) if watch else None
 
 
-def _descend(variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Watch) -> Solution:
+def _descend(
+    variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Watch, mends: bool = False
+) -> Solution:
     """One Levenberg-Marquardt descent at one smoothing."""
     problem, tolerance = variables.problem, stop.tolerance
     p, x0 = variables.inside(p, x0)
@@ -90,7 +99,7 @@ def _descend(variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Wa
         return Solution(p, x0, np.inf, "the simulation diverges at the start", False, 0)
     damping, growth, history = 1e-4, 2.0, [cost]
     slow = min(SLOW_SHARE * tolerance, SLOW_GAIN)
-    apart = has_own_states(problem)
+    apart = mends and has_own_states(problem)
     places = [p]
     eager = True  # the last step was taken at its first trial: so may the next be, and then slopes are needed
     for iteration in range(1, stop.iterations + 1):
@@ -144,7 +153,7 @@ def _with_better_states(variables: LeastSquares, found: Solution, stop: Stop, wa
         if found.cost - states.cost <= SLOW_GAIN * found.cost:
             break
         begun = found.iterations
-        further = _descend(variables, found.p, states.x0, stop, _from(watch, begun))
+        further = _descend(variables, found.p, states.x0, stop, _from(watch, begun), mends=True)
         found = replace(
             further, iterations=begun + further.iterations, history=(*found.history, *further.history)
         )

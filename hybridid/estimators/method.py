@@ -65,4 +65,6 @@ class Method:
 
 
 GAUSS_NEWTON = Method(Reduced(), LevenbergMarquardt())
-"""What fits, predictions and traces use unless told otherwise."""
+"""What predictions and traces use unless told otherwise."""
+MENDING = Method(Reduced(), LevenbergMarquardt(mends=True))
+"""The same for a fit: a step that fails in a few horizons is mended there."""
