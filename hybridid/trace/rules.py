@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from hybridid.settings import check, setting
 
-PAIRS = 24
+PAIRS = 12
 """Of effects that are refitted after a stall, unless the user says otherwise."""
 
 
