@@ -155,3 +155,12 @@ def _inner(model: Model) -> tuple[int, ...]:
     """Places of the states of effects that no output shows."""
     first = len(model.plant.states)
     return tuple(k for k, s in enumerate(model.states) if k >= first and s.observed_by is None)
+
+
+def paths(problem: Problem, p: Array, x0: Array) -> list[Array]:
+    """States (n, n_x) of each record's samples, as the horizons run through them."""
+    states = problem.shooter(x0, p).states
+    found = [np.zeros((record.n, states.shape[2])) for record in problem.records]
+    for run, (record, start, stop) in zip(states, problem.windows.origin, strict=True):
+        found[record][start:stop] = np.where(np.isfinite(run), run, 0.0)[: stop - start]
+    return found

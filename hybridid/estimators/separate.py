@@ -123,8 +123,6 @@ def _at(problem: Problem, p: Array, x: Array) -> _Point:
     horizon stays where it is."""
     variables = LeastSquares.of(problem)
     shot = problem.shooter(x, p, sensitivities=True)
-    with np.errstate(over="ignore", invalid="ignore"):
-        cost = 0.5 * (problem.residuals(shot) ** 2).sum(axis=(1, 2))
     normal = variables.linearised(shot)
     gradient, matrix = normal.gx, normal.xx  # type: ignore[union-attr]  # nothing is handed on
     held = variables.held_states(x, gradient)
@@ -132,4 +130,4 @@ def _at(problem: Problem, p: Array, x: Array) -> _Point:
     with np.errstate(invalid="ignore"):
         gradient = np.where(free > 0, gradient, 0.0)
         matrix = np.where((free[:, :, None] > 0) & (free[:, None, :] > 0), matrix, 0.0)
-    return _Point(x, np.where(np.isfinite(cost), cost, np.inf), gradient, matrix)
+    return _Point(x, problem.costs(shot), gradient, matrix)

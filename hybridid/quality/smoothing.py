@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators.estimate import Estimate
-from hybridid.estimators.problem import Problem
+from hybridid.estimators.problem import Problem, paths
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.simulation.windows import cut
 
@@ -31,22 +31,13 @@ def steady_horizon(problem: Problem, estimate: Estimate) -> int | None:
     noise (or ``LITTLE`` of what the fit leaves); None if none of those tried is so short."""
     p = problem.model.values(estimate.values)
     limit = [one.noise if np.isfinite(one.noise) else LITTLE * one.rmse for one in estimate.left]
-    path = _path(problem, p, estimate.initial_states)
+    path = paths(problem, p, estimate.initial_states)
     longest = max(problem.windows.lengths)
     for samples in (n for n in TRIED if 2 * n <= longest):
         shorter, x0 = _over(problem, samples, path)
         if (uncertainty(shorter, p, x0).smeared <= limit).all():
             return samples
     return None
-
-
-def _path(problem: Problem, p: Array, x0: Array) -> list[Array]:
-    """States (n, n_x) of each record's samples, as the fit runs through them."""
-    states = problem.shooter(x0, p).states
-    found = [np.zeros((record.n, states.shape[2])) for record in problem.records]
-    for run, (record, start, stop) in zip(states, problem.windows.origin, strict=True):
-        found[record][start:stop] = run[: stop - start]
-    return found
 
 
 def _over(problem: Problem, samples: int, path: list[Array]) -> tuple[Problem, Array]:

@@ -65,12 +65,3 @@ def numerics_for(model: Model, split: Split, starts: Sequence[Mapping[str, float
     by name) needs the implicit one."""
     needed = {integrator_for(model, model.values(start), split.records, asked) for start in starts}
     return Numerics(integrator=EXPLICIT if EXPLICIT in needed else needed.pop())
-
-
-def paths(problem: Problem, p: Array, x0: Array) -> list[Array]:
-    """States (n, n_x) of each record's samples, as the horizons run through them."""
-    states = problem.shooter(x0, p).states
-    found = [np.zeros((record.n, states.shape[2])) for record in problem.records]
-    for run, (record, start, stop) in zip(states, problem.windows.origin, strict=True):
-        found[record][start:stop] = np.where(np.isfinite(run), run, 0.0)[: stop - start]
-    return found

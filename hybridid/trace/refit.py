@@ -18,14 +18,14 @@ from hybridid.estimators.carried import carry
 from hybridid.estimators.descent import descend, refine
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.plan import Descent, Handover, Refinement, Result, Start
-from hybridid.estimators.problem import Problem
+from hybridid.estimators.problem import Problem, paths
 from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.estimators.stop import Stop
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import IMPLICIT, MOST, TooStiff
-from hybridid.trace.numerics import DECLARED, Numerics, paths
+from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.score import Score, score_of
 from hybridid.trace.split import Split
 

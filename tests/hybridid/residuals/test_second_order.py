@@ -76,7 +76,7 @@ def test_seeds_end_alike_where_those_of_adam_do_not(series, small):
     assert means[0] < means[1]
 
 
-def test_a_rounding_error_moves_it_less_than_another_seed(series, small):
+def test_a_rounding_error_moves_its_error_by_less_than_a_tenth(series, small):
     """Another machine rounds otherwise, and hundreds of steps enlarge that."""
     one = series(300, 0)
     shaken = replace(one, error=one.error * (1 + 1e-12 * np.random.default_rng(0).normal(size=300)))
