@@ -50,9 +50,11 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     candidates = list(admissible(step.base.model, context.effects, context.ports))
     singles = {trial.candidate.name: trial for trial in step.trials}
     given = [(one, singles.get(one.name), step.base, context.split) for one in candidates]
-    ranked = promises(
-        context.each("pairs, ranked", seen, given, lambda one: one.candidate.name), rules.collinear
-    )
+    shown = context.each("pairs, ranked", seen, given, lambda one: one.candidate.name)
+    unseen = [one.candidate.name for one in shown if not one.shapes]
+    if unseen:
+        context.say(f"in no pair, as nothing shows what they would change: {listed(unseen)}")
+    ranked = promises(shown, rules.collinear)
     if not ranked:
         return found
     hopeful = [one for one in ranked[: context.pairs] if one.share >= least_of(rules.worth)]
