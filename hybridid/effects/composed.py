@@ -1,6 +1,6 @@
 """A composed law: amplitude × f(one variable) × factor, f of ``hybridid.effects.shapes``.
 
-    F = k f(x) g,   x of ``hybridid.effects.over``,   g = 1, v, sign(v) or the acceleration
+    F = k f(x) g,   x of ``hybridid.effects.over``,   g = 1, v or sign(v);   or an inertia m = k f(x)
 
 It is an effect like those of the library, but no physical name: a trace proposes one where no effect of the
 library explains what is missing. Its id says what it is, as ``modulus_of_velocity`` or
@@ -21,17 +21,16 @@ from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.over import (
     BRISTLE,
-    FACTORS,
     FLOW_FACTORS,
     MEMORIES,
     OVERS,
     OVERS_OF_A_FLOW,
     RECENT,
     Over,
-    factor_of,
+    effort_of,
+    equation_of,
     over_inputs,
     symbol_of,
-    value_of,
 )
 from hybridid.effects.shapes import Seen, Shape, shapes_over
 from hybridid.effects.smooth import magnitude
@@ -98,13 +97,13 @@ class ComposedLaw:
         return next(shape for shape in shapes_over(self.over.variable) if shape.name == self.name)
 
     def __call__(self, at: Local) -> ca.SX:
-        return self.shape.function(_seen(self.over, at), at.p) * factor_of(self.over, at)
+        return effort_of(self.over, at, lambda x: self.shape.function(_seen(self.over, at, x), at.p))
 
     @property
     def equation(self) -> str:
         """``F = k |q| sign(v)``."""
         text = self.shape.equation.format(x=symbol_of(self.over))
-        return f"F = {text} {FACTORS[self.over.factor][0]}".rstrip() + _WHERE.get(self.over.variable, "")
+        return equation_of(self.over, text) + _WHERE.get(self.over.variable, "")
 
 
 def is_composed(effect: Effect) -> bool:
@@ -195,8 +194,7 @@ def _id(over: Over, shape: Shape) -> str:
     return f"{shape.name}{OF}{over.name}{times}".replace(" ", "_")
 
 
-def _seen(over: Over, at: Local) -> Seen:
-    x = value_of(over, at)
+def _seen(over: Over, at: Local, x: ca.SX) -> Seen:
     if over.variable == "velocity":
         return Seen(x, at.speed, at.sign)
     if over.variable == "load":

@@ -6,6 +6,9 @@ velocity or position, the time, the load (drive minus load), an input or channel
 
     recent speed          s' = (|v| - s) / tau     a contact that warms
     bristle deflection    s' = (v - |v| s) / d     over its largest: Dahl's friction and Bouc-Wen's hysteresis
+
+The factor "acceleration" makes what is learned an inertia m(q). Its kinetic energy ½ m(q) v² gives by
+Lagrange's equation the effort m a + ½ m' v², m' = dm/dq.
 """
 
 from __future__ import annotations
@@ -145,6 +148,25 @@ def value_of(over: Over, at: Local) -> ca.SX:
         "load": at.drive - at.load,
     }  # fmt: skip
     return seen[variable]
+
+
+def effort_of(over: Over, at: Local, learned: Callable[[ca.SX], ca.SX]) -> ca.SX:
+    """The effort or flow of ``learned``, a function of the variable, times the factor; of an inertia, by
+    Lagrange's equation."""
+    if over.factor != "acceleration":
+        return learned(value_of(over, at)) * factor_of(over, at)
+    place = ca.SX.sym("place")
+    inertia = ca.SX(learned(place))
+    both = [inertia, ca.jacobian(inertia, place)]
+    inertia, slope = ca.substitute(both, [place], [ca.SX(value_of(over, at))])
+    return inertia * at.acceleration + 0.5 * slope * at.velocity**2
+
+
+def equation_of(over: Over, learned: str) -> str:
+    """``F = k |q| sign(v)``; of an inertia ``F = m a + ½ m' v², m = k |q|``."""
+    if over.factor == "acceleration":
+        return f"F = m a + ½ m' v², m = {learned}"
+    return f"F = {learned} {FACTORS[over.factor][0]}".rstrip()
 
 
 def factor_of(over: Over, at: Local) -> ca.SX | float:

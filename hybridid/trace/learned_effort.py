@@ -2,8 +2,9 @@
 
     F = g sum_j a_j sum_k V_kj exp(-(s - c_k)^2 / (2 width^2))
 
-with s a variable of the port and g = 1; or, for a damping, a dry friction or an inertia that changes with s,
-g = v, sign(v) or the acceleration (``hybridid.effects.over``). At a flow port, F is a learned flow.
+with s a variable of the port and g = 1; or, for a damping or a dry friction that changes with s, g = v or
+sign(v). An inertia that changes with the position is learned as well: F follows from it by Lagrange's
+equation (``hybridid.effects.over``). At a flow port, F is a learned flow.
 
 The bumps lie on a fixed grid over the range that the fitted horizons cover. V holds the combinations of
 bumps that these horizons show (principal components): a bump where the record hardly ever is would take any
@@ -23,7 +24,7 @@ from numpy.typing import NDArray
 from hybridid.declarations import PortKind
 from hybridid.effects.dimension import ONE, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
-from hybridid.effects.over import BRISTLE, FACTORS, MEMORIES, Over, factor_of, value_of
+from hybridid.effects.over import BRISTLE, MEMORIES, Over, effort_of, equation_of
 
 Array = NDArray[np.float64]
 FAINT = 1e-4
@@ -44,12 +45,14 @@ class Bumps:
     combinations: int
 
     def __call__(self, at: Local) -> ca.SX:
-        s = value_of(self.over, at)
         low, high = at.p.first, at.p.last
-        s = ca.fmin(ca.fmax(s, low), high)
-        bumps = self._heights(((s - low) / (high - low) - 0.5) * (self.bumps - 1))
-        effort = ca.dot(ca.vertcat(*bumps), self._amplitudes(at))
-        return effort * factor_of(self.over, at)
+
+        def learned(s: ca.SX) -> ca.SX:
+            s = ca.fmin(ca.fmax(s, low), high)
+            bumps = self._heights(((s - low) / (high - low) - 0.5) * (self.bumps - 1))
+            return ca.dot(ca.vertcat(*bumps), self._amplitudes(at))
+
+        return effort_of(self.over, at, learned)
 
     def _heights(self, s: ca.SX) -> list[ca.SX]:
         """``exp(-(s - c)^2 / 2)`` for centres c one apart, with 0 in the middle. It needs two exponentials:
@@ -117,7 +120,7 @@ def learned_effort(
         id="learned_" + str(over).replace(", ", "_").replace(" ", "_"),
         kind=kind,
         title=f"learned {kind} over {over}",
-        equation=FACTORS[over.factor][0] + "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))",
+        equation=equation_of(over, "sum_j a_j sum_k V_kj exp(-(s - c_k)²/(2 width²))"),
         law=law,
         parameters=(*weights, *((memory.parameter(remembers),) if memory else ()), *known),
         states=(memory.state,) if memory else (),

@@ -69,6 +69,7 @@ def test_each_vanishes_with_its_amplitudes_and_bears_its_name(effect):
         ("modulus_of_load_times_sign_of_velocity", {"k": 0.1}, 0.3),
         ("proportional_of_position_times_velocity", {"k": 2.0}, 0.12),
         ("bump_of_position_times_acceleration", {"k": 2.0, "c": 0.3, "s": 1.0}, 1.4),
+        ("square_of_position_times_acceleration", {"k": 2.0}, 0.126 + 0.5 * 1.2 * 0.2**2),
         ("modulus_of_force_times_sign_of_velocity", {"k": 0.1}, 0.4),
         ("cube_of_bristle_deflection", {"k": 64.0}, 1.0),
     ],
