@@ -14,8 +14,9 @@ from benchmarks.drawn.report import write_report
 def main(arguments: Sequence[str] | None = None) -> int:
     """Play what is missing, print what came out; 1 where a player failed."""
     words = parser("python -m benchmarks.drawn", __doc__, PLAYERS, Path("outputs/league-drawn"))
+    words.add_argument("--series", type=int, default=0, help="of draws: 0, 1, 2, ... (default: 0)")
     asked = words.parse_args(arguments)
-    return LEAGUE.conduct(chosen(all_draws(), asked.match, asked.limit), asked, write_report)
+    return LEAGUE.conduct(chosen(all_draws(asked.series), asked.match, asked.limit), asked, write_report)
 
 
 if __name__ == "__main__":

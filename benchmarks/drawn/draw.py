@@ -1,4 +1,4 @@
-"""``Draw``: one scenario as it was drawn, and the 120 of the league, from a fixed seed.
+"""``Draw``: one scenario as it was drawn, and the 120 of each series of the league, from a fixed seed.
 
     hidden             an effect of the library 45 %, a law that the library has not 35 %, nothing 20 %
     machine            by ``WEIGHTS``
@@ -25,6 +25,8 @@ from benchmarks.drawn.excitation import log_uniform
 from benchmarks.drawn.offers import COMPOSED, EITHER_WAY, LATE, LIBRARY, OUTSIDE, composed_factors
 
 SEED, COUNT = 20261122, 120
+A_SERIES = 10_000
+"""Numbers from one series of draws to the next: a further one judges after somebody looked at the first."""
 CATEGORIES = ("library", "outside", "nothing")
 SHARES = {"library": 54, "outside": 42, "nothing": 24}
 WEIGHTS = {
@@ -112,20 +114,21 @@ class Draw:
 
 
 @cache
-def all_draws() -> tuple[Draw, ...]:
-    """The 120 scenarios, always the same."""
+def all_draws(series: int = 0) -> tuple[Draw, ...]:
+    """The 120 scenarios of a ``series``, always the same."""
     deck = [category for category in CATEGORIES for _ in range(SHARES[category])]
-    np.random.default_rng(SEED).shuffle(deck)
-    return tuple(_draw(number, category) for number, category in enumerate(deck))
+    np.random.default_rng(SEED + series).shuffle(deck)
+    return tuple(_draw(number, category) for number, category in enumerate(deck, A_SERIES * series))
 
 
 def draw_of(number: int) -> Draw:
-    """The scenario of a number: one of the league, or beyond it one that the league does not play.
+    """The scenario of a number: one of the league, or beyond a series one that the league does not play.
 
     Beyond, even numbers hide an effect of the library, odd ones nothing.
     """
-    if number < COUNT:
-        return all_draws()[number]
+    series, place = divmod(number, A_SERIES)
+    if place < COUNT:
+        return all_draws(series)[place]
     return _draw(number, "nothing" if number % 2 else "library")
 
 

@@ -12,7 +12,19 @@ import pytest
 from benchmarks.drawn import play
 from benchmarks.drawn.__main__ import main
 from benchmarks.drawn.amount import made, records_of, simulated
-from benchmarks.drawn.draw import COUNT, LEAST, MOST, NOISE, NOMINAL, SHARES, Draw, Wanted, _draw, all_draws
+from benchmarks.drawn.draw import (
+    COUNT,
+    LEAST,
+    MOST,
+    NOISE,
+    NOMINAL,
+    SHARES,
+    Draw,
+    Wanted,
+    _draw,
+    all_draws,
+    draw_of,
+)
 from benchmarks.drawn.hidden import concealed
 from benchmarks.drawn.laws import LOAD_FRICTION, VARYING_INERTIA
 from benchmarks.drawn.machines import bench_of, case_of
@@ -50,6 +62,14 @@ def test_draws_are_fixed_and_distinct():
     # of the day they were committed: whoever changes how scenarios are drawn makes another league
     keys = hashlib.sha256(" ".join(d.key for d in DRAWS).encode()).hexdigest()
     assert keys.startswith("d9cb36e58a65781d")
+
+
+def test_a_further_series_is_drawn_anew():
+    other = all_draws(series=1)
+    assert not {d.noise for d in DRAWS} & {d.noise for d in other}
+    assert not {d.seed for d in DRAWS} & {d.seed for d in other}
+    assert Counter(d.category for d in other) == SHARES
+    assert draw_of(other[5].number) == other[5]
 
 
 def test_draws_are_within_what_is_stated():
