@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
+from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import LawOverLearned
+from hybridid.trace.minor import is_far, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.pair import PairTrial
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
@@ -56,7 +58,9 @@ class Step:
     """One forward step: what the model was, every trial, and what was taken, if anything.
 
     Where no effect passed, ``pairs`` may have been refitted, of ``family`` that could be formed. Of a pair
-    that was taken, ``accepted`` is the first effect and ``together`` the second.
+    that was taken, ``accepted`` is the first effect and ``together`` the second. ``learned`` are the learned
+    efforts beside ``base``, where the step was held against them. ``minor`` says why an effect that passed is
+    no name beside one of them.
     """
 
     base: Refit
@@ -66,6 +70,8 @@ class Step:
     pairs: tuple[PairTrial, ...] = ()
     family: int = 0
     together: Accepted | None = None
+    learned: tuple[Ceiling, ...] = ()
+    minor: str = ""
 
     @property
     def taken(self) -> tuple[Accepted, ...]:
@@ -117,11 +123,17 @@ def continued(found: Search, context: Context, floor: float) -> Search:
         if len(accepted) >= rules.most_effects:
             stopped = f"{rules.most_effects} effects accepted, the most allowed"
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
-        step = _step(base, context, len(steps) + 1)
+        step = _unless_minor(_step(base, context, len(steps) + 1), context, floor)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
-            ended = (*steps, step)
-            return replace(found, steps=ended, final=base, accepted=tuple(accepted), stopped=NONE_PASSES)
+            return replace(
+                found,
+                steps=(*steps, step),
+                final=base,
+                accepted=tuple(accepted),
+                stopped=step.minor or NONE_PASSES,
+                withdrawn=step.minor,
+            )
         base, accepted, dropped = without_needless(
             step.accepted.trial.refit, [*accepted, step.accepted], context
         )
@@ -155,8 +167,26 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
         judged = [withdrawn if t is best else t for t in judged]
 
 
+def _unless_minor(step: Step, context: Context, floor: float) -> Step:
+    """``step`` without its effect, where far more than the noise is left and a learned effort takes most."""
+    best = step.accepted
+    if best is None or best.trial.refit is None or not is_far(best.trial.refit, floor, context):
+        return step
+    learned = ceilings(step.base, context)
+    larger = minor_beside(best.trial, step.base, learned, context)
+    if larger is None:
+        return replace(step, learned=learned)
+    why = said_of_minor(best.trial, step.base, larger)
+    refused = replace(best.trial, status=REJECTED, reason=f"minor: {why}")
+    trials = tuple(refused if trial is best.trial else trial for trial in step.trials)
+    minor = f"{best.name} is minor: {why}"
+    return replace(step, trials=trials, accepted=None, learned=learned, minor=minor)
+
+
 def said_of(step: Step) -> str:
     """What a step decided, in one line."""
+    if step.minor:
+        return step.minor
     if step.accepted is None:
         return f"none of {len(step.trials)} effects passes"
     best = step.accepted

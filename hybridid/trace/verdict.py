@@ -206,18 +206,24 @@ def _record_of(split: Split, horizon: int) -> int:
 def _trusted(found: Search, context: Context) -> tuple[Search, Ceilings, Ceilings]:
     """``found`` without what stands in for something else, with the ceilings of its last model, and of the
     declared one if several effects had to be held against them."""
-    before = ceilings(found.first, context) if len(found.accepted) > 1 else ()
+    before = _learned_beside(found.first, found, context) if len(found.accepted) > 1 else ()
     kept = unless_outdone(found, before, context.rules)
     if kept is not found:
         return kept, _beside_last(kept, before, context), before
-    after = ceilings(found.final, context)
+    after = _learned_beside(found.final, found, context)
     kept = without_stand_ins(found, after, context)
-    return kept, (after if kept is found else ceilings(kept.final, context)), before
+    return kept, (after if kept is found else _learned_beside(kept.final, kept, context)), before
 
 
 def _beside_last(found: Search, before: Ceilings, context: Context) -> Ceilings:
     """The ceilings of the last model; ``before`` are those of the declared one, if they are known."""
-    return before if before and found.final is found.first else ceilings(found.final, context)
+    return before if before and found.final is found.first else _learned_beside(found.final, found, context)
+
+
+def _learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
+    """The learned efforts beside ``model``, those of a step of ``found`` if it was held against them."""
+    known = (step.learned for step in found.steps if step.base is model and step.learned)
+    return next(known, ()) or ceilings(model, context)
 
 
 def _error_left(final: Refit, noise: Array, context: Context) -> tuple[Array, float]:

@@ -1,0 +1,55 @@
+"""Effects that are minor beside a learned effort: no names before what takes most is known.
+
+A forward search takes the best effect of the library, also where something that the library does not hold
+takes far more. Such an effect resembles a part of the unknown, and further ones would mend what it leaves. So
+where far more than the noise is left, the best effect is held against the learned efforts beside the same
+model. With L the held-out loss,
+
+    L_base^2 - L_effect^2 < majority (L_base^2 - L_learned^2)
+
+says that the effect is minor. Of two effects that add up, the larger takes at least half of what any curve
+can take; so a true effect is minor only where two help together and not alone. The step then ends as if no
+effect had passed: pairs are tried next, and then composed laws, beside which the search goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hybridid.trace.ceiling import Ceiling
+from hybridid.trace.context import Context
+from hybridid.trace.refit import Refit
+from hybridid.trace.robustness import surviving
+from hybridid.trace.trial import Trial
+
+
+def is_far(refitted: Refit, floor: float, context: Context) -> bool:
+    """Whether far more than the noise ``floor``, a loss, is left."""
+    return refitted.score.loss > context.rules.far * floor
+
+
+def minor_beside(best: Trial, base: Refit, learned: Sequence[Ceiling], context: Context) -> Ceiling | None:
+    """The learned effort beside ``base`` that takes so much that ``best`` is minor; None if there is none.
+
+    Its gain must be worth having, significant, and survive other numerics.
+    """
+    rules = context.rules
+
+    def takes(one: Ceiling) -> float:
+        return base.score.loss**2 - one.refit.score.loss**2
+
+    larger = [c for c in learned if c.passes(rules) and best.taken < rules.majority * takes(c)]
+    for one in sorted(larger, key=takes, reverse=True):
+        if surviving([one.refit], base, context):
+            return one
+    return None
+
+
+def said_of_minor(best: Trial, base: Refit, learned: Ceiling) -> str:
+    """Why ``best`` is no name, in words."""
+    before = base.score.loss**2
+    more = 1 - learned.refit.score.loss**2 / before
+    return (
+        f"it takes {best.taken / before:.0%} of the squared error, {learned.described} {more:.0%}: "
+        "most of what is missing is something else"
+    )

@@ -1,0 +1,74 @@
+"""On simulated carriages: an effect that takes little beside a learned effort is no name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.context import Context
+from hybridid.trace.minor import is_far, minor_beside
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import Search, search
+
+LENIENT = Rules(alpha=0.999, kept=0.0, steady=100.0)
+"""So that an effect passes that explains little."""
+
+
+@pytest.fixture(scope="module")
+def context_of(split_of):
+    """A trace that tries the named effects; learned efforts depend on the velocity."""
+
+    def make(*names: str, rules: Rules = LENIENT) -> Context:
+        tried = tuple(map(effect_named, names))
+        return Context(split_of(df_v=80.0), tried, rules, variables=("velocity",))
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def poor(make_model, context_of) -> Search:
+    """The search where the library has only what resembles the truth."""
+    return search(make_model(), context_of("asymmetric_coulomb"), [{}], floor=3e-5)
+
+
+def test_an_effect_that_takes_little_is_no_name_and_the_sentence_says_beside_what(poor):
+    (step,) = poor.steps
+    assert poor.accepted == step.taken == ()
+    assert poor.final is step.base
+    assert step.trials[0].status == "rejected"
+    assert step.trials[0].reason.startswith("minor: it takes ")
+    assert poor.stopped == poor.withdrawn == step.minor
+    assert "a learned effort at carriage over velocity 9" in step.minor, "it takes more than 90 %"
+
+
+def test_near_the_noise_no_effect_is_minor(make_model, poor, context_of):
+    found = search(make_model(), context_of("asymmetric_coulomb"), [{}], floor=poor.final.score.loss / 2)
+    assert [one.name for one in found.steps[0].taken] == ["carriage.asymmetric_coulomb"]
+    assert found.withdrawn == ""
+    assert not any(step.learned for step in found.steps), "nothing was learned where nothing is in doubt"
+
+
+def test_the_truth_is_not_minor(make_model, context_of):
+    found = search(make_model(), context_of("asymmetric_viscous"), [{}], floor=0.0)
+    first = found.steps[0]
+    assert [one.name for one in first.taken] == ["carriage.asymmetric_viscous"]
+    assert first.learned, "it was held against the learned efforts"
+
+
+def test_half_of_what_is_learned_is_enough(poor, context_of):
+    (step,) = poor.steps
+    (learned,) = step.learned
+    context = context_of("asymmetric_coulomb")
+    takes = step.base.score.loss**2 - learned.refit.score.loss**2
+    share = step.trials[0].taken / takes
+    assert minor_beside(step.trials[0], step.base, step.learned, context) is learned
+    enough = replace(context, rules=replace(LENIENT, majority=0.99 * share))
+    assert minor_beside(step.trials[0], step.base, step.learned, enough) is None
+
+
+def test_far_is_told_by_the_rule(poor, context_of):
+    loss, context = poor.final.score.loss, context_of("asymmetric_coulomb")
+    assert is_far(poor.final, loss / 3.01, context)
+    assert not is_far(poor.final, loss / 2.99, context)
