@@ -26,6 +26,7 @@ from hybridid.effects.over import (
     OVERS,
     OVERS_OF_A_FLOW,
     RECENT,
+    RECENT_LOAD,
     Over,
     effort_of,
     equation_of,
@@ -71,6 +72,7 @@ SOURCE = "composed of the shapes in hybridid.effects.shapes"
 _WHERE: Mapping[Variable, str] = {
     "load": ", L = drive - load",
     RECENT: ", tau r' = |v| - r",
+    RECENT_LOAD: ", tau r' = |L| - r, L = drive - load",
     BRISTLE: ", d z' = v - |v| z",
 }
 

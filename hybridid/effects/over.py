@@ -5,10 +5,13 @@ flow of the declared model (a section that changes with the level). At an effort
 velocity or position, the time, the load (drive minus load), an input or channel, or a state with memory:
 
     recent speed          s' = (|v| - s) / tau     a contact that warms
+    recent load           s' = (|L| - s) / tau     friction that lags its load (frictional memory)
     bristle deflection    s' = (v - |v| s) / d     over its largest: Dahl's friction and Bouc-Wen's hysteresis
 
 The factor "acceleration" makes what is learned an inertia m(q). Its kinetic energy ½ m(q) v² gives by
 Lagrange's equation the effort m a + ½ m' v², m' = dm/dq.
+
+Source of the frictional memory: Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), Automatica 30(7).
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ from hybridid.effects.variable import Variable
 
 Factor = Literal["", "velocity", "sign of velocity", "acceleration", "net flow"]
 RECENT: Variable = "recent speed"
+RECENT_LOAD: Variable = "recent load"
 BRISTLE: Variable = "bristle deflection"
 
 
@@ -70,18 +74,19 @@ class Over:
     @property
     def needs(self) -> tuple[Need, ...]:
         """What a port must know (``Port.knows``)."""
-        return ("load",) if self.variable == "load" else ()
+        return ("load",) if self.variable in ("load", RECENT_LOAD) else ()
 
     @property
     def bumps(self) -> int:
-        """Few over the recent speed: a held-out run may be warmer than any fitted. Few over a deflection,
-        which its law bounds."""
-        return {RECENT: 3, BRISTLE: 5}.get(self.variable, 12)
+        """Few over the recent speed: a held-out run may be warmer than any fitted. Few over a recent load,
+        which the lag smooths, and over a deflection, which its law bounds."""
+        return {RECENT: 3, RECENT_LOAD: 5, BRISTLE: 5}.get(self.variable, 12)
 
 
 _DIMENSIONS: Mapping[Variable, Dimension] = {
     "velocity": VELOCITY,
     RECENT: VELOCITY,
+    RECENT_LOAD: EFFORT,
     "position": POSITION,
     "time": TIME,
     "load": EFFORT,
@@ -89,7 +94,8 @@ _DIMENSIONS: Mapping[Variable, Dimension] = {
     "level": POSITION,
 }
 _SYMBOLS: Mapping[Variable, str] = {
-    "velocity": "v", RECENT: "r", "position": "q", "time": "t", "load": "L", BRISTLE: "z", "level": "h",
+    "velocity": "v", RECENT: "r", "position": "q", "time": "t", "load": "L", RECENT_LOAD: "r", BRISTLE: "z",
+    "level": "h",
 }  # fmt: skip
 FACTORS: Mapping[Factor, tuple[str, Dimension]] = {
     "": ("", EFFORT),
@@ -110,6 +116,7 @@ OVERS = (
     Over(RECENT, "sign of velocity"),
     Over("load"),
     Over("load", "sign of velocity"),
+    Over(RECENT_LOAD, "sign of velocity"),
     Over("position", "acceleration"),
     Over(BRISTLE),
 )
@@ -182,6 +189,10 @@ def _lag_of_speed(at: Local) -> dict[str, ca.SX]:
     return {"recent_speed": (at.speed - at.z.recent_speed) / at.p.tau}
 
 
+def _lag_of_load(at: Local) -> dict[str, ca.SX]:
+    return {"recent_load": (at.carried - at.z.recent_load) / at.p.tau}
+
+
 def _deflecting(at: Local) -> dict[str, ca.SX]:
     return {"deflection": (at.velocity - at.speed * at.z.deflection) / at.p.d}
 
@@ -224,6 +235,15 @@ MEMORIES: Mapping[Variable, Memory] = {
         "time constant of the lag that gives the recent speed",
         lowest=30,
         nearer=5,
+    ),
+    RECENT_LOAD: Memory(
+        EffectState("recent_load", EFFORT, "recent load, a lag of |drive - load|"),
+        _lag_of_load,
+        "tau",
+        TIME,
+        "time constant of the lag that gives the recent load",
+        lowest=300,
+        nearer=30,
     ),
     BRISTLE: Memory(
         EffectState("deflection", ONE, "deflection of a bristle, over its largest"),

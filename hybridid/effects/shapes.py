@@ -16,7 +16,7 @@ from typing import Literal
 
 import casadi as ca
 
-from hybridid.effects.over import BRISTLE, RECENT
+from hybridid.effects.over import BRISTLE, RECENT, RECENT_LOAD
 from hybridid.effects.variable import Variable
 
 Role = Literal["place", "width", "period"]
@@ -65,7 +65,7 @@ EFFORTS: tuple[Variable, ...] = ("load", "input")
 SHAPES = (
     Shape(
         "proportional", "k {x}", 1, {}, lambda at, p: p.k * at.x,
-        ("velocity", *PLACES, "time", *EFFORTS, RECENT, BRISTLE),
+        ("velocity", *PLACES, "time", *EFFORTS, RECENT, RECENT_LOAD, BRISTLE),
     ),
     Shape("modulus", "k |{x}|", 1, {}, lambda at, p: p.k * at.size, ("velocity", *PLACES, *EFFORTS)),
     Shape("sign", "k sign({x})", 0, {}, lambda at, p: p.k * at.sign, ("velocity",)),
@@ -83,7 +83,7 @@ SHAPES = (
     ),
     Shape(
         "shifted", "k ({x} - c)", 1, {"c": "place"}, lambda at, p: p.k * (at.x - p.c),
-        (*PLACES, "time", *EFFORTS, RECENT),
+        (*PLACES, "time", *EFFORTS, RECENT, RECENT_LOAD),
     ),
     Shape(
         "parabola", "k ({x} - c)²", 2, {"c": "place"}, lambda at, p: p.k * (at.x - p.c) ** 2,
@@ -94,7 +94,7 @@ SHAPES = (
     ),
     Shape(
         "above", "k max({x} - c, 0)", 1, {"c": "place"}, lambda at, p: p.k * ca.fmax(at.x - p.c, 0),
-        ("velocity", *PLACES, "time", *EFFORTS, RECENT),
+        ("velocity", *PLACES, "time", *EFFORTS, RECENT, RECENT_LOAD),
     ),
     Shape(
         "below", "k min({x} - c, 0)", 1, {"c": "place"}, lambda at, p: p.k * ca.fmin(at.x - p.c, 0),
@@ -106,7 +106,7 @@ SHAPES = (
     ),
     Shape(
         "saturating", "k tanh({x}/s)", 0, {"s": "width"}, lambda at, p: p.k * ca.tanh(at.x / p.s),
-        ("velocity", *PLACES, *EFFORTS, RECENT),
+        ("velocity", *PLACES, *EFFORTS, RECENT, RECENT_LOAD),
     ),
     Shape(
         "peak", "2 k ({x}/s) / (1 + ({x}/s)²)", 0, {"s": "width"},

@@ -5,6 +5,14 @@ from __future__ import annotations
 from typing import Literal
 
 Variable = Literal[
-    "velocity", "position", "time", "load", "recent speed", "bristle deflection", "input", "level"
+    "velocity",
+    "position",
+    "time",
+    "load",
+    "recent speed",
+    "recent load",
+    "bristle deflection",
+    "input",
+    "level",
 ]
 """A quantity of the port, the time, a state with memory, or an input or channel of the model (``input``)."""

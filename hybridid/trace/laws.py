@@ -13,6 +13,11 @@ than the grid, and is tried all the same.
 
 Of laws that the held-out horizons cannot tell apart, the one with the fewest parameters is proposed; the
 others are told beside it. Effects that the law has made needless are removed again.
+
+Several effects, each of which resembles a part of an unknown law, may mend one another until little is left.
+So where two or more were accepted, laws are tried in the place of all of them as well, over variables whose
+learned effort beside the declared model takes about what the effects take. One that alone explains more, by
+more than ``Rules.tie`` and significantly, takes their place: as ``hybridid.trace.pairs`` does it with pairs.
 """
 
 from __future__ import annotations
@@ -20,11 +25,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from hybridid.effects.composed import ComposedLaw, composed
+from hybridid.effects.composed import ComposedLaw, composed, is_composed
 from hybridid.effects.shapes import Shape, shapes_over
+from hybridid.naming import listed
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import law_over_learned
 from hybridid.trace.law_starts import law_starts
 from hybridid.trace.refit import Refit
@@ -37,8 +44,7 @@ from hybridid.trace.trial import Trial, attempt, judge
 def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search:
     """``found`` with the law that explains best what the learned efforts ``left`` still find; itself if none
     passes."""
-    base, rules = found.final, context.rules
-    family = sum(len(shapes_over(one.over.variable)) for one in left)
+    base, rules, family = found.final, context.rules, family_of(left)
     trials: list[Trial] = []
     for learned in sorted((c for c in left if not c.failure), key=lambda c: -c.gain):
         most = max((t.taken for t in trials), default=0.0)
@@ -65,6 +71,32 @@ def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search
         accepted=tuple(accepted),
         withdrawn="",
     )
+
+
+def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> Search:
+    """The law that alone explains more than all accepted effects of ``found``, in their place; ``found``
+    itself if there is none. ``before`` are the learned efforts beside the declared model."""
+    rules, names = context.rules, listed([one.name for one in found.accepted])
+    several = len(found.accepted) > 1 and not any(
+        is_composed(one.trial.candidate.effect) for one in found.accepted
+    )
+    named = found.first.score.loss**2 - found.final.score.loss**2
+    about = [one for one in before if _taken(one, found.first) >= (1 - rules.stands_in) * named]
+    if not several or not about:
+        return found
+    context.say(f"laws in place of {names}")
+    first = replace(found.steps[0], accepted=None, together=None, dropped=())
+    begun = replace(found, steps=(first,), final=first.base, accepted=(), withdrawn="")
+    lawful = with_law(begun, before, context)
+    better = compare(found.final.score, lawful.final.score)
+    if better.gain < rules.tie or family_of(before) * better.p_value > rules.alpha:
+        return found
+    return lawful
+
+
+def family_of(learned: Sequence[Ceiling]) -> int:
+    """The number of laws over the variables of the learned efforts, tried or not."""
+    return sum(len(shapes_over(one.over.variable)) for one in learned)
 
 
 def _same_place(learned: Ceiling, trial: Trial) -> bool:

@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 
 from hybridid.effects.dimension import ONE
 from hybridid.effects.effect import Effect, EffectParameter
-from hybridid.effects.over import BRISTLE, RECENT, Over, factor_of
+from hybridid.effects.over import BRISTLE, RECENT, RECENT_LOAD, Over, factor_of
 from hybridid.effects.variable import Variable
 from hybridid.model import Model
 from hybridid.plants.plant import TOGETHER, Plant
@@ -21,6 +21,8 @@ from hybridid.trace.refit import Refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
+LAGGED: Mapping[Variable, Variable] = {RECENT: "velocity", RECENT_LOAD: "load"}
+"""Variables that are a lag of another one's modulus."""
 AT_ONCE = 1000
 """Samples of a path that CasADi evaluates in one call."""
 
@@ -69,9 +71,11 @@ class Path:
         """A variable of the motion at ``port``, (n,), or of what it carries."""
         if variable == "time":
             return self.time
-        if variable == RECENT:
-            share = min(1.0, float(np.median(np.diff(self.time))) / self.memory(port, RECENT))
-            return np.asarray(lfilter([share], [1.0, share - 1.0], np.abs(self.motion(port, "velocity"))))
+        if variable in LAGGED:
+            share = min(1.0, float(np.median(np.diff(self.time))) / self.memory(port, variable))
+            return np.asarray(
+                lfilter([share], [1.0, share - 1.0], np.abs(self.motion(port, LAGGED[variable])))
+            )
         if variable == BRISTLE:
             return _deflection(self.motion(port, "position"), self.memory(port, BRISTLE))
         if variable == "load":

@@ -22,7 +22,7 @@ from hybridid.simulation.chosen import AUTO
 from hybridid.trace.accuracy import simulation_error, times_the_limit
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
-from hybridid.trace.laws import with_law
+from hybridid.trace.laws import law_in_place, with_law
 from hybridid.trace.numerics import numerics_for
 from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.recheck import recheck
@@ -98,10 +98,8 @@ def conclude(
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
     found = search(model, context, starts, floor, numerics_for(model, split, starts, integrator))
     settled = _with_pairs(_settled(found, noise, context), noise, context, floor)
-    if context.laws and _is_left(settled, rules):
-        lawful = with_law(settled.found, settled.left, context)
-        if lawful is not settled.found:
-            settled = _settled(continued(lawful, context, floor), noise, context)
+    if context.laws:
+        settled = _with_laws(settled, noise, context, floor)
     refused = _refused(settled, rules)
     revised = replacements(model, settled.found, context, floor) if context.revise else ()
     names = [s.name for s in model.outputs]
@@ -162,6 +160,20 @@ def _beside_pairs(settled: _Settled, noise: Array, context: Context, floor: floa
             return replace(settled, found=tried)
         settled = _settled(continued(tried, context, floor), noise, context)
     return settled
+
+
+def _with_laws(settled: _Settled, noise: Array, context: Context, floor: float) -> _Settled:
+    """``settled`` with a composed law, and what is found beside it: beside what was accepted where something
+    is left, else in the place of several effects."""
+    found = settled.found
+    lawful = with_law(found, settled.left, context) if _is_left(settled, context.rules) else found
+    if lawful is not found:
+        return _settled(continued(lawful, context, floor), noise, context)
+    lawful = law_in_place(found, settled.before, context)
+    if lawful is found:
+        return settled
+    other = _settled(continued(lawful, context, floor), noise, context)
+    return other if other.found.accepted else settled
 
 
 def _settled(found: Search, noise: Array, context: Context) -> _Settled:

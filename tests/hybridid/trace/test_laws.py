@@ -7,10 +7,14 @@ import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.effects.over import Over
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.law_starts import law_starts
-from hybridid.trace.laws import with_law
+from hybridid.trace.laws import law_in_place, with_law
+from hybridid.trace.refit import refit
+from hybridid.trace.search import Accepted, Search, Step
+from hybridid.trace.trial import Trial
 from hybridid.trace.verdict import conclude
 
 DF_V = 80.0
@@ -83,3 +87,35 @@ def test_a_sine_finer_than_any_learned_effort_is_found(make_model, split_of):
     values = one.trial.own("values")
     assert np.hypot(values["k_s"], values["k_c"]) == pytest.approx(4.0, rel=0.05)
     assert abs(values["T"]) == pytest.approx(0.009, rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def in_place(proposed, split_of):
+    """``in_place(final, names)``: the law in the place of ``names`` with which a search ended."""
+    split, said = split_of(df_v=DF_V), []
+    base, context = proposed.search.first, Context(split, TRIED, say=said.append)
+    learned = ceiling(base, split, "carriage", Over("velocity"))
+
+    def replaced(final, names):
+        trials = [Trial(Candidate(effect_named(name), "carriage"), final, None) for name in names]
+        accepted = tuple(Accepted(trial, (trial,), ()) for trial in trials)
+        found = Search(tuple(Step(base, (), one) for one in accepted), final, accepted, "")
+        return found, law_in_place(found, [learned], context), said
+
+    return replaced
+
+
+def test_a_law_takes_the_place_of_effects_that_together_explain_less(proposed, in_place, split_of):
+    base = proposed.search.first
+    model = base.model.plus(effect_named("asymmetric_coulomb"), "carriage")
+    poorer = refit(model, split_of(df_v=DF_V), [base.values], base)
+    found, lawful, said = in_place(poorer, ("asymmetric_coulomb", "maxwell"))
+    assert [one.name for one in lawful.accepted] == ["carriage.modulus_of_velocity"]
+    assert lawful.first is found.first
+    assert said[0] == "laws in place of carriage.asymmetric_coulomb and carriage.maxwell"
+
+
+def test_effects_that_explain_as_much_stay_and_one_effect_is_not_asked(proposed, in_place):
+    for names in (("asymmetric_viscous", "coulomb"), ("asymmetric_viscous",)):
+        found, lawful, _ = in_place(proposed.search.final, names)
+        assert lawful is found
