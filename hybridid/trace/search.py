@@ -169,17 +169,20 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
 
 def _unless_minor(step: Step, context: Context, floor: float) -> Step:
     """``step`` without its effect, where far more than the noise is left and a learned effort takes most."""
-    best = step.accepted
-    if best is None or best.trial.refit is None or not is_far(best.trial.refit, floor, context):
+    one = step.accepted
+    if one is None or one.trial.refit is None or not is_far(one.trial.refit, floor, context):
         return step
     learned = ceilings(step.base, context)
-    larger = minor_beside(best.trial, step.base, learned, context)
+    passed = [trial for trial in step.trials if trial.status == PASSED]
+    larger = minor_beside(max(passed, key=lambda t: t.taken), step.base, learned, context)
     if larger is None:
         return replace(step, learned=learned)
-    why = said_of_minor(best.trial, step.base, larger)
-    refused = replace(best.trial, status=REJECTED, reason=f"minor: {why}")
-    trials = tuple(refused if trial is best.trial else trial for trial in step.trials)
-    minor = f"{best.name} is minor: {why}"
+
+    def refused(trial: Trial) -> Trial:
+        return replace(trial, status=REJECTED, reason=f"minor: {said_of_minor(trial, step.base, larger)}")
+
+    trials = tuple(refused(t) if t.status == PASSED else t for t in step.trials)
+    minor = f"{one.name} is minor: {said_of_minor(one.trial, step.base, larger)}"
     return replace(step, trials=trials, accepted=None, learned=learned, minor=minor)
 
 
