@@ -61,7 +61,11 @@ FORMS: Mapping[str, str] = {
     "modulus_of_load_times_sign_of_velocity": "load_friction",
     "shifted_of_position_times_sign_of_velocity": "position_friction",
     "proportional_of_position_times_velocity": "position_damping",
-    "bump_of_position_times_acceleration": "varying_inertia",
+    **{
+        f"{shape}_of_position_times_acceleration": "varying_inertia"
+        for shape in ("proportional", "square", "shifted", "parabola", "bump")
+    },
+    "sine_of_position_times_acceleration": "cyclic_inertia",
     "proportional_of_bristle_deflection": "dahl",
     "proportional_of_load": "input_gain",
 }
