@@ -98,6 +98,14 @@ class Path:
             return self.motion(port, over.variable)
         return self.inputs[:, [s.name for s in self.model.inputs].index(over.signal.name)]
 
+    def covered(self, port: str, over: Over) -> Array:
+        """Values that the variable takes, (m,); of a recent load also those with a lag much shorter than the
+        guess, up to the load itself: a learned effort must know its range before its lag is fitted."""
+        seen = self.seen(port, over)
+        if over.variable != RECENT_LOAD:
+            return seen
+        return np.concatenate([seen, np.abs(self.motion(port, "load"))])
+
     def factor(self, port: str, over: Over) -> Array:
         """The factor of a learned effort over ``over`` at ``port``, (n,)."""
         if not over.factor:

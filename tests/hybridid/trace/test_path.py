@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hybridid.effects.over import BRISTLE, Over
+from hybridid.effects.over import BRISTLE, RECENT_LOAD, Over
 from hybridid.trace.path import Path, _deflection
 from hybridid.trace.refit import refit
 
@@ -33,3 +33,12 @@ def test_a_bristle_deflects_to_its_largest_and_comes_back(path):
     assert found[49] == pytest.approx(1 - np.exp(-0.1 / length))
     assert found[-1] == pytest.approx(-1 + (found[49] + 1) * np.exp(-0.01 / length))
     assert np.abs(path.motion("carriage", BRISTLE)).max() <= 1
+
+
+def test_a_recent_load_is_a_lag_of_the_load_and_a_learned_effort_covers_it_up_to_the_load(path):
+    over, load = Over(RECENT_LOAD, "sign of velocity"), np.abs(path.motion("carriage", "load"))
+    seen, covered = path.seen("carriage", over), path.covered("carriage", over)
+    share = np.median(np.diff(path.time)) / path.memory("carriage", RECENT_LOAD)
+    assert seen[1:] == pytest.approx(seen[:-1] + share * (load[1:] - seen[:-1]))
+    assert seen.max() < 0.9 * load.max() == 0.9 * covered.max()
+    assert (path.covered("carriage", Over("velocity")) == path.seen("carriage", Over("velocity"))).all()
