@@ -1,36 +1,83 @@
-"""``python -m benchmarks.strangers``: from a recording to a traced report, machine by machine. Simulated."""
+"""``python -m benchmarks.strangers``: all that a stranger must be able to do, on one page. Each number says
+whether it is simulated or measured."""
 
 from __future__ import annotations
 
 import argparse
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
-from benchmarks.strangers.play import Outcome, machines, played
-from benchmarks.strangers.report import row, table, write
+from benchmarks.strangers import killed, report, servo
+from benchmarks.strangers.play import Machine, Outcome, machines, played
+
+TEMPLATES, SERVO, RIGS, KILLS = PARTS = ("templates", "servo", "rigs", "kills")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Play the machines and write the table to ``outputs/studies``."""
-    words = argparse.ArgumentParser(
-        prog="python -m benchmarks.strangers", description=(__doc__ or "").splitlines()[0]
-    )
-    words.add_argument("--only", nargs="+", default=None, metavar="MACHINE", help="names of machines")
-    words.add_argument("--keep", type=Path, default=None, help="folder that keeps recordings and reports")
-    asked = words.parse_args(arguments)
-    chosen = [one for one in machines() if asked.only is None or one.name in asked.only]
-    rows: list[Outcome] = []
-    for machine in chosen:
-        with tempfile.TemporaryDirectory(prefix="strangers-") as scratch:
-            folder = asked.keep or Path(scratch)
-            folder.mkdir(parents=True, exist_ok=True)
-            rows.append(played(machine, folder))
-        print(row(rows[-1]), flush=True)
-    print(table(rows))
-    if asked.only is None:
-        print(f"written: {write(rows)}")
+    """Play the parts that are asked for, and write their page to ``outputs/studies``."""
+    asked = _parser().parse_args(arguments)
+    sections = []
+    for part in asked.parts if asked.only is None else (TEMPLATES, RIGS):
+        sections.append(_shown(part, asked))
+        print(sections[-1], flush=True)
+    print(f"written: {report.write(report.page(sections))}")
     return 0
+
+
+def _shown(part: str, asked: argparse.Namespace) -> str:
+    """What the page says of a part, once it was played."""
+    if part == SERVO:
+        return report.servo(_servo(asked.keep))
+    if part == KILLS:
+        return report.killed(_killed(asked.keep, asked.kills))
+    chosen = [one for one in machines() if asked.only is None or one.name in asked.only]
+    if part == RIGS:
+        return report.rigs(list(_played([one for one in chosen if one.planted], asked)))
+    return report.templates(list(_played([one for one in chosen if not one.planted], asked)))
+
+
+def _played(chosen: Sequence[Machine], asked: argparse.Namespace) -> Iterator[Outcome]:
+    """Each machine, played; its row is printed as it is done."""
+    more = () if asked.processes is None else (f"trace.processes={asked.processes}",)
+    for machine in chosen:
+        with _folder(asked.keep, machine.name) as folder:
+            found = played(machine, folder, more)
+        print(report.row(found), flush=True)
+        yield found
+
+
+def _servo(keep: Path | None) -> servo.Servo | None:
+    measured = servo.records()
+    if measured is None:
+        return None
+    with _folder(keep, SERVO) as folder:
+        return servo.played(measured, folder)
+
+
+def _killed(keep: Path | None, kills: int) -> killed.Killed:
+    with _folder(keep, KILLS) as folder:
+        return killed.played(folder, kills)
+
+
+@contextmanager
+def _folder(keep: Path | None, name: str) -> Iterator[Path]:
+    """A new folder of this name, below ``keep``, or one that is removed afterwards."""
+    with tempfile.TemporaryDirectory(prefix="strangers-") as scratch:
+        folder = (keep or Path(scratch)).resolve() / name
+        folder.mkdir(parents=True)
+        yield folder
+
+
+def _parser() -> argparse.ArgumentParser:
+    words = argparse.ArgumentParser(prog="python -m benchmarks.strangers", description=__doc__)
+    words.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="parts (default: all)")
+    words.add_argument("--only", nargs="+", metavar="MACHINE", help="machines, and nothing else")
+    words.add_argument("--kills", type=int, default=killed.KILLS, help="how often a trace is killed")
+    words.add_argument("--processes", type=int, help="of each machine's trace (default: all cores)")
+    words.add_argument("--keep", type=Path, help="folder that keeps recordings and reports")
+    return words
 
 
 if __name__ == "__main__":

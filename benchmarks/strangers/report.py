@@ -1,46 +1,163 @@
-"""What the study found, as Markdown. Everything is simulated."""
+"""What the study found, as Markdown, with simulated or measured beside it."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from benchmarks.strangers.play import SECONDS, Outcome
+from benchmarks.strangers.killed import Killed
+from benchmarks.strangers.play import SECONDS, Outcome, Value
+from benchmarks.strangers.servo import ALLOWED, Servo
+from hybridid.quantities import estimated, fixed, number, percent, quantity
 
 OUT = Path(__file__).resolve().parents[2] / "outputs" / "studies"
-HEAD = ("machine", "template", "new, run, trace [s]", "CPU [s]", "largest error of a parameter", "verdict")
+LONGEST, COMMANDS = 300.0, 10
+"""Seconds and commands that a machine may take."""
+HEAD = ("machine", "template", "commands", "lines of Python", "new, run, trace [s]", "CPU [s]")
 
 
 def row(one: Outcome) -> str:
-    """One machine as a row of the table."""
-    off = "–" if one.off is None else f"{one.off:.2%} ({one.parameter})"
+    """One machine as a row of its table."""
     wall = ", ".join(f"{seconds:.0f}" for seconds in one.wall)
-    cells = (one.machine, one.template, wall, f"{sum(one.cpu):.0f}", off, one.sentence)
-    return f"| {' | '.join(cells)} |"
+    cells = [one.machine.name, one.machine.template, str(len(one.wall)), str(one.python), wall]
+    sentence = one.sentence if one.report else f"{one.sentence} (no page)"
+    return _cells(*cells, f"{sum(one.cpu):.0f}", _parameters(one), sentence)
 
 
-def table(rows: Sequence[Outcome]) -> str:
-    """All machines, and how many took at most 5 minutes."""
-    quick = sum(sum(one.wall) <= 300 for one in rows)
+def _parameters(one: Outcome) -> str:
+    """The largest error of a parameter, or where more was planted than declared, each parameter."""
+    if not one.machine.planted:
+        return f"{percent(one.values[one.worst].off, 2)} ({one.worst})" if one.worst else "–"
+    said = [_found(name, value) for name, value in one.values.items()]
+    return "; ".join([*said, *(f"{name}: not in the model" for name in one.lacking)])
+
+
+def _found(name: str, value: Value) -> str:
+    found = estimated(value.found, value.std, value.unit)
+    return f"{name} {found} (planted: {quantity(value.planted, value.unit)})"
+
+
+def templates(rows: Sequence[Outcome]) -> str:
+    """The templates' own machines, and how many keep what issue 19 asks."""
     return "\n".join(
         [
-            f"From a recording to a traced report, by three commands (simulated, {SECONDS:g} s at 500 Hz; "
-            "tanks: at 1 Hz).",
+            "## Each template, from the recording to the traced report (simulated)",
+            f"{SECONDS:g} s at 500 Hz; tanks at 1 Hz, as many samples. Nothing is missing in these machines.",
             "",
-            f"| {' | '.join(HEAD)} |",
-            "|" + "---|" * len(HEAD),
-            *map(row, rows),
+            *_table((*HEAD, "largest error of a planted parameter", "verdict"), map(row, rows)),
             "",
-            f"at most 5 minutes: {quick} of {len(rows)}",
+            _kept(rows),
         ]
     )
 
 
-def write(rows: Sequence[Outcome]) -> Path:
+def rigs(rows: Sequence[Outcome]) -> str:
+    """The machines that hold more than their template declares."""
+    return "\n".join(
+        [
+            "## Machines that hold more than their template declares (simulated)",
+            "",
+            *_table((*HEAD, "found, and planted", "verdict"), map(row, rows)),
+            "",
+            _kept(rows),
+        ]
+    )
+
+
+def _kept(rows: Sequence[Outcome]) -> str:
+    """How many of the machines keep each limit."""
+    quick = sum(sum(one.wall) <= LONGEST for one in rows)
+    few = sum(len(one.wall) <= COMMANDS for one in rows)
+    without = sum(one.python == 0 for one in rows)
+    written = sum(one.report for one in rows)
+    return (
+        f"Of {len(rows)} machines (simulated): at most {LONGEST:g} s {quick}, at most {COMMANDS} commands "
+        f"{few}, no line of Python {without}, a page of the trace {written}."
+    )
+
+
+def servo(found: Servo | None) -> str:
+    """The servo as a stranger writes it; None: the measured records are not at hand."""
+    head = "## The servo of `case=servo`, written with `hybridid new` (measured)\n"
+    if found is None:
+        return head + "**Skipped**: the measured records are not at hand. Set HYBRIDID_DATA to their folder."
+    both = found.python + found.case
+    wall, cpu = (fixed(sum(part), 0) for part in (found.wall, found.cpu))
+    return "\n".join(
+        [
+            head,
+            f"{both} lines beyond the template (at most {ALLOWED}): {found.python} of Python, {found.case} "
+            f"of the case. {found.commands} commands: {wall} s, {cpu} s of CPU. k_p and U are constants of "
+            f"each recording. Largest difference from the packaged case: {percent(found.apart, 4)}.",
+            "",
+            *_table(
+                ("measured", "by `new`", "packaged"),
+                [
+                    *(_cells(name, *map(number, pair)) for name, pair in found.parameters.items()),
+                    *(
+                        _cells(f"free run of {record}", *(quantity(one, "rad") for one in pair))
+                        for record, pair in found.rmse.items()
+                    ),
+                ],
+            ),
+        ]
+    )
+
+
+def killed(found: Killed) -> str:
+    """What became of the trace that was killed and started again."""
+    struck = found.struck
+    most = max((found.twice(one) for one in struck), default=0)
+    same = sum(one.same_verdict and one.same_numbers for one in struck)
+    return "\n".join(
+        [
+            "## A trace that is killed at a random moment and started again (simulated)",
+            f"In peace: {found.refits} refits in {found.seconds:.0f} s, one process. {found.sentence}",
+            "",
+            *_table(
+                (
+                    "killed after",
+                    "refits begun",
+                    "after the new start",
+                    "done twice",
+                    "verdict and numbers",
+                ),
+                [
+                    _cells(
+                        percent(one.share, 0),
+                        str(one.before),
+                        str(one.after),
+                        str(found.twice(one)),
+                        "the same" if one.same_verdict and one.same_numbers else "**differ**",
+                    )
+                    for one in struck
+                ],
+            ),
+            "",
+            f"{len(struck)} kills (SIGKILL), at most {most} refits done twice, the same verdict and numbers "
+            f"after {same}. In n processes, n refits are under way at a time, and each may be done twice.",
+        ]
+    )
+
+
+def page(sections: Sequence[str]) -> str:
+    """The page of all ``sections``."""
+    return "\n\n".join(["# A stranger's machine: from a recording to a traced model", *sections]) + "\n"
+
+
+def write(text: str) -> Path:
     """``strangers.md``, whole or not at all."""
     OUT.mkdir(parents=True, exist_ok=True)
     part = OUT / "strangers.md.part"
-    part.write_text(table(rows) + "\n", encoding="utf-8")
+    part.write_text(text, encoding="utf-8")
     os.replace(part, OUT / "strangers.md")
     return OUT / "strangers.md"
+
+
+def _table(head: Sequence[str], rows: Iterable[str]) -> list[str]:
+    return [_cells(*head), "|" + "---|" * len(head), *rows]
+
+
+def _cells(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"

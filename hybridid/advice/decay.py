@@ -51,6 +51,17 @@ def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
             return
 
 
+def swing(record: Record) -> float:
+    """Period [s] of the strongest oscillation of the output that oscillates fastest."""
+    centred = record.outputs - record.outputs.mean(axis=0)
+    return record.n * record.dt / max(_cycles(y) for y in centred.T)
+
+
+def _cycles(y: Array) -> int:
+    """How often ``y`` (n,), without its mean, oscillates at its strongest frequency."""
+    return int(np.argmax((np.abs(np.fft.rfft(y)) ** 2)[1:])) + 1
+
+
 def _undriven(record: Record) -> bool:
     return not any(np.ptp(column) > 0 for column in record.inputs.T)
 
@@ -59,9 +70,7 @@ def _amplitudes(record: Record, k: int) -> tuple[Array, Array] | None:
     """Time [s] since the start, and amplitude, of each piece of output ``k``; None where it does not
     oscillate often enough."""
     y = record.outputs[:, k] - record.outputs[:, k].mean()
-    power = np.abs(np.fft.rfft(y)) ** 2
-    cycles = int(np.argmax(power[1:])) + 1
-    count = min(MOST, int(cycles / PERIODS))
+    count = min(MOST, int(_cycles(y) / PERIODS))
     if count < FEWEST:
         return None
     pieces = np.array_split(np.arange(record.n), count)

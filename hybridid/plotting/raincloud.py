@@ -42,6 +42,9 @@ def raincloud_plot(responses: Sequence[Response], width: float = DOUBLE_COLUMN) 
     axes.axvline(0.0, color=SOFT_INK, linewidth=0.5, zorder=1)
     for row, response in enumerate(responses):
         _cloud(axes, -row, response.error * scale.factor, look(models.index(response.model)).colour)
+    for index, model in enumerate(models):
+        rows = [(-k, r.error * scale.factor) for k, r in enumerate(responses) if r.model == model]
+        _rain(axes, rows, look(index).colour)
     axes.set_xlabel(scale.label)
     axes.set_xlim(frame([r.error * scale.factor for r in responses], 0.03))
     _rows(axes, responses, scale)
@@ -74,10 +77,17 @@ def _cloud(axes: Axes, base: float, values: Array, colour: str) -> None:
         medianprops={"color": "white", "linewidth": 1.2, "solid_capstyle": "butt"},
         whiskerprops={"color": INK, "linewidth": 0.6}, capprops={"linewidth": 0},
     )  # fmt: skip
-    drops = values[:: max(1, len(values) // DROPS)]
-    jitter = np.random.default_rng(0).uniform(0.0, 1.0, len(drops))
-    below = base - 0.5 * BOX - 0.05 - RAIN * jitter
-    axes.plot(drops, below, ".", color=colour, markersize=1.8, markeredgewidth=0, alpha=0.6, rasterized=True)
+
+
+def _rain(axes: Axes, rows: Sequence[tuple[float, Array]], colour: str) -> None:
+    """Single samples below the lines of ``rows``, (base, values), as one picture: many take long to draw."""
+    drops, below = [], []
+    for base, values in rows:
+        drops.append(values[:: max(1, len(values) // DROPS)])
+        jitter = np.random.default_rng(0).uniform(0.0, 1.0, len(drops[-1]))
+        below.append(base - 0.5 * BOX - 0.05 - RAIN * jitter)
+    x, y = np.concatenate(drops), np.concatenate(below)
+    axes.plot(x, y, ".", color=colour, markersize=1.8, markeredgewidth=0, alpha=0.6, rasterized=True)
 
 
 def _box(values: Array) -> dict[str, float]:

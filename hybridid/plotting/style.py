@@ -189,7 +189,8 @@ def _shorten_numbers(svg: Path) -> None:
 def _laid_out(figure: Figure) -> Iterator[None]:
     """Compute the layout once and keep it; else matplotlib draws each file twice to compute it again."""
     engine = figure.get_layout_engine()
-    figure.draw_without_rendering()
+    if engine is not None and figure.axes:
+        engine.execute(figure)
     figure.set_layout_engine(None)
     try:
         yield

@@ -1,19 +1,23 @@
 """Cells of a recording without a number: a sensor that dropped out for a moment.
 
-They are refused, unless the signal is an output whose ``missing`` is ``mask``. Then they hold a value between
-their neighbours, which no error is taken of.
+They are refused, unless ``missing`` of the signal says otherwise. Of an output they may be masked: they then
+hold a value between their neighbours, of which no error is taken. Of an auxiliary signal they may be
+interpolated: a temperature that is logged less often than the rest changes slowly.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 
 from hybridid.records.channel import Array, RecordError
-from hybridid.records.masked import Counts
+from hybridid.records.masked import Counts, pieces
 
-Missing = Literal["refuse", "mask"]
+Missing = Literal["refuse", "mask", "interpolate"]
+ALLOWED: Mapping[str, Missing] = {"outputs": "mask", "auxiliary": "interpolate"}
+"""What may become of missing cells, by the role of the signal. What drives the model must be known."""
 
 
 class _Mapped(Protocol):
@@ -28,7 +32,7 @@ class _Mapped(Protocol):
 
 
 class Gap(NamedTuple):
-    """A signal (n,) with missing cells ``filled``, which cells they are (n,), and what is ``said`` of it."""
+    """A signal (n,) with missing cells ``filled``, which cells do not count (n,), and what is ``said``."""
 
     filled: Array
     absent: Counts
@@ -39,26 +43,33 @@ def gap_of(record: str, signal: _Mapped, role: str, values: Array, time: Array) 
     """The missing cells of ``values`` (n,) at ``time`` (n,), of a signal of ``role``, interpolated.
 
     Raises:
-        RecordError: if cells are missing and the signal does not mask them, with the key that would; if an
-            input or an auxiliary signal is to mask them; if all are missing.
+        RecordError: if cells are missing and the signal refuses them, with the key that would not; if
+            ``missing`` is not allowed for its role; if all are missing.
     """
     where = f"record {record}: {role.removesuffix('s')} {signal.name!r}"
     absent = np.isnan(values)
-    if signal.missing == "mask" and role != "outputs":
-        raise RecordError(f"{where} has missing: mask, which only an output may have")
+    if signal.missing not in ("refuse", ALLOWED.get(role)):
+        only = "an output" if signal.missing == "mask" else "an auxiliary signal"
+        raise RecordError(f"{where} has missing: {signal.missing}, which only {only} may have")
     if not absent.any():
         return Gap(values, absent)
     if absent.all():
         raise RecordError(f"{where} [{signal.unit}] is missing (NaN) at all samples")
     k = int(np.argmax(absent))
-    share = f"{absent.sum()} of {len(values)} samples"
-    if signal.missing != "mask":
+    if signal.missing == "refuse":
         raise RecordError(
-            f"{where} [{signal.unit}] is missing (NaN) at sample {k} (t = {time[k]:g} s), {share} are; "
-            f"{_remedy(record, signal.name, role)}"
+            f"{where} [{signal.unit}] is missing (NaN) at sample {k} (t = {time[k]:g} s), "
+            f"{absent.sum()} of {len(values)} samples are; {_remedy(record, signal.name, role)}"
         )
     filled = np.where(absent, np.interp(time, time[~absent], values[~absent]), values)
-    return Gap(filled, absent, f"{where} is missing at {share}, the first at t = {time[k]:g} s: masked")
+    said = (
+        f"{where} is missing at {absent.sum()} of the {len(values)} samples of its files, the first at "
+        f"t = {time[k]:g} s"
+    )
+    if signal.missing == "mask":
+        return Gap(filled, absent, f"{said}: masked")
+    longest = max(time[min(end, len(time) - 1)] - time[max(first - 1, 0)] for first, end in pieces(absent))
+    return Gap(filled, np.zeros_like(absent), f"{said}: interpolated, over {longest:.3g} s at most")
 
 
 def _remedy(record: str, name: str, role: str) -> str:
@@ -67,8 +78,9 @@ def _remedy(record: str, name: str, role: str) -> str:
             f"set signals.outputs.{name}.missing=mask to leave them out "
             f"(records.{record}.outputs.{name}.missing where the record has outputs of its own)"
         )
-    driving = ": what drives the model must be known throughout" if role == "inputs" else ""
-    return f"repair them in the file{driving}"
+    if role == "auxiliary":
+        return f"set signals.auxiliary.{name}.missing=interpolate to draw straight lines in their place"
+    return "repair them in the file: what drives the model must be known throughout"
 
 
 def on_grid(grid: Array, time: Array, absent: Counts) -> Counts:

@@ -41,7 +41,7 @@ class SignalMap:
     ``offset`` is in ``unit``. If several files have a column of that name, write ``file:column``
     with the file's name or stem. Without a ``hold`` an input is assumed to be held constant (``zoh``).
     ``missing`` says what becomes of cells without a number: ``refuse`` ends the command, ``mask`` leaves them
-    out, of an output alone.
+    out (of an output alone), ``interpolate`` draws a straight line (in an auxiliary signal alone).
     """
 
     name: str

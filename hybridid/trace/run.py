@@ -18,6 +18,7 @@ from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
+from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
@@ -25,7 +26,7 @@ from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.split import automatic_horizon, divided
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
-from hybridid.trace.verdict import conclude
+from hybridid.trace.verdict import Conclusion, conclude
 from hybridid.trace.words import sentence
 
 OPEN = ("nothing_missing", "undecided")
@@ -85,6 +86,7 @@ def trace(
     if recordings:
         check_split(split)
     found = conclude(model, context, [start] if start else [], settings.integrator)
+    found = _of_one_decay(found, fitted)
     differ = by_recording(found.search, context) if recordings else ()
     if found.verdict in OPEN and any(one.status == PASSED for one in differ):
         found = replace(found, verdict="unexplained")
@@ -98,6 +100,14 @@ def trace(
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     traced = replace(traced, by_recording=differ)
     return replace(traced, sentence=sentence(traced) + (_confounded(fitted) if traced.accepted else ""))
+
+
+def _of_one_decay(found: Conclusion, records: Sequence[Record]) -> Conclusion:
+    """``found`` with frictions over the amplitude and over the time in one class, where these are one."""
+    searched = with_decay_classes(found.search, records)
+    several = any(len(one.alike) > 1 for one in searched.accepted)
+    ambiguous = found.verdict == "effect_found" and several
+    return replace(found, search=searched, verdict="ambiguous" if ambiguous else found.verdict)
 
 
 def _confounded(records: Sequence[Record]) -> str:

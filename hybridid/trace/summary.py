@@ -247,7 +247,7 @@ def _at_the_end(search: Search, trial: Trial, number: int) -> TriedEffect:
     tried = _tried(trial, number)
     for one in search.accepted:
         if any(t.candidate == trial.candidate for t in one.alike):
-            reason = f"explains these records as well as {one.name}: they cannot tell the two apart"
+            reason = f"these records cannot tell it from {one.name}"
             return replace(tried, status=UNIDENTIFIABLE, reason=reason, class_of=one.name)
     if trial.status == PASSED:
         reason = f"{trial.reason}, but less than what was accepted in its step; then {search.stopped}"

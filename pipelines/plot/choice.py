@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from hybridid.naming import listed
@@ -12,21 +13,36 @@ from pipelines.shared.prepared import Prepared
 from pipelines.shared.sections.stages import FEW_RECORDS, PlotSection
 from pipelines.shared.sources import chosen
 
-RANKS = ("worst", "median", "best")
+RANKS = ("median", "best")
 
 
-def drawn_records(settings: Settings, tree: Path, records: Sequence[Prepared]) -> tuple[list[Prepared], str]:
-    """The records that ``plot.records`` asks for, and a line about those left out (empty if none is)."""
+@dataclass(frozen=True)
+class Choice:
+    """The records of which ``all_figures`` are drawn, those ``compared`` with the model and no more, and what
+    is ``said`` of the others (empty if each has all figures)."""
+
+    all_figures: list[Prepared]
+    compared: list[Prepared]
+    said: str = ""
+
+
+def drawn_records(settings: Settings, tree: Path, records: Sequence[Prepared]) -> Choice:
+    """What ``plot.records`` asks for."""
     wanted = settings.section("plot", PlotSection).records
     if wanted != "auto":
-        return chosen(records, None if wanted == "all" else wanted, "plot.records"), ""
+        return Choice(chosen(records, None if wanted == "all" else wanted, "plot.records"), [])
     order = [name for name, _ in sorted(errors(tree).items(), key=lambda one: -one[1])]
-    if len(records) <= FEW_RECORDS or len(order) < len(RANKS):
-        return list(records), ""
-    names = dict(zip((order[0], order[len(order) // 2], order[-1]), RANKS, strict=True))
-    ranked = listed([f"{name} ({rank})" for name, rank in names.items()])
-    line = f"figures of 3 of {len(records)} records, by the validation error: {ranked}"
-    return [one for one in records if one.name in names], f"{line}; plot.records=all draws all"
+    if len(records) <= FEW_RECORDS or len(order) <= len(RANKS):
+        return Choice(list(records), [])
+    worst, *others = order[0], order[len(order) // 2], order[-1]
+    ranked = [f"{name} ({rank})" for name, rank in zip(others, RANKS, strict=True)]
+    said = (
+        f"of {len(records)} records all figures of {worst}, which has the largest validation error, and the "
+        f"comparisons of {listed(ranked)}; plot.records=all draws all"
+    )
+    return Choice(
+        [one for one in records if one.name == worst], [one for one in records if one.name in others], said
+    )
 
 
 def errors(tree: Path) -> dict[str, float]:

@@ -22,10 +22,10 @@ from hybridid.plotting.spectrum import spectrum_plot
 from hybridid.plotting.style import Plot
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
+from pipelines.plot.choice import Choice
 from pipelines.plot.laws import Law, friction_plots, laws_of
 from pipelines.shared.fitted import Fit, fit_of, fitted_model
 from pipelines.shared.predictions import Stored, Tested, predictions_in, residual_tests_in
-from pipelines.shared.prepared import Prepared
 from pipelines.shared.stage import Job
 
 LOOP = "loop"
@@ -33,15 +33,15 @@ LOOP = "loop"
 Named = Iterator[tuple[str, Callable[[], Plot]]]
 
 
-def figures(job: Job, records: Sequence[Prepared]) -> Named:
-    """What draws each figure of these records and of the model, with its file's name
+def figures(job: Job, choice: Choice) -> Named:
+    """What draws each figure of the chosen records and of the model, with its file's name
     ``<record>.<output or port>.<figure>``. It pickles."""
     model, _ = fitted_model(job.settings, job.tree)
     laws = laws_of(job.settings, job.tree)
     everything = predictions_in(job.tree)
     stored = [s for s in everything if s.prediction.view != LOOP]
     tests = residual_tests_in(job.tree)
-    for prepared in records:
+    for prepared in choice.all_figures:
         record = load_record(prepared.file)
         job.watcher.progress("plot", f"record {record.name}", None)
         yield f"{record.name}.record", partial(record_plot, record)
@@ -50,6 +50,8 @@ def figures(job: Job, records: Sequence[Prepared]) -> Named:
         yield from _in_loop(
             record, [s for s in everything if (s.prediction.record, s.prediction.view) == (record.name, LOOP)]
         )
+    for prepared in choice.compared:
+        yield from _comparisons(prepared.name, stored)
     yield from _of_model(model, stored, fit_of(job.tree))
 
 
@@ -74,6 +76,14 @@ def _of_record(
                 yield f"{stem}.{kind}.{test.view}", draw
     for port, draw_friction in friction_plots(laws, record, stored):
         yield f"{record.name}.{port.name}.friction", draw_friction
+
+
+def _comparisons(record: str, stored: Sequence[Stored]) -> Named:
+    """The figures of one record that hold the model against the data, one for each output."""
+    own = [s for s in stored if s.prediction.record == record]
+    for output in own[0].prediction.output_names if own else ():
+        responses = [Response.of(s.model, s.prediction, output) for s in own]
+        yield f"{record}.{output}.comparison", partial(comparison_plot, responses)
 
 
 def _in_loop(record: Record, stored: Sequence[Stored]) -> Named:

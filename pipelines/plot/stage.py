@@ -29,10 +29,10 @@ def run(job: Job) -> None:
         load_early(DRAWS)  # the workers import matplotlib while this process reads the results
     from pipelines.plot.figures import figures  # matplotlib takes half a second to import
 
-    records, left_out = drawn_records(job.settings, job.tree, prepared_records(job.tree))
-    if left_out:
-        job.watcher.say(f"plot: {left_out}")
-    asked = list(figures(job, records))
+    choice = drawn_records(job.settings, job.tree, prepared_records(job.tree))
+    if choice.said:
+        job.watcher.say(f"plot: {choice.said}")
+    asked = list(figures(job, choice))
     with mapper_of(processes) as mapper:
         given = [(name, draw, job.folder, _section(job.settings).formats) for name, draw in asked]
         for k, (name, trouble) in enumerate(zip(dict(asked), mapper(_written, given), strict=True), 1):

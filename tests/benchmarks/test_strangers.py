@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks.strangers.play import Outcome, machines
-from benchmarks.strangers.report import table
+from benchmarks.strangers import counted, report, servo
+from benchmarks.strangers.command import beyond
+from benchmarks.strangers.killed import Killed, Trial
+from benchmarks.strangers.play import Machine, Outcome, Value, machines
 from benchmarks.strangers.rigs import FINE, GAP, LEVEL, _pushed, free_swing
 from benchmarks.strangers.tanks import EDGE, overflowing, two_tanks
-from pipelines.new.template import kinds
+from pipelines.new.template import kinds, template
 
 
 def columns(text: str) -> np.ndarray:
@@ -54,12 +57,67 @@ def test_a_tank_spills_over_its_edge():
     assert below[-100:].mean() <= also[-100:].mean() + 0.1
 
 
-def test_the_table_counts_what_is_quick():
-    rows = [
-        Outcome("slide", "carriage", (2.0, 9.0, 30.0), (1.0, 3.0, 12.0), "Nothing is missing.", 0.01, "M"),
-        Outcome("slow", "blank", (2.0, 9.0, 300.0), (1.0, 3.0, 12.0), "Nothing is missing.", None, ""),
-    ]
-    text = table(rows)
-    assert "simulated" in text
-    assert "| slide | carriage | 2, 9, 30 | 16 | 1.00% (M) | Nothing is missing. |" in text
-    assert text.endswith("at most 5 minutes: 1 of 2")
+def outcome(seconds: float, python: int = 0, **more: Any) -> Outcome:
+    kind = Machine("slide", "carriage", free_swing, planted=bool(more.get("lacking")))
+    values = {"M": Value(2.02, 0.01, 2.0, "kg"), "f_v": Value(3.0, 0.02, 3.0, "N*s/m")}
+    return Outcome(kind, (2.0, 9.0, seconds), (1.0, 3.0, 12.0), python, "Nothing.", values, **more)
+
+
+def test_the_table_counts_what_keeps_each_limit():
+    rows = [outcome(30.0, lacking=(), report=True), outcome(300.0, 4, lacking=(), report=False)]
+    text = report.templates(rows)
+    assert "(simulated)" in text.splitlines()[0]
+    assert "| slide | carriage | 3 | 0 | 2, 9, 30 | 16 | 1.00 % (M) | Nothing. |" in text
+    assert text.endswith(
+        "Of 2 machines (simulated): at most 300 s 1, at most 10 commands 2, no line of Python 1, "
+        "a page of the trace 1."
+    )
+
+
+def test_what_was_planted_and_not_found_is_told():
+    text = report.rigs([outcome(30.0, lacking=("f_c",), report=True)])
+    assert "M 2.020 ± 0.020 kg (planted: 2 kg)" in text
+    assert "f_c: not in the model" in text
+
+
+def test_a_kill_that_repeats_work_or_changes_numbers_is_told():
+    sound, late = Trial(0.5, 6, 5, True, True), Trial(0.9, 10, 0, True, True, ended_before=True)
+    text = report.killed(Killed(10, 8.0, "Found.", (sound, Trial(0.7, 8, 5, True, False), late)))
+    assert "| 50 % | 6 | 5 | 1 | the same |" in text
+    assert "| 70 % | 8 | 5 | 3 | **differ** |" in text
+    assert "2 kills (SIGKILL), at most 3 refits done twice, the same verdict and numbers after 1." in text
+
+
+def test_each_refit_leaves_a_line_before_it_begins(tmp_path, monkeypatch):
+    """A refit that fails has begun."""
+
+    def fails(*_: Any, **__: Any) -> None:
+        raise counted.module.TooStiff("at every start")
+
+    monkeypatch.setattr(counted.module, "refit", fails)
+    counted.count(tmp_path / "refits.txt")
+    for n in (1, 2):
+        assert counted.module.refit_if_possible(None, None, [], None, None) is None
+        assert (tmp_path / "refits.txt").read_text() == "begun\n" * n
+
+
+def test_lines_beyond_the_template_are_those_added_or_changed():
+    before = {"a.py": ["one", "two"]}
+    assert beyond(before, before) == 0
+    assert beyond(before, {"a.py": ["one", "2", "three"], "b.py": ["new"]}) == 3
+
+
+def test_the_servo_is_skipped_with_a_reason(monkeypatch):
+    monkeypatch.delenv("HYBRIDID_DATA", raising=False)
+    assert servo.records() is None
+    assert "**Skipped**: the measured records are not at hand" in report.servo(None)
+
+
+def test_the_page_s_servo_is_within_the_lines_allowed():
+    """The changed lines of the page, made on what the template writes."""
+    _, plant, _ = servo.said_on_page()
+    text = template("servo").code("xl330", {})
+    changed = beyond({"s": text.splitlines()}, {"s": servo.edited(plant, text).splitlines()})
+    assert 0 < changed <= servo.ALLOWED
+    with pytest.raises(ValueError, match="stands 0 times"):
+        servo.edited("-no such line\n+another\n", text)

@@ -179,8 +179,8 @@ class PlotSection:
     )
     records: Literal["auto", "all"] | tuple[str, ...] = setting(
         "auto",
-        f"roles or names of the records to draw, or all; auto: all of up to {FEW_RECORDS} records, of more "
-        "the one with the largest validation error, the median and the one with the smallest",
+        f"roles or names of the records to draw, or all; auto: all of up to {FEW_RECORDS} records; of more "
+        "the one with the largest validation error, and comparisons of the median and of the smallest",
         some=True,
     )
 

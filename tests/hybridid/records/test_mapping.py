@@ -277,7 +277,8 @@ def test_missing_cells_are_masked_where_asked(gappy):
     assert record.output("angle")[8] == pytest.approx(np.sin(20 * T[8]), abs=1e-3)
     assert np.isnan(record.measured[7:10, 0]).all()
     assert record.warnings[0] == (
-        f"record run: output 'angle' is missing at 4 of {N} samples, the first at t = {T[7]:g} s: masked"
+        f"record run: output 'angle' is missing at 4 of the {N} samples of its files, the first at "
+        f"t = {T[7]:g} s: masked"
     )
     finer = read_record("run", record_map({**gappy, "resample": 0.0005}), [])
     absent = finer.time[finer.absent[:, 0]]
@@ -293,6 +294,28 @@ def test_only_an_output_may_be_masked_where_it_is_missing(gappy):
         read_record("run", record_map(gappy), [])
     del gappy["inputs"]["force"]["missing"]
     with pytest.raises(RecordError, match="what drives the model must be known throughout"):
+        read_record("run", record_map(gappy), [])
+
+
+def test_an_auxiliary_signal_may_be_interpolated(gappy):
+    """As a temperature that is logged less often. It may not be masked, nor an output interpolated."""
+    gappy["auxiliary"] = {"oil": {"unit": "N", "column": "F"}}
+    del gappy["outputs"]["force"]
+    gappy["outputs"]["angle"]["missing"] = "mask"
+    with pytest.raises(RecordError, match=r"set signals\.auxiliary\.oil\.missing=interpolate to draw"):
+        read_record("run", record_map(gappy), [])
+    gappy["auxiliary"]["oil"]["missing"] = "interpolate"
+    record = read_record("run", record_map(gappy), [])
+    assert record.signal("oil")[50] == pytest.approx((VIR[49] + VIR[51]) / 2)
+    assert record.warnings[1] == (
+        f"record run: auxiliary 'oil' is missing at 1 of the {N} samples of its files, the first at "
+        f"t = {T[50]:g} s: interpolated, over {T[51] - T[49]:.3g} s at most"
+    )
+    gappy["auxiliary"]["oil"]["missing"] = "mask"
+    with pytest.raises(RecordError, match="has missing: mask, which only an output may have"):
+        read_record("run", record_map(gappy), [])
+    gappy["outputs"]["angle"]["missing"] = "interpolate"
+    with pytest.raises(RecordError, match="missing: interpolate, which only an auxiliary signal may have"):
         read_record("run", record_map(gappy), [])
 
 

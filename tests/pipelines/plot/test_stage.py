@@ -56,14 +56,16 @@ def many(settings, data):
     return lambda **plot: settings({**quick, "plot": plot})
 
 
-def test_of_many_records_the_worst_the_median_and_the_best_are_drawn(many, heard):
+def test_of_many_records_the_worst_is_drawn_and_two_are_compared(many, heard):
     tree = run_stages(many(), "run", heard).tree
     ordered = sorted(errors(tree).items(), key=lambda one: one[1])
     assert len(ordered) == 5
     best, median, worst = (ordered[k][0] for k in (0, 2, 4))
-    assert drawn_records(tree) == {best, median, worst}
-    (line,) = (line for line in heard.said if line.startswith("plot: figures of 3 of 5 records"))
-    assert f"{worst} (worst), {median} (median) and {best} (best)" in line
+    assert drawn_records(tree) == {worst}
+    compared = {path.name.partition(".")[0] for path in (tree / "plot").glob("*.comparison.svg")}
+    assert compared == {best, median, worst}
+    (line,) = (line for line in heard.said if line.startswith(f"plot: of 5 records all figures of {worst}"))
+    assert f"the comparisons of {median} (median) and {best} (best)" in line
     assert "plot.records=all" in line
 
 
@@ -77,7 +79,7 @@ def test_of_many_records_the_worst_the_median_and_the_best_are_drawn(many, heard
 )
 def test_the_records_asked_for_are_drawn(many, heard, wanted, names):
     assert drawn_records(run_stages(many(records=wanted), "run", heard).tree) == names
-    assert not any("figures of" in line for line in heard.said)
+    assert not any("plot.records=all" in line for line in heard.said)
 
 
 def test_a_record_that_does_not_exist_is_said_before_anything_is_done(many, heard):
