@@ -365,7 +365,8 @@ def test_missing_cells_of_the_page_are_refused_until_the_key_is_set(bench):
     (line,) = re.findall(r"^(hybridid: record first: output .*)$", DATA.read_text(), flags=re.MULTILINE)
     assert line in refused.stderr
     found, said = fitted(bench, [*words, "signals.outputs.angle.missing=mask"], "gaps")
-    assert "output 'angle' is missing at 60 of the 2000 samples of its files, the first at t = 3.5 s: masked" in said
+    told = "output 'angle' is missing at 60 of the 2000 samples of its files, the first at t = 3.5 s: masked"
+    assert told in said
     for name, truth in BENCH.items():
         assert found[name]["value"] == pytest.approx(truth, rel=0.02), name
 

@@ -91,7 +91,8 @@ def test_cells_that_are_missing_are_masked(recorded, machine, say, own_folder, r
     (own_folder / "two_inertias.csv").write_text("\n".join([header, *gone]))
     said = say("new", rig, *words)
     assert said.code == 0, said.complaint
-    assert "output 'link_angle' is missing at 250 of the 2500 samples of its files, the first at t = 0 s: masked" in said.out
+    told = "'link_angle' is missing at 250 of the 2500 samples of its files, the first at t = 0 s: masked"
+    assert told in said.out
     outputs = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())["signals"]["outputs"]
     assert {name: one.get("missing") for name, one in outputs.items()} == {
         "motor_angle": None,
