@@ -101,7 +101,6 @@ def _descend(
     slow = min(SLOW_SHARE * tolerance, SLOW_GAIN)
     apart = mends and has_own_states(problem)
     places = [p]
-    eager = True  # the last step was taken at its first trial: so may the next be, and then slopes are needed
     for iteration in range(1, stop.iterations + 1):
         normal = variables.linearised(shot if shot.sensitive else problem.shooter(x0, p, True))
         if not normal.finite:
@@ -112,11 +111,11 @@ def _descend(
         here = shot
         if cost <= problem.rounding or _promises_little(normal, held, cost, tolerance):
             return Solution(p, x0, cost, "converged", True, iteration - 1, tuple(history))
+        slopes = iteration < stop.iterations  # most first trials are taken, and then slopes are needed
         while True:
             dp, dx = normal.step(damping, held)
             trial_p, trial_x = variables.moved(p, x0, dp, dx)
             promised = normal.predicted(*variables.between(p, x0, trial_p, trial_x))
-            slopes = eager and iteration < stop.iterations
             shot = problem.shooter(trial_x, trial_p, sensitivities=slopes)
             if apart and growth >= STUBBORN:
                 trial_x, shot = mended(problem, (x0, here), (trial_x, shot), trial_p, cost - POOR * promised)
@@ -124,13 +123,13 @@ def _descend(
             ratio = (cost - trial) / promised if promised > 0 else -1.0
             if np.isfinite(trial) and ratio > 0:
                 break
-            damping, growth, eager = damping * growth, growth * 2, False
+            damping, growth, slopes = damping * growth, growth * 2, False
             if damping > MOST_DAMPING:
                 there = _promises_little(normal, held, cost, slow)
                 status = ROUGH if there else "stalled: no step lowers the cost"
                 return Solution(p, x0, cost, status, there, iteration, tuple(history))
         damping *= max(1 / 10, 1 - (2 * ratio - 1) ** 3)
-        damping, growth, eager = max(damping, 1e-12), 2.0, growth == 2.0
+        damping, growth = max(damping, 1e-12), 2.0
         p, x0, cost = trial_p, trial_x, trial
         history.append(cost)
         places.append(p)

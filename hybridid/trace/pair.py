@@ -78,21 +78,30 @@ class PairTrial:
 
 @np.errstate(over="ignore", invalid="ignore")  # a start may diverge
 def attempt_pair(
-    promise: Promise, singles: tuple[Trial | None, Trial | None], base: Refit, split: Split, worth: float
+    promise: Promise,
+    singles: tuple[Trial | None, Trial | None],
+    base: Refit,
+    split: Split,
+    rules: Rules,
+    rival: Refit | None = None,
 ) -> PairTrial:
     """Add both candidates to the base model, refit everything, compare on held-out horizons.
 
-    Each starts as it promised most, and where its trial of ``singles`` ended, in every combination.
+    Each starts as it promised most, and where its trial of ``singles`` ended, in every combination. The refit
+    ends early if it promises too little over the base model or, if there is one, over its ``rival``, which it
+    must beat by ``Rules.tie``.
     """
     began = time.perf_counter()
-    starts, least = _starts(promise, singles, base), least_of(worth)
+    starts = _starts(promise, singles, base)
+    least = least_of(rules.worth if rival is None else min(rules.worth, rules.tie))
 
     def solve(numerics: Numerics, to_beat: Refit, chosen: Sequence[int] | None) -> PairTrial:
         own = starts if chosen is None else [starts[k] for k in chosen]
-        return _solved(promise, own, base, split, numerics, to_beat, least)
+        lowest = min(filter(None, (to_beat, rival)), key=lambda one: one.cost)
+        return _solved(promise, own, base, split, numerics, lowest, least)
 
     trial = by_either_integrator(solve, base)
-    if trial.gain >= worth:
+    if trial.gain >= rules.worth and trial.refit is not None and not trial.refit.ended_early:
         trial = _beside_each_other(trial, singles, split)
     return replace(trial, seconds=time.perf_counter() - began)
 
@@ -167,6 +176,8 @@ def _decided(pair: PairTrial, rules: Rules) -> PairTrial:
         ended = "; its refit promised little and ended early" if pair.refit.ended_early else ""
         said = f"held-out RMSE changes by {-pair.gain:+.1%}; {rules.worth:.0%} less is asked{ended}"
         return replace(pair, status=REJECTED, reason=said)
+    if pair.refit.ended_early:
+        return replace(pair, status=REJECTED, reason="its refit promised too little and ended early")
     p = pair.p_adjusted
     members = tuple(
         replace(

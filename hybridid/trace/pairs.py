@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from hybridid.naming import counted, listed
 from hybridid.trace.candidates import admissible
@@ -64,17 +65,17 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
             tuple(singles.get(c.name) for c in (one.first, one.second)),
             step.base,
             context.split,
-            rules.worth,
+            rules,
         )
         for one in hopeful
     ]
-    trials = context.each("pairs", attempt_pair, chosen, lambda trial: trial.name)
     family = len(candidates) * (len(candidates) - 1) // 2
-    if accepted_before is not None:
+    if accepted_before is None:
+        trials = context.each("pairs", attempt_pair, chosen, lambda trial: trial.name)
+        judged = judge_pairs(trials, family, rules)
+    else:
         family += accepted_before.steps[-1].family
-    judged = judge_pairs(trials, family, rules)
-    if accepted_before is not None:
-        judged = [_unless_better(pair, accepted_before, family, rules) for pair in judged]
+        trials, judged = _judged_in_place(chosen, accepted_before, family, context)
     step = _decided(replace(step, family=family), judged, context)
     context.say(f"of {counted(family, 'pair')}, {len(trials)} tried: {_said_of(step)}")
     return _taken(found, step, context)
@@ -91,6 +92,26 @@ def in_place(found: Search, context: Context) -> Search:
     begun = replace(found, steps=(first,), final=first.base, accepted=(), withdrawn="")
     tried = with_pair(begun, context, found)
     return tried if tried.accepted else found
+
+
+def _judged_in_place(
+    chosen: Sequence[tuple[Any, ...]], before: Search, family: int, context: Context
+) -> tuple[list[PairTrial], list[PairTrial]]:
+    """The pairs tried, and as judged, in the place of what the search ``before`` accepted.
+
+    A refit ends early where it promises too little over the last model of ``before``. If a pair passes, all
+    are tried again without that: another one may be as good.
+    """
+    for rival in (before.final, None):
+        given = [(*one, rival) for one in chosen]
+        trials = context.each("pairs", attempt_pair, given, lambda trial: trial.name)
+        judged = [
+            _unless_better(pair, before, family, context.rules)
+            for pair in judge_pairs(trials, family, context.rules)
+        ]
+        if not any(pair.status == PASSED for pair in judged):
+            break
+    return trials, judged
 
 
 def _unless_better(pair: PairTrial, before: Search, family: int, rules: Rules) -> PairTrial:

@@ -12,7 +12,7 @@ change at each amplitude that it may start with.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from hybridid.estimators.carried import by_parameter
 from hybridid.estimators.jacobian import columns
 from hybridid.estimators.problem import Problem
+from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import FAILURES, Refit, begin, problem_of
 from hybridid.trace.sought import known_means
@@ -80,7 +81,7 @@ def _shapes(
         own = {n: v for n, v in single.refit.values.items() if n.startswith(f"{candidate.name}.")}
         starts = [{**base.values, **own}, *starts]
     positive = tuple(p.lower >= 0 for p in amplitudes.values())
-    view = _View(candidate, base, split, positive)
+    view = _View(candidate, model, base, split, positive)
     starts = [{**start, **known} for start in starts]
     absent = _each_once([{**start, **nothing} for start in starts])
     found = [_if_possible(view.derivative, start, tuple(amplitudes)) for start in absent]
@@ -105,46 +106,62 @@ def _each_once(starts: Sequence[Mapping[str, float]]) -> list[Mapping[str, float
 
 
 @dataclass(frozen=True, eq=False)
+class _Point:
+    """Where a look begins: the problem on the fitted horizons, parameters and initial states, and there J
+    (w, n_x + n_free, n) and the residuals (w, n)."""
+
+    problem: Problem
+    p: Array
+    x0: Array
+    by: Array
+    error: Array
+
+
+@dataclass(frozen=True, eq=False)
 class _View:
-    """Looks at a candidate beside ``base`` on the fitted horizons."""
+    """Looks at a candidate beside ``base``, in ``model``, on the fitted horizons."""
 
     candidate: Candidate
+    model: Model
     base: Refit
     split: Split
     positive: tuple[bool, ...]
+    points: dict[tuple[tuple[str, float], ...], _Point] = field(default_factory=dict)
+    """Those that were looked from, by their starts."""
 
     def derivative(self, start: Mapping[str, float], amplitudes: Sequence[str]) -> _Projected:
         """The derivatives by the ``amplitudes`` at zero."""
-        problem, p, x0 = self._begun(start)
-        by, error = _linearised(problem, p, x0)
+        at = self._at(start)
+        problem, by, error = at.problem, at.by, at.error
         own = [problem.free.index(name) for name in amplitudes if name in problem.free]
         if len(own) < len(amplitudes):
             return None
-        return self._shape(problem, by, np.take(by, [len(x0[0]) + k for k in own], axis=1), error, start)
+        return self._shape(problem, by, np.take(by, [len(at.x0[0]) + k for k in own], axis=1), error, start)
 
     def difference(self, start: Mapping[str, float], absent: Mapping[str, float]) -> _Projected:
         """The change of the outputs from ``absent`` to ``start``."""
-        problem, p, x0 = self._begun(absent)
-        by, error = _linearised(problem, p, x0)
-        there = problem.smoothed(problem.model.values(start), self.base.numerics.smoothing)
-        change = error - _residuals(problem, there, x0)
-        return self._shape(problem, by, change[:, None], error, start, several=False)
+        at = self._at(absent)
+        there = at.problem.smoothed(self.model.values(start), self.base.numerics.smoothing)
+        change = at.error - _residuals(at.problem, there, at.x0)
+        return self._shape(at.problem, at.by, change[:, None], at.error, start, several=False)
 
     def ended(self, single: Refit, absent: Mapping[str, float]) -> _Projected:
         """The change of the outputs from ``absent`` to where a trial ended, all that it moved included."""
-        problem, p, x0 = self._begun(absent)
-        by, error = _linearised(problem, p, x0)
-        fitted = list(self.split.fitted)
-        there = single.problem(self.split).on(fitted)
-        change = error - _residuals(there, single.model.values(single.values), single.x0[fitted])
-        return self._shape(problem, by, change[:, None], error, single.values, several=False)
+        at, fitted = self._at(absent), list(self.split.fitted)
+        there = replace(single, model=self.model).problem(self.split).on(fitted)
+        change = at.error - _residuals(there, self.model.values(single.values), single.x0[fitted])
+        return self._shape(at.problem, at.by, change[:, None], at.error, single.values, several=False)
 
-    def _begun(self, start: Mapping[str, float]) -> tuple[Problem, Array, Array]:
-        """The problem on the fitted horizons, the parameters and the initial states of ``start``."""
-        model, fitted = self.candidate.added_to(self.base.model), list(self.split.fitted)
-        problem = problem_of(model, self.split, self.base, start)
-        begun = begin(problem, model.values(start), self.base, self.base.numerics)
-        return problem.on(fitted), begun.p, begun.x0[fitted]
+    def _at(self, start: Mapping[str, float]) -> _Point:
+        """The point of ``start``; each is simulated once."""
+        key = tuple(sorted(start.items()))
+        if key not in self.points:
+            fitted = list(self.split.fitted)
+            problem = problem_of(self.model, self.split, self.base, start)
+            begun = begin(problem, self.model.values(start), self.base, self.base.numerics)
+            problem, x0 = problem.on(fitted), begun.x0[fitted]
+            self.points[key] = _Point(problem, begun.p, x0, *_linearised(problem, begun.p, x0))
+        return self.points[key]
 
     def _shape(
         self,
