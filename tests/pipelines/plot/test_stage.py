@@ -6,10 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from pipelines.plot import stage
+from pipelines.plot import choice, stage
 from pipelines.plot.choice import errors
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
+from pipelines.shared.prepared import prepared_records
+
+
+@pytest.fixture(autouse=True)
+def in_this_process(monkeypatch):
+    """The start of other processes takes as long as these few figures."""
+    monkeypatch.setattr(stage, "core_count", lambda: 1)
 
 
 def written(tree):
@@ -56,7 +63,14 @@ def many(settings, data):
     return lambda **plot: settings({**quick, "plot": plot})
 
 
-def test_of_many_records_the_worst_the_median_and_the_best_are_drawn(many, heard):
+ASKED = (
+    ("all", {"first", "late0", "late1", "late2", "late3"}),
+    (["identification"], {"first"}),
+    (["late[12]", "first"], {"first", "late1", "late2"}),
+)
+
+
+def test_of_many_records_the_worst_the_median_and_the_best_or_those_asked_for_are_drawn(many, heard):
     tree = run_stages(many(), "run", heard).tree
     ordered = sorted(errors(tree).items(), key=lambda one: one[1])
     assert len(ordered) == 5
@@ -65,18 +79,11 @@ def test_of_many_records_the_worst_the_median_and_the_best_are_drawn(many, heard
     (line,) = (line for line in heard.said if line.startswith("plot: figures of 3 of 5 records"))
     assert f"{worst} (worst), {median} (median) and {best} (best)" in line
     assert "plot.records=all" in line
-
-
-@pytest.mark.parametrize(
-    ("wanted", "names"),
-    [
-        ("all", {"first", "late0", "late1", "late2", "late3"}),
-        (["identification"], {"first"}),
-        (["late[12]", "first"], {"first", "late1", "late2"}),
-    ],
-)
-def test_the_records_asked_for_are_drawn(many, heard, wanted, names):
-    assert drawn_records(run_stages(many(records=wanted), "run", heard).tree) == names
+    for wanted, names in ASKED:
+        chosen, said = choice.drawn_records(many(records=wanted), tree, prepared_records(tree))
+        assert ({one.name for one in chosen}, said) == (names, "")
+    heard.said.clear()
+    assert drawn_records(run_stages(many(records=["identification"]), "run", heard).tree) == {"first"}
     assert not any("figures of" in line for line in heard.said)
 
 
