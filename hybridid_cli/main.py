@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import sys
@@ -41,6 +42,7 @@ def main() -> None:
     except BrokenPipeError:  # `hybridid effects | head`
         _silence(sys.stdout)
         code = 0
+    gc.freeze()  # else Python looks through all modules once more: 0.2 s, and 0.9 s with MLflow among them
     sys.exit(code)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -67,3 +68,31 @@ def measured() -> Path:
     if not root.is_dir():
         pytest.fail(f"{DATA_VARIABLE} is {root}, which is not a folder")
     return root
+
+
+@pytest.fixture
+def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The trace of this process draws none: they take longer than a short trace."""
+    monkeypatch.setattr("pipelines.trace.stage._drawn", lambda job, found: [])
+
+
+@pytest.fixture
+def nothing_imported(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """No folder of own code yet; afterwards the modules from there are forgotten again."""
+    from pipelines.shared import own_code, trust
+
+    monkeypatch.setattr(own_code, "_folders", [])
+    monkeypatch.setattr(trust, "_admitted", set())
+    for name in ("path", "path_hooks"):
+        monkeypatch.setattr(sys, name, list(getattr(sys, name)))
+    before = set(sys.modules)
+    yield
+    for name in set(sys.modules) - before:
+        if any(Path(place).is_relative_to(f) for place in _files(name) for f in own_code.importable()):
+            del sys.modules[name]
+    sys.path_importer_cache.clear()
+
+
+def _files(name: str) -> list[str]:
+    module = sys.modules[name]
+    return [*filter(None, [getattr(module, "__file__", None)]), *getattr(module, "__path__", [])]

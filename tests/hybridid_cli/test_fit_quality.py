@@ -15,8 +15,8 @@ def fit_file() -> dict:
 
 
 @pytest.mark.usefixtures("own_folder")
-def test_a_sound_fit_says_so_before_its_numbers_and_ends_with_0(process):
-    said = process("fit", *WORDS, "estimator.horizon=500")
+def test_a_sound_fit_says_so_before_its_numbers_and_ends_with_0(say):
+    said = say("fit", *WORDS, "estimator.horizon=500")
     assert said.code == 0, said.err
     assert said.out.index("Fit quality (simulated): sound") < said.out.index("Estimates from")
     assert "doing nothing" in said.out
@@ -24,8 +24,8 @@ def test_a_sound_fit_says_so_before_its_numbers_and_ends_with_0(process):
 
 
 @pytest.mark.usefixtures("own_folder")
-def test_a_fit_that_has_not_converged_ends_with_3_and_states_no_error(process):
-    said = process("fit", *WORDS, "estimator.max_iterations=1")
+def test_a_fit_that_has_not_converged_ends_with_3_and_states_no_error(say):
+    said = say("fit", *WORDS, "estimator.max_iterations=1")
     assert said.code == 3
     assert "NOT CONVERGED" in said.out
     assert "not converged" in said.err
@@ -33,20 +33,20 @@ def test_a_fit_that_has_not_converged_ends_with_3_and_states_no_error(process):
 
 
 @pytest.mark.usefixtures("own_folder")
-def test_a_wrong_model_ends_with_4_after_all_stages(process):
+def test_a_wrong_model_ends_with_4_after_all_stages(say):
     """Friction and mass that no such carriage has: the record asks for others, outside the bounds."""
     bounds = (
         "parameters.M.lower=900",
         "parameters.M.upper=1000",
         "parameters.carriage.coulomb.f_c.fixed=500",
     )
-    said = process("validate", *WORDS, *bounds)
+    said = say("validate", *WORDS, *bounds)
     assert said.code == 4, said.err
     assert "the results are in tree" in said.err
     assert Path("tree/validate/metrics.json").exists()
 
 
-def test_the_codes_are_in_the_help(process):
-    said = process("fit", "--help").out
+def test_the_codes_are_in_the_help(say):
+    said = say("fit", "--help").out
     assert "3 if the fit has not converged" in said
     assert "4 if the model is wrong" in said

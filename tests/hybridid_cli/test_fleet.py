@@ -22,9 +22,9 @@ FEW = (
 )
 
 
-def test_one_table_of_all_machines_and_the_same_again(process, quick):
+def test_one_table_of_all_machines_and_the_same_again(say, quick):
     asked = ("trace", "-m", *quick, *FEW, "effects=[viscous,coulomb,offset],[viscous,coulomb,offset,viscos]")
-    said = process(*asked)
+    said = say(*asked)
     assert said.code == 1, said.err
     assert "Machines (simulated)" in said.out
     assert "1 machine, effect found: 1." in said.out
@@ -45,7 +45,7 @@ def test_one_table_of_all_machines_and_the_same_again(process, quick):
     assert row["provenance"] == "simulated"
     assert "hybridid trace -m" in (folder / "index.md").read_text()
 
-    again = process(*asked)
+    again = say(*asked)
     assert "1 of them fresh, 0 to do" in again.err
     assert json.loads((folder / "fleet.json").read_text())["machines"] == [machine]
 

@@ -45,7 +45,7 @@ def interrupted(
 
 @pytest.mark.parametrize("wait", [0.0, 0.4])
 @pytest.mark.parametrize("method", ["gauss_newton", "multiple_shooting"])
-def test_ctrl_c_in_the_midst_of_a_fit(environment, process, method, wait):
+def test_ctrl_c_in_the_midst_of_a_fit(environment, say, method, wait):
     words = ("fit", *LONG, f"estimator={method}", "estimator.starts=20")
     code, out, err = interrupted(environment, words, "fit: not made yet", wait)
     assert code == 130, err
@@ -58,7 +58,7 @@ def test_ctrl_c_in_the_midst_of_a_fit(environment, process, method, wait):
         "preprocess",
     ]
     if method == "gauss_newton" and not wait:
-        again = process("fit", *LONG, "estimator.starts=1")
+        again = say("fit", *LONG, "estimator.starts=1")
         assert again.code == 0, again.err
 
 

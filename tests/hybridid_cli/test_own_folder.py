@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +37,8 @@ TRUTH = {"J": 0.02, "G": 0.9, "pivot.viscous.f_v": 0.03, "pivot.cable.k": 0.2}
 DT, SAMPLES = 0.01, 1200
 
 
-def write_record(path: Path) -> None:
+@cache
+def recording() -> str:
     """A held random torque on the true pendulum, integrated by SciPy; the angle in degrees, with noise."""
     generator = np.random.default_rng(1)
     torque = np.repeat(generator.uniform(-1.0, 1.0, SAMPLES // 30), 30)
@@ -48,7 +50,8 @@ def write_record(path: Path) -> None:
         x = odeint(rate, x, (0, DT), tfirst=True, rtol=1e-8, atol=1e-10)[-1]
     angle = np.rad2deg(angle + generator.normal(0, 2e-4, SAMPLES))
     columns = np.column_stack([DT * np.arange(SAMPLES), torque, angle])
-    np.savetxt(path, columns, delimiter=",", header="t,torque,degrees", comments="", fmt="%.9g")
+    rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in columns)
+    return f"t,torque,degrees\n{rows}\n"
 
 
 @pytest.fixture
@@ -59,12 +62,13 @@ def mylab(own_folder: Path) -> Path:
     (lab / "case" / "mine.yaml").write_text(CASE)
     (lab / "case" / "pendulum.py").write_text(PLANT)
     (lab / "cable.py").write_text(EFFECT)
-    write_record(lab / "swing.csv")
+    (lab / "swing.csv").write_text(recording())
     return lab
 
 
-def test_own_case_plant_and_effect_are_fitted(process, mylab):
-    said = process("validate", "--config-dir", "mylab", "case=mine", "mlflow.enabled=false", "out=tree")
+@pytest.mark.usefixtures("nothing_imported")
+def test_own_case_plant_and_effect_are_fitted(say, mylab):
+    said = say("validate", "--config-dir", "mylab", "case=mine", "mlflow.enabled=false", "out=tree")
     assert said.code == 0, said.err
     found = json.loads(Path("tree/fit/estimate.json").read_text())["parameters"]
     assert set(found) == set(TRUTH)
@@ -73,10 +77,10 @@ def test_own_case_plant_and_effect_are_fitted(process, mylab):
     scores = json.loads(Path("tree/validate/metrics.json").read_text())
     assert {row["provenance"] for row in scores} == {"measured"}
     assert all(row["rmse"] < 3e-4 for row in scores), "2e-4 rad of noise should be all that is left"
-    listed = process("cases", "--config-dir", "mylab").out
+    listed = say("cases", "--config-dir", "mylab").out
     assert "mine: a pendulum of our own" in listed
     assert "emps: " in listed
-    assert "cable" in process("effects", "cable:CABLE", "--config-dir", "mylab").out
+    assert "cable" in say("effects", "cable:CABLE", "--config-dir", "mylab").out
 
 
 def test_changed_python_makes_the_fit_stale(process, mylab):
@@ -89,16 +93,18 @@ def test_changed_python_makes_the_fit_stale(process, mylab):
     assert "fit: stale, code beside cable.py changed" in again.err
 
 
-def test_broken_python_is_one_line(process, mylab):
+@pytest.mark.usefixtures("nothing_imported")
+def test_broken_python_is_one_line(say, mylab):
     (mylab / "cable.py").write_text("CABLE = 1 / 0\n")
-    said = process("fit", "--config-dir", "mylab", "case=mine", "mlflow.enabled=false")
+    said = say("fit", "--config-dir", "mylab", "case=mine", "mlflow.enabled=false")
     assert said.code == 2
     assert "Traceback" not in said.err
     assert "cable:CABLE" in said.complaint
     assert "division by zero" in said.complaint
 
 
-def test_own_effect_is_found_and_the_model_with_it_taken_up(process, mylab):
+@pytest.mark.usefixtures("nothing_imported", "no_figures")
+def test_own_effect_is_found_and_the_model_with_it_taken_up(say, mylab):
     """Its name in the module is not its id: the augmented model must find it by its import path."""
     case = ("--config-dir", "mylab", "case=mine", "mlflow.enabled=false")
     tried = (
@@ -107,11 +113,11 @@ def test_own_effect_is_found_and_the_model_with_it_taken_up(process, mylab):
         "trace.processes=1",
         "trace.variables=[velocity,position]",
     )
-    said = process("trace", *case, "effects=[viscous]", *tried, "out=tree")
+    said = say("trace", *case, "effects=[viscous]", *tried, "out=tree")
     assert said.code == 0, said.err
     (accepted,) = json.loads(Path("tree/trace/trace.json").read_text())["accepted"]
     assert (accepted["effect"], accepted["class"]) == ("cable", ["cable"])
     assert accepted["parameters"]["k"]["value"] == pytest.approx(TRUTH["pivot.cable.k"], rel=0.05)
-    again = process("fit", *case, "model=tree/trace/model.json", "out=again")
+    again = say("fit", *case, "model=tree/trace/model.json", "out=again")
     assert again.code == 0, again.err
     assert set(json.loads(Path("again/fit/estimate.json").read_text())["parameters"]) == set(TRUTH)

@@ -11,9 +11,10 @@ SWEEP = ("-m", "out=all", "estimator.horizon=150,400")
 
 
 @pytest.mark.parametrize("launcher", ["local", "joblib"])
-def test_each_job_has_its_own_tree_in_out(process, quick, launcher):
-    more = ("hydra.launcher.n_jobs=2",) if launcher == "joblib" else ()
-    said = process("fit", *quick, *SWEEP, f"launcher={launcher}", *more)
+def test_each_job_has_its_own_tree_in_out(say, process, quick, launcher):
+    """The workers of joblib outlive a command in this process."""
+    typed, more = (process, ("hydra.launcher.n_jobs=2",)) if launcher == "joblib" else (say, ())
+    said = typed("fit", *quick, *SWEEP, f"launcher={launcher}", *more)
     assert said.code == 0, said.err
     trees = sorted(p for p in Path("all").iterdir() if p.is_dir())
     assert len(trees) == 2

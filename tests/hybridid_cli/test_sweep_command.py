@@ -36,7 +36,7 @@ def _children(pid: int) -> list[int]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="finds the workers in /proc")
-def test_a_killed_job_is_named_and_the_same_command_completes_the_sweep(environment, quick, process):
+def test_a_killed_job_is_named_and_the_same_command_completes_the_sweep(environment, quick, say):
     words = [sys.executable, "-m", "hybridid_cli", "sweep", *quick, *NETWORKS]
     with subprocess.Popen(words, env=environment, stderr=subprocess.PIPE, text=True) as running:
         assert running.stderr is not None
@@ -53,7 +53,7 @@ def test_a_killed_job_is_named_and_the_same_command_completes_the_sweep(environm
     (folder,) = Path("outputs/sweeps").iterdir()
     assert "SIGKILL" in (folder / "index.html").read_text()
 
-    again = process("sweep", *quick, *NETWORKS)
+    again = say("sweep", *quick, *NETWORKS)
     assert again.code == 0, again.err
     assert "2 points, 1 of them fresh, 1 to do on 1 core" in again.err
     assert "2 of 2 points have results, 1 of them from before" in again.out
@@ -88,8 +88,9 @@ def test_one_word_for_each_mistake(say, quick):
     assert said.code == 2
     assert "range() or choice()" in said.complaint
     assert "has no values" in say("sweep", *quick, "estimator.horizon=range(1,0)").complaint
-    assert say("sweep", *quick, "sweep.stack=0").code == 2
-    assert "sweep.stack is 0" in say("sweep", *quick, "sweep.stack=0").complaint
+    said = say("sweep", *quick, "sweep.stack=0")
+    assert said.code == 2
+    assert "sweep.stack is 0" in said.complaint
 
 
 def test_the_config_is_shown_without_a_sweep(say, quick):
@@ -132,9 +133,9 @@ def test_groups_and_values_are_swept_in_all_combinations(configs):
 
 def test_values_are_what_hydra_itself_makes_of_them(configs):
     """Set in a composed config or composed with it: the same."""
+    swept = configs("case=emps", "effects=[viscous,coulomb],[viscous]", "parameters.M.lower=null,50")
     for value in ("[viscous,coulomb]", "[viscous]"):
         (alone, _), *_ = configs("case=emps", f"effects={value}")
-        swept = configs("case=emps", "effects=[viscous,coulomb],[viscous]", "parameters.M.lower=null,50")
         same = [
             s for s, at in swept if at["effects"] == alone["effects"] and at["parameters.M.lower"] is None
         ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import socket
 import subprocess
@@ -19,9 +20,13 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-@pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="needs /proc to see who listens where")
-@pytest.mark.parametrize(("by", "code"), [(signal.SIGINT, 0), (signal.SIGKILL, -9)])
-def test_page_opens_on_this_machine_alone_and_ends_with_the_command(environment, by, code, own_folder):
+NEEDS_PROC = pytest.mark.skipif(
+    not Path("/proc/net/tcp").exists(), reason="needs /proc to see who listens where"
+)
+
+
+@NEEDS_PROC
+def test_page_opens_on_this_machine_alone_and_ends_with_the_command(environment, own_folder):
     """No code of the folder where one stands runs: MLflow's server once imported its ``yaml.py``."""
     for name in ("yaml", "alembic", "sqlalchemy"):
         (own_folder / f"{name}.py").write_text("open('ran', 'w')")
@@ -40,10 +45,51 @@ def test_page_opens_on_this_machine_alone_and_ends_with_the_command(environment,
         assert not (own_folder / "ran").exists()
         assert (own_folder / "a.db").exists()
         assert listening(port) == {"0100007F"}, "127.0.0.1, as the kernel writes it"
-        process.send_signal(by)
-        assert process.wait(30) == code
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 0
     finally:
         process.kill()
+    assert_closed(port)
+
+
+SERVE = """
+import sys
+from pipelines.shared.config import Settings
+from pipelines.tracking import serving
+
+class Told:
+    def say(self, line): print(line, flush=True)
+
+serving.client = lambda settings: None
+outputs = {"paths": {"outputs": "outputs"}, "mlflow": {"enabled": True}}
+serving.serve(Settings("short", {"port": int(sys.argv[1]), **outputs}), Told())
+"""
+SERVER = """
+import subprocess, sys
+port = sys.argv[sys.argv.index("--port") + 1]
+subprocess.run([sys.executable, "-m", "http.server", port, "--bind", "127.0.0.1"])
+"""
+
+
+@NEEDS_PROC
+def test_a_command_that_is_killed_leaves_no_server(environment, own_folder):
+    """A server of Python's own, in a process below the one that is started, stands in for MLflow's."""
+    (own_folder / "mlflow").mkdir()
+    (own_folder / "mlflow/__main__.py").write_text(SERVER)
+    port = free_port()
+    environment["PYTHONPATH"] = os.pathsep.join([str(own_folder), environment["PYTHONPATH"]])
+    words = [sys.executable, "-c", SERVE, str(port)]
+    with subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        try:
+            assert any(f"http://127.0.0.1:{port} is open" in line for line in process.stdout)
+            assert listening(port) == {"0100007F"}
+        finally:
+            process.kill()
+    assert_closed(port)
+
+
+def assert_closed(port: int) -> None:
     end = time.monotonic() + 10
     while listening(port) and time.monotonic() < end:
         time.sleep(0.1)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import json
-import sys
-from collections.abc import Callable, Iterator
+import shutil
+from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,8 +16,8 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from hybridid.rigs.emps import EMPSRig
-from pipelines.shared import own_code, trust
 from pipelines.shared.config import Settings
+from pipelines.tracking import store
 
 CONFIG: dict[str, Any] = {
     "case": {"title": "a short carriage"},
@@ -92,10 +93,28 @@ def data(own_folder: Path, recordings: dict[str, str]) -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def empty_store(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
+    """``empty_store()``: a store of MLflow without a run, made once."""
+    make = store._make
+
+    @functools.cache
+    def made() -> Path:
+        file = tmp_path_factory.mktemp("store") / store.STORE
+        make(file)
+        return file
+
+    return made
+
+
 @pytest.fixture
-def settings(own_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Settings]:
-    """``settings({"estimator.horizon": 100})``: the case with some keys changed."""
+def settings(
+    own_folder: Path, monkeypatch: pytest.MonkeyPatch, empty_store: Callable[[], Path]
+) -> Callable[..., Settings]:
+    """``settings({"estimator.horizon": 100})``: the case with some keys changed. A store of MLflow is copied
+    where one is wanted: MLflow takes most of a second to make it."""
     monkeypatch.delenv("HYBRIDID_DATA", raising=False)
+    monkeypatch.setattr(store, "_make", lambda file: shutil.copyfile(empty_store(), file))
 
     def changed(changes: dict[str, Any] | None = None, **more: Any) -> Settings:
         config = deepcopy(CONFIG)
@@ -120,27 +139,6 @@ def fits_schema() -> Callable[[Path], None]:
         Draft202012Validator(schema).validate(json.loads(path.read_text()))
 
     return check
-
-
-@pytest.fixture
-def nothing_imported(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """No folder of own code yet; afterwards the modules from there are forgotten again."""
-    monkeypatch.setattr(own_code, "_folders", [])
-    monkeypatch.setattr(trust, "_admitted", set())
-    for name in ("path", "path_hooks"):
-        monkeypatch.setattr(sys, name, list(getattr(sys, name)))
-    before = set(sys.modules)
-    yield
-    for name in set(sys.modules) - before:
-        own = any(Path(place).is_relative_to(f) for place in _files(name) for f in own_code.importable())
-        if own:
-            del sys.modules[name]
-    sys.path_importer_cache.clear()
-
-
-def _files(name: str) -> list[str]:
-    module = sys.modules[name]
-    return [*filter(None, [getattr(module, "__file__", None)]), *getattr(module, "__path__", [])]
 
 
 @pytest.fixture

@@ -122,6 +122,7 @@ def test_other_groups_make_the_results_stale_and_other_bounds_only_the_fit(setti
     assert heard.said[1].startswith("fit: stale, parameters")
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_a_trace_judges_with_the_values_of_the_groups(settings, cold_and_warm, heard):
     chosen = by(GROUPS, fit__records=["first", "second"])
     chosen |= {
@@ -133,7 +134,7 @@ def test_a_trace_judges_with_the_values_of_the_groups(settings, cold_and_warm, h
             "processes": 1,
             "laws": False,
             "horizon": 0.3,
-            "variables": ["velocity", "position"],
+            "variables": ["velocity"],
         },
     }
     tree = run_stages(settings(chosen), "trace", heard).tree
@@ -202,11 +203,12 @@ def test_what_cannot_be_is_one_line(changes, line, settings, cold_and_warm, hear
 def by_recording(**section):
     """The settings of a trace that asks which parameters differ by recording."""
     asked = {"by_recording": True, "effects": ["stribeck"], "processes": 1, "laws": False, "horizon": 0.1}
-    asked["variables"] = ["velocity", "position"]
+    asked["variables"] = ["velocity"]
     changes = {"records": RECORDS, "parameters": {}, "rig": None, "fit.records": None}
     return {**changes, "trace": {"records": None, "held_out": None, **asked, **section}}
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_a_trace_names_what_differs_by_recording(settings, cold_and_warm, heard, fits_schema):
     tree = run_stages(settings(by_recording()), "trace", heard).tree
     fits_schema(tree / "trace/trace.json")

@@ -70,6 +70,7 @@ def test_a_model_file_keeps_what_the_records_give(settings, two_masses, heard):
     assert model_of(settings({**BOTH, "parameters": saved["config"]["parameters"]})).by_record == ("M",)
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_a_trace_takes_each_record_s_own(settings, two_masses, heard):
     chosen = {
         **BOTH,

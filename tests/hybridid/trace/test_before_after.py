@@ -30,7 +30,8 @@ def records(two_records):
 def context(records):
     first, second = records
     tried = (effect_named("asymmetric_viscous"), effect_named("quadratic_drag"))
-    return Context(by_record([first], [second], round(HORIZON / first.dt)), tried)
+    split = by_record([first], [second], round(HORIZON / first.dt))
+    return Context(split, tried, variables=("velocity", "position"))
 
 
 @pytest.fixture(scope="module")

@@ -54,7 +54,8 @@ def model(make_model):
 
 
 def test_friction_that_follows_a_channel_is_named_with_the_channel(model, split):
-    found = conclude(model, Context(split, (*OTHERS, friction_over(TEMPERATURE))))
+    tried = (*OTHERS, friction_over(TEMPERATURE))
+    found = conclude(model, Context(split, tried, variables=("velocity", "input")))
     assert found.verdict == "effect_found"
     (one,) = found.accepted
     assert one.name == "carriage.friction_over_temperature"
@@ -65,7 +66,8 @@ def test_friction_that_follows_a_channel_is_named_with_the_channel(model, split)
 
 
 def test_a_learned_effort_over_the_channel_finds_it_where_no_effect_names_it(model, split):
-    found = conclude(model, Context(split, OTHERS, laws=False))
+    variables = ("velocity", "position", "time", "input")
+    found = conclude(model, Context(split, OTHERS, laws=False, variables=variables))
     assert found.verdict == "unexplained"
     assert found.accepted == ()
     assert found.remains[0] == "at carriage over temperature, times sign of velocity"

@@ -19,6 +19,7 @@ from hybridid.trace.verdict import conclude
 
 DF_V = 80.0
 TRIED = tuple(map(effect_named, ("stribeck", "input_gain")))
+FEW = ("velocity", "position")
 
 
 @pytest.fixture(scope="module")
@@ -70,17 +71,16 @@ def test_a_law_starts_in_the_likeness_of_the_learned_effort(proposed, split_of):
 
 
 def test_nothing_is_proposed_where_nothing_is_missing(make_model, split_of):
-    found = conclude(make_model(), Context(split_of(), TRIED))
+    context = Context(split_of(), TRIED, variables=FEW)
+    found = conclude(make_model(), context)
     assert found.verdict == "nothing_missing"
     assert found.accepted == ()
-    assert with_law(found.search, found.ceilings, Context(split_of(), TRIED)) is found.search
+    assert with_law(found.search, found.ceilings, context) is found.search
 
 
 def test_a_sine_finer_than_any_learned_effort_is_found(make_model, split_of):
     """Twelve bumps over the stroke cannot show a ripple of short pitch, so they do not decide."""
-    found = conclude(
-        make_model(), Context(split_of(ripple=4.0, pitch=0.009), TRIED, variables=("velocity", "position"))
-    )
+    found = conclude(make_model(), Context(split_of(ripple=4.0, pitch=0.009), TRIED, variables=FEW))
     assert found.verdict == "law_proposed"
     (one,) = found.accepted
     assert one.name == "carriage.sine_of_position"

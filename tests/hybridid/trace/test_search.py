@@ -86,7 +86,8 @@ def test_nothing_is_found_where_nothing_is_missing(make_model, split_of):
 def test_two_effects_are_found_one_after_the_other(make_model, split_of):
     """From viscous friction alone: the Coulomb friction first, then the asymmetry."""
     tried = tuple(map(effect_named, ("coulomb", "offset", "asymmetric_viscous", "quadratic_drag")))
-    found = conclude(make_model(("viscous", "offset")), Context(split_of(df_v=DF_V), tried))
+    context = Context(split_of(df_v=DF_V), tried, variables=("velocity", "position"))
+    found = conclude(make_model(("viscous", "offset")), context)
     assert [one.name for one in found.accepted] == ["carriage.coulomb", "carriage.asymmetric_viscous"]
     assert found.model.terms[-1].name == "carriage.asymmetric_viscous"
 

@@ -12,6 +12,12 @@ from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
 
 
+@pytest.fixture(autouse=True)
+def in_this_process(monkeypatch):
+    """The start of other processes takes as long as these few figures."""
+    monkeypatch.setattr(stage, "core_count", lambda: 1)
+
+
 def written(tree):
     return {path.suffix for path in (tree / "plot").iterdir()} - {".json"}
 

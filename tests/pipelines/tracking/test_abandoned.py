@@ -17,7 +17,6 @@ from pathlib import Path
 import pytest
 from mlflow.store.tracking.sqlalchemy_store import SqlAlchemyStore
 
-from pipelines.shared.config import Settings
 from pipelines.tracking import begun
 from pipelines.tracking import log as tracking
 from pipelines.tracking import send as tracking_send
@@ -33,19 +32,14 @@ from pipelines.tracking.waiting import send_waiting, waiting
 POINT = Point("point", "width=8", {}, {}, began=1_700_000_000.0, seconds=2.0)
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """An empty store: MLflow takes seconds to make one."""
-    folder = tmp_path_factory.mktemp("made")
-    client(Settings("short", {"paths": {"outputs": str(folder)}, "mlflow": {"enabled": True}}))
-    return folder / STORE
+MADE_BY_MLFLOW = store_module._make
 
 
 @pytest.fixture(autouse=True)
-def store(made, settings):
-    """The store of each test."""
+def store(empty_store, settings):
+    """The store of each test, which no process has opened."""
     Path("outputs").mkdir()
-    shutil.copy(made, "outputs")
+    shutil.copy(empty_store(), "outputs")
 
 
 @pytest.fixture(autouse=True)
@@ -279,6 +273,7 @@ def _lock(path):
 
 def test_a_store_whose_making_was_cut_off_is_made_anew(settings, monkeypatch):
     Path("outputs", STORE).unlink()
+    monkeypatch.setattr(store_module, "_make", MADE_BY_MLFLOW)
 
     def cut_off(uri, process):
         Path(uri.removeprefix("sqlite:///")).write_text("half of a store")

@@ -1,0 +1,124 @@
+"""Names whose amplitude is no constant: a varying-coefficient model beside an accepted effect.
+
+A law of the library is a form times a constant amplitude. A machine may have the form and another amplitude
+at every load, place or time: a detent that a spring presses, friction that a temperature sets. The library's
+law is then the best one it has, and leaves what its amplitude does. So where far more than the noise is left,
+the amplitude of each accepted effect at an effort or flow port is freed:
+
+    F = law (1 + sum_j a_j b_j(s)),   s a variable of the port, b_j as in ``hybridid.trace.learned_effort``
+
+With all a_j at zero this is the accepted model. If it takes most of the squared error that is left
+(``Rules.majority``), significantly with all such trials counted, and under other numerics as well, the
+amplitude is no constant and the law is not that of the library: the name is withdrawn.
+
+Source: Hastie, Tibshirani (1993), Varying-coefficient models, J. Royal Statistical Society B 55(4), 757-796.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from hybridid.effects.dimension import ONE
+from hybridid.effects.effect import Effect, Local
+from hybridid.effects.over import MEMORIES, Over
+from hybridid.plants.plant import TOGETHER
+from hybridid.simulation.stability import TooStiff
+from hybridid.trace.ceiling import TOLERANCE
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
+from hybridid.trace.learned_effort import Bumps, learned_effort
+from hybridid.trace.path import Array, Path
+from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, least_of, refit_if_hopeful
+from hybridid.trace.robustness import surviving
+from hybridid.trace.split import Split
+
+
+@dataclass(frozen=True)
+class VaryingLaw:
+    """The law of ``effect``, times one plus a learned function of a variable."""
+
+    effect: Effect
+    learned: Bumps
+
+    def __call__(self, at: Local) -> ca.SX:
+        return self.effect.law(at) * (1 + self.learned(at))
+
+
+@dataclass(frozen=True)
+class Varied:
+    """The model with the amplitude of the term ``name`` free over ``over``; None if it cannot be solved."""
+
+    name: str
+    over: Over
+    refit: Refit | None
+    p_value: float = 1.0
+
+
+def varying(effect: Effect, over: Over, seen: Array) -> Effect:
+    """``effect`` with an amplitude that varies over ``over``, on the range of ``seen`` (n,)."""
+    learned = learned_effort(effect.kind, over, seen)
+    assert isinstance(learned.law, Bumps)
+    shares = [replace(p, dimension=ONE, nests=False) if p.nests else p for p in learned.parameters]
+    return replace(
+        effect,
+        law=VaryingLaw(effect, learned.law),
+        parameters=(*effect.parameters, *shares),
+        needs=tuple(dict.fromkeys((*effect.needs, *over.needs))),
+        channels=tuple(dict.fromkeys((*effect.channels, *over.channels))),
+    )
+
+
+def not_constant(final: Refit, names: list[str], context: Context) -> tuple[str, str] | None:
+    """The first of the accepted ``names`` whose amplitude is no constant in the model ``final``, and why."""
+    places = [(name, over) for name in names for over in _overs(final, name, context)]
+    given = [(final, context.split, name, over, least_of(context.rules.worth)) for name, over in places]
+    tried = context.each("amplitudes", vary, given, lambda one: f"{one.name} over {one.over}")
+    left, rules = final.score.loss**2, context.rules
+    found = [(one, one.refit) for one in tried if one.refit is not None]
+    for one, freed in sorted(found, key=lambda pair: pair[1].score.loss):
+        share = 1 - freed.score.loss**2 / left
+        if share < rules.majority or len(tried) * one.p_value > rules.alpha:
+            continue
+        if surviving([freed], final, context):
+            return one.name, (
+                f"its amplitude is no constant: as a function of {one.over} it takes {share:.0%} of the squared "
+                "error that is left"
+            )
+    return None
+
+
+def _overs(final: Refit, name: str, context: Context) -> list[Over]:
+    """Variables without memory over which the amplitude of the term ``name`` may vary."""
+    term = next(term for term in final.model.terms if term.name == name)
+    port = final.model.plant.port(term.port.split(TOGETHER)[0])
+    if port.kind not in ("effort", "flow"):
+        return []
+    path = Path.of(final, context.split, context.split.fitted)
+    plain = [
+        one for one in context.overs(port, final.model) if not one.factor and one.variable not in MEMORIES
+    ]
+    return [one for one in plain if path.shows(port.name, one)]
+
+
+def vary(final: Refit, split: Split, name: str, over: Over, least: float) -> Varied:
+    """Refit ``final`` with the amplitude of the term ``name`` free over ``over``."""
+    term = next(term for term in final.model.terms if term.name == name)
+    seen = Path.of(final, split, split.fitted).seen(term.port.split(TOGETHER)[0], over)
+    model = final.model.without(name).plus(varying(term.effect, over, seen), term.port)
+    try:
+        freed = refit_if_hopeful(
+            model,
+            split,
+            [final.values],
+            final,
+            final.numerics,
+            final,
+            least,
+            tolerance=TOLERANCE,
+            std_up_to=WITHOUT_STD,
+        )
+    except (TooStiff, *FAILURES):
+        return Varied(name, over, None)
+    return Varied(name, over, freed, compare(final.score, freed.score).p_value)
