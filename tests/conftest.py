@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -25,6 +26,17 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 DATA_VARIABLE = "HYBRIDID_DATA"
 NO_DATA = f"needs measured records: set {DATA_VARIABLE}"
+
+
+def pytest_collection_finish() -> None:
+    """What is loaded by now stays: no search for garbage looks through it again."""
+    gc.collect()
+    gc.freeze()
+
+
+def pytest_unconfigure() -> None:
+    """Nor does the last one, as the process ends."""
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")
