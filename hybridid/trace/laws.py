@@ -15,9 +15,9 @@ Of laws that the held-out horizons cannot tell apart, the one with the fewest pa
 others are told beside it. Effects that the law has made needless are removed again.
 
 Several effects, each of which resembles a part of an unknown law, may mend one another until little is left.
-So where two or more were accepted, laws are tried in the place of all of them as well, over variables whose
-learned effort beside the declared model takes about what the effects take. One that alone explains more, by
-more than ``Rules.tie`` and significantly, takes their place: as ``hybridid.trace.pairs`` does it with pairs.
+So where two or more were accepted, and a learned effort beside the declared model leaves less than all of
+them, laws are tried in their place as well. One that alone explains more, by more than ``Rules.tie`` and
+significantly, takes their place: as ``hybridid.trace.pairs`` does it with pairs.
 """
 
 from __future__ import annotations
@@ -80,9 +80,8 @@ def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> 
     several = len(found.accepted) > 1 and not any(
         is_composed(one.trial.candidate.effect) for one in found.accepted
     )
-    named = found.first.score.loss**2 - found.final.score.loss**2
-    about = [one for one in before if _taken(one, found.first) >= (1 - rules.stands_in) * named]
-    if not several or not about:
+    enough = (1 - rules.tie) * found.final.score.loss
+    if not several or all(one.refit.score.loss > enough for one in before):
         return found
     context.say(f"laws in place of {names}")
     first = replace(found.steps[0], accepted=None, together=None, dropped=())

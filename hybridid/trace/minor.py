@@ -2,14 +2,15 @@
 
 A forward search takes the best effect of the library, also where something that the library does not hold
 takes far more. Such an effect resembles a part of the unknown, and further ones would mend what it leaves. So
-where far more than the noise is left, the best effect is held against the learned efforts beside the same
-model. With L the held-out loss,
+the best effect is held against the learned efforts beside the same model. With L the held-out loss,
 
     L_base^2 - L_effect^2 < majority (L_base^2 - L_learned^2)
 
-says that the effect is minor. Of two effects that add up, the larger takes at least half of what any curve
-can take; so a true effect is minor only where two help together and not alone. The step then ends as if no
-effect had passed: pairs are tried next, and then composed laws, beside which the search goes on.
+says that the effect is minor. No learned effort takes more than all, so an effect that takes that share of
+L_base^2 is not minor, and nothing need be learned. Of two effects that add up, the larger takes at least half
+of what any curve can take; so a true effect is minor only where two help together and not alone. The step
+then ends as if no effect had passed: pairs are tried next, and then composed laws, beside which the search
+goes on.
 """
 
 from __future__ import annotations
@@ -23,9 +24,12 @@ from hybridid.trace.robustness import surviving
 from hybridid.trace.trial import Trial
 
 
-def is_far(refitted: Refit, floor: float, context: Context) -> bool:
-    """Whether far more than the noise ``floor``, a loss, is left."""
-    return refitted.score.loss > context.rules.far * floor
+def may_be_minor(best: Trial, base: Refit, floor: float, context: Context) -> bool:
+    """Whether ``best`` leaves enough of the squared error, and more than the noise ``floor``, a loss."""
+    assert best.refit is not None
+    rules = context.rules
+    noisy = best.refit.score.loss <= rules.near_floor * floor
+    return not noisy and best.taken < rules.majority * base.score.loss**2
 
 
 def minor_beside(best: Trial, base: Refit, learned: Sequence[Ceiling], context: Context) -> Ceiling | None:

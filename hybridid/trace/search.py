@@ -12,7 +12,7 @@ from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import LawOverLearned
-from hybridid.trace.minor import is_far, minor_beside, said_of_minor
+from hybridid.trace.minor import may_be_minor, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.pair import PairTrial
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
@@ -168,13 +168,14 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
 
 
 def _unless_minor(step: Step, context: Context, floor: float) -> Step:
-    """``step`` without its effect, where far more than the noise is left and a learned effort takes most."""
+    """``step`` without its effect, if a learned effort beside the same model takes far more."""
     one = step.accepted
-    if one is None or one.trial.refit is None or not is_far(one.trial.refit, floor, context):
+    passed = [trial for trial in step.trials if trial.status == PASSED]
+    most = max(passed, key=lambda t: t.taken, default=None)
+    if one is None or most is None or not may_be_minor(most, step.base, floor, context):
         return step
     learned = ceilings(step.base, context)
-    passed = [trial for trial in step.trials if trial.status == PASSED]
-    larger = minor_beside(max(passed, key=lambda t: t.taken), step.base, learned, context)
+    larger = minor_beside(most, step.base, learned, context)
     if larger is None:
         return replace(step, learned=learned)
 

@@ -42,6 +42,7 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import Split
 from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE, related
+from hybridid.trace.varying import not_constant
 
 
 def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Context) -> Search:
@@ -149,6 +150,17 @@ def unless_minor(found: Search, times: float, rules: Rules) -> Search:
         f"with {names} the squared error falls by {taken:.0%}, to {times:.1f} times the error that noise and "
         "simulation alone leave: most of what is missing is something else",
     )
+
+
+def unless_varying(found: Search, context: Context) -> Search:
+    """``found`` without the first accepted effect whose amplitude is no constant, and without those after
+    it: see ``hybridid.trace.varying``."""
+    accused = not_constant(found.final, [one.name for one in found.accepted], context)
+    if accused is None:
+        return found
+    name, why = accused
+    number = next(k for k, step in enumerate(found.steps) if name in [one.name for one in step.taken])
+    return _ended_at(found, number, why)
 
 
 def _needed(found: Search, one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool:
