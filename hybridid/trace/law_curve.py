@@ -74,6 +74,19 @@ def _law_curve(base: Refit, law: Refit, port: str, over: Over, split: Split) -> 
     return _binned(_seen(path, own, port, over), added, own.factor(port, over))
 
 
+def is_curve_over(refitted: Refit, name: str, port: str, over: Over, split: Split) -> bool:
+    """Whether the effort of the term ``name`` at ``port`` is a curve over ``over``, times its factor.
+
+    Over a variable with memory, nothing but a law of that variable is.
+    """
+    if over.variable in MEMORIES:
+        return False
+    path = Path.of(refitted, split, (*split.fitted, *split.held_out))
+    effort = path.effort_of(name, port)
+    seen, factor = path.seen(port, over), path.factor(port, over)
+    return _is_curve(effort, _binned(seen, effort, factor), seen, factor)
+
+
 def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -> LawCurve:
     """All that the learned effort changed, less what the model's own terms take over to be near ``law``."""
     port, over = learned.port, learned.over

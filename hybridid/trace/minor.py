@@ -8,9 +8,10 @@ the best effect is held against the learned efforts beside the same model. With 
 
 says that the effect is minor. No learned effort takes more than all, so an effect that takes that share of
 L_base^2 is not minor, and nothing need be learned. Of two effects that add up, the larger takes at least half
-of what any curve can take; so a true effect is minor only where two help together and not alone. The step
-then ends as if no effect had passed: pairs are tried next, and then composed laws, beside which the search
-goes on.
+of what any curve can take; so a true effect is minor only where two help together and not alone. A learned
+effort adds up all effects of its variable, so it says nothing against an effect that is itself a curve over
+that variable. Else the step ends as if no effect had passed: pairs are tried next, and then composed laws,
+beside which the search goes on.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from collections.abc import Sequence
 
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
+from hybridid.trace.law_curve import is_curve_over
 from hybridid.trace.refit import Refit
 from hybridid.trace.robustness import surviving
 from hybridid.trace.trial import Trial
@@ -35,15 +37,20 @@ def may_be_minor(best: Trial, base: Refit, floor: float, context: Context) -> bo
 def minor_beside(best: Trial, base: Refit, learned: Sequence[Ceiling], context: Context) -> Ceiling | None:
     """The learned effort beside ``base`` that takes so much that ``best`` is minor; None if there is none.
 
-    Its gain must be worth having, significant, and survive other numerics.
+    Its gain must be worth having, significant, and survive other numerics. One does not count if ``best`` is
+    a curve over the same variable: it may be one of several effects that the learned effort adds up.
     """
-    rules = context.rules
+    rules, split, found = context.rules, context.split, best.refit
+    assert found is not None
 
     def takes(one: Ceiling) -> float:
         return base.score.loss**2 - one.refit.score.loss**2
 
     larger = [c for c in learned if c.passes(rules) and best.taken < rules.majority * takes(c)]
     for one in sorted(larger, key=takes, reverse=True):
+        name, ports = best.candidate.name, best.candidate.ports
+        if one.port in ports and is_curve_over(found, name, one.port, one.over, split):
+            continue
         if surviving([one.refit], base, context):
             return one
     return None

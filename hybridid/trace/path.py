@@ -136,6 +136,11 @@ class Path:
             return np.zeros((0, len(self.time)))
         return self._along(model.efforts, model.values(values))[rows]
 
+    def effort_of(self, name: str, port: str) -> Array:
+        """The effort of the model's own term ``name`` at ``port`` along this path, (n,)."""
+        places = [(term.name, where) for term, where in self.model.effort_places]
+        return self._along(self.model.efforts, self.p)[places.index((name, port))]
+
     def _load(self, port: str) -> Array:
         """What the two sides of ``port`` press against each other, drive minus load, (n,)."""
         return self._probed(LOAD, port)

@@ -29,6 +29,7 @@ from hybridid.simulation.stability import TooStiff
 from hybridid.trace.ceiling import TOLERANCE
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
+from hybridid.trace.law_curve import is_curve_over
 from hybridid.trace.learned_effort import Bumps, learned_effort
 from hybridid.trace.path import Array, Path
 from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, least_of, refit_if_hopeful
@@ -91,7 +92,8 @@ def not_constant(final: Refit, names: list[str], context: Context) -> tuple[str,
 
 
 def _overs(final: Refit, name: str, context: Context) -> list[Over]:
-    """Variables without memory over which the amplitude of the term ``name`` may vary."""
+    """Variables without memory over which the amplitude of the term ``name`` may vary: not those over which
+    its effort is a curve, since a freed one would add up all effects of that variable."""
     term = next(term for term in final.model.terms if term.name == name)
     port = final.model.plant.port(term.port.split(TOGETHER)[0])
     if port.kind not in ("effort", "flow"):
@@ -100,7 +102,11 @@ def _overs(final: Refit, name: str, context: Context) -> list[Over]:
     plain = [
         one for one in context.overs(port, final.model) if not one.factor and one.variable not in MEMORIES
     ]
-    return [one for one in plain if path.shows(port.name, one)]
+    return [
+        one
+        for one in plain
+        if path.shows(port.name, one) and not is_curve_over(final, name, port.name, one, context.split)
+    ]
 
 
 def vary(final: Refit, split: Split, name: str, over: Over, least: float) -> Varied:

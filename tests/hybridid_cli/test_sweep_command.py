@@ -36,7 +36,7 @@ def _children(pid: int) -> list[int]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="finds the workers in /proc")
-def test_a_killed_job_is_named_and_the_same_command_completes_the_sweep(environment, quick, say):
+def test_a_killed_job_is_named_and_the_same_command_completes_the_sweep(environment, quick, process):
     words = [sys.executable, "-m", "hybridid_cli", "sweep", *quick, *NETWORKS]
     with subprocess.Popen(words, env=environment, stderr=subprocess.PIPE, text=True) as running:
         assert running.stderr is not None
@@ -53,7 +53,7 @@ def test_a_killed_job_is_named_and_the_same_command_completes_the_sweep(environm
     (folder,) = Path("outputs/sweeps").iterdir()
     assert "SIGKILL" in (folder / "index.html").read_text()
 
-    again = say("sweep", *quick, *NETWORKS)
+    again = process("sweep", *quick, *NETWORKS)
     assert again.code == 0, again.err
     assert "2 points, 1 of them fresh, 1 to do on 1 core" in again.err
     assert "2 of 2 points have results, 1 of them from before" in again.out

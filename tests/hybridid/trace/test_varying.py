@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from hybridid.declarations import Signal
 from hybridid.effects.library import effect_named
 from hybridid.effects.over import Over
 from hybridid.trace.candidates import Candidate
@@ -16,25 +18,29 @@ from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import by_record
 from hybridid.trace.stand_in import unless_varying
 from hybridid.trace.trial import attempt
-from hybridid.trace.varying import not_constant, varying
+from hybridid.trace.varying import _overs, not_constant, varying
 
-VARIABLES = ("velocity", "position")
+TEMPERATURE = Signal("temperature", "°C")
 
 
 @pytest.fixture(scope="module")
-def context(split_of):
-    return Context(split_of(df_v=80.0), (), variables=VARIABLES)
+def context(two_records):
+    """Carriages whose Coulomb friction grows with the temperature, a channel of their records."""
+    first, second = (record.with_channels(["temperature"]) for record in two_records(warming=0.5))
+    return Context(by_record([first], [second], 50), (), variables=("velocity", "position", "input"))
 
 
 @pytest.fixture(scope="module")
 def base(make_model, context):
-    return refit(make_model(), context.split)
+    """The declared model without Coulomb friction."""
+    model = replace(make_model(("viscous", "offset")), channels=(TEMPERATURE,))
+    return refit(model, context.split)
 
 
 @pytest.fixture(scope="module")
 def named(base, context):
-    """``named(effect)``: its trial beside the declared model, whose friction lacks the direction."""
-    return lambda effect: attempt(Candidate(effect_named(effect), "carriage"), base, context.split)
+    """``named(effect)``: its trial beside the declared model."""
+    return lambda effect: attempt(Candidate(effect, "carriage"), base, context.split)
 
 
 def test_with_its_shares_at_zero_it_is_the_effect(base):
@@ -52,14 +58,13 @@ def test_with_its_shares_at_zero_it_is_the_effect(base):
     assert ours == theirs != 0.0
 
 
-def test_friction_that_grows_with_the_speed_has_no_constant_amplitude(named, base, context):
-    """Viscous friction by direction, named as Coulomb friction by direction."""
-    trial = named("asymmetric_coulomb")
+def test_friction_that_follows_a_channel_has_no_constant_amplitude(named, base, context):
+    trial = named(effect_named("coulomb"))
     accused = not_constant(trial.refit, [trial.candidate.name], context)
     assert accused is not None
     name, why = accused
-    assert name == "carriage.asymmetric_coulomb"
-    assert why.startswith("its amplitude is no constant: as a function of velocity it takes 9")
+    assert name == "carriage.coulomb"
+    assert why.startswith("its amplitude is no constant: as a function of temperature it takes ")
     accepted = Accepted(trial, (trial,), ())
     found = Search((Step(base, (trial,), accepted),), trial.refit, (accepted,), "")
     kept = unless_varying(found, context)
@@ -68,9 +73,17 @@ def test_friction_that_grows_with_the_speed_has_no_constant_amplitude(named, bas
     assert why in kept.withdrawn
 
 
-def test_the_truth_has_a_constant_amplitude(named, context):
-    trial = named("asymmetric_viscous")
-    assert not_constant(trial.refit, [trial.candidate.name], context) is None
+def test_the_truth_has_a_constant_amplitude(named, make_model, split_of):
+    context = Context(split_of(df_v=80.0), (), variables=("velocity", "position"))
+    model = make_model().plus(effect_named("asymmetric_viscous"), "carriage")
+    assert not_constant(refit(model, context.split), ["carriage.asymmetric_viscous"], context) is None
+
+
+def test_an_amplitude_is_not_freed_over_the_variable_of_the_effect(named, context):
+    """It would add up all effects of that variable."""
+    trial = named(effect_named("coulomb"))
+    over = {str(one) for one in _overs(trial.refit, "carriage.coulomb", context)}
+    assert over == {"position", "temperature"}
 
 
 def test_an_effect_of_a_signal_has_no_amplitude_to_free(make_model, two_records):
