@@ -84,9 +84,7 @@ def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> 
     if not several or all(one.refit.score.loss > enough for one in before):
         return found
     context.say(f"laws in place of {names}")
-    first = replace(found.steps[0], accepted=None, together=None, dropped=())
-    begun = replace(found, steps=(first,), final=first.base, accepted=(), withdrawn="")
-    lawful = with_law(begun, before, context)
+    lawful = with_law(found.before_any, before, context)
     better = compare(found.final.score, lawful.final.score)
     if better.gain < rules.tie or family_of(before) * better.p_value > rules.alpha:
         return found

@@ -88,9 +88,7 @@ def in_place(found: Search, context: Context) -> Search:
         return found
     names = listed([one.name for one in found.accepted])
     context.say(f"pairs in place of {names}")
-    first = replace(found.steps[0], accepted=None, together=None, dropped=())
-    begun = replace(found, steps=(first,), final=first.base, accepted=(), withdrawn="")
-    tried = with_pair(begun, context, found)
+    tried = with_pair(found.before_any, context, found)
     return tried if tried.accepted else found
 
 

@@ -25,7 +25,8 @@ class Rules:
     ``near_floor``: how close to the noise floor, as a factor, the search ends.
     ``far``: how many times what noise and simulation alone leave is too much for ``nothing_missing``.
     ``majority``: the least share of the squared error that effects must take to be named where more than
-    ``far`` is left.
+    ``far`` is left; the least share that an effect must take of what a learned effort beside the same model
+    takes; and the share of what is left that a free amplitude must take to show that it is no constant.
     ``stands_in``: the largest share of what an effect and a learned effort beside it take from the squared
     error that may be the learned effort's; above it, the trace tests whether the effect only stands in for
     something else.

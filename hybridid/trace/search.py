@@ -97,6 +97,12 @@ class Search:
         """The declared model as it was first fitted."""
         return self.steps[0].base if self.steps else self.final
 
+    @property
+    def before_any(self) -> Search:
+        """The search as if its first step had accepted nothing."""
+        first = replace(self.steps[0], accepted=None, together=None, dropped=())
+        return replace(self, steps=(first,), final=first.base, accepted=(), withdrawn="")
+
 
 def search(
     model: Model,

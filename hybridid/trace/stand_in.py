@@ -39,7 +39,7 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.refit import refit_if_possible, values_without
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, Step
+from hybridid.trace.search import AT_FLOOR, Accepted, Search, Step
 from hybridid.trace.split import Split
 from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE, related
 from hybridid.trace.varying import not_constant
@@ -153,8 +153,12 @@ def unless_minor(found: Search, times: float, rules: Rules) -> Search:
 
 
 def unless_varying(found: Search, context: Context) -> Search:
-    """``found`` without the first accepted effect whose amplitude is no constant, and without those after
-    it: see ``hybridid.trace.varying``."""
+    """``found`` without the first accepted effect whose amplitude is no constant, and without those after it.
+
+    See ``hybridid.trace.varying``. Where the search ended at the noise, nothing is left to explain.
+    """
+    if not found.accepted or found.stopped == AT_FLOOR:
+        return found
     accused = not_constant(found.final, [one.name for one in found.accepted], context)
     if accused is None:
         return found

@@ -24,6 +24,7 @@ import casadi as ca
 from hybridid.effects.dimension import ONE
 from hybridid.effects.effect import Effect, Local
 from hybridid.effects.over import MEMORIES, Over
+from hybridid.naming import listed
 from hybridid.plants.plant import TOGETHER
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.ceiling import TOLERANCE
@@ -79,6 +80,8 @@ def not_constant(final: Refit, names: list[str], context: Context) -> tuple[str,
     tried = context.each("amplitudes", vary, given, lambda one: f"{one.name} over {one.over}")
     left, rules = final.score.loss**2, context.rules
     found = [(one, one.refit) for one in tried if one.refit is not None]
+    if unsolved := [f"{one.name} over {one.over}" for one in tried if one.refit is None]:
+        context.say(f"amplitudes that no fit could free: {listed(unsolved)}")
     for one, freed in sorted(found, key=lambda pair: pair[1].score.loss):
         share = 1 - freed.score.loss**2 / left
         if share < rules.majority or len(tried) * one.p_value > rules.alpha:

@@ -30,7 +30,7 @@ from hybridid.trace.refit import Refit
 from hybridid.trace.revision import Replacement, replacements
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import AT_FLOOR, Accepted, Search, continued, search
+from hybridid.trace.search import Accepted, Search, continued, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import (
     unless_minor,
@@ -187,7 +187,7 @@ def _settled(found: Search, noise: Array, context: Context) -> _Settled:
     found, left, before = _trusted(_with_sound_classes(found, context), context)
     simulation, times = _error_left(found.final, noise, context)
     kept = unless_minor(found, times, context.rules)
-    if kept is found and found.accepted and found.stopped != AT_FLOOR:
+    if kept is found:
         kept = unless_varying(found, context)
     if kept is not found:
         found, left = kept, _beside_last(kept, before, context)
