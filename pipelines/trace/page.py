@@ -281,10 +281,10 @@ def _rules(traced: TraceFile) -> Table:
                          f"{percent(rules.stands_in)} of the reduction of the squared error by both"),
         ("named", f"above {rules.far:g} times the error of noise and simulation alone: only effects that "
                   f"together take {percent(rules.majority)} of the squared error"),
-        ("not minor", f"an effect takes at least {percent(rules.majority)} of what a {learned(found)} beside "
-                      "the same model takes, but for one over its own variable"),
-        ("constant amplitude", f"freed over another variable, it takes less than {percent(rules.majority)} of "
-                               "the squared error that is left"),
+        ("not minor", f"effects take at least {percent(rules.majority)} of what a {learned(found)} takes "
+                      "beside the same model, but for one over its own variable"),
+        ("constant amplitude", f"freed over another variable, it takes less than {percent(rules.majority)} "
+                               "of the squared error that is left"),
         ("nothing missing", f"said only up to {rules.far:g} times the error of noise and simulation alone"),
         ("search ended", found.stopped),
         ("took", f"{found.seconds:.0f} s on {traced.processes} processes"),
