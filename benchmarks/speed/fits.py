@@ -34,6 +34,8 @@ RIVALS = {
 SLOW = {"every sample a node, IPOPT", "least_squares, solve_ivp", "jax-sysid"}
 OPTIONAL = {"jax-sysid": "jax_sysid"}
 """Ways by libraries that we do not require, and the modules that they need."""
+ALONE = f"{OURS}, parameters alone"
+"""Ours without what the others do not find: standard errors, what noise leaves, a second descent."""
 BAD = (0.4, 2.5)
 """The guesses times one of these, in turn, inside the bounds: bad starts."""
 
@@ -49,7 +51,8 @@ def beside(repeats: int, say: Say, quick: bool) -> Iterator[Row]:
             absent = [name for name in fast if name in OPTIONAL and find_spec(OPTIONAL[name]) is None]
             there = [name for name in fast if name not in absent]
             rivals = [Way(name, partial(RIVALS[name], task), slow=name in SLOW) for name in there]
-            found = contest([Way(OURS, one.ours), *rivals], repeats, say)
+            own_ways = [Way(OURS, one.ours), Way(ALONE, one.alone)]
+            found = contest([*own_ways, *rivals], repeats, say)
             provenance = own.records[0].provenance
             yield from rows_of(BESIDE, start, found, provenance, partial(_reached, task))
             yield from (Row(BESIDE, start, name, (nan,), "not installed", provenance) for name in absent)
@@ -76,9 +79,9 @@ def growing(repeats: int, say: Say, quick: bool) -> Iterator[Row]:
         _ours(f"{whole[0].n:,} samples", whole, repeats if times < 100 else 1, say) for times, whole in longer
     )
     counts = [count for count in (1, 12, 100) if count <= max(most, 12)]
-    more = ((count, [like_emps(5_000, seed) for seed in range(count)]) for count in counts)
+    more = ((count, [like_emps(25_000, seed) for seed in range(count)]) for count in counts)
     yield from _beside_first(
-        _ours(f"{counted(count, 'recording')} of 5,000 samples", runs, repeats, say) for count, runs in more
+        _ours(f"{counted(count, 'recording')} of 25,000 samples", runs, repeats, say) for count, runs in more
     )
     record = [like_emps(25_000)]
     for what, change in MODELS.items():

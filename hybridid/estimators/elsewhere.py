@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators.descent import descend
-from hybridid.estimators.method import GAUSS_NEWTON
+from hybridid.estimators.method import LEARNING
 from hybridid.estimators.pieces import best_of, pieces
 from hybridid.estimators.plan import Descent, Result, Start
 from hybridid.estimators.start import best_initial_states, x0_candidates
@@ -44,7 +44,7 @@ def elsewhere(found: Result, plan: Descent, starts: Sequence[Array], watch: Watc
     start = Start(problem, p, best_initial_states(problem, p, candidates), tuple(candidates), watch)
     second = replace(
         plan,
-        method=GAUSS_NEWTON,
+        method=LEARNING,
         continuation=plan.continuation[-1:],
         screening=replace(LOOK, iterations=min(LOOK.iterations, plan.stop.iterations)),
         hopeful=CLEARLY * found.solution.cost,

@@ -134,8 +134,9 @@ def _lowest(
 
 def _doubt(found: Result, residual: Array | None = None) -> tuple[Uncertainty, Floor]:
     problem, best = found.problem, found.solution
-    doubt = uncertainty(problem, best.p, best.x0, residual)
-    return doubt, floor_of(problem, best.p, best.x0, doubt.smeared, residual)
+    shot = problem.shooter(best.x0, best.p, sensitivities=True)
+    doubt = uncertainty(problem, best.p, best.x0, residual, shot)
+    return doubt, floor_of(problem, best.p, best.x0, doubt.smeared, residual, shot)
 
 
 def method_of(settings: FitSettings) -> Method:
@@ -197,9 +198,10 @@ def _steps_needed(problem: Problem, solution: Solution, settings: FitSettings) -
     stable = substeps_wanted(problem.model, solution.p, problem.records, integrator=settings.integrator)
     if stable > now:
         return stable
-    finer = _problem(problem.model, problem.records, settings, 2 * now)
-    r, closer = (q.residuals(q.shooter(solution.x0, solution.p)) for q in (problem, finer))
-    return 2 * now if np.linalg.norm(closer - r) > COARSE * np.linalg.norm(r) > EXACT else now
+    shot = problem.shooter(solution.x0, solution.p)
+    r = problem.residuals(shot)
+    moved = r - problem.residuals(replace(shot, outputs=problem.finer_outputs(solution.x0, solution.p)))
+    return 2 * now if np.linalg.norm(moved) > COARSE * np.linalg.norm(r) > EXACT else now
 
 
 def _reporter(progress: Callable[[Progress], None] | None, stage: str, fraction: float) -> Watch:

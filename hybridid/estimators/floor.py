@@ -25,7 +25,7 @@ from hybridid.estimators.noise import autoregression
 from hybridid.estimators.problem import Problem
 from hybridid.records.sensor_noise import sensor_noise
 from hybridid.simulation.shooter import Shot
-from hybridid.simulation.windows import cut
+from hybridid.simulation.windows import in_parts
 
 Array = NDArray[np.float64]
 FAR = 3.0
@@ -66,10 +66,17 @@ class Floor:
         return beyond_simulation & np.where(told, self.times > FAR, self.louder < ALPHA / len(self.louder))
 
 
-def floor_of(problem: Problem, p: Array, x0: Array, smeared: Array, residual: Array | None = None) -> Floor:
+def floor_of(
+    problem: Problem,
+    p: Array,
+    x0: Array,
+    smeared: Array,
+    residual: Array | None = None,
+    shot: Shot | None = None,
+) -> Floor:
     """The floor of ``problem`` at ``p`` (n_p,), ``x0`` (w, n_x); ``smeared`` (n_y,) is what the smoothing of
-    sign(v) leaves (``Uncertainty.smeared``); ``residual`` as for ``uncertainty``."""
-    shot = problem.shooter(x0, p, sensitivities=not problem.estimate_x0)
+    sign(v) leaves (``Uncertainty.smeared``); ``residual`` and ``shot`` as for ``uncertainty``."""
+    shot = shot or problem.shooter(x0, p, sensitivities=not problem.estimate_x0)
     residual = problem.residuals(shot) if residual is None else residual
     if not problem.estimate_x0:
         residual = _less_initial_states(problem, shot, residual)
@@ -97,9 +104,7 @@ def _rms(problem: Problem, error: Array) -> Array:
 
 def _by_step(problem: Problem, p: Array, x0: Array, shot: Shot) -> Array:
     """The error (w, H, n_y) of the step's length, weighted: by Richardson, from steps of half the length."""
-    windows = problem.windows
-    finer = cut(problem.records, windows.horizon, 2 * windows.substeps)
-    outputs = problem.shooter.over(finer)(x0, p).outputs
+    windows, outputs = problem.windows, problem.finer_outputs(x0, p)
     error = (outputs - shot.outputs) / problem.scale * 2**RK4_ORDER / (2**RK4_ORDER - 1)
     return np.where(windows.cells & np.isfinite(error), error, 0.0)
 
@@ -107,18 +112,19 @@ def _by_step(problem: Problem, p: Array, x0: Array, shot: Shot) -> Array:
 def _less_initial_states(problem: Problem, shot: Shot, residual: Array) -> Array:
     """``residual`` without what other initial states would take, to first order: where they are not
     estimated, their error is no fault of the model."""
-    w, length, n_y = shot.by_state.shape[:3]
-    used = problem.windows.cells[..., None]
-    by_state = np.where(used, shot.by_state / problem.scale[:, None], 0.0)[..., ~problem.carried]
-    tall = by_state.reshape(w, length * n_y, -1)
-    if not np.isfinite(tall).all():
-        return residual
-    size = np.linalg.norm(tall, axis=1, keepdims=True)
-    basis, _ = np.linalg.qr(tall / np.where(size > 0, size, 1.0))
-    basis = np.where(size > 0, basis, 0.0)
-    flat = residual.reshape(w, -1, 1)
-    rest: Array = flat - basis @ (basis.swapaxes(1, 2) @ flat)
-    return rest.reshape(residual.shape)
+    found = np.array(residual)
+    for part in in_parts(*residual.shape[:2]):
+        used = problem.windows.cells[part][..., None]
+        by_state = np.where(used, shot.by_state[part] / problem.scale[:, None], 0.0)[..., ~problem.carried]
+        tall = by_state.reshape(len(by_state), -1, by_state.shape[3])
+        if not np.isfinite(tall).all():
+            return residual
+        size = np.linalg.norm(tall, axis=1, keepdims=True)
+        basis, _ = np.linalg.qr(tall / np.where(size > 0, size, 1.0))
+        basis = np.where(size > 0, basis, 0.0)
+        flat = residual[part].reshape(len(tall), -1, 1)
+        found[part] -= (basis @ (basis.swapaxes(1, 2) @ flat)).reshape(found[part].shape)
+    return found
 
 
 def _louder(problem: Problem, shot: Shot, residual: Array, asked: NDArray[np.intp]) -> Array:

@@ -21,6 +21,7 @@ from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import LeastSquares, Reduced
 from hybridid.estimators.rough_horizons import POOR, has_own_states, mended
+from hybridid.estimators.secant import Secant
 from hybridid.estimators.separate import is_separate, solve_separately
 from hybridid.estimators.stop import SLOW_GAIN, SLOW_SHARE, SLOW_STEPS, Stop, Watch
 
@@ -46,12 +47,14 @@ class LevenbergMarquardt:
     hardly more than the tolerance or, where horizons have initial states of their own, hardly moved the
     parameters; or no step lowers the cost and none predicted more.
 
-    ``mends``: a step that fails in a few horizons is mended there (``rough_horizons``). A fit does so. Refits
-    that are compared with each other by small differences, as in a trace, do not: where the cost has many
-    valleys, it decides in which a descent ends.
+    ``mends``: a step that fails in a few horizons is mended there (``rough_horizons``). ``learns``: where
+    initial states are known, steps learn from those before (``secant``). A fit does both. Refits that are
+    compared with each other by small differences, as in a trace, do not: where the cost has many valleys, it
+    decides in which a descent ends.
     """
 
     mends: bool = False
+    learns: bool = False
     solves: ClassVar[tuple[type, ...]] = (Reduced,)
     hands_on: ClassVar[bool] = True
     """Whether inner states run on from horizon to horizon during the descent."""
@@ -73,10 +76,10 @@ class LevenbergMarquardt:
         begun = 0
         for factor in factors[:-1] if problem.widths else ():
             coarse, smoothed = replace(stop, tolerance=LOOSE), problem.smoothed(p, factor)
-            found = _descend(variables, smoothed, x0, coarse, _from(watch, begun), self.mends)
+            found = _descend(variables, smoothed, x0, coarse, _from(watch, begun), self.mends, self.learns)
             p, x0, begun = found.p, found.x0, begun + found.iterations
         smoothed = problem.smoothed(p, factors[-1])
-        found = _descend(variables, smoothed, x0, stop, _from(watch, begun), self.mends)
+        found = _descend(variables, smoothed, x0, stop, _from(watch, begun), self.mends, self.learns)
         if self.mends:
             found = _with_better_states(variables, found, stop, _from(watch, begun))
         return replace(found, x0=carry(problem, found.p, found.x0), iterations=begun + found.iterations)
@@ -88,12 +91,18 @@ def _from(watch: Watch | None, begun: int) -> Watch:
 
 
 def _descend(
-    variables: LeastSquares, p: Array, x0: Array, stop: Stop, watch: Watch, mends: bool = False
+    variables: LeastSquares,
+    p: Array,
+    x0: Array,
+    stop: Stop,
+    watch: Watch,
+    mends: bool = False,
+    learns: bool = False,
 ) -> Solution:
     """One Levenberg-Marquardt descent at one smoothing."""
     problem, tolerance = variables.problem, stop.tolerance
     p, x0 = variables.inside(p, x0)
-    shot = problem.shooter(x0, p, sensitivities=True)
+    shot = problem.shot(x0, p, sensitivities=True)
     cost = problem.cost(shot)
     if not np.isfinite(cost):
         return Solution(p, x0, np.inf, "the simulation diverges at the start", False, 0)
@@ -101,29 +110,32 @@ def _descend(
     slow = min(SLOW_SHARE * tolerance, SLOW_GAIN)
     apart = mends and has_own_states(problem)
     places = [p]
+    learned = Secant.of(variables) if learns else None
     for iteration in range(1, stop.iterations + 1):
-        normal = variables.linearised(shot if shot.sensitive else problem.shooter(x0, p, True))
+        normal = variables.linearised(shot if shot.sensitive else problem.shot(x0, p, True))
         if not normal.finite:
             blown = "the sensitivities diverge: the integrator needs shorter steps"
             return Solution(p, x0, cost, blown, False, iteration, tuple(history))
+        learned = learned and learned.at(p[variables.positions] / variables.p, cost, normal)
         held = variables.held(p, normal.gp)
         normal = normal.holding(variables.held_states(x0, normal.gx))
         here = shot
         if cost <= problem.rounding or _promises_little(normal, held, cost, tolerance):
             return Solution(p, x0, cost, "converged", True, iteration - 1, tuple(history))
+        equations = learned.added_to(normal) if learned else normal
         slopes = iteration < stop.iterations  # most first trials are taken, and then slopes are needed
         while True:
-            dp, dx = normal.step(damping, held)
+            dp, dx = equations.step(damping, held)
             trial_p, trial_x = variables.moved(p, x0, dp, dx)
-            promised = normal.predicted(*variables.between(p, x0, trial_p, trial_x))
-            shot = problem.shooter(trial_x, trial_p, sensitivities=slopes)
+            promised = equations.predicted(*variables.between(p, x0, trial_p, trial_x))
+            shot = problem.shot(trial_x, trial_p, sensitivities=slopes)
             if apart and growth >= STUBBORN:
                 trial_x, shot = mended(problem, (x0, here), (trial_x, shot), trial_p, cost - POOR * promised)
             trial = problem.cost(shot)
             ratio = (cost - trial) / promised if promised > 0 else -1.0
             if np.isfinite(trial) and ratio > 0:
                 break
-            damping, growth, slopes = damping * growth, growth * 2, False
+            damping, growth, slopes, equations = damping * growth, growth * 2, False, normal
             if damping > MOST_DAMPING:
                 there = _promises_little(normal, held, cost, slow)
                 status = ROUGH if there else "stalled: no step lowers the cost"

@@ -66,5 +66,7 @@ class Method:
 
 GAUSS_NEWTON = Method(Reduced(), LevenbergMarquardt())
 """What predictions and traces use unless told otherwise."""
-MENDING = Method(Reduced(), LevenbergMarquardt(mends=True))
-"""The same for a fit: a step that fails in a few horizons is mended there."""
+MENDING = Method(Reduced(), LevenbergMarquardt(mends=True, learns=True))
+"""The same for a fit: a step that fails in a few horizons is mended there, and steps learn from others."""
+LEARNING = Method(Reduced(), LevenbergMarquardt(learns=True))
+"""The same for its second descent: it mends no step."""

@@ -11,8 +11,6 @@ et al. (2002), NeuroImage 15(1), 1-15, sec. 2.5; Schwarz (1978), Annals of Stati
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +18,8 @@ from numpy.typing import NDArray
 from scipy import fft
 from scipy.signal import lfilter, lfiltic
 
-from hybridid.simulation.windows import within
+from hybridid.estimators.absorbed import Absorbed, Basis
+from hybridid.simulation.windows import in_parts
 
 Array = NDArray[np.float64]
 MOST_LAGS = 50
@@ -52,56 +51,21 @@ class Autoregression(NamedTuple):
         return np.concatenate([[1.0], -self.coefficients])
 
 
-@dataclass(frozen=True)
-class Absorbed:
-    """A residual and the orthonormal basis of what the fit took from it.
-
-    Shapes: ``residual`` (w, H, n_y) and ``cells`` (w, H, n_y), zero and False where an output does not count;
-    ``used`` (w, H), the samples in use; ``states`` (w, H, n_y, m), orthonormal within each horizon;
-    ``parameters`` (w, H, n_y, n), orthonormal over all horizons and to ``states``.
-    """
-
-    residual: Array
-    used: NDArray[np.bool_]
-    cells: NDArray[np.bool_]
-    states: Array
-    parameters: Array
-
-    @property
-    def lengths(self) -> NDArray[np.int64]:
-        """Samples of each horizon, (w,)."""
-        return self.used.sum(axis=1)
-
-    @property
-    def samples(self) -> NDArray[np.int64]:
-        """Samples of each output, (n_y,)."""
-        return self.cells.sum(axis=(0, 1))
-
-    def pairs(self, lags: int) -> NDArray[np.int64]:
-        """Pairs of samples of each output at 0 to ``lags`` samples' distance, (n_y, lags + 1)."""
-        if (self.cells == within(self.used)[..., None]).all():
-            found = np.maximum(self.lengths[:, None] - np.arange(lags + 1), 0).sum(axis=0)
-            return np.tile(found, (self.cells.shape[2], 1))
-        length, cells = self.cells.shape[1], self.cells
-        both = (cells[:, k:] & cells[:, : length - k] for k in range(min(lags + 1, length)))
-        found = np.array([one.sum(axis=(0, 1)) for one in both]).T
-        return np.pad(found, ((0, 0), (0, lags + 1 - found.shape[1])))
-
-
 def noise_of(fitted: Absorbed) -> list[Autoregression]:
     """The noise of each output, its outputs taken as independent of each other."""
     size = fft.next_fast_len(2 * fitted.used.shape[1], real=True)
     lags = most_lags(fitted.lengths)
     seen = _autocovariance(fitted, size, lags)
-    basis = _Basis.of(fitted, size)
+    basis = Basis.of(fitted, size, lags)
     weights, targets = None, list(seen)
     for attempt in range(ROUNDS):
         noises = [_chosen(t, float(n)) for t, n in zip(targets, fitted.samples, strict=True)]
         kernels = [_extended(t, noise, basis.length) for t, noise in zip(targets, noises, strict=True)]
-        expected, spread = basis.expected(kernels, lags)
+        through = basis.through(kernels)
+        spread = basis.variances(through)
         if weights is not None and np.allclose(spread, weights, rtol=CLOSE, atol=0):
             break
-        weights = spread
+        weights, expected = spread, basis.expected(kernels, through)
         targets = [
             _moved(kernel[: (lags if attempt < SETTLING else noise.order) + 1], now - then, noise.order)
             for kernel, noise, now, then in zip(kernels, noises, seen, expected, strict=True)
@@ -127,7 +91,8 @@ def most_lags(lengths: Sequence[int] | NDArray[np.int64]) -> int:
 
 def _autocovariance(fitted: Absorbed, size: int, lags: int) -> Array:
     """Products of the residual at up to ``lags`` samples' distance, a sample's share, (n_y, lags + 1)."""
-    power = (np.abs(fft.rfft(fitted.residual, size, axis=1)) ** 2).sum(axis=0)
+    parts = in_parts(*fitted.used.shape)
+    power = sum((np.abs(fft.rfft(fitted.residual[k], size, axis=1)) ** 2).sum(axis=0) for k in parts)
     return fft.irfft(power, size, axis=0)[: lags + 1].T / fitted.samples[:, None]
 
 
@@ -177,59 +142,3 @@ def _moved(covariance: Array, change: Array, order: int) -> Array:
             return moved
         share /= 2
     return covariance
-
-
-@dataclass(frozen=True)
-class _Basis:
-    """``B`` by output and its transform: (n_y, w, k, H) and (n_y, w, k, size // 2 + 1)."""
-
-    value: Array
-    transform: NDArray[np.complex128]
-    fitted: Absorbed
-    states: int
-    size: int
-
-    @classmethod
-    def of(cls, fitted: Absorbed, size: int) -> _Basis:
-        both = np.concatenate([fitted.states, fitted.parameters], axis=3)
-        value = np.ascontiguousarray(np.transpose(both, (2, 0, 3, 1)))
-        states = fitted.states.shape[3]
-        return cls(value, fft.rfft(value, size, axis=3), fitted, states, size)
-
-    @property
-    def length(self) -> int:
-        return self.value.shape[3]
-
-    @cached_property
-    def _conjugate(self) -> NDArray[np.complex128]:
-        return self.transform.conj()
-
-    def expected(self, kernels: Sequence[Array], lags: int) -> tuple[Array, Array]:
-        """What noises of autocovariance ``kernels`` (n_y of (H,)) leave in the residual.
-
-        Returns its autocovariance (n_y, lags + 1) as ``_autocovariance`` would see it, and the
-        parameters' variances (n,) in the coordinates of their basis. Noise in different
-        horizons counts as independent.
-        """
-        counts = self.fitted.pairs(lags)
-        through = [self._spread(k, kernel) for k, kernel in enumerate(kernels)]
-        inner = sum(b @ z.swapaxes(1, 2) for b, z in zip(self.value, through, strict=True))
-        own = inner[:, self.states :, self.states :].sum(axis=0)
-        inner[:, self.states :, self.states :] = own
-        left = []
-        of_each = zip(self.value, self._conjugate, through, kernels, counts, strict=True)
-        for value, conjugate, z, kernel, count in of_each:
-            taken = fft.rfft(z - 0.5 * inner.swapaxes(1, 2) @ value, self.size, axis=2)
-            crossed = fft.irfft(np.einsum("wkf,wkf->f", conjugate, taken), self.size)
-            both = crossed[: lags + 1] + crossed[-np.arange(lags + 1)]
-            left.append(count * kernel[: lags + 1] - both)
-        return np.array(left) / self.fitted.samples[:, None], np.diag(own)
-
-    def _spread(self, output: int, kernel: Array) -> Array:
-        """``Sigma B`` of an output within each horizon, (w, k, H)."""
-        circle = np.zeros(self.size)
-        circle[: len(kernel)] = kernel
-        circle[len(circle) - len(kernel) + 1 :] = kernel[:0:-1]
-        driven = self.transform[output] * fft.rfft(circle)
-        product = fft.irfft(driven, self.size, axis=2)[..., : self.length]
-        return np.where(self.fitted.cells[:, None, :, output], product, 0.0)

@@ -52,19 +52,21 @@ class Normal:
     def step(self, damping: float, fixed: NDArray[np.bool_]) -> tuple[Array, Array]:
         """The damped step (dp, dx), with the parameters in ``fixed`` held."""
         n = len(self.gp)
-        xx = damped(self.xx, damping, STATE_RIDGE)
-        solved = np.linalg.solve(xx, np.concatenate([self.xp, self.gx[..., None]], axis=2))
-        inner_p, inner_g = solved[..., :n], solved[..., n]
-        pp = damped(self.pp, damping, RIDGE)
-        reduced = pp - np.einsum("wmi,wmj->ij", self.xp, inner_p)
-        right = self.gp - np.einsum("wmi,wm->i", self.xp, inner_g)
-        dp = np.zeros(n)
+        pp = reduced = damped(self.pp, damping, RIDGE)
+        right, dp = self.gp, np.zeros(n)
+        stands = not self.xx.any()  # every initial state is known
+        if not stands:
+            xx = damped(self.xx, damping, STATE_RIDGE)
+            solved = np.linalg.solve(xx, np.concatenate([self.xp, self.gx[..., None]], axis=2))
+            inner_p, inner_g = solved[..., :n], solved[..., n]
+            reduced = pp - np.einsum("wmi,wmj->ij", self.xp, inner_p)
+            right = self.gp - np.einsum("wmi,wm->i", self.xp, inner_g)
         moving = ~fixed
         if moving.any():
             size = np.sqrt(np.diag(pp))[moving]
             block = reduced[np.ix_(moving, moving)] / np.outer(size, size)
             dp[moving] = np.linalg.lstsq(block, -right[moving] / size, rcond=1e-14)[0] / size
-        return dp, -(inner_g + np.einsum("wmn,n->wm", inner_p, dp))
+        return dp, np.zeros_like(self.gx) if stands else -(inner_g + np.einsum("wmn,n->wm", inner_p, dp))
 
     def of_parameters(self, dp: Array) -> float:
         """``dp' S dp`` of a step of the parameters that the initial states follow, S the Schur complement:
@@ -84,7 +86,7 @@ class Normal:
 
 def small(*blocks: Array) -> bool:
     """Whether all are numbers below ``LARGEST``."""
-    return all(bool((np.abs(block) < LARGEST).all()) for block in blocks)
+    return all(block.min(initial=0.0) > -LARGEST and block.max(initial=0.0) < LARGEST for block in blocks)
 
 
 def damped(matrix: Array, damping: float | Array, ridge: float) -> Array:

@@ -72,6 +72,36 @@ class Problem:
         """States of each record's samples as it shows them, (n, n_x)."""
         return [measured_states(self.model, record) for record in self.records]
 
+    def shot(self, x0: Array, p: Array, sensitivities: bool) -> Shot:
+        """A simulation from ``x0`` (w, n_x) at ``p`` (n_p,) for a descent, with ``sensitivities`` as far as
+        its normal equations need them."""
+        if sensitivities and not self.carried.any():
+            return self.shooter.multiplied(x0, p, self._factors)
+        return self.shooter(x0, p, sensitivities)
+
+    @cached_property
+    def _factors(self) -> Array:
+        """What the outputs' errors are multiplied by, (w, H, n_y): 0 where an output does not count."""
+        factors = self.windows.cells / self.scale
+        return factors if self.weights is None else factors * self.weights
+
+    def finer_outputs(self, x0: Array, p: Array) -> Array:
+        """Outputs (w, H, n_y) of a simulation from ``x0`` (w, n_x) at ``p`` (n_p,) in steps of half the
+        length. The last ones are kept: a fit asks for those of its solution twice."""
+        kept = self._kept_finer
+        if not kept or not (np.array_equal(kept[0], x0) and np.array_equal(kept[1], p)):
+            kept[:] = [np.array(x0), np.array(p), self._finer(x0, p).outputs]
+        return kept[2]
+
+    @cached_property
+    def _kept_finer(self) -> list[Array]:
+        return []
+
+    @cached_property
+    def _finer(self) -> Shooter:
+        """It simulates in steps of half the length."""
+        return self.shooter.over(cut(self.records, self.windows.horizon, 2 * self.windows.substeps))
+
     def residuals(self, shot: Shot) -> Array:
         """``(y - y_hat) / s``, zero where an output does not count; shape (w, H, n_y)."""
         error = (self.windows.outputs - shot.outputs) / self.scale

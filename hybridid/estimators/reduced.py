@@ -77,8 +77,7 @@ class LeastSquares:
         if couples(problem):
             with np.errstate(over="ignore", invalid="ignore"):
                 return Coupled.of(problem, shot, self.p, self.x)
-        by = columns(problem, shot.by_state, by_parameter(problem, shot))
-        square, error = products(problem, shot, by)
+        square, error = _products(problem, shot)
         m, moving = len(self.x), problem.moving
         with np.errstate(over="ignore", invalid="ignore"):
             xx = square[:, :m, :m] * np.outer(self.x, self.x)
@@ -116,6 +115,13 @@ class LeastSquares:
         return (q - p)[self.positions] / self.p, (x1 - x0) / self.x
 
 
+def _products(problem: Problem, shot: Shot) -> tuple[Array, Array]:
+    """J'J (w, q, q) and J'r (w, q) of each horizon."""
+    if shot.multiplied:
+        return shot.square, shot.error
+    return products(problem, shot, columns(problem, shot.by_state, by_parameter(problem, shot)))
+
+
 def _pushed(now: Array, gradient: Array, lower: Array, upper: Array) -> NDArray[np.bool_]:
     return ((now <= lower) & (gradient > 0)) | ((now >= upper) & (gradient < 0))
 
@@ -124,7 +130,7 @@ def promise(problem: Problem, p: Array, x0: Array) -> float:
     """Predicted decrease of the cost by a full Gauss-Newton step from ``p``, ``x0``, as in a score test.
     It ranks starts. 0 where the sensitivities diverge."""
     variables = LeastSquares.of(problem)
-    normal = variables.linearised(problem.shooter(x0, p, sensitivities=True))
+    normal = variables.linearised(problem.shot(x0, p, sensitivities=True))
     if not normal.finite:
         return 0.0
     held = variables.held(p, normal.gp)

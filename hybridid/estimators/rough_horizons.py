@@ -53,4 +53,4 @@ def mended(
         return tried
     mixed = np.array(x)
     mixed[worse[better]] = found[better]
-    return mixed, problem.shooter(mixed, p, sensitivities=there.sensitive)
+    return mixed, problem.shot(mixed, p, sensitivities=there.sensitive)

@@ -122,7 +122,7 @@ def _at(problem: Problem, p: Array, x: Array) -> _Point:
     """The horizons of ``problem`` at ``x`` (w, n_x). Normal equations that leave the numbers are zero: such a
     horizon stays where it is."""
     variables = LeastSquares.of(problem)
-    shot = problem.shooter(x, p, sensitivities=True)
+    shot = problem.shot(x, p, sensitivities=True)
     normal = variables.linearised(shot)
     gradient, matrix = normal.gx, normal.xx  # type: ignore[union-attr]  # nothing is handed on
     held = variables.held_states(x, gradient)

@@ -7,8 +7,9 @@ an estimate. Source: Klein, Morelli (2006), Aircraft System Identification, ch. 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -20,7 +21,6 @@ from hybridid.declarations import Parameter
 from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.buffers import call
 from hybridid.simulation.initial import (
     ORDER,
     measured_states,
@@ -29,6 +29,7 @@ from hybridid.simulation.initial import (
     telling,
     widest_half_width,
 )
+from hybridid.simulation.over_arrays import over_arrays
 from hybridid.simulation.unobserved import free_run_states
 
 Array = NDArray[np.float64]
@@ -48,12 +49,20 @@ def regression_start(model: Model, records: Sequence[Record]) -> Array | None:
     Effects with states of their own keep their guesses; all do where the equations at the
     guesses leave the range of numbers.
     """
-    skeleton = replace(model, terms=tuple(t for t in model.terms if not t.effect.states), adjustments={})
-    skeleton = replace(skeleton, adjustments={p.name: _as_adjustment(p) for p in _shared(model, skeleton)})
+    skeleton = _skeleton(model)
     if any(s.observed_by is None for s in skeleton.states) or not skeleton.free:
         return None
     p = _equation_error(skeleton, records)
     return model.values(dict(zip([q.name for q in skeleton.parameters], p, strict=True)))
+
+
+def _skeleton(model: Model) -> Model:
+    """``model`` without the effects that have states of their own."""
+    kept = tuple(t for t in model.terms if not t.effect.states)
+    if len(kept) == len(model.terms):
+        return model
+    skeleton = replace(model, terms=kept, adjustments={})
+    return replace(skeleton, adjustments={p.name: _as_adjustment(p) for p in _shared(model, skeleton)})
 
 
 def _shared(model: Model, skeleton: Model) -> list[Parameter]:
@@ -73,11 +82,12 @@ def _equation_error(model: Model, records: Sequence[Record]) -> Array:
     )
     scale = rate.std(axis=0)
     scale[scale == 0] = 1.0
-    error, slope = _functions(model, len(t), scale)
     free = [k for k, q in enumerate(model.parameters) if not q.fixed]
     chosen = [model.parameters[k] for k in free]
     size = np.array([q.scale for q in chosen])
     p = model.values()
+    guess, prior = p[free] / size, PRIOR * np.eye(len(free))
+    evaluated = _evaluated(model, (t, x, u, rate), scale, free)
 
     def full(z: Array) -> Array:
         q = np.array(p)
@@ -85,14 +95,11 @@ def _equation_error(model: Model, records: Sequence[Record]) -> Array:
         return q
 
     def residual(z: Array) -> Array:
-        (found,) = call(error, (t, x, u, rate, full(z)), [(rate.size,)])
-        return np.append(found, PRIOR * (z - guess))
+        return np.append(evaluated(full(z))[0], PRIOR * (z - guess))
 
     def jacobian(z: Array) -> Array:
-        (found,) = call(slope, (t, x, u, rate, full(z)), [(rate.size, len(p))])
-        return np.vstack([found[:, free] * size, prior])
+        return np.vstack([evaluated(full(z))[1] * size, prior])
 
-    guess, prior = p[free] / size, PRIOR * np.eye(len(free))
     if not np.isfinite(residual(guess)).all():
         return p
     fit = least_squares(
@@ -112,8 +119,8 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
     All are smoothed alike, the inputs too: what smoothing takes from both sides of an equation
     does not unbalance it.
     """
-    seen = [record.output(s.observed_by) for s in model.states if s.observed_by is not None]
-    width = min(HALF_WIDTH, (record.n - 1) // 4, *(widest_half_width(samples) for samples in seen))
+    seen = {s.observed_by for s in model.states if s.observed_by is not None}
+    width = min(HALF_WIDTH, (record.n - 1) // 4, *(widest_half_width(record.output(name)) for name in seen))
     states = measured_states(model, record, width)
     rates = np.stack(
         [
@@ -133,28 +140,34 @@ def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:
     return record.time[inner], states[inner], rates[inner], inputs[inner]
 
 
-def _functions(model: Model, n: int, scale: Array) -> tuple[ca.Function, ca.Function]:
-    """Equation error over n samples, (n_x n,), and its Jacobian by p, (n_p, n_x n)."""
-    n_x = len(model.states)
+def _evaluated(
+    model: Model, data: tuple[Array, Array, Array, Array], scale: Array, free: list[int]
+) -> Callable[[Array], tuple[Array, Array]]:
+    """p (n_p,) to the equation error at the samples of ``data`` (times, states, inputs, rates), and its
+    Jacobian by the parameters ``free``. A state's rate that depends on none is left out.
+
+    It keeps the last result: the error is asked for first, then the Jacobian.
+    """
+    n_x, n_p = len(model.states), len(model.parameters)
     t, x, u = ca.SX.sym("t"), ca.SX.sym("x", n_x), ca.SX.sym("u", len(model.inputs))
-    rate, p = ca.SX.sym("r", n_x), ca.SX.sym("p", len(model.parameters))
-    error = ca.densify((rate - model.f(t, x, u, p)) / ca.DM(scale))
-    one = ca.Function("error", [t, x, u, rate, p], [error])
-    slope = ca.Function("slope", [t, x, u, rate, p], [ca.densify(ca.jacobian(error, p)).T])
-    many = one.map(n)
-    slopes = slope.map(n)
-    symbols = [
-        ca.MX.sym(name, *f.size())
-        for name, f in zip(
-            "txur", (ca.SX(1, n), ca.SX(n_x, n), ca.SX(len(model.inputs), n), ca.SX(n_x, n)), strict=True
-        )
-    ]
-    q = ca.MX.sym("p", len(model.parameters))
-    spread = ca.repmat(q, 1, n)
-    return (
-        ca.Function("errors", [*symbols, q], [ca.vec(many(*symbols, spread))]),
-        ca.Function("slopes", [*symbols, q], [slopes(*symbols, spread)]),
-    )
+    rate, p = ca.SX.sym("r", n_x), ca.SX.sym("p", n_p)
+    error = (rate - model.f(t, x, u, p)) / ca.DM(scale)
+    slope = ca.jacobian(error, p)[:, free]
+    rows = sorted(set(slope.sparsity().row()))
+    entries = [ca.densify(error[rows]), ca.densify(slope[rows, :])]
+    run = over_arrays(ca.Function("error", [t, x, u, rate, p], entries, {"cse": True}))
+    times, *columns = data
+    given = [[times], *([np.ascontiguousarray(c) for c in part.T] for part in columns)]
+
+    @lru_cache(maxsize=1)
+    def at(values: bytes) -> tuple[Array, Array]:
+        errors, slopes = run([*given, np.frombuffer(values).tolist()])
+        found = np.empty((1 + len(free), len(rows), len(times)))
+        for entry, one in zip(found.reshape(-1, len(times)), [*errors, *slopes], strict=True):
+            entry[:] = one
+        return found[0].ravel(), found[1:].reshape(len(free), -1).T
+
+    return lambda q: at(q.tobytes())
 
 
 def scattered(model: Model, p: Array, count: int, seed: int) -> list[Array]:
@@ -191,6 +204,9 @@ def _shape_starts(model: Model) -> list[tuple[int, float]]:
 
 def best_initial_states(problem: Problem, p: Array, candidates: Sequence[Array]) -> Array:
     """For each horizon the candidate initial state (w, n_x) with the lowest cost at ``p``."""
+    first, *others = candidates
+    if all(np.array_equal(first, other) for other in others):
+        return first
     costs = np.stack([_cost_by_horizon(problem, p, x0) for x0 in candidates])
     chosen = costs.argmin(axis=0)
     return np.stack([candidates[c][k] for k, c in enumerate(chosen)])

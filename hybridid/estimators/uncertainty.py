@@ -21,19 +21,19 @@ JCGM 100 (2008), Guide to the expression of uncertainty in measurement, sec. 4.3
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
+from hybridid.estimators.absorbed import Absorbed
 from hybridid.estimators.carried import by_parameter
-from hybridid.estimators.noise import Absorbed, Autoregression, autoregression, noise_of
+from hybridid.estimators.noise import autoregression
+from hybridid.estimators.noise_driven import of_noise
 from hybridid.estimators.normal_equations import small
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
-from hybridid.simulation.windows import within
+from hybridid.simulation.windows import PART, in_parts
 
 __all__ = ["Uncertainty", "autoregression", "jacobian_of", "uncertainty"]
 
@@ -74,27 +74,31 @@ class Uncertainty:
         return np.where(np.isfinite(ratio), ratio, np.eye(len(s)))
 
 
-def uncertainty(problem: Problem, p: Array, x0: Array, residual: Array | None = None) -> Uncertainty:
+def uncertainty(
+    problem: Problem, p: Array, x0: Array, residual: Array | None = None, shot: Shot | None = None
+) -> Uncertainty:
     """Covariance of the free parameters at a solution ``p`` (n_p,), ``x0`` (w, n_x).
 
-    ``residual`` (w, H, n_y) takes the place of that of ``problem``, where another loss made the fit
-    (``robust``).
+    ``shot`` is the simulation there with sensitivities, if it is at hand. ``residual`` (w, H, n_y) takes the
+    place of that of ``problem``, where another loss made the fit (``robust``).
     A parameter at a bound counts as free: its interval then says what the data say. Initial states
     that are not estimated count as exact.
     """
-    shot = problem.shooter(x0, p, sensitivities=True)
+    shot = shot or problem.shooter(x0, p, sensitivities=True)
     scale = np.array([problem.model.parameters[k].scale for k in problem.positions])
     states, jacobian = _projected(problem, shot)
-    if not small(states, jacobian * scale):
+    shape = jacobian.shape
+    jacobian *= scale
+    if not small(states, jacobian):
         return _none(len(scale), len(problem.scale))
-    q, spread, condition = _orthogonal(jacobian.reshape(-1, len(scale)) * scale)
+    q, spread, condition = _orthogonal(jacobian.reshape(-1, len(scale)))
     residual = problem.residuals(shot) if residual is None else residual
     windows = problem.windows
-    fitted = Absorbed(residual, windows.used, windows.cells, states, q.reshape(jacobian.shape))
+    fitted = Absorbed(residual, windows.used, windows.cells, states, q.reshape(shape))
     with np.errstate(invalid="ignore"):
         noise, scores = (
             spread @ middle @ spread.T * np.outer(scale, scale)
-            for middle in (_of_noise(fitted, windows.origin), _of_scores(fitted))
+            for middle in (of_noise(fitted, windows.origin), _of_scores(fitted))
         )
         more = np.sqrt(np.maximum(np.diag(scores) / np.diag(noise), 1.0))
         by_width = _by_width(problem, p, x0)
@@ -148,11 +152,14 @@ def _projected(problem: Problem, shot: Shot) -> tuple[Array, Array]:
     where they are known; by the parameters (w, H, n_y, n) with that basis projected out.
     """
     used = problem.windows.cells[..., None]
-    both = by_parameter(problem, shot), shot.by_state
-    jp, jx = (np.where(used, by / problem.scale[:, None], 0.0) for by in both)
-    jx = np.where(problem.moving[:, None, None, :], jx, 0.0)
+    by, per_scale = by_parameter(problem, shot), 1.0 / problem.scale[:, None]
+    jp: Array = np.empty(by.shape)
+    for part in in_parts(*by.shape[:2]):
+        jp[part] = np.where(used[part], by[part] * per_scale, 0.0)
     if not problem.moving.any():
-        return jx[..., :0], jp
+        return np.empty((*jp.shape[:3], 0)), jp
+    jx = np.where(used, shot.by_state / problem.scale[:, None], 0.0)
+    jx = np.where(problem.moving[:, None, None, :], jx, 0.0)
     w, length, n_y, n = jp.shape
     tall_x, tall_p = jx.reshape(w, length * n_y, -1), jp.reshape(w, length * n_y, n)
     with np.errstate(
@@ -174,7 +181,7 @@ def _orthogonal(jacobian: Array) -> tuple[Array, Array, float]:
     """
     norms = np.linalg.norm(jacobian, axis=0)
     d = np.where(norms > 0, norms, 1.0)
-    q, r = np.linalg.qr(jacobian / d)
+    q, r = _by_parts(jacobian, d)
     u, s, vt = np.linalg.svd(r)
     floor = SINGULAR * s.max(initial=1.0)
     condition = float(s[0] / max(s[-1], np.finfo(float).tiny)) if len(s) else 1.0
@@ -184,6 +191,23 @@ def _orthogonal(jacobian: Array) -> tuple[Array, Array, float]:
     return q, inverse / d[:, None], condition
 
 
+def _by_parts(jacobian: Array, d: Array) -> tuple[Array, Array]:
+    """QR decomposition of ``jacobian / d``, part by part, then of the parts' triangles below each other.
+    Source: Demmel, Grigori, Hoemmen, Langou (2012), SIAM J. Sci. Comput. 34(1), A206-A239."""
+    if len(jacobian) <= PART:
+        return np.linalg.qr(jacobian / d)
+    q = np.empty_like(jacobian)
+    parts = in_parts(len(jacobian), 1)
+    triangles = []
+    for part in parts:
+        q[part], triangle = np.linalg.qr(jacobian[part] / d)
+        triangles.append(triangle)
+    turns, r = np.linalg.qr(np.concatenate(triangles))
+    for part, turn in zip(parts, np.split(turns, len(parts)), strict=True):
+        q[part] = q[part] @ turn
+    return q, r
+
+
 def _unknowable(spread: Array, covariance: Array) -> Array:
     """Infinite variance, no covariance, for the parameters that no sample shows."""
     blind = ~np.isfinite(spread).all(axis=1)
@@ -191,57 +215,6 @@ def _unknowable(spread: Array, covariance: Array) -> Array:
     covariance[blind, :] = covariance[:, blind] = 0.0
     covariance[blind, blind] = np.inf
     return covariance
-
-
-def _of_noise(fitted: Absorbed, origin: tuple[tuple[int, int, int], ...]) -> Array:
-    """``Q' Sigma Q`` (n, n) for stationary noise, which runs on from one horizon to the next.
-
-    Sigma is built from what passes through the autoregressions, begun a record's length before
-    the record; outputs whose innovations are correlated share it.
-    """
-    n, n_y = fitted.parameters.shape[3], fitted.residual.shape[2]
-    noises = noise_of(fitted)
-    middle, innovations = np.zeros((n, n)), []
-    runs = list(_runs(fitted, origin))
-    for _, residual in runs:
-        innovations.append([lfilter(ar.taps, [1.0], e) for ar, e in zip(noises, residual.T, strict=True)])
-    alike = _correlation(np.concatenate(innovations, axis=1))
-    for basis, _ in runs:
-        through = [_driven(ar, basis[:, k]) for k, ar in enumerate(noises)]
-        for k in range(n_y):
-            for m in range(n_y):
-                middle += alike[k, m] * through[k].T @ through[m]
-    return middle
-
-
-def _runs(fitted: Absorbed, origin: tuple[tuple[int, int, int], ...]) -> Iterator[tuple[Array, Array]]:
-    """Basis (N, n_y, n) and residual (N, n_y) of the horizons that follow each other without a gap.
-
-    Both are zero at masked samples: noise there drives no estimate, but is as old as it is.
-    """
-    begin, inside = 0, within(fitted.used)
-    for k in range(1, len(origin) + 1):
-        if k < len(origin) and origin[k][:2] == (origin[k - 1][0], origin[k - 1][2]):
-            continue
-        run = slice(begin, k)
-        yield fitted.parameters[run][inside[run]], fitted.residual[run][inside[run]]
-        begin = k
-
-
-def _driven(noise: Autoregression, basis: Array) -> Array:
-    """How the innovations drive each direction of the basis (N, n), (2 N, n), latest innovation first."""
-    back = np.concatenate([basis[::-1], np.zeros_like(basis)])
-    return np.sqrt(noise.variance) * lfilter([1.0], noise.taps, back, axis=0)
-
-
-def _correlation(innovations: Array) -> Array:
-    """Correlation (n_y, n_y) of series (n_y, N); one that is all zero is like no other."""
-    products = innovations @ innovations.T
-    size = np.sqrt(np.diag(products))
-    size[size == 0] = 1.0
-    alike = products / np.outer(size, size)
-    np.fill_diagonal(alike, 1.0)
-    return alike
 
 
 def _of_scores(fitted: Absorbed) -> Array:

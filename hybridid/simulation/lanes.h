@@ -11,6 +11,7 @@
 typedef double Lanes;
 typedef long long Bits;
 #define FILL(a) (a)
+#define OF_EACH(a, k) (a[0][k])
 #define TRUTH(a) ((double)(a))
 #define WHERE(chosen, a, b) ((chosen) ? (a) : (b))
 #define ONLY_IF(a, b) ((a) != 0.0 ? (b) : 0.0)
@@ -45,8 +46,10 @@ typedef long long Bits __attribute__((vector_size(8 * LANES)));
 #define EACH_OF_TWO(f, a, b) each_of_two(f, a, b)
 #if LANES == 8
 #define OF_ALL(a) {a, a, a, a, a, a, a, a}
+#define OF_EACH(a, k) {a[0][k], a[1][k], a[2][k], a[3][k], a[4][k], a[5][k], a[6][k], a[7][k]}
 #else
 #define OF_ALL(a) {a, a, a, a}
+#define OF_EACH(a, k) {a[0][k], a[1][k], a[2][k], a[3][k]}
 #endif
 
 static inline Lanes each(double (*f)(double), Lanes a) {
@@ -168,10 +171,14 @@ static Lanes wave(Lanes x, long long quarter, double (*exact)(double)) {
 #define BESIDE COLUMNS
 typedef double Slope __attribute__((vector_size(8 * COLUMNS)));
 #define SPREAD(a) ((Slope){0.0} + (a))
+#define COUNTED(weight, a) ((weight) != 0.0 ? (a) : SPREAD(0.0))
+#define COLUMN(a, j) SPREAD(AT((a)[(j) / BESIDE], (j) % BESIDE))
 #else
 #define BESIDE 1
 typedef Lanes Slope;
 #define SPREAD(a) (a)
+#define COUNTED(weight, a) WHERE((weight) != 0.0, a, FILL(0.0))
+#define COLUMN(a, j) ((a)[j])
 #endif
 /* Column j of row r, of a matrix of so many rows. */
 #define SLOPE(a, rows, r, j, lane) AT((a)[(j) / BESIDE * (rows) + (r)], BESIDE == 1 ? (lane) : (j) % BESIDE)

@@ -62,11 +62,21 @@ class Code:
         return self._library is not None and _driver(self.lanes) is not None
 
     def __call__(
-        self, windows: Windows, carried: Sequence[int], x0: Array, p: Array, sensitivities: bool
+        self,
+        windows: Windows,
+        carried: Sequence[int],
+        x0: Array,
+        p: Array,
+        sensitivities: bool,
+        weights: Array | None = None,
     ) -> tuple[Array, ...]:
         """States (w, H, n_x), outputs (w, H, n_y), final states (w, n_x) and, if asked for (else empty),
         the outputs' sensitivities (w, H, n_x + n_free, n_y) and those of the state after each horizon's last
-        sample (w, n_x + n_free, n_x). The states ``carried`` run on from horizon to horizon."""
+        sample (w, n_x + n_free, n_x). The states ``carried`` run on from horizon to horizon.
+
+        With ``weights`` (w, H, n_y), in place of the outputs' sensitivities their products over each horizon:
+        J'J (w, n_x + n_free, n_x + n_free) and J'r (w, n_x + n_free, 1), J the sensitivities and r the
+        recorded outputs less the simulated, both times the weights; what has the weight 0 does not count."""
         model, shoot = self._library, _driver(self.lanes)
         assert model is not None
         assert shoot is not None
@@ -77,22 +87,32 @@ class Code:
         follows = windows.follows if carried else (-1,) * w
         blocks = _blocks(follows, self.lanes)
         shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y), (w, 1 + n_s, n_x)]
-        final, states, outputs, slopes, ends = results = [np.empty(shape) for shape in shapes]
+        if weights is not None:
+            shapes[3:4] = [(w, n_s, n_s), (w, n_s, 1)]
+        results = [np.empty(shape) for shape in shapes]
+        final, states, outputs, *slopes, ends = results
         marks = [k in carried for k in range(n_x)]
         integers = [np.array(a, dtype=np.int64) for a in (blocks, follows, windows.lengths, marks)]
         numbers = [
             np.ascontiguousarray(a, dtype=float)
             for a in (windows.time, windows.stages, windows.inputs, p, x0)
         ]
+        compared = [] if weights is None else [np.ascontiguousarray(a) for a in (windows.outputs, weights)]
         sizes = (len(blocks), length, windows.substeps, n_x, n_s, n_u, n_stage, hop, n_y)
         h = windows.dt / windows.substeps
-        task = _Task(*sizes, *map(_address, integers), h, *map(_address, numbers))
+        task = _Task(*sizes, *map(_address, integers), h, *map(_address, [*numbers, *compared]))
         parts = (ctypes.c_void_p * 4).in_dll(model, "parts")
         advance, observe = map(ctypes.c_void_p, parts[:2] if sensitivities else parts[2:])
-        found = _Found(*map(_address, results))
+        places = [_address(a) for a in slopes]
+        found = _Found(
+            *map(_address, (final, states, outputs)),
+            *(places if n_s and weights is None else [None]),
+            _address(ends),
+            *(places if n_s and weights is not None else []),
+        )
         if shoot(advance, observe, ctypes.byref(task), ctypes.byref(found)):
             raise MemoryError("no memory left to simulate in")
-        return states, outputs, final, slopes, ends[:, 1:]
+        return states, outputs, final, *slopes, ends[:, 1:]
 
     @property
     def _by(self) -> tuple[str, ...]:
@@ -145,14 +165,14 @@ class _Task(ctypes.Structure):
         *_typed(ctypes.c_longlong, "blocks", "length", "steps", "n_x", "n_s", "n_u", "n_stage", "hop", "n_y"),
         *_typed(ctypes.c_void_p, "members", "follows", "lengths", "carried"),
         *_typed(ctypes.c_double, "h"),
-        *_typed(ctypes.c_void_p, "time", "stages", "inputs", "p", "x0"),
+        *_typed(ctypes.c_void_p, "time", "stages", "inputs", "p", "x0", "measured", "weights"),
     )
 
 
 class _Found(ctypes.Structure):
     """``Result`` of shoot.c."""
 
-    _fields_ = _typed(ctypes.c_void_p, "final", "states", "outputs", "slopes", "ends")
+    _fields_ = _typed(ctypes.c_void_p, "final", "states", "outputs", "slopes", "ends", "square", "error")
 
 
 def _address(array: NDArray[Any]) -> int:

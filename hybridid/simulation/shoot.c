@@ -6,28 +6,34 @@
 /* What is to be simulated. Blocks of groups, the horizons' `length`, steps a sample, states, columns of sensitivities (0: none),
    inputs, stage inputs a sample, stage inputs from one step to the next, outputs. `members`: the horizons of each
    block, -1 where a lane is left over; a block comes after those of the horizons that its own follow. `follows`: the
-   horizon before each, or -1; `lengths`: samples of each that are its own. */
+   horizon before each, or -1; `lengths`: samples of each that are its own. `measured`: what the outputs are compared
+   with, `weights`: what the difference is multiplied by, 0 where it does not count. */
 typedef struct {
   long long blocks, length, steps, n_x, n_s, n_u, n_stage, hop, n_y;
   const long long *members, *follows, *lengths, *carried;
   double h;
-  const double *time, *stages, *inputs, *p, *x0;
+  const double *time, *stages, *inputs, *p, *x0, *measured, *weights;
 } Task;
 
 /* `final`: the state one sample after the last; `ends`: state and sensitivities after each horizon's own samples. A
-   horizon that leaves the numbers is blank from there on. */
+   horizon that leaves the numbers is blank from there on. `slopes` or, of those of the weighted outputs, J, the
+   products J'J in `square` and J'r in `error`: the others are NULL. */
 typedef struct {
-  double *final, *states, *outputs, *slopes, *ends;
+  double *final, *states, *outputs, *slopes, *ends, *square, *error;
 } Result;
 
-/* A group under way: the horizon of each lane, and which lanes still have one within the numbers. `by`: the
-   sensitivities of `now`. */
+/* A group under way: the horizon of each lane, which lanes still have one within the numbers, and which had samples that
+   count when they left them (-1: a lane left over). `by`: the sensitivities of `now`. `column`: those of one weighted
+   output. */
 typedef struct {
   long long own[LANES];
-  int alive[LANES];
-  Lanes *now, *next, *y, *u, *stage;
-  Slope *by, *next_by, *y_by;
+  int alive[LANES], lost[LANES];
+  Lanes *now, *next, *y, *u, *stage, *measured, *weights;
+  Slope *by, *next_by, *y_by, *column, *square, *error;
 } Group;
+
+/* Room that so many columns of n rows take. */
+static long long slopes(long long n, long long columns) { return (columns + BESIDE - 1) / BESIDE * n; }
 
 static void blank(double *a, long long n) {
   for (long long k = 0; k < n; ++k) a[k] = NAN;
@@ -56,20 +62,20 @@ static void take_end(double *to, const Group *g, const Task *task, int lane) {
 
 /* The numbers of sample `at` of each lane, n of `from` a sample. */
 static void put(Lanes *to, const Group *g, const Task *task, const double *from, long long sample, long long n) {
-  for (int l = 0; l < LANES; ++l) {
-    const double *own = from + (g->own[l] * task->length + sample) * n;
-    for (long long k = 0; k < n; ++k) AT(to[k], l) = own[k];
-  }
+  const double *own[LANES];
+  for (int l = 0; l < LANES; ++l) own[l] = from + (g->own[l] * task->length + sample) * n;
+  for (long long k = 0; k < n; ++k) to[k] = (Lanes)OF_EACH(own, k);
 }
-
-/* Room that so many columns of n rows take. */
-static long long slopes(long long n, long long columns) { return (columns + BESIDE - 1) / BESIDE * n; }
 
 /* Each horizon begins at its x0. Of one that follows another, the states marked in `carried` are what they were where
    that one ended, if it did not leave the numbers. A lane that is left over does what `spare` does. */
 static void begin(Group *g, const Task *task, const Result *found, const long long *members, long long spare) {
   const long long n_x = task->n_x, n = n_x * (1 + task->n_s);
   memset(g->by, 0, slopes(n_x, task->n_s) * sizeof(Slope));
+  if (found->square) {
+    memset(g->square, 0, slopes(task->n_s, task->n_s) * sizeof(Slope));
+    memset(g->error, 0, slopes(1, task->n_s) * sizeof(Slope));
+  }
   for (int l = 0; l < LANES; ++l) {
     const long long w = members[l] >= 0 ? members[l] : spare, before = task->follows[w];
     const double *end = found->ends + before * n;
@@ -78,6 +84,7 @@ static void begin(Group *g, const Task *task, const Result *found, const long lo
       AT(g->now[i], l) = handed_on && task->carried[i] ? end[i] : task->x0[w * n_x + i];
     for (long long j = 0; j < n_x && j < task->n_s; ++j) SLOPE(g->by, n_x, j, j, l) = 1.0;
     g->own[l] = w;
+    g->lost[l] = members[l] < 0 ? -1 : 0;
     g->alive[l] = members[l] >= 0;
     if (g->alive[l]) blank(found->ends + w * n, n);
   }
@@ -94,9 +101,10 @@ static int still_alive(Group *g, const Task *task, const Result *found, long lon
       const long long at = g->own[l] * task->length + sample;
       blank(found->states + at * task->n_x, left * task->n_x);
       blank(found->outputs + at * n_y, left * n_y);
-      if (task->n_s) blank(found->slopes + at * task->n_s * n_y, left * task->n_s * n_y);
+      if (found->slopes) blank(found->slopes + at * task->n_s * n_y, left * task->n_s * n_y);
       blank(found->final + g->own[l] * task->n_x, task->n_x);
       g->alive[l] = 0;
+      for (long long i = 0; found->square && i < left * n_y; ++i) g->lost[l] |= task->weights[at * n_y + i] != 0.0;
     }
     any |= g->alive[l];
   }
@@ -110,7 +118,41 @@ static void store(const Group *g, const Task *task, const Result *found, long lo
     if (!g->alive[l]) continue;
     take(found->states + at * task->n_x, g->now, l, task->n_x);
     take(found->outputs + at * task->n_y, g->y, l, task->n_y);
-    take_slopes(found->slopes + at * n_slopes, g->y_by, l, task->n_y, task->n_s);
+    if (found->slopes) take_slopes(found->slopes + at * n_slopes, g->y_by, l, task->n_y, task->n_s);
+  }
+}
+
+/* Adds what the outputs of sample k give to the products, of which half is kept: column j up to its own row. */
+static void weigh(Group *g, const Task *task, long long k) {
+  const long long n_y = task->n_y, n_s = task->n_s, blocks = slopes(1, n_s);
+  put(g->measured, g, task, task->measured, k, n_y);
+  put(g->weights, g, task, task->weights, k, n_y);
+  for (long long r = 0; r < n_y; ++r) {
+    const Lanes weight = g->weights[r], error = (g->measured[r] - g->y[r]) * weight;
+    const Slope left = COUNTED(weight, SPREAD(error));
+    for (long long b = 0; b < blocks; ++b)
+      g->column[b] = COUNTED(weight, g->y_by[b * n_y + r] * SPREAD(weight));
+    for (long long j = 0; j < n_s; ++j) {
+      const Slope own = COLUMN(g->column, j);
+      Slope *square = g->square + j * blocks;
+      for (long long b = 0; b * BESIDE <= j; ++b) square[b] += own * g->column[b];
+    }
+    for (long long b = 0; b < blocks; ++b) g->error[b] += left * g->column[b];
+  }
+}
+
+static void take_products(const Group *g, const Task *task, const Result *found, int lane) {
+  const long long n_s = task->n_s, blocks = slopes(1, n_s);
+  double *square = found->square + g->own[lane] * n_s * n_s, *error = found->error + g->own[lane] * n_s;
+  if (g->lost[lane]) {
+    blank(square, n_s * n_s);
+    blank(error, n_s);
+    return;
+  }
+  for (long long j = 0; j < n_s; ++j) {
+    error[j] = SLOPE(g->error, 1, 0, j, lane);
+    for (long long i = 0; i <= j; ++i)
+      square[j * n_s + i] = square[i * n_s + j] = SLOPE(g->square + j * blocks, 1, 0, i, lane);
   }
 }
 
@@ -142,6 +184,7 @@ static void run(Group *g, int groups, const Task *task, const Result *found, con
     for (int a = 0; a < groups; ++a) observed(g + a, task, found, at + a, k);
     observe->run(at, groups, task->h, task->p, known + advance->constants, task->n_s);
     for (int a = 0; a < groups; ++a) store(g + a, task, found, k);
+    for (int a = 0; found->square && a < groups; ++a) weigh(g + a, task, k);
     for (long long i = 0; i < task->steps; ++i) {
       for (int a = 0; a < groups; ++a) stepped(g + a, task, at + a, i);
       advance->run(at, groups, task->h, task->p, known, task->n_s);
@@ -155,9 +198,13 @@ static void run(Group *g, int groups, const Task *task, const Result *found, con
   for (int a = 0; a < groups; ++a)
     for (int l = 0; l < LANES; ++l)
       if (g[a].alive[l]) take(found->final + g[a].own[l] * n_x, g[a].now, l, n_x);
+  for (int a = 0; found->square && a < groups; ++a)
+    for (int l = 0; l < LANES; ++l)
+      if (g[a].lost[l] >= 0) take_products(g + a, task, found, l);
 }
 
-static void *room(long long n, size_t each) { return aligned_alloc(each < 64 ? 64 : each, (n * each / 64 + 2) * 64); }
+/* Bytes that begin and end on a cache line, with one to spare. */
+static size_t rounded(size_t bytes) { return (bytes / 64 + 2) * 64; }
 
 /* Groups of a block that have a horizon: the first ones. */
 static int groups_of(const long long *members) {
@@ -166,18 +213,31 @@ static int groups_of(const long long *members) {
   return groups;
 }
 
+/* Rooms of a group, one after another in what is freed at the end; returns it, or NULL without memory. */
+static void *make_room(Group *g, const Task *task) {
+  const long long n_x = task->n_x, n_y = task->n_y, n_s = task->n_s, by = slopes(n_x, n_s), blocks = slopes(1, n_s);
+  const long long lanes[] = {n_x, n_x, n_y, task->n_u, task->n_stage, n_y, n_y};
+  const long long columns[] = {by, by, slopes(n_y, n_s), blocks, n_s * blocks, blocks};
+  Lanes **own[] = {&g->now, &g->next, &g->y, &g->u, &g->stage, &g->measured, &g->weights};
+  Slope **own_by[] = {&g->by, &g->next_by, &g->y_by, &g->column, &g->square, &g->error};
+  size_t size = 0;
+  for (int k = 0; k < 7; ++k) size += rounded(lanes[k] * sizeof(Lanes));
+  for (int k = 0; k < 6; ++k) size += rounded(columns[k] * sizeof(Slope));
+  char *all = aligned_alloc(64, size), *at = all;
+  for (int k = 0; all && k < 7; ++k) *own[k] = (Lanes *)at, at += rounded(lanes[k] * sizeof(Lanes));
+  for (int k = 0; all && k < 6; ++k) *own_by[k] = (Slope *)at, at += rounded(columns[k] * sizeof(Slope));
+  return all;
+}
+
 /* Returns 0, or 1 without memory. */
 int shoot(const Part *advance, const Part *observe, const Task *task, const Result *found) {
-  const long long by = slopes(task->n_x, task->n_s);
   Group g[TURNS];
+  void *rooms[TURNS];
   double *known = malloc((advance->constants + observe->constants + 1) * sizeof *known);
   int ready = known != NULL;
   for (int a = 0; a < TURNS; ++a) {
-    g[a] = (Group){.now = room(task->n_x, sizeof(Lanes)), .next = room(task->n_x, sizeof(Lanes)),
-                   .y = room(task->n_y, sizeof(Lanes)), .u = room(task->n_u, sizeof(Lanes)),
-                   .stage = room(task->n_stage, sizeof(Lanes)), .by = room(by, sizeof(Slope)),
-                   .next_by = room(by, sizeof(Slope)), .y_by = room(slopes(task->n_y, task->n_s), sizeof(Slope))};
-    ready = ready && g[a].now && g[a].next && g[a].y && g[a].u && g[a].stage && g[a].by && g[a].next_by && g[a].y_by;
+    rooms[a] = make_room(g + a, task);
+    ready = ready && rooms[a];
   }
   if (ready) {
     advance->prepare(task->h, task->p, known);
@@ -189,10 +249,7 @@ int shoot(const Part *advance, const Part *observe, const Task *task, const Resu
     for (int a = 0; a < groups; ++a) begin(g + a, task, found, members + a * LANES, members[0]);
     run(g, groups, task, found, advance, observe, known);
   }
-  for (int a = 0; a < TURNS; ++a) {
-    free(g[a].now), free(g[a].next), free(g[a].y), free(g[a].u), free(g[a].stage);
-    free(g[a].by), free(g[a].next_by), free(g[a].y_by);
-  }
+  for (int a = 0; a < TURNS; ++a) free(rooms[a]);
   free(known);
   return !ready;
 }

@@ -35,7 +35,9 @@ class Shot:
     Shapes: ``outputs`` (w, H, n_y), ``states`` (w, H, n_x), ``final`` (w, n_x) the state one
     sample after the last. With sensitivities (else empty): ``by_state`` (w, H, n_y, n_x) = dy/dx0 and
     ``by_parameter`` (w, H, n_y, n_free) = dy/dp. With carried states: ``ends_by`` (w, n_x + n_free, n_x),
-    the derivatives by x0 and p of the state after each horizon's last sample.
+    the derivatives by x0 and p of the state after each horizon's last sample. Or, in place of the
+    sensitivities J of the weighted outputs, their products over each horizon: ``square`` J'J (w, n_x +
+    n_free, n_x + n_free), and ``error`` J'r (w, n_x + n_free) with what the outputs leave of the record.
     """
 
     outputs: Array
@@ -44,6 +46,8 @@ class Shot:
     by_state: Array = field(default_factory=lambda: np.empty(0))
     by_parameter: Array = field(default_factory=lambda: np.empty(0))
     ends_by: Array = field(default_factory=lambda: np.empty(0))
+    square: Array = field(default_factory=lambda: np.empty(0))
+    error: Array = field(default_factory=lambda: np.empty(0))
 
     def ends(self, windows: Windows) -> Array:
         """State of each horizon one sample after its last in use, (w, n_x)."""
@@ -57,8 +61,13 @@ class Shot:
 
     @property
     def sensitive(self) -> bool:
-        """Whether there are sensitivities."""
-        return self.by_state.ndim > 1
+        """Whether there are sensitivities, or their products."""
+        return self.by_state.ndim > 1 or self.multiplied
+
+    @property
+    def multiplied(self) -> bool:
+        """Whether there are products of the sensitivities in their place."""
+        return self.square.ndim > 1
 
 
 @dataclass(frozen=True)
@@ -85,6 +94,15 @@ class Shooter:
             states, outputs, final, *slopes = self.code(*given)
             return _shot(states, outputs, final, *(slopes if sensitivities else ()))
         return self._interpreted(x0, p, sensitivities)
+
+    def multiplied(self, x0: Array, p: Array, weights: Array) -> Shot:
+        """The same with products of the sensitivities where machine code runs, and with sensitivities where
+        it does not; ``weights`` (w, H, n_y) of the outputs, 0 where one does not count. No state may be
+        carried. The products take less memory, and less time than to write the sensitivities down."""
+        if not self.code.worth_it:
+            return self(x0, p, sensitivities=True)
+        states, outputs, final, square, error, _ = self.code(self.windows, (), x0, p, True, weights)
+        return Shot(outputs, states, final, square=square, error=error[..., 0])
 
     def over(self, windows: Windows, times: int = 1) -> Shooter:
         """The same shooter over other horizons; it shares the compiled code. It is to simulate ``times`` as

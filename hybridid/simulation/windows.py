@@ -18,6 +18,8 @@ CALL = 2500
 SHORTEST = 0.2
 """A last horizon shorter than this share of the others is omitted."""
 _BY_HORIZON = ("time", "stages", "inputs", "outputs", "used", "cells")
+PART = 2**16
+"""Samples of many horizons that are computed with at once."""
 HEAD = 10
 """Samples that must count in the first horizon after a masked stretch."""
 
@@ -114,6 +116,13 @@ class Windows:
 def within(used: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Each horizon up to its last sample that is ``used``, all (w, length)."""
     return np.logical_or.accumulate(used[:, ::-1], axis=1)[:, ::-1]
+
+
+def in_parts(count: int, length: int) -> list[slice]:
+    """``count`` horizons of ``length`` samples in parts of about ``PART`` samples: what is made of a part
+    stays in the processor's cache, and the memory that one takes serves the next."""
+    size = max(1, PART // length)
+    return [slice(k, min(k + size, count)) for k in range(0, count, size)]
 
 
 def cut(records: Sequence[Record], horizon: int | None, substeps: int, most: int | None = None) -> Windows:

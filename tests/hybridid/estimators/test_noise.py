@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from hybridid.estimators.noise import Absorbed, noise_of
+from hybridid.estimators.absorbed import Absorbed
+from hybridid.estimators.noise import noise_of
 from hybridid.estimators.uncertainty import autoregression
 
 

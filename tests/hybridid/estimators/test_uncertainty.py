@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +10,12 @@ import pytest
 
 from hybridid.declarations import Signal
 from hybridid.estimators import FitSettings, fit
+from hybridid.estimators.problem import build_problem
+from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
 from hybridid.records.record import Channel
-from hybridid.simulation import simulate
+from hybridid.simulation import simulate, windows
 
 DRAWS = 30
 
@@ -90,6 +93,18 @@ def test_correlated_noise_is_covered_over_short_horizons(draws):
     errors, std, _ = draws(FitSettings(horizon=60), 1e-4, 0.9)
     assert 0.86 <= share(errors, std) <= 1.0
     np.testing.assert_allclose(std.mean(axis=0), errors.std(axis=0), rtol=0.4)
+
+
+@pytest.mark.parametrize("horizon", [None, 50])
+def test_parts_of_the_horizons_together_are_the_whole(symmetric, noisy, free_run_fit, monkeypatch, horizon):
+    problem = build_problem(symmetric, [noisy], horizon, 2, estimate_x0=horizon is None)
+    p, x0 = symmetric.values(free_run_fit.values), problem.measured_x0()
+    whole = uncertainty(problem, p, x0)
+    for module in (windows, sys.modules[uncertainty.__module__]):
+        monkeypatch.setattr(module, "PART", 128)
+    parts = uncertainty(problem, p, x0)
+    np.testing.assert_allclose(parts.covariance, whole.covariance, rtol=1e-8)
+    np.testing.assert_allclose(parts.condition, whole.condition, rtol=1e-10)
 
 
 def test_a_second_look_at_the_same_noise_adds_nothing(carriage, noise, make_model, of_noise):

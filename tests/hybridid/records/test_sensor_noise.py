@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import welch
 
 from hybridid.records.record import Channel, Record
-from hybridid.records.sensor_noise import noise_level
+from hybridid.records.sensor_noise import _density, noise_level
 
 TIME = np.arange(4000) * 1e-3
 MOTION = 0.1 * np.sin(2 * np.pi * 0.7 * TIME)
@@ -40,3 +41,10 @@ def test_motion_fast_beside_the_samples_is_no_noise(noise):
     fast = 0.05 * np.sin(2 * np.pi * 115.0 * TIME) + 0.03 * np.sin(2 * np.pi * 60.0 * TIME)
     (found,) = noise_level(record_of(fast + noise(len(TIME), 1e-4, seed=5)))
     assert found == pytest.approx(1e-4, rel=0.1)
+
+
+@pytest.mark.parametrize(("samples", "length"), [(1000, 256), (999, 255), (300, 75)])
+def test_the_periodogram_is_welchs(samples, length):
+    y = np.cumsum(np.random.default_rng(5).normal(size=samples))
+    theirs = welch(y, nperseg=length)[1][1:-1]
+    np.testing.assert_allclose(_density(y, length)[1:-1], theirs, rtol=1e-12)

@@ -67,6 +67,39 @@ def test_a_horizon_that_leaves_the_numbers_is_blank_from_there_on(carriage, make
     assert np.isfinite(shot.outputs[1]).all()
 
 
+@compiled
+@pytest.mark.parametrize("horizons", [2, 4, 20])
+def test_products_of_the_sensitivities_are_those_of_the_sensitivities(carriage, make_model, horizons):
+    model = make_model(("viscous", "coulomb", "sensor_lag"))
+    shooter = Shooter(model, cut([carriage.record(20 * horizons)], 20, 1), ("M", "carriage.coulomb.f_c"))
+    x0, p = np.full((horizons, len(model.states)), 1e-3), model.values()
+    weights = np.random.default_rng(0).uniform(1, 2, shooter.windows.outputs.shape)
+    weights[0, 3:5] = weights[-1, 10:] = 0.0
+    outputs = np.where(weights > 0, shooter.windows.outputs, np.nan)  # what does not count may be missing
+    whole = shooter(x0, p, sensitivities=True)
+    apart = replace(shooter, windows=replace(shooter.windows, outputs=outputs)).multiplied(x0, p, weights)
+    assert apart.multiplied
+    np.testing.assert_array_equal(apart.outputs, whole.outputs)
+    by = np.concatenate([whole.by_state, whole.by_parameter], axis=3) * weights[..., None]
+    left = np.where(weights > 0, (outputs - whole.outputs) * weights, 0.0)
+    square, error = np.einsum("whki,whkj->wij", by, by), np.einsum("whki,whk->wi", by, left)
+    for ours, theirs in ((apart.square, square), (apart.error, error)):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-11, atol=1e-12 * np.abs(theirs).max())
+
+
+@compiled
+def test_products_of_a_horizon_that_leaves_the_numbers_are_none(carriage, make_model):
+    model = make_model(("cubic_stiffness",))
+    shooter = Shooter(model, cut([carriage.record(100)], 50, 1), ("M",))
+    x0, p = np.array([[1.0, 0.0], [0.0, 0.0]]), model.values({"carriage.cubic_stiffness.k_3": -1e9})
+    assert np.isnan(shooter(x0, p).outputs[0]).any()
+    weights = np.ones(shooter.windows.outputs.shape)
+    assert np.isnan(shooter.multiplied(x0, p, weights).square[0]).all()
+    assert np.isfinite(shooter.multiplied(x0, p, weights).square[1]).all()
+    weights[0, 1:] = 0.0  # as beyond a record's end
+    assert np.isfinite(shooter.multiplied(x0, p, weights).square).all()
+
+
 def test_without_a_compiler_everything_is_interpreted(carriage, make_model, monkeypatch):
     monkeypatch.setattr(machine_code, "c_compiler", lambda: None)
     shooter = shooter_of(carriage, make_model)
