@@ -28,7 +28,7 @@ SECONDS = 300.0
 ENOUGH = 3
 """Results after which a trace is interrupted."""
 # a shorter record is simulated without compiling
-FIT = ("fit", *("rig.duration=4" if word.startswith("rig.") else word for word in QUICK))
+FIT = ("fit", *("rig.duration=8" if word.startswith("rig.") else word for word in QUICK))
 TRACE = ("trace", *QUICK, "trace.effects=[stribeck]", "trace.processes=1")
 Poison = Callable[[Path, bytes], None]
 """What is done with a file of the cache, given code that runs when it is loaded."""

@@ -49,6 +49,6 @@ def test_the_servo_and_the_flexible_link_are_told_nothing(advice, effects):
 
 
 def test_the_resistance_of_the_servo_is_told_with_its_torque_constant(advice):
-    found = advice("servo", "bam_xl330", "parameters.R.lower=2", "parameters.R.upper=5")
+    found = advice("servo", "bam_xl330", "parameters.R.lower=2", "parameters.R.upper=4")
     assert found.keys() == {"bound"}
     assert found["bound"].startswith("R is at its bound and collinear with k_t (correlation of size 0.99")
