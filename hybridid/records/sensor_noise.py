@@ -38,10 +38,10 @@ def sensor_noise(record: Record) -> tuple[SensorNoise, ...]:
 
 
 def _told(y: Array) -> SensorNoise:
-    rounding, local, quietest = _quantisation(y) / np.sqrt(12), _local(y), _quietest(y)
+    step, local, quietest = _quantisation(y) / np.sqrt(12), _local(y), _quietest(y)
     agree = 0 < max(local, quietest) <= AGREE * min(local, quietest)
-    level = max(rounding, local, quietest) if agree else max(rounding, min(local, quietest))
-    return SensorNoise(float(level), bool(agree or (rounding > 0 and rounding >= max(local, quietest))))
+    level = max(step, local, quietest) if agree else max(step, min(local, quietest))
+    return SensorNoise(float(level), bool(agree or (step > 0 and step >= max(local, quietest))))
 
 
 def noise_level(record: Record) -> Array:
@@ -51,9 +51,13 @@ def noise_level(record: Record) -> Array:
     of what a local cubic leaves and of what the quietest frequencies show. The cubic takes fast
     motion for noise, the spectrum what leaks from strong motion; neither takes noise for motion.
     """
-    return np.array(
-        [max(_quantisation(y) / np.sqrt(12), min(_local(y), _quietest(y))) for y in _counted(record)]
-    )
+    shown = np.array([min(_local(y), _quietest(y)) for y in _counted(record)])
+    return np.maximum(rounding(record), shown)
+
+
+def rounding(record: Record) -> Array:
+    """Standard deviation (n_y,) of the rounding of each output to a grid: the step over sqrt(12); else 0."""
+    return np.array([_quantisation(y) for y in _counted(record)]) / np.sqrt(12)
 
 
 def _counted(record: Record) -> list[Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, TypeVar
 
 from hybridid.declarations import Port
@@ -13,6 +14,7 @@ from hybridid.effects.over import Over, overs_for
 from hybridid.effects.variable import Variable
 from hybridid.model import Model
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
+from hybridid.trace.noise import Noise
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.split import Split
 
@@ -42,6 +44,11 @@ class Context:
     pairs: int = PAIRS
     revise: bool = False
     variables: tuple[Variable, ...] | None = None
+
+    @cached_property
+    def noise(self) -> Noise:
+        """The noise of the sensors."""
+        return Noise.of(self.split.records)
 
     def equation_ports(self, model: Model) -> list[Port]:
         """The effort and flow ports of ``model`` where this trace tries something."""

@@ -26,11 +26,11 @@ from hybridid.trace.robustness import surviving
 from hybridid.trace.trial import Trial
 
 
-def may_be_minor(best: Trial, base: Refit, floor: float, context: Context) -> bool:
-    """Whether ``best`` leaves enough of the squared error, and more than the noise ``floor``, a loss."""
+def may_be_minor(best: Trial, base: Refit, context: Context) -> bool:
+    """Whether ``best`` leaves enough of the squared error, and more than the noise."""
     assert best.refit is not None
-    rules = context.rules
-    noisy = best.refit.score.loss <= rules.near_floor * floor
+    rules, score = context.rules, best.refit.score
+    noisy = score.loss <= rules.near_floor * context.noise.loss(score)
     return not noisy and best.taken < rules.majority * base.score.loss**2
 
 

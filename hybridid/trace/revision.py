@@ -41,13 +41,13 @@ class Replacement:
     p_value: float
 
 
-def replacements(model: Model, found: Search, context: Context, floor: float) -> tuple[Replacement, ...]:
+def replacements(model: Model, found: Search, context: Context) -> tuple[Replacement, ...]:
     """The replacements of declared effects of ``model`` that pass, the best first.
 
-    ``found`` is what the search that only adds came to; ``floor`` is the noise level as a loss.
+    ``found`` is what the search that only adds came to.
     """
     rules = context.rules
-    searches = [(term, _without(term, found, context, floor)) for term in model.terms]
+    searches = [(term, _without(term, found, context)) for term in model.terms]
     tried = sum(len(step.trials) for _, again in searches for step in again.steps)
     passing = []
     for term, again in searches:
@@ -68,7 +68,7 @@ def _needed(term: Term, replaced: Refit, context: Context) -> bool:
     return back.comparison is not None and context.rules.passes(back.gain, back.comparison.p_value)
 
 
-def _without(term: Term, found: Search, context: Context, floor: float) -> Search:
+def _without(term: Term, found: Search, context: Context) -> Search:
     """The forward search from the declared model without ``term``, which is not tried again."""
     first = found.first
     poorer, values = first.model.without(term.name), values_without(first, term.name)
@@ -77,7 +77,7 @@ def _without(term: Term, found: Search, context: Context, floor: float) -> Searc
     context.say(f"without {term.name}: the search begins anew")
     elsewhere = replace(context, effects=others, rules=rules)
     base = context.one(refit, poorer, context.split, [values], None, first.numerics, CONTINUATION)
-    return continued(Search((), base, (), ""), elsewhere, floor)
+    return continued(Search((), base, (), ""), elsewhere)
 
 
 def idle_terms(model: Model, estimate: Estimate, sure: float = 2.0) -> tuple[str, ...]:

@@ -85,7 +85,8 @@ def survival(
     The effect must still take ``rules.kept`` of what it took from the squared error as declared. It need not
     be significant a second time: that depends on the number of horizons, not on the numerics. A variation
     does not count if the records refute it: even with the effect the error is ``rules.refuted`` times as
-    large. (A coarse smoothing adds an error beside which a true effect looks small.)
+    large. (A coarse smoothing adds an error beside which a true effect looks small.) Records cannot refute a
+    finer step: it comes nearer to the equations, so a gain that is lost there was never theirs.
 
     The effect's amplitudes must not move by more than ``rules.steady`` of their values, or by two standard
     errors: an amplitude that follows the smoothing or the step belongs to these, not to the machine. The hold
@@ -110,7 +111,8 @@ def survival(
     )
     taken, then = (a.score.loss**2 - b.score.loss**2 for a, b in ((base, augmented), (poorer, richer)))
     kept = float(then / taken) if taken > 0 else 0.0
-    refuted = bool(richer.score.loss > rules.refuted * augmented.score.loss)
+    worse = richer.score.loss > rules.refuted * augmented.score.loss
+    refuted = bool(worse and numerics.finer <= augmented.numerics.finer)
     passes = kept >= rules.kept and steady
     return Survival(numerics.name, again.gain, kept, again.p_value, own, refuted, refuted or passes)
 

@@ -108,28 +108,27 @@ def search(
     model: Model,
     context: Context,
     start: Sequence[Mapping[str, float]],
-    floor: float,
     numerics: Numerics = DECLARED,
 ) -> Search:
-    """Add effects to ``model`` until none passes or the residual meets the noise ``floor``.
+    """Add effects to ``model`` until none passes or the residual is no more than the sensors' noise.
 
-    ``start`` holds parameter values to start the declared model from; ``floor`` is a loss.
+    ``start`` holds parameter values to start the declared model from.
     """
     base = context.one(refit, model, context.split, start, None, numerics, CONTINUATION)
-    return continued(Search((), base, (), ""), context, floor)
+    return continued(Search((), base, (), ""), context)
 
 
-def continued(found: Search, context: Context, floor: float) -> Search:
+def continued(found: Search, context: Context) -> Search:
     """Add effects to the last model of ``found``, as ``search`` does."""
     rules, base = context.rules, found.final
     steps, accepted = list(found.steps), list(found.accepted)
     while True:
-        if base.score.loss <= floor * rules.near_floor:
+        if base.score.loss <= context.noise.loss(base.score) * rules.near_floor:
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=AT_FLOOR)
         if len(accepted) >= rules.most_effects:
             stopped = f"{rules.most_effects} effects accepted, the most allowed"
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
-        step = _unless_minor(_step(base, context, len(steps) + 1), context, floor)
+        step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
             return replace(
@@ -173,12 +172,12 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
         judged = [withdrawn if t is best else t for t in judged]
 
 
-def _unless_minor(step: Step, context: Context, floor: float) -> Step:
+def _unless_minor(step: Step, context: Context) -> Step:
     """``step`` without its effect, if a learned effort beside the same model takes far more."""
     one = step.accepted
     passed = [trial for trial in step.trials if trial.status == PASSED]
     most = max(passed, key=lambda t: t.taken, default=None)
-    if one is None or most is None or not may_be_minor(most, step.base, floor, context):
+    if one is None or most is None or not may_be_minor(most, step.base, context):
         return step
     learned = ceilings(step.base, context)
     larger = minor_beside(most, step.base, learned, context)

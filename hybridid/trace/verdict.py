@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from hybridid.effects.composed import is_composed
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
-from hybridid.records.sensor_noise import noise_level
 from hybridid.simulation.chosen import AUTO
 from hybridid.trace.accuracy import simulation_error, times_the_limit
 from hybridid.trace.ceiling import Ceiling, ceilings
@@ -98,21 +97,18 @@ def conclude(
         ValueError: if a record does not fit the model or it diverges on the records.
     """
     split, rules = context.split, context.rules
-    noise = np.max([noise_level(record) for record in split.records], axis=0)
-    spread = np.nanstd(np.concatenate([record.counted for record in split.records]), axis=0)
-    floor = float(np.sqrt(np.mean((noise / np.where(spread > 0, spread, 1.0)) ** 2)))
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
-    found = search(model, context, starts, floor, numerics_for(model, split, starts, integrator))
-    settled = _with_pairs(_settled(found, noise, context), noise, context, floor)
+    found = search(model, context, starts, numerics_for(model, split, starts, integrator))
+    settled = _with_pairs(_settled(found, context), context)
     if context.laws:
-        settled = _with_laws(settled, noise, context, floor)
+        settled = _with_laws(settled, context)
     refused = _refused(settled, rules)
-    revised = replacements(model, settled.found, context, floor) if context.revise else ()
+    revised = replacements(model, settled.found, context) if context.revise else ()
     names = [s.name for s in model.outputs]
     return Conclusion(
         verdict=_verdict(settled, refused, rules),
         search=settled.found,
-        floor=dict(zip(names, noise.tolist(), strict=True)),
+        floor=dict(zip(names, context.noise.beside(settled.found.final.score).tolist(), strict=True)),
         ceilings=settled.left,
         ceilings_before=settled.before,
         remains=settled.remains,
@@ -140,23 +136,23 @@ def _is_left(settled: _Settled, rules: Rules) -> bool:
     return bool(settled.remains) or settled.times > rules.far
 
 
-def _with_pairs(settled: _Settled, noise: Array, context: Context, floor: float) -> _Settled:
+def _with_pairs(settled: _Settled, context: Context) -> _Settled:
     """``settled`` with pairs of effects, and what is found beside them, as long as something is left: beside
     what was accepted, else in its place.
 
     They come before laws: two known effects say more of a machine than one formula that fits as well.
     """
-    settled = _beside_pairs(settled, noise, context, floor)
+    settled = _beside_pairs(settled, context)
     if not (_is_left(settled, context.rules) and context.pairs):
         return settled
     replaced = in_place(settled.found, context)
     if replaced is settled.found:
         return settled
-    other = _settled(continued(replaced, context, floor), noise, context)
-    return _beside_pairs(other, noise, context, floor) if other.found.accepted else settled
+    other = _settled(continued(replaced, context), context)
+    return _beside_pairs(other, context) if other.found.accepted else settled
 
 
-def _beside_pairs(settled: _Settled, noise: Array, context: Context, floor: float) -> _Settled:
+def _beside_pairs(settled: _Settled, context: Context) -> _Settled:
     """``settled`` with pairs beside what was accepted."""
     for _ in range(context.rules.most_effects // 2):
         if not _is_left(settled, context.rules):
@@ -164,34 +160,34 @@ def _beside_pairs(settled: _Settled, noise: Array, context: Context, floor: floa
         tried = with_pair(settled.found, context)
         if tried is settled.found or not tried.steps[-1].taken:
             return replace(settled, found=tried)
-        settled = _settled(continued(tried, context, floor), noise, context)
+        settled = _settled(continued(tried, context), context)
     return settled
 
 
-def _with_laws(settled: _Settled, noise: Array, context: Context, floor: float) -> _Settled:
+def _with_laws(settled: _Settled, context: Context) -> _Settled:
     """``settled`` with a composed law, and what is found beside it: beside what was accepted where something
     is left, else in the place of several effects."""
     found = settled.found
     lawful = with_law(found, settled.left, context) if _is_left(settled, context.rules) else found
     if lawful is not found:
-        return _settled(continued(lawful, context, floor), noise, context)
+        return _settled(continued(lawful, context), context)
     lawful = law_in_place(found, settled.before, context)
     if lawful is found:
         return settled
-    other = _settled(continued(lawful, context, floor), noise, context)
+    other = _settled(continued(lawful, context), context)
     return other if other.found.accepted else settled
 
 
-def _settled(found: Search, noise: Array, context: Context) -> _Settled:
+def _settled(found: Search, context: Context) -> _Settled:
     """``found`` with its classes looked at again, and without what stands in for something else."""
     found, left, before = _trusted(_with_sound_classes(found, context), context)
-    simulation, times = _error_left(found.final, noise, context)
+    simulation, times = _error_left(found.final, context)
     kept = unless_minor(found, times, context.rules)
     if kept is found:
         kept = unless_varying(found, context)
     if kept is not found:
         found, left = kept, _beside_last(kept, before, context)
-        simulation, times = _error_left(found.final, noise, context)
+        simulation, times = _error_left(found.final, context)
     return _Settled(found, left, before, simulation, times, _remaining(found, left, context))
 
 
@@ -246,10 +242,10 @@ def _learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     return next(known, ()) or ceilings(model, context)
 
 
-def _error_left(final: Refit, noise: Array, context: Context) -> tuple[Array, float]:
-    """The error (n_y,) of the simulation of ``final``; the error left over what it and ``noise`` leave."""
+def _error_left(final: Refit, context: Context) -> tuple[Array, float]:
+    """The error (n_y,) of the simulation of ``final``; the error left over what it and the noise leave."""
     simulation = simulation_error(final, context)
-    return simulation, times_the_limit(final.score.rmse, noise, simulation)
+    return simulation, times_the_limit(final.score.rmse, context.noise.beside(final.score), simulation)
 
 
 def _telling(found: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:

@@ -34,7 +34,7 @@ def pair(two_records):
 def searched(make_model):
     def make(records, rules=None, model=None):
         context = Context(by_blocks(records, HORIZON), TRIED, rules or Rules())
-        return search(model or make_model(), context, [{}], 0.0), context
+        return search(model or make_model(), context, [{}]), context
 
     return make
 
@@ -99,12 +99,7 @@ def test_a_parameter_with_groups_already_is_not_tried(pair, searched, make_model
 def test_a_record_that_is_held_out_as_a_whole_cannot_judge(pair, make_model):
     first, second = pair(20.0, 21.5)
     context = Context(by_record([first], [second], HORIZON), TRIED)
-    found = search(
-        make_model(),
-        context,
-        [{}],
-        0.0,
-    )
+    found = search(make_model(), context, [{}])
     with pytest.raises(ValueError, match="judged on alternate horizons of two records or more"):
         by_recording(found, context)
 

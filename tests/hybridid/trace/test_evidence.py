@@ -11,7 +11,7 @@ from statsmodels.stats.multitest import multipletests
 
 from hybridid.estimators.noise import MOST_LAGS
 from hybridid.trace.evidence import by_signs, compare, holm
-from hybridid.trace.score import BLOCKS, Score, score_of
+from hybridid.trace.score import BLOCKS, score_of
 
 HORIZONS, LENGTH = 24, 200
 
@@ -120,8 +120,8 @@ def test_one_horizon_that_both_miss_does_not_hide_the_others():
 
 def test_what_is_not_finite_gains_nothing():
     fine = score_of(errors(1.0, 0), errors(1.0, 1), np.ones(1))
-    broken = Score(
-        np.full_like(fine.squares, np.inf), fine.samples, np.full_like(fine.likelihood, -np.inf), fine.scale
+    broken = replace(
+        fine, squares=np.full_like(fine.squares, np.inf), likelihood=np.full_like(fine.likelihood, -np.inf)
     )
     evidence = compare(fine, broken)
     assert (evidence.gain, evidence.p_value) == (0.0, 1.0)

@@ -31,7 +31,7 @@ def context_of(split_of):
 @pytest.fixture(scope="module")
 def poor(make_model, context_of) -> Search:
     """The search where the library has only what resembles the truth."""
-    return search(make_model(), context_of(RESEMBLES), [{}], floor=3e-5)
+    return search(make_model(), context_of(RESEMBLES), [{}])
 
 
 def test_an_effect_that_takes_little_is_no_name_and_the_sentence_says_beside_what(poor):
@@ -45,14 +45,16 @@ def test_an_effect_that_takes_little_is_no_name_and_the_sentence_says_beside_wha
 
 
 def test_at_the_noise_no_effect_is_minor(make_model, poor, context_of):
-    found = search(make_model(), context_of(RESEMBLES), [{}], floor=0.95 * poor.final.score.loss)
+    score = poor.steps[0].trials[0].refit.score
+    at_noise = replace(LENIENT, near_floor=1.01 * score.loss / context_of(RESEMBLES).noise.loss(score))
+    found = search(make_model(), context_of(RESEMBLES, rules=at_noise), [{}])
     assert [one.name for one in found.steps[0].taken] == [f"carriage.{RESEMBLES}"]
     assert found.withdrawn == ""
     assert not any(step.learned for step in found.steps), "nothing was learned where nothing is in doubt"
 
 
 def test_the_truth_is_not_minor(make_model, context_of):
-    found = search(make_model(), context_of("asymmetric_viscous"), [{}], floor=0.0)
+    found = search(make_model(), context_of("asymmetric_viscous"), [{}])
     first = found.steps[0]
     assert [one.name for one in first.taken] == ["carriage.asymmetric_viscous"]
     assert not first.learned, "what takes most cannot be minor"
@@ -60,7 +62,7 @@ def test_the_truth_is_not_minor(make_model, context_of):
 
 def test_a_curve_over_the_learned_variable_is_not_minor(make_model, context_of):
     """It may be one of several effects that the learned effort adds up."""
-    found = search(make_model(), context_of("asymmetric_coulomb"), [{}], floor=3e-5)
+    found = search(make_model(), context_of("asymmetric_coulomb"), [{}])
     first = found.steps[0]
     assert [one.name for one in first.taken] == ["carriage.asymmetric_coulomb"]
     assert first.learned[0].gain > 0.9 > 2 * first.accepted.trial.gain
@@ -80,8 +82,9 @@ def test_half_of_what_is_learned_is_enough(poor, context_of):
 def test_what_takes_half_or_ends_at_the_noise_cannot_be_minor(poor, context_of):
     (step,) = poor.steps
     trial, context = step.trials[0], context_of(RESEMBLES)
-    share, loss = trial.taken / step.base.score.loss**2, trial.refit.score.loss
-    assert may_be_minor(trial, step.base, 0.0, context)
-    assert not may_be_minor(trial, step.base, loss, context)
+    share, score = trial.taken / step.base.score.loss**2, trial.refit.score
+    assert may_be_minor(trial, step.base, context)
+    at_noise = replace(LENIENT, near_floor=1.01 * score.loss / context.noise.loss(score))
+    assert not may_be_minor(trial, step.base, replace(context, rules=at_noise))
     less = replace(context, rules=replace(LENIENT, majority=0.99 * share))
-    assert not may_be_minor(trial, step.base, 0.0, less)
+    assert not may_be_minor(trial, step.base, less)

@@ -42,7 +42,7 @@ def context(split_of, said):
 
 @pytest.fixture(scope="module")
 def stalled(make_model, context):
-    return search(make_model(DECLARED), context, [{}], 0.0)
+    return search(make_model(DECLARED), context, [{}])
 
 
 @pytest.fixture(scope="module")
@@ -146,10 +146,11 @@ def test_a_pair_takes_the_place_of_effects_only_if_it_explains_more(stalled, pai
 
 def test_where_nothing_is_missing_no_pair_is_accepted(make_model, split_of):
     """None promises what would be worth a refit; those that are refitted nevertheless do not pass."""
-    context = Context(split_of(n=500, offset=0.0), TRIED)
-    stalled = search(make_model(DECLARED), context, [{}], 0.0)
+    beyond_noise = Rules(near_floor=0.0)
+    context = Context(split_of(n=500, offset=0.0), TRIED, beyond_noise)
+    stalled = search(make_model(DECLARED), context, [{}])
     assert with_pair(stalled, context).steps[-1].pairs == ()
-    found = with_pair(stalled, replace(context, rules=Rules(worth=1e-6)))
+    found = with_pair(stalled, replace(context, rules=replace(beyond_noise, worth=1e-6)))
     assert len(found.steps[-1].pairs) > 0
     assert found.accepted == ()
 

@@ -26,7 +26,7 @@ def context(two_records):
 
 @pytest.fixture(scope="module")
 def found(make_model, context):
-    return search(make_model(), context, [{}], 0.0)
+    return search(make_model(), context, [{}])
 
 
 @pytest.fixture

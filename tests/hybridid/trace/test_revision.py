@@ -32,7 +32,7 @@ def stalled(make_model, split_of):
 def test_the_pair_that_does_better_replaces_the_declared_effect(stalled):
     said = []
     model, found, split = stalled(f_v=0.0, drag=900.0)
-    (best,) = replacements(model, found, Context(split, TRUE, say=said.append), 0.0)
+    (best,) = replacements(model, found, Context(split, TRUE, say=said.append))
     assert best.left_out == "carriage.viscous"
     assert {one.name for one in best.accepted} == {"carriage.coulomb", "carriage.quadratic_drag"}
     assert best.refit.values["carriage.quadratic_drag.c_d"] == pytest.approx(900.0, rel=0.05)
@@ -48,7 +48,7 @@ def test_the_pair_that_does_better_replaces_the_declared_effect(stalled):
 def test_no_replacement_of_what_is_true(stalled):
     declared = ("viscous", "coulomb", "offset")
     model, found, split = stalled(declared)
-    assert replacements(model, found, Context(split, (effect_named("quadratic_drag"),)), 0.0) == ()
+    assert replacements(model, found, Context(split, (effect_named("quadratic_drag"),))) == ()
 
 
 def test_declared_effects_that_end_at_zero_are_told(make_model):

@@ -136,7 +136,7 @@ def test_an_effect_that_the_numerics_made_does_not_survive(make_model, two_recor
 
     first, second = (held_as(record, "foh") for record in two_records())
     split = by_record([first], [second], 50)
-    found = search(make_model(), Context(split, (effect_named("input_delay"),)), [{}], 0.0)
+    found = search(make_model(), Context(split, (effect_named("input_delay"),)), [{}])
     step = found.steps[0]
     (trial,) = step.trials
     assert trial.gain > 0.05
