@@ -60,15 +60,17 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
 
 def _accepted(found: Trace) -> RenderableType:
     columns = (
-        "effect", "port", "estimate ± 95 %", "gain", "adjusted p", "cannot be told from", "survives",
+        "effect", "port", "estimate ± 95 %", "by the held-out records", "gain", "adjusted p",
+        "cannot be told from", "survives",
     )  # fmt: skip
-    made = table(f"Accepted ({found.provenance})", columns, words=(0, 1, 2, 5))
+    made = table(f"Accepted ({found.provenance})", columns, words=(0, 1, 2, 3, 6))
     for entry in found.accepted:
         survived = [s.survives for s in entry.survivals if s.simulated]
         made.add_row(
             entry.effect,
             entry.port,
-            ", ".join(parameters_in_words(entry)),
+            ", ".join(parameters_in_words(entry.parameters)),
+            ", ".join(parameters_in_words(entry.elsewhere)) or NONE,
             share(entry.gain),
             probability(entry.p_value),
             ", ".join(entry.others) or NONE,

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
 from hybridid.trace.ceiling import Ceiling, ceilings
+from hybridid.trace.constancy import judged_there, moved
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import LawOverLearned
@@ -166,10 +167,29 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
         survivals = survivals_of(base, best, context, otherwise)
         why = objection(survivals)
         if not why:
-            alike = tuple(equivalents(best, judged, rules))
-            return Step(base, tuple(judged), Accepted(best, alike, survivals))
+            alike, unsteady = steadiest(tuple(equivalents(best, judged, rules)), context)
+            judged = [unsteady.get(t.candidate.name, t) for t in judged]
+            if best in alike:
+                return Step(base, tuple(judged), Accepted(best, alike, survivals))
+            continue
         withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
         judged = [withdrawn if t is best else t for t in judged]
+
+
+def steadiest(alike: tuple[Trial, ...], context: Context) -> tuple[tuple[Trial, ...], dict[str, Trial]]:
+    """Of a class, the members that keep their amplitudes in the held-out records, and the others by name,
+    refused for that. All members, where none that passed does: then the last model decides.
+    """
+    fitted = [t.refit for t in alike if t.refit is not None]
+    if len(fitted) == 1:
+        return alike, {}
+    refused = {}
+    for one, here, there in zip(alike, fitted, judged_there(fitted, context), strict=True):
+        name = one.candidate.name
+        if why := moved(here, there, name, context.rules):
+            refused[name] = replace(one, status=REJECTED, reason=why)
+    kept = tuple(t for t in alike if t.candidate.name not in refused)
+    return (kept, refused) if any(t.status == PASSED for t in kept) else (alike, {})
 
 
 def _unless_minor(step: Step, context: Context) -> Step:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hybridid.records.record import Record
 from hybridid.simulation.windows import cut
@@ -31,6 +31,11 @@ class Split:
     held_out: tuple[int, ...]
     described: str
     gap: int = 0
+
+    @property
+    def swapped(self) -> Split:
+        """The same horizons: what was held out is fitted, and what was fitted is held out."""
+        return replace(self, fitted=self.held_out, held_out=self.fitted)
 
     def __post_init__(self) -> None:
         if min(len(self.fitted), len(self.held_out)) < FEWEST:

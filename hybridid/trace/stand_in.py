@@ -34,6 +34,7 @@ from dataclasses import replace
 from hybridid.effects.composed import is_composed
 from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
+from hybridid.trace.constancy import judged_there, moved
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import refit_if_possible, values_without
@@ -165,6 +166,22 @@ def unless_varying(found: Search, context: Context) -> Search:
     name, why = accused
     number = next(k for k, step in enumerate(found.steps) if name in [one.name for one in step.taken])
     return _ended_at(found, number, why)
+
+
+def unless_moved(found: Search, context: Context) -> Search:
+    """``found`` without the first accepted effect whose amplitude is another one in the held-out records, and
+    without those after it.
+
+    See ``hybridid.trace.constancy``. Where the search ended at the noise, nothing is left to explain.
+    """
+    if not found.accepted or found.stopped == AT_FLOOR:
+        return found
+    (there,) = judged_there([found.final], context)
+    for number, step in enumerate(found.steps):
+        for name in (one.name for one in step.taken if one.name in {kept.name for kept in found.accepted}):
+            if why := moved(found.final, there, name, context.rules):
+                return _ended_at(found, number, f"{why}. The machine changed, or the law is another one")
+    return found
 
 
 def _needed(found: Search, one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool:

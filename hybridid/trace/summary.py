@@ -45,7 +45,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         provenance=listed(sorted({record.provenance for record in split.records})),
         verdict=found.verdict,
         sentence="",
-        accepted=accepted_effects(found.search, last.estimate),
+        accepted=accepted_effects(found.search, last.estimate, found.there),
         rejected=rejected_effects(found.search),
         before=(*first.rows, *(networks[0].rows if networks else ())),
         after=(*last.rows, *(networks[-1].rows if networks else ())),
@@ -91,9 +91,14 @@ def _replaced(one: Replacement) -> ReplacedEffect:
     )
 
 
-def accepted_effects(search: Search, estimate: Estimate) -> tuple[AcceptedEffect, ...]:
-    """The accepted effects with their evidence; their parameters are from ``estimate``, the last fit."""
-    return tuple(_accepted(one, _step_of(search, one), estimate) for one in search.accepted)
+def accepted_effects(
+    search: Search, estimate: Estimate, there: Refit | None = None
+) -> tuple[AcceptedEffect, ...]:
+    """The accepted effects with their evidence; their parameters are from ``estimate``, the last fit.
+
+    ``there`` is the last model, fitted to the held-out horizons alone.
+    """
+    return tuple(_accepted(one, _step_of(search, one), estimate, there) for one in search.accepted)
 
 
 def rejected_effects(search: Search) -> tuple[TriedEffect, ...]:
@@ -192,7 +197,7 @@ def used_records(fitted: Sequence[Record], held_out: Sequence[Record]) -> tuple[
     return tuple(UsedRecord(r.name, role, r.provenance, r.source, r.digest, r.n, r.dt) for r, role in roles)
 
 
-def _accepted(one: Accepted, number: int, estimate: Estimate) -> AcceptedEffect:
+def _accepted(one: Accepted, number: int, estimate: Estimate, there: Refit | None) -> AcceptedEffect:
     trial, effect, prefix = one.trial, one.trial.candidate.effect, f"{one.name}."
     own = {
         p.name.removeprefix(prefix): Value(p.value, p.std, p.unit)
@@ -220,7 +225,12 @@ def _accepted(one: Accepted, number: int, estimate: Estimate) -> AcceptedEffect:
         is_law=is_composed(effect),
         form_of=FORMS.get(effect.id, ""),
         together=one.together,
+        elsewhere={} if there is None else {n: _value(there, prefix + n, v.unit) for n, v in own.items()},
     )
+
+
+def _value(fitted: Refit, name: str, unit: str) -> Value:
+    return Value(fitted.values[name], fitted.std.get(name, math.nan), unit)
 
 
 def _short(found: Survival) -> Survival:

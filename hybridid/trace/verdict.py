@@ -20,6 +20,7 @@ from hybridid.model import Model
 from hybridid.simulation.chosen import AUTO
 from hybridid.trace.accuracy import simulation_error, times_the_limit
 from hybridid.trace.ceiling import Ceiling, ceilings
+from hybridid.trace.constancy import judged_there
 from hybridid.trace.context import Context
 from hybridid.trace.laws import law_in_place, with_law
 from hybridid.trace.numerics import numerics_for
@@ -33,6 +34,7 @@ from hybridid.trace.search import Accepted, Search, continued, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import (
     unless_minor,
+    unless_moved,
     unless_outdone,
     unless_varying,
     without_mixed_classes,
@@ -56,7 +58,8 @@ class Conclusion:
     is left that no effect of the library explains. ``simulation`` is the error of the simulation of the last
     model, as ``floor``; ``times`` the held-out error over what noise and simulation alone leave.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
-    ``replacements`` do better in the place of a declared effect, where that was asked.
+    ``replacements`` do better in the place of a declared effect, where that was asked. ``there`` is the last
+    model, fitted to the held-out horizons alone, if effects were accepted.
     """
 
     verdict: Verdict
@@ -69,6 +72,7 @@ class Conclusion:
     times: float
     refused: str = ""
     replacements: tuple[Replacement, ...] = ()
+    there: Refit | None = None
 
     @property
     def model(self) -> Model:
@@ -116,6 +120,7 @@ def conclude(
         times=settled.times,
         refused=refused,
         replacements=revised,
+        there=judged_there([settled.found.final], context)[0] if settled.found.accepted else None,
     )
 
 
@@ -183,6 +188,8 @@ def _settled(found: Search, context: Context) -> _Settled:
     found, left, before = _trusted(_with_sound_classes(found, context), context)
     simulation, times = _error_left(found.final, context)
     kept = unless_minor(found, times, context.rules)
+    if kept is found:
+        kept = unless_moved(found, context)
     if kept is found:
         kept = unless_varying(found, context)
     if kept is not found:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
-from hybridid.trace.entries import AcceptedEffect, DifferingParameter
+from hybridid.trace.entries import AcceptedEffect, DifferingParameter, Value
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED, UNTRIED
 
@@ -154,7 +154,7 @@ def _proposed(laws: Sequence[AcceptedEffect]) -> str:
 
 def _law(entry: AcceptedEffect) -> str:
     """A composed law with its parameters and the laws that do as well."""
-    text = f"{entry.equation} ({', '.join(parameters_in_words(entry))})"
+    text = f"{entry.equation} ({', '.join(parameters_in_words(entry.parameters))})"
     if entry.form_of:
         text += f", which is the form of {entry.form_of}"
     others = [member.effect for member in entry.class_members if member.effect != entry.effect]
@@ -245,7 +245,7 @@ def _named(entry: AcceptedEffect) -> str:
     """An accepted effect with its parameters, or the class that it stands for."""
     if len(entry.alike) > 1:
         return f"one of {_members(entry)}, which these records cannot tell apart"
-    return f"{entry.effect} at {entry.port} ({', '.join(parameters_in_words(entry))})"
+    return f"{entry.effect} at {entry.port} ({', '.join(parameters_in_words(entry.parameters))})"
 
 
 def _members(entry: AcceptedEffect) -> str:
@@ -256,9 +256,9 @@ def _members(entry: AcceptedEffect) -> str:
     return f"{{{', '.join(each)}}}"
 
 
-def parameters_in_words(entry: AcceptedEffect) -> list[str]:
+def parameters_in_words(values: Mapping[str, Value]) -> list[str]:
     """``df_v = 73.9 ± 8.9 N·s/m`` of each parameter: its value and half its 95 % interval."""
-    return [f"{name} = {estimated(p.value, p.std, p.unit)}" for name, p in entry.parameters.items()]
+    return [f"{name} = {estimated(p.value, p.std, p.unit)}" for name, p in values.items()]
 
 
 def _fall(found: Trace) -> str:
@@ -273,6 +273,19 @@ def _fall(found: Trace) -> str:
 
 
 def _rest(found: Trace) -> str:
-    if not found.remains:
-        return f" {error_left(found)}" if found.times > found.rules.far else ""
-    return f" Structure remains {listed(found.remains)} that no effect in the library explains."
+    remains = (
+        f" Structure remains {listed(found.remains)} that no effect in the library explains."
+        if found.remains
+        else ""
+    )
+    return remains + _more_is_missing(found)
+
+
+def _more_is_missing(found: Trace) -> str:
+    """That names are less sure where far more than noise and simulation is left; empty where it is not."""
+    if found.times <= found.rules.far:
+        return ""
+    return (
+        f" More is missing: the error left is {found.times:.1f} times what noise and simulation alone leave. "
+        "A name may stand for a part of that."
+    )

@@ -170,7 +170,7 @@ def _machine(point: Point, swept: SweepOutcome) -> Machine:
         provenance=found.provenance,
         verdict=found.verdict,
         lacks=tuple(map(_class, found.accepted)),
-        values=tuple(", ".join((one.effect, *parameters_in_words(one))) for one in found.accepted),
+        values=tuple(", ".join((one.effect, *parameters_in_words(one.parameters))) for one in found.accepted),
         before=dict(first),
         after=dict(last),
         units=_units(found),

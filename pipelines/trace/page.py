@@ -44,6 +44,10 @@ _PAIRS = (
     "least-squares fit of the residual, and the most promising ones refitted. Their p-values are adjusted "
     "for all pairs that could be formed."
 )
+_ELSEWHERE = (
+    "The model was also fitted to the held-out records alone. A law of physics keeps its amplitude there. "
+    "One that only resembles what is missing is bent to each record anew."
+)
 _RESIDUAL = (
     "The missing effort (at a level: flow) is what the model would need in addition at the port to agree "
     "with the record. A smoother estimates it: differentiating the record would amplify its noise."
@@ -74,15 +78,19 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
 def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
     if not found.accepted:
         return None
-    header = ("effect", "port", "estimate ± 95 %", "gain", "p", "cannot be told from", "step")
+    header = (
+        "effect", "port", "estimate ± 95 %", "by the held-out records", "gain", "p",
+        "cannot be told from", "step",
+    )  # fmt: skip
     rows = tuple(
         (
-            a.effect, a.port, "; ".join(parameters_in_words(a)), share(a.gain), probability(a.p_value),
+            a.effect, a.port, "; ".join(parameters_in_words(a.parameters)),
+            "; ".join(parameters_in_words(a.elsewhere)) or NONE, share(a.gain), probability(a.p_value),
             ", ".join(a.others) or NONE, str(a.step),
         )
         for a in found.accepted
     )  # fmt: skip
-    effects = Table(f"Accepted ({found.provenance})", header, rows, words=(0, 1, 2, 5))
+    effects = Table(f"Accepted ({found.provenance})", header, rows, (_ELSEWHERE,), words=(0, 1, 2, 3, 6))
     paragraphs = [f"{a.effect}: {a.title}, {a.equation}. {_capital(a.pattern)}." for a in found.accepted]
     paragraphs += [
         f"{a.name} was found only together with {a.together}; its gain is the one beside it."

@@ -1,0 +1,103 @@
+"""Whether an effect has the same amplitude in the held-out records as in the fitted ones.
+
+A law of physics keeps its amplitude from record to record of one machine. A law that only resembles what is
+missing is bent to each record anew. So the whole model is fitted once more, to the held-out horizons alone.
+With a +- s an amplitude where the trace fits, and a' +- s' where it judges, the amplitude has moved if
+
+    |a - a'| > steady min(|a|, |a'|)   and   2 (1 - Phi(|a - a'| / sqrt(s^2 + s'^2))) <= alpha / n,
+
+n being the number of the effect's amplitudes. The first says that it matters (``Rules.steady``), the second
+that it is no chance. Amplitudes of one unit are compared with the largest of them: one near zero has no size
+of its own. The standard errors are those of coloured residuals, so they hold what the model leaves.
+
+Where two effects explain the errors equally well, this may tell them apart: an error looks at one number,
+and the amplitudes at how each record came to it.
+
+Source: Chow (1960), Tests of equality between sets of coefficients in two linear regressions, Econometrica
+28(3), 591-605; Peters, Buhlmann, Meinshausen (2016), Causal inference by using invariant prediction,
+J. Royal Statistical Society B 78(5), 947-1012.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from scipy.stats import norm
+
+from hybridid.naming import listed
+from hybridid.quantities import estimated
+from hybridid.trace.context import Context
+from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.rules import Rules
+
+
+@dataclass(frozen=True)
+class Amplitude:
+    """An amplitude in ``unit`` with its standard error: ``here`` in the fitted records, ``there`` in the
+    held-out ones. ``size`` is the smaller of the effect's largest amplitudes of that unit here and there."""
+
+    name: str
+    unit: str
+    here: tuple[float, float]
+    there: tuple[float, float]
+    size: float
+
+    @property
+    def p_value(self) -> float:
+        """Of one amplitude in both; 1 where a standard error is not known."""
+        error = math.hypot(self.here[1], self.there[1])
+        if not (math.isfinite(error) and error > 0):
+            return 1.0
+        return float(2 * norm.sf(abs(self.here[0] - self.there[0]) / error))
+
+    @property
+    def moved(self) -> float:
+        """By which share of its size it differs."""
+        return abs(self.here[0] - self.there[0]) / max(self.size, 1e-300)
+
+    def __str__(self) -> str:
+        return (
+            f"{self.name} = {estimated(*self.here, self.unit)} in the fitted records, "
+            f"{estimated(*self.there, self.unit)} in those held out"
+        )
+
+
+def judged_there(fitted: Sequence[Refit], context: Context) -> list[Refit | None]:
+    """Each model, fitted to the held-out horizons alone; None if it cannot be simulated there."""
+    there = context.split.swapped
+    given = [(one.model, there, [one.values], one, one.numerics, math.inf) for one in fitted]
+    return list(context.mapper(refit_if_possible, given))
+
+
+def amplitudes(here: Refit, there: Refit, term: str) -> tuple[Amplitude, ...]:
+    """The amplitudes of the effect ``term``, in the same model fitted ``here`` and ``there``."""
+    own = next(one for one in here.model.terms if one.name == term)
+    names = [f"{term}.{p.name}" for p in own.effect.parameters if p.nests and not p.fixed]
+    units = {p.name: p.unit for p in here.model.parameters}
+
+    def largest(fitted: Refit, unit: str) -> float:
+        return max(abs(fitted.values[name]) for name in names if units[name] == unit)
+
+    def both(fitted: Refit, name: str) -> tuple[float, float]:
+        return fitted.values[name], fitted.std.get(name, math.nan)
+
+    return tuple(
+        Amplitude(
+            name.rsplit(".", 1)[-1],
+            units[name],
+            both(here, name),
+            both(there, name),
+            min(largest(here, units[name]), largest(there, units[name])),
+        )
+        for name in names
+        if name in units
+    )
+
+
+def moved(here: Refit, there: Refit | None, term: str, rules: Rules) -> str:
+    """Which amplitudes of the effect ``term`` have moved from ``here`` to ``there``, in words; else empty."""
+    found = () if there is None else amplitudes(here, there, term)
+    told = [str(a) for a in found if a.moved > rules.steady and len(found) * a.p_value <= rules.alpha]
+    return f"its amplitude is no constant: {listed(told)}" if told else ""
