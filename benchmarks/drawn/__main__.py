@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.answers import parser
+from benchmarks.answers import ORACLE, parser
 from benchmarks.drawn.draw import all_draws
+from benchmarks.drawn.ours import NAME
 from benchmarks.drawn.play import LEAGUE, PLAYERS, chosen
 from benchmarks.drawn.report import write_report
 
@@ -15,6 +16,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Play what is missing, print what came out; 1 where a player failed."""
     words = parser("python -m benchmarks.drawn", __doc__, PLAYERS, Path("outputs/league-drawn"))
     words.add_argument("--series", type=int, default=0, help="of draws: 0, 1, 2, ... (default: 0)")
+    words.set_defaults(players=[ORACLE, NAME])
     asked = words.parse_args(arguments)
     return LEAGUE.conduct(chosen(all_draws(asked.series), asked.match, asked.limit), asked, write_report)
 

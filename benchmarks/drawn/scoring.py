@@ -8,9 +8,9 @@ several ports is also the one effect at all of them (``front+rear``: trace has i
 right            the first class begins with a truth, or holds one and has at most three members
 wide             the first class holds a truth, not first, and has more than three members
 wrong name       some class, the first or a later one, holds no truth although something is hidden
-false discovery  some class where nothing is hidden
-honest           no class, and: the verdict is ``unexplained`` or ``undecided``; or nothing is hidden; or the
-                 oracle detects nothing
+false discovery  some class, or a law, where nothing is hidden
+honest           no class, and: the verdict is ``unexplained``, ``undecided`` or ``law_proposed`` (a law is no
+                 name); or nothing is hidden; or the oracle detects nothing
 silent           no class, something is hidden that the oracle detects, and the verdict says nothing of it
 all-clear        ``nothing_missing`` with a held-out RMSE above three times the sensor's true noise (of the
                  worst output), whatever is hidden
@@ -49,7 +49,8 @@ TRUTH_IDS: Mapping[str, tuple[str, ...]] = {
 """Ids of the library that are a hidden law under another name than its own. They count as soon as the library
 has them. An id is entered here only where its equation is that very law, whatever a trace answered."""
 MOST_ALIKE, MOST_OVER = 3, 3.0
-HONEST = ("unexplained", "undecided")
+LAW = "law_proposed"
+HONEST = ("unexplained", "undecided", LAW)
 
 
 def truths_of(
@@ -106,11 +107,12 @@ class Round:
 
     @property
     def false_discovery(self) -> bool:
-        return self.hidden is None and bool(self.classes)
+        return self.hidden is None and (bool(self.classes) or self.verdict == LAW)
 
     @property
     def honest(self) -> bool:
-        return not self.classes and (self.verdict in HONEST or self.hidden is None or not self.detectable)
+        quiet = self.hidden is None or not self.detectable
+        return not self.classes and not self.false_discovery and (self.verdict in HONEST or quiet)
 
     @property
     def silent(self) -> bool:
