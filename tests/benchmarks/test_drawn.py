@@ -292,7 +292,8 @@ def _planted_lines(draws: list[Draw]) -> list[dict]:
         }
         told = {"detectable": bool(named), "gain": 0.4, "p_value": 0.0}
         ours = {"named": named, "seconds": 1.0, "notes": {**notes, "over_noise": [1.0]}}
-        lines += [{**play.line(d, p), "answer": a} for p, a in zip(play.PLAYERS[:2], (told, ours), strict=True)]
+        answers = zip(play.PLAYERS[:2], (told, ours), strict=True)
+        lines += [{**play.line(d, p), "answer": a} for p, a in answers]
     return lines
 
 
