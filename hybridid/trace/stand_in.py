@@ -16,6 +16,10 @@ Where a dozen bumps do as well as a law of one parameter, the law is the simpler
 effect is withdrawn, and with it all that was accepted later. The gain of the learned effort must survive
 other numerics. (Where friction sticks, smoothing it leaves an error over velocity that is no effect.)
 
+Where the effect is itself a curve over the learned variable, the learned effort contains it, and adds up what
+else there is over that variable. It always replaces it. So it accuses the effect only if it takes more than
+the effect does: a share above ``1 - Rules.majority``.
+
 Several effects together may hide so much that little is left to find beside them. So one learned effort is
 also put in place of them all. If it alone takes more from the squared error, by a share above
 ``Rules.stands_in``, they are withdrawn. A periodic effect that shows less than three periods is such a
@@ -37,7 +41,8 @@ from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.constancy import judged_there, moved
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import refit_if_possible, values_without
+from hybridid.trace.law_curve import is_curve_over
+from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import AT_FLOOR, Accepted, Search, Step
@@ -101,13 +106,21 @@ def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tup
     for number, step in enumerate(found.steps):
         for one in (one for one in step.taken if one.name in kept):
             share = takes / (one.trial.taken + takes)
-            if share > rules.stands_in and not _needed(found, one, learned, split, rules):
+            most = _most_beside(found.final, one, learned, split, rules) if share > rules.stands_in else 1.0
+            if share > most and not _needed(found, one, learned, split, rules):
                 it = one.name if len(step.taken) > 1 else "it"
                 return number, (
                     f"beside {it} {learned.described} still takes {share:.0%} of what both take "
                     "from the squared error"
                 )
     return None
+
+
+def _most_beside(final: Refit, one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> float:
+    """The largest share that the learned effort may take of what both take."""
+    own = learned.port in one.trial.candidate.ports
+    contained = own and is_curve_over(final, one.name, learned.port, learned.over, split)
+    return 1 - rules.majority if contained else rules.stands_in
 
 
 def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Search:

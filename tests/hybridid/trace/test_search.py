@@ -174,22 +174,26 @@ def test_an_effect_that_hardly_can_be_tried_otherwise_is_not_believed(worn):
 
 
 @pytest.mark.parametrize(
-    ("share", "over", "lasts", "trusted"),
+    ("share", "over", "contained", "lasts", "trusted"),
     [
-        (0.05, "velocity", True, True),
-        (0.3, "velocity", True, False),
-        (0.3, "velocity", False, True),
-        (0.3, "position", True, True),
+        (0.05, "velocity", False, True, True),
+        (0.3, "velocity", False, True, False),
+        (0.3, "velocity", False, False, True),
+        (0.3, "velocity", True, True, True),
+        (0.6, "velocity", True, True, False),
+        (0.6, "position", False, True, True),
     ],
 )
 def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
-    worn, split_of, monkeypatch, share, over, lasts, trusted
+    worn, split_of, monkeypatch, share, over, contained, lasts, trusted
 ):
     """As if the carriage's error could fall further by ``share`` of what effect and learned effort take.
 
     One over velocity can do what the effect does, if its gain ``lasts`` under other numerics; beside one over
-    position the effect is as needed as before.
+    position the effect is as needed as before. Where it ``contained`` the effect, it must take more.
     """
+    if not contained:
+        monkeypatch.setattr(stand_in, "is_curve_over", lambda *given: False)
     monkeypatch.setattr(stand_in, "surviving", lambda learned, *given: [0] if lasts else [])
     split = split_of(df_v=DF_V)
     (one,) = worn.accepted
