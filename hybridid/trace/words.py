@@ -230,7 +230,11 @@ def error_left(found: Trace) -> str:
         rmse = quantity(found.path[-1].held_out_rmse[name], one.unit, 3)
         noise, error = (quantity(value, one.unit, 2) for value in (one.value, one.simulation))
         each.append(f"{rmse} of {name} (noise of the sensor {noise}, error of the simulation {error})")
-    return f"The error left is {listed(each)}: {found.times:.1f} times what noise and simulation alone leave."
+    return f"The error left is {listed(each)}: {_times(found)} what noise and simulation alone leave."
+
+
+def _times(found: Trace) -> str:
+    return f"{found.times:.1f} times" if found.times < 1000 else "more than a thousand times"
 
 
 def _untried(found: Trace) -> str:
@@ -286,6 +290,6 @@ def _more_is_missing(found: Trace) -> str:
     if found.times <= found.rules.far:
         return ""
     return (
-        f" More is missing: the error left is {found.times:.1f} times what noise and simulation alone leave. "
+        f" More is missing: the error left is {_times(found)} what noise and simulation alone leave. "
         "A name may stand for a part of that."
     )

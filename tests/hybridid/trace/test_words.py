@@ -177,6 +177,18 @@ def test_names_are_told_before_a_law(nothing):
     assert "The law proposed at carriage is F = k v³ (k = −36.9 ± 4.4 N·s/m): with them the RMSE" in said
 
 
+@pytest.mark.parametrize(("times", "said"), [(75.64, "75.6 times"), (14998.0, "more than a thousand times")])
+def test_a_name_far_above_the_noise_may_stand_for_a_part(nothing, times, said):
+    path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
+    name = accepted("stribeck", "F = k", False)
+    found = replace(nothing(), verdict="effect_found", accepted=(name,), path=path, times=times)
+    assert sentence(found).endswith(
+        f" More is missing: the error left is {said} what noise and simulation alone leave. "
+        "A name may stand for a part of that."
+    )
+    assert "More is missing" not in sentence(replace(found, times=2.9))
+
+
 def test_a_pair_helps_only_together(nothing):
     spring, offset, drag = (accepted(name, "F", False) for name in ("spring", "offset", "drag"))
     spring, offset = replace(spring, together=offset.name), replace(offset, together=spring.name)
