@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 from hybridid.estimators.noise import autoregression, most_lags
 
 Array = NDArray[np.float64]
+Cells = NDArray[np.bool_]
 BLOCKS = 48
 """Where there are fewer horizons, each is divided: with so many units Student's t is near its limit."""
 SHORTEST = 8
@@ -22,9 +23,10 @@ SHORTEST = 8
 class Score:
     """Held-out evidence.
 
-    By horizon, (h, n_y): ``squares`` sums of squared errors in units², ``samples`` how many. By block,
-    (b, n_y), one or several a horizon: ``likelihood``, the Gaussian log-likelihood of the errors whitened by
-    an autoregression that was fitted to the model's own residual on the fitted horizons.
+    By horizon, (h, n_y): ``squares`` sums of squared errors in units², ``samples`` how many: those at which
+    the output was measured. By block, (b, n_y), one or several a horizon: ``likelihood``, the Gaussian
+    log-likelihood of the errors whitened by an autoregression that was fitted to the model's own residual on
+    the fitted horizons.
     ``scale`` (n_y,) is each output's standard deviation over the records.
     """
 
@@ -44,26 +46,54 @@ class Score:
         return float(np.sqrt(np.mean((self.rmse / self.scale) ** 2)))
 
 
-def score_of(fitted: Sequence[Array], held_out: Sequence[Array], scale: Array, blocks: int = BLOCKS) -> Score:
+def score_of(
+    fitted: Sequence[Array],
+    held_out: Sequence[Array],
+    scale: Array,
+    blocks: int = BLOCKS,
+    cells: tuple[Sequence[Cells], Sequence[Cells]] | None = None,
+) -> Score:
     """The score from each horizon's errors (n_k, n_y), fitted and held out; ``scale`` (n_y,).
 
+    ``cells`` (n_k, n_y), fitted and held out, say which errors count (None: all). The others must be zero.
     The likelihood is that of at least ``blocks`` blocks, if there are samples enough.
     """
-    n_y = held_out[0].shape[1]
-    columns = [_whitened([e[:, k] for e in fitted], [e[:, k] for e in held_out], blocks) for k in range(n_y)]
+    ours, theirs = cells or ([np.ones_like(e, dtype=bool) for e in part] for part in (fitted, held_out))
+    outputs = range(len(scale))
     return Score(
         squares=np.array([(e**2).sum(axis=0) for e in held_out]),
-        samples=np.array([[len(e)] * n_y for e in held_out]),
-        likelihood=np.stack(columns, axis=1),
+        samples=np.array([one.sum(axis=0) for one in theirs]),
+        likelihood=_likelihood(
+            [_measured(fitted, ours, k) for k in outputs],
+            [_measured(held_out, theirs, k) for k in outputs],
+            blocks,
+        ),
         scale=scale,
     )
 
 
-def _whitened(fitted: Sequence[Array], held_out: Sequence[Array], least: int) -> Array:
-    """Gaussian log-likelihood of each block of the held-out rows under the fitted residual's autoregression.
+def _measured(errors: Sequence[Array], cells: Sequence[Cells], k: int) -> list[Array]:
+    """The errors of output ``k`` in each horizon, (m_k,): the two sides of a gap are joined."""
+    return [e[:, k] if c[:, k].all() else e[c[:, k], k] for e, c in zip(errors, cells, strict=True)]
 
-    Innovations are independent from sample to sample, if the autoregression holds. So a few long horizons are
-    divided into blocks: what their samples tell is not lost in the few degrees of freedom of so few horizons.
+
+def _likelihood(fitted: Sequence[Sequence[Array]], held_out: Sequence[Sequence[Array]], least: int) -> Array:
+    """Gaussian log-likelihood of each block of the held-out rows, (b, n_y), from the rows of each output.
+
+    A few long horizons are divided into blocks: what their samples tell is not lost in the few degrees of
+    freedom of so few horizons. A horizon has as many blocks in each output.
+    """
+    whitened = [_whitened(ours, theirs) for ours, theirs in zip(fitted, held_out, strict=True)]
+    most = -(-least // len(held_out[0]))
+    shortest = [min(map(len, rows)) for rows in zip(*(rows for rows, _ in whitened), strict=True)]
+    parts = [max(1, min(most, length // SHORTEST)) for length in shortest]
+    return np.stack([_of_blocks(*one, parts) for one in whitened], axis=1)
+
+
+def _whitened(fitted: Sequence[Array], held_out: Sequence[Array]) -> tuple[list[Array], float]:
+    """Innovations of each held-out row under the fitted residual's autoregression, and their variance.
+
+    Innovations are independent from sample to sample, if the autoregression holds.
 
     Of every row the first samples are conditioned on, as many whatever the order: a likelihood of
     more samples is no better or worse a likelihood.
@@ -71,13 +101,13 @@ def _whitened(fitted: Sequence[Array], held_out: Sequence[Array], least: int) ->
     coefficients, variance = autoregression(fitted)
     taps = np.concatenate([[1.0], -coefficients])
     first = most_lags([len(row) for row in fitted])
-    innovations = [lfilter(taps, [1.0], row)[min(first, len(row) // 2) :] for row in held_out]
-    blocks = [block for row in innovations for block in _divided(row, -(-least // len(innovations)))]
+    measured = [lfilter(taps, [1.0], row) if len(row) else row for row in held_out]
+    return [row[min(first, len(row) // 2) :] for row in measured], variance
+
+
+def _of_blocks(innovations: Sequence[Array], variance: float, parts: Sequence[int]) -> Array:
+    """Log-likelihood of each block, (b,): each row of ``innovations`` in so many ``parts``."""
     if variance <= 0:
-        return np.full(len(blocks), np.inf)
+        return np.full(sum(parts), np.inf)
+    blocks = [b for row, n in zip(innovations, parts, strict=True) for b in np.array_split(row, n)]
     return np.array([-0.5 * np.sum(e**2 / variance + np.log(2 * np.pi * variance)) for e in blocks])
-
-
-def _divided(row: Array, parts: int) -> list[Array]:
-    """``row`` in at most so many ``parts``, none shorter than ``SHORTEST``."""
-    return np.array_split(row, max(1, min(parts, len(row) // SHORTEST)))
