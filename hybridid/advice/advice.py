@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["bound", "scale", "decay", "range", "horizon"]
+Kind = Literal["bound", "scale", "decay", "range", "horizon", "stopped", "valley"]
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,9 @@ class Advice:
 
     ``bound``: a parameter at its bound is collinear with another. ``scale``: some parameters share one free
     scale. ``decay``: amplitude and time are one in the records. ``range``: a held-out record leaves what was
-    fitted. ``horizon``: the horizon of the fit is too long or too short for the records.
+    fitted. ``horizon``: the horizon of the fit is too long or too short for the records. ``stopped``: a
+    descent used all its iterations, and needs more, or another tolerance. ``valley``: too few starts tell
+    whether the valley that is kept is the lowest.
     """
 
     kind: Kind

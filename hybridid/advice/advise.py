@@ -9,6 +9,7 @@ from hybridid.advice.collinear import at_bound, shared_scale
 from hybridid.advice.decay import free_decay
 from hybridid.advice.horizon import unsuitable_horizon
 from hybridid.advice.ranges import out_of_range
+from hybridid.advice.unfinished import few_starts, stopped
 from hybridid.estimators.estimate import Estimate
 from hybridid.estimators.problem import Problem
 from hybridid.records.record import Record
@@ -21,5 +22,7 @@ def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()
         *shared_scale(problem, estimate),
         *free_decay(problem.records),
         *unsuitable_horizon(problem, estimate),
+        *stopped(estimate),
+        *few_starts(estimate),
         *out_of_range(problem, estimate, held_out),
     )

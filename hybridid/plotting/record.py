@@ -10,6 +10,7 @@ from hybridid.plotting.axes import Array, draw, frame, name_y, scale_for, shade,
 from hybridid.plotting.legends import legend_above
 from hybridid.plotting.looks import BLUE, DASHED, DOTTED, INK, SKY, VERMILION, Look
 from hybridid.plotting.style import DOUBLE_COLUMN, Plot, new_figure, styled
+from hybridid.quantities import number, with_unit
 from hybridid.records.record import Channel, Record
 
 ALONE = Look(BLUE, width=0.8)
@@ -37,9 +38,13 @@ class _Signal:
 
 @styled
 def record_plot(record: Record, width: float = DOUBLE_COLUMN) -> Plot:
-    """Inputs, outputs and auxiliary signals over time; signals that compare share a panel."""
+    """Inputs, outputs and auxiliary signals over time; signals that compare share a panel.
+
+    An input that stands still has no panel: the first line says its value.
+    """
     panels = _panels(record)
-    figure = new_figure(width, 18 + 27 * len(panels), record.name, record.provenance)
+    title = " · ".join([record.name, *_standing(record)])
+    figure = new_figure(width, 18 + 27 * len(panels), title, record.provenance)
     rows = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     time = time_scale(record.time)
     for index, (axes, signals) in enumerate(zip(rows, panels, strict=True)):
@@ -75,7 +80,7 @@ def _panels(record: Record) -> list[list[_Signal]]:
     panels: list[list[_Signal]] = []
     for role, channels, values in roles:
         for column, channel in enumerate(channels):
-            if channel.constant:  # a number of the record, no signal
+            if channel.constant or (role != "output" and _stands(values[:, column])):
                 continue
             signal = _Signal(role, channel, values[:, column])
             home = next((p for p in panels if _belongs(signal, p)), None)
@@ -84,6 +89,21 @@ def _panels(record: Record) -> list[list[_Signal]]:
             else:
                 home.append(signal)
     return panels
+
+
+def _stands(values: Array) -> bool:
+    return not np.ptp(values) > 0
+
+
+def _standing(record: Record) -> list[str]:
+    """Name and value of each input and auxiliary signal that stands still."""
+    driving = (*record.input_channels, *record.auxiliary_channels)
+    rows = [(c, record.signal(c.name)) for c in driving if not c.constant]
+    return [
+        f"{c.name.replace('_', ' ')} {with_unit(number(float(values[0])), c.unit)}"
+        for c, values in rows
+        if _stands(values)
+    ]
 
 
 def _belongs(signal: _Signal, panel: list[_Signal]) -> bool:

@@ -41,6 +41,7 @@ _RC: dict[str, Any] = {
     "axes.titlesize": 7.0,
     "axes.titlelocation": "left",
     "axes.titlepad": 4.0,
+    "axes.titley": 1.0,  # no ticks above the axes: nobody need measure them to place a title
     "legend.fontsize": 6.5,
     "xtick.labelsize": 6.5,
     "ytick.labelsize": 6.5,

@@ -259,17 +259,6 @@ class Record:
         """Whether not every cell of the outputs counts."""
         return bool(self.masked) or self.absent is not None
 
-    def of_whole_samples(self) -> Record:
-        """The record with each sample masked at which an output was not measured, and simulated through.
-
-        Raises:
-            RecordError: if too few samples count.
-        """
-        if self.absent is None:
-            return self
-        levels = np.where(self.absent.any(axis=1), THROUGH, COUNTS).astype(np.int8)
-        return replace(self, absent=None).with_masked(np.maximum(self.levels, levels))
-
     def unmasked(self) -> Record:
         """The record with all its samples counting."""
         return replace(self, masked=(), absent=None) if self.partly else self

@@ -98,9 +98,10 @@ def _step_means(grid: Array, time: Array, signal: Array, dt: float) -> Array:
     # the last value is held beyond the last grid point, which may be long after the last of its own stamps
     beyond = 2 * dt + (grid[-1] - time[-1] if grid[-1] > time[-1] + dt else 0.0)
     widths = np.append(np.diff(time), beyond)
-    integral = np.concatenate(([0.0], np.cumsum(signal * widths)))
+    level = signal[0]  # what stands still stays still, to the last digit
+    integral = np.concatenate(([0.0], np.cumsum((signal - level) * widths)))
     edges = np.append(grid, grid[-1] + dt)
-    return np.diff(np.interp(edges, np.append(time, time[-1] + beyond), integral)) / dt
+    return level + np.diff(np.interp(edges, np.append(time, time[-1] + beyond), integral)) / dt
 
 
 def _remarks(time: Array, plan: Resample, where: str) -> tuple[str, ...]:

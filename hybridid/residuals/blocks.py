@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from hybridid.records.masked import pieces
 
 Index = NDArray[np.int64]
 
@@ -28,12 +31,23 @@ class Blocks:
             [np.arange(a + reach, b - horizon + 1, horizon) for a, b in self.held_out] or [_NONE]
         )
 
+    def without(self, gaps: NDArray[np.bool_]) -> Blocks:
+        """The runs without the ``gaps`` (m,) of the grid, each divided there."""
+        if not gaps.any():
+            return self
+        kept = ~gaps
+        return Blocks(*(tuple(_between(part, kept)) for part in (self.train, self.held_out)))
+
+
+def _between(parts: Sequence[tuple[int, int]], kept: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    return ((first + a, first + b) for first, end in parts for a, b in pieces(kept[first:end]))
+
 
 _NONE = np.empty(0, dtype=np.int64)
 
 
-def blocks(pieces: list[tuple[int, int]], count: int, held_out: float) -> Blocks:
-    """Cut each piece into ``count`` blocks and hold out that share of them, evenly spaced.
+def blocks(stretches: list[tuple[int, int]], count: int, held_out: float) -> Blocks:
+    """Cut each of ``stretches`` into ``count`` blocks and hold out that share of them, evenly spaced.
 
     Neighbouring training blocks are joined.
     """
@@ -41,7 +55,7 @@ def blocks(pieces: list[tuple[int, int]], count: int, held_out: float) -> Blocks
     chosen = {int((k + 0.5) * count / away) for k in range(away)}
     train: list[tuple[int, int]] = []
     kept: list[tuple[int, int]] = []
-    for first, end in pieces:
+    for first, end in stretches:
         edges = np.linspace(first, end, count + 1).astype(int)
         open_run: int | None = None
         for k in range(count):

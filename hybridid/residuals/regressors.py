@@ -38,7 +38,8 @@ class Scaling:
         """
         inputs = np.concatenate([on_grid(s.seen.inputs, every) for s in series])
         gray = np.concatenate([s.seen.gray for s in series])
-        error = float(np.sqrt(np.mean(np.concatenate([s.error for s in series]) ** 2)))
+        errors = np.concatenate([s.error for s in series])
+        error = float(np.sqrt(np.mean(errors[np.isfinite(errors)] ** 2)))
         if not error > 0:
             raise ValueError(f"the gray box leaves no error of {series[0].seen.output}: nothing to learn")
         return cls(

@@ -44,8 +44,9 @@ class Windows:
 class Samples:
     """The scaled error and regressors of one task on its grid, with all pieces of all records concatenated.
 
-    ``error`` (m,), ``rows`` (m, d) with the orders of the whole stack, ``split`` into blocks;
-    ``pieces`` are the stretches simulated in one go; ``reach`` is how far back the task's own
+    ``error`` (m,), zero where it was not measured, ``rows`` (m, d) with the orders of the whole stack;
+    ``split`` into blocks, which lack what was not measured, and ``trained_on`` samples in the training blocks
+    with it; ``pieces`` are the stretches simulated in one go; ``reach`` is how far back the task's own
     network looks.
     """
 
@@ -53,6 +54,7 @@ class Samples:
     rows: Tensor
     pieces: tuple[tuple[int, int], ...]
     split: Blocks
+    trained_on: int
     reach: int
 
     @cached_property
@@ -64,11 +66,6 @@ class Samples:
     def held_out(self) -> NDArray[np.int64]:
         """Indices of the samples in the held-out blocks."""
         return np.concatenate([np.arange(first, end) for first, end in self.split.held_out])
-
-    @property
-    def trained_on(self) -> int:
-        """Grid samples in the training blocks."""
-        return sum(end - first for first, end in self.split.train)
 
 
 def samples_of(
@@ -88,12 +85,14 @@ def samples_of(
         raise ValueError(
             f"residual.blocks is {settings.blocks}: {output} has {shortest} samples in a stretch"
         )
-    kind = DTYPES[settings.precision]
+    kind, found = DTYPES[settings.precision], np.concatenate(errors)
+    split, gaps = blocks(pieces, settings.blocks, settings.held_out), np.isnan(found)
     return Samples(
-        error=torch.from_numpy(np.concatenate(errors)).to(kind),
+        error=torch.from_numpy(np.where(gaps, 0.0, found)).to(kind),
         rows=torch.from_numpy(np.concatenate(rows)).to(kind),
         pieces=tuple(pieces),
-        split=blocks(pieces, settings.blocks, settings.held_out),
+        split=split.without(gaps),
+        trained_on=sum(end - first for first, end in split.train),
         reach=one.orders.longest,
     )
 
@@ -105,6 +104,8 @@ def check_lengths(samples: Samples, settings: Training, output: str) -> None:
         ValueError: if they are too short.
     """
     horizon, split, reach = max(settings.windows, default=1), samples.split, samples.reach
+    if not split.held_out:
+        raise ValueError(f"{output} was measured in none of the held-out blocks: raise residual.blocks")
     parts = [("training", split.train, len(split.starts(horizon, reach)))]
     if settings.criterion == "horizon":
         parts.append(("held-out", split.held_out, len(split.checks(horizon, reach))))

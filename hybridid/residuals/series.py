@@ -38,7 +38,8 @@ class Surroundings:
 
 @dataclass(frozen=True, eq=False)
 class ErrorSeries:
-    """``error = y - y_gray`` (n,) of one output of one record, and its surroundings."""
+    """``error = y - y_gray`` (n,) of one output of one record, nan where it was not measured, and its
+    surroundings."""
 
     record: str
     provenance: str
@@ -50,12 +51,14 @@ def surroundings(prediction: Prediction, record: Record, output: str) -> Surroun
     """The signals for a network on ``output`` along a gray box' prediction of ``record``.
 
     Raises:
-        RecordError: if the record is masked, or an output was not measured somewhere.
+        RecordError: if the record is masked.
     """
-    if record.partly:
+    if record.masked:
+        first, end, _ = record.masked[0]
         raise RecordError(
-            f"record {record.name} is masked: residual=narx needs the error at every sample; crop the "
-            "record, or use residual=rbf"
+            f"record {record.name} is masked, first from t = {record.time[first]:g} s to "
+            f"{record.time[end - 1]:g} s: residual=narx runs through whole records; crop the record to "
+            "a part between its masks (preprocess.steps=[{step: crop, ...}]), or use residual=rbf"
         )
     column = prediction.output_names.index(output)
     running = [k for k, channel in enumerate(record.input_channels) if not channel.constant]

@@ -163,8 +163,10 @@ def _gain(task: Task, scaling: Scaling) -> float:
     if not task.architecture.increment:
         return 1.0
     every = task.architecture.every
-    steps = [np.diff(s.error[piece][::every]) for s in task.series for piece in s.seen.pieces]
-    return float(np.sqrt(np.mean(np.concatenate(steps) ** 2))) / scaling.error or 1.0
+    parts = [np.diff(s.error[piece][::every]) for s in task.series for piece in s.seen.pieces]
+    steps = np.concatenate(parts)
+    steps = steps[np.isfinite(steps)]
+    return (float(np.sqrt(np.mean(steps**2))) / scaling.error if len(steps) else 0.0) or 1.0
 
 
 def _reporter(report: Report | None, stage: int, settings: Training) -> Callable[[int, float], None]:
@@ -177,7 +179,7 @@ def _reporter(report: Report | None, stage: int, settings: Training) -> Callable
 
 
 def _largest(task: Task) -> float:
-    return max(float(np.abs(s.error).max()) for s in task.series)
+    return max(float(np.nanmax(np.abs(s.error))) for s in task.series)
 
 
 def _trained(

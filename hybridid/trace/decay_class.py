@@ -8,6 +8,11 @@ determined. Held-out horizons of the same decay lie on the same curve, so they d
 A law over time depends on the time itself, or on a state whose memory is longer than a swing. Only laws that
 follow the velocity are compared: those take power. A spring changes the frequency, and the decay does not
 confuse it with friction.
+
+A law over time may need several over the amplitude in its place. The first three powers of the amplitude are
+dry, viscous and drag friction, so these are tried together.
+Source: Feeny, Liang (1996), A decrement method for the simultaneous estimation of Coulomb and viscous
+friction, J. Sound and Vibration 195(1), 149-154; with the next power.
 """
 
 from __future__ import annotations
@@ -21,26 +26,88 @@ import casadi as ca
 from hybridid.advice.decay import free_decay, swing
 from hybridid.effects.dimension import TIME
 from hybridid.effects.effect import Effect, Local
+from hybridid.effects.library import effect_named
+from hybridid.naming import listed
 from hybridid.records.record import Record
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
+from hybridid.trace.refit import refit_if_possible
 from hybridid.trace.search import Accepted, Search
 from hybridid.trace.trial import PASSED, Trial
 
+POWERS = ("coulomb", "viscous", "quadratic_drag")
+"""Frictions whose decrement falls as the powers 0, 1 and 2 of the amplitude."""
 
-def with_decay_classes(found: Search, records: Sequence[Record]) -> Search:
-    """``found``; if ``records`` are one free decay, with each accepted friction beside those that passed in
-    its step at its port, if one of them follows the time and the other does not."""
+
+TOGETHER = "together with the others of the class, in the place of what was accepted"
+"""Why one of ``POWERS`` is in a class that the search did not put it in."""
+
+
+def with_decay_classes(found: Search, records: Sequence[Record], context: Context) -> Search:
+    """``found``; if ``records`` are one free decay, with each accepted friction in a class of those that the
+    decay cannot tell from it.
+
+    These are the frictions that passed in its step at its port, if one of them follows the time and the other
+    does not. If any accepted one follows the time, they are also those of ``POWERS``, where these together
+    explain the records as well as all that were accepted.
+    """
     if not found.accepted or not list(free_decay(records)):
         return found
     period = max(swing(record) for record in records)
-    return replace(found, accepted=tuple(_widened(found, one, period) for one in found.accepted))
+    frictions = [one for one in found.accepted if takes_power(one.trial.candidate.effect)]
+    slow = [one for one in frictions if over_time(one.trial, period)]
+    powers = _powers(found, frictions, slow[0].trial.candidate.port, context) if slow else []
+    widened = {one.name: _widened(found, one, powers, period) for one in frictions}
+    return replace(found, accepted=tuple(widened.get(one.name, one) for one in found.accepted))
 
 
-def _widened(found: Search, one: Accepted, period: float) -> Accepted:
-    if not takes_power(one.trial.candidate.effect):
-        return one
+def _powers(found: Search, frictions: Sequence[Accepted], port: str, context: Context) -> list[Trial]:
+    """Those of ``POWERS`` that the model lacks at ``port``, in the place of ``frictions``; none if together
+    they explain less."""
+    final = found.final
+    model = final.model
+    for one in frictions:
+        model = model.without(one.name)
+    nothing = {p.name: final.values[p.name] for p in model.parameters}
+    present, added = dict(nothing), []
+    for candidate in (Candidate(effect_named(name), port) for name in POWERS):
+        if candidate.name not in {term.name for term in model.terms}:
+            nothing = candidate.starts(model, nothing)[0]
+            present = candidate.starts(model, present)[-1]
+            model = candidate.added_to(model)
+            added.append(candidate)
+    given = (model, context.split, [nothing, present], final, final.numerics)
+    other = context.one(refit_if_possible, *given)
+    if other is None:
+        return []
+    advantage = compare(other.score, final.score)
+    if advantage.gain >= context.rules.tie and advantage.p_value <= context.rules.alpha:
+        return []
+    gain = compare(found.first.score, other.score)
+    return [Trial(one, other, gain, p_adjusted=gain.p_value, status=PASSED, reason=TOGETHER) for one in added]
+
+
+def in_their_place(found: Search) -> str:
+    """Which of ``POWERS`` together explain the records as well as the accepted frictions do; else empty."""
+    powers: dict[str, None] = {}
+    for one in found.accepted:
+        powers |= dict.fromkeys(t.candidate.effect.id for t in one.alike if t.reason == TOGETHER)
+    frictions = [one.trial.candidate.effect for one in found.accepted]
+    if not powers:
+        return ""
+    replaced = listed([effect.id for effect in frictions if takes_power(effect)])
+    together = "explain" if len(powers) > 1 else "explains"
+    return f" In the place of {replaced}, {listed(list(powers))} {together} these records as well."
+
+
+def _widened(found: Search, one: Accepted, powers: Sequence[Trial], period: float) -> Accepted:
     slow = over_time(one.trial, period)
-    others = [t for t in _passed(found, one) if over_time(t, period) is not slow]
-    return replace(one, alike=(*one.alike, *others))
+    passed = (trial for trial in _passed(found, one) if over_time(trial, period) is not slow)
+    members = {one.name: one.trial}
+    for trial in (*powers, *passed, *one.alike):
+        members.setdefault(trial.candidate.name, trial)
+    return replace(one, alike=tuple(members.values()))
 
 
 def _passed(found: Search, one: Accepted) -> Iterator[Trial]:

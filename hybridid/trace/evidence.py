@@ -67,10 +67,20 @@ def _of_squares(poorer: Score, richer: Score) -> Array:
 
 
 def _of_logarithms(poorer: Score, richer: Score) -> Array:
-    """By how much the logarithm of each horizon's mean square error falls, (h,)."""
-    before, after = ((s.squares / s.samples / s.scale**2).mean(axis=1) for s in (poorer, richer))
+    """By how much the logarithm of each horizon's mean square error falls, (h,): its mean over the outputs
+    that were measured there."""
+    before, after = (_mean_squares(score) for score in (poorer, richer))
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.log(before) - np.log(after))
+
+
+def _mean_squares(score: Score) -> Array:
+    """Mean square error of each horizon, (h,), over the outputs' variances."""
+    if score.samples.all():
+        return np.asarray((score.squares / score.samples / score.scale**2).mean(axis=1))
+    measured = score.samples > 0
+    by_output = score.squares / np.maximum(score.samples, 1) / score.scale**2
+    return np.asarray(by_output.sum(axis=1) / np.maximum(measured.sum(axis=1), 1))
 
 
 def by_signs(differences: Array) -> float:

@@ -26,7 +26,7 @@ from hybridid.model import Model
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import IMPLICIT, MOST, TooStiff
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.score import Score, score_of
+from hybridid.trace.score import Cells, Score, score_of
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
@@ -130,9 +130,9 @@ def refit(
     found = refine(found, plan, finer, split.fitted)
     problem, solution, x0 = found.problem, found.solution, found.x0
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
-    ours = _errors(fitted, solution.p, solution.x0)
-    theirs = _errors(judged, solution.p, x0[list(split.held_out)])
-    score = score_of(ours, theirs, problem.scale)
+    ours, ours_measured = _errors(fitted, solution.p, solution.x0)
+    theirs, theirs_measured = _errors(judged, solution.p, x0[list(split.held_out)])
+    score = score_of(ours, theirs, problem.scale, cells=(ours_measured, theirs_measured))
     std, correlation = (
         _standard_errors(fitted, solution)
         if score.loss <= std_up_to and not found.ended_early
@@ -144,7 +144,7 @@ def refit(
         std=std,
         correlation=correlation,
         x0=x0,
-        fitted_rmse=np.sqrt(sum((e**2).sum(axis=0) for e in ours) / sum(len(e) for e in ours)),
+        fitted_rmse=np.sqrt(sum((e**2).sum(axis=0) for e in ours) / fitted.windows.counts),
         score=score,
         cost=solution.cost,
         status=solution.status,
@@ -296,7 +296,9 @@ def _standard_errors(fitted: Problem, solution: Solution) -> tuple[dict[str, flo
     return dict(zip(fitted.free, found.std.tolist(), strict=True)), found.correlation
 
 
-def _errors(problem: Problem, p: Array, x0: Array) -> list[Array]:
-    """Output errors of each horizon, list of (n_k, n_y), in the outputs' units."""
-    r = problem.residuals(problem.shooter(x0, p)) * problem.scale
-    return [row[used] for row, used in zip(r, problem.windows.used, strict=True)]
+def _errors(problem: Problem, p: Array, x0: Array) -> tuple[list[Array], list[Cells]]:
+    """Output errors of each horizon, (n_k, n_y), in the outputs' units: zero where they do not count; and
+    which count."""
+    r, windows = problem.residuals(problem.shooter(x0, p)) * problem.scale, problem.windows
+    errors = [row[used] for row, used in zip(r, windows.used, strict=True)]
+    return errors, [row[used] for row, used in zip(windows.cells, windows.used, strict=True)]

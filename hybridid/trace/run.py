@@ -18,12 +18,12 @@ from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
-from hybridid.trace.decay_class import with_decay_classes
+from hybridid.trace.decay_class import in_their_place, with_decay_classes
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
-from hybridid.trace.split import automatic_horizon, divided
+from hybridid.trace.split import automatic_horizon, check_measured, divided
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
 from hybridid.trace.verdict import Conclusion, conclude
@@ -65,19 +65,20 @@ def trace(
     missing, ``pairs`` of effects are tried, the most promising ones (0: none); with ``laws``, a law is
     composed. With ``revise``, each declared effect is left out in turn, and
     others are sought in its place. With ``recordings``, each parameter is tried with a value for each record.
-    A sample at which one output was not measured does not count for the others either. ``mapper`` runs the
-    refits, one after another or side by side; ``report`` follows them. ``say`` is told what each step
-    decides, as it falls.
+    Of a sample at which one output was not measured the others count. ``mapper`` runs the refits, one after
+    another or side by side; ``report`` follows them. ``say`` is told what each step decides, as it falls.
 
     Raises:
-        ValueError: if a record does not fit the model, the model diverges on the records, or they give too
-            few horizons for a verdict; with ``recordings``, if there is one record or a record is held out.
+        ValueError: if a record does not fit the model, the model diverges on the records, they give too few
+            horizons for a verdict, or an output was measured in too few of them; with ``recordings``, if
+            there is one record or a record is held out.
     """
     began = time.perf_counter()
-    fitted, others = (tuple(r.of_whole_samples() for r in part) for part in (records, held_out))
+    fitted, others = tuple(records), tuple(held_out)
     ours, theirs = ([float(r.counts.sum()) * r.dt for r in part] for part in (fitted, others))
     seconds = horizon or automatic_horizon(ours, theirs)
     split = divided(fitted, others, seconds)
+    check_measured(split)
     tried = library_for(model.channels) if effects is None else tuple(effects)
     where = None if ports is None else tuple(ports)
     over = None if variables is None else tuple(variables)
@@ -86,7 +87,7 @@ def trace(
     if recordings:
         check_split(split)
     found = conclude(model, context, [start] if start else [], settings.integrator)
-    found = _of_one_decay(found, fitted)
+    found = _of_one_decay(found, fitted, context)
     differ = by_recording(found.search, context) if recordings else ()
     if found.verdict in OPEN and any(one.status == PASSED for one in differ):
         found = replace(found, verdict="unexplained")
@@ -99,12 +100,13 @@ def trace(
     evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     traced = replace(traced, by_recording=differ)
-    return replace(traced, sentence=sentence(traced) + (_confounded(fitted) if traced.accepted else ""))
+    beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""
+    return replace(traced, sentence=sentence(traced) + beware)
 
 
-def _of_one_decay(found: Conclusion, records: Sequence[Record]) -> Conclusion:
+def _of_one_decay(found: Conclusion, records: Sequence[Record], context: Context) -> Conclusion:
     """``found`` with frictions over the amplitude and over the time in one class, where these are one."""
-    searched = with_decay_classes(found.search, records)
+    searched = with_decay_classes(found.search, records, context)
     several = any(len(one.alike) > 1 for one in searched.accepted)
     ambiguous = found.verdict == "effect_found" and several
     return replace(found, search=searched, verdict="ambiguous" if ambiguous else found.verdict)

@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 from hybridid.estimators.noise import autoregression, most_lags
 
 Array = NDArray[np.float64]
+Cells = NDArray[np.bool_]
 BLOCKS = 48
 """Where there are fewer horizons, each is divided: with so many units Student's t is near its limit."""
 SHORTEST = 8
@@ -24,9 +25,10 @@ MEDIAN = 0.6745
 class Score:
     """Held-out evidence.
 
-    By horizon, (h, n_y): ``squares`` sums of squared errors in units², ``samples`` how many. By block,
-    (b, n_y), one or several a horizon: ``likelihood``, the Gaussian log-likelihood of the errors whitened by
-    an autoregression that was fitted to the model's own residual on the fitted horizons.
+    By horizon, (h, n_y): ``squares`` sums of squared errors in units², ``samples`` how many: those at which
+    the output was measured. By block, (b, n_y), one or several a horizon: ``likelihood``, the Gaussian
+    log-likelihood of the errors whitened by an autoregression that was fitted to the model's own residual on
+    the fitted horizons.
     By output, (n_y,): ``scale`` is the standard deviation over the records, ``innovation`` that of the
     whitened held-out errors, from the median of their sizes: a few large ones do not raise it.
     """
@@ -48,24 +50,53 @@ class Score:
         return float(np.sqrt(np.mean((self.rmse / self.scale) ** 2)))
 
 
-def score_of(fitted: Sequence[Array], held_out: Sequence[Array], scale: Array, blocks: int = BLOCKS) -> Score:
+def score_of(
+    fitted: Sequence[Array],
+    held_out: Sequence[Array],
+    scale: Array,
+    blocks: int = BLOCKS,
+    cells: tuple[Sequence[Cells], Sequence[Cells]] | None = None,
+) -> Score:
     """The score from each horizon's errors (n_k, n_y), fitted and held out; ``scale`` (n_y,).
 
+    ``cells`` (n_k, n_y), fitted and held out, say which errors count (None: all). The others must be zero.
     The likelihood is that of at least ``blocks`` blocks, if there are samples enough.
     """
-    n_y = held_out[0].shape[1]
-    whitened = [_whitened([e[:, k] for e in fitted], [e[:, k] for e in held_out]) for k in range(n_y)]
+    ours, theirs = cells or ([np.ones_like(e, dtype=bool) for e in part] for part in (fitted, held_out))
+    whitened = [
+        _whitened(_measured(fitted, ours, k), _measured(held_out, theirs, k)) for k in range(len(scale))
+    ]
     return Score(
         squares=np.array([(e**2).sum(axis=0) for e in held_out]),
-        samples=np.array([[len(e)] * n_y for e in held_out]),
-        likelihood=np.stack([_likelihood(*one, blocks) for one in whitened], axis=1),
+        samples=np.array([one.sum(axis=0) for one in theirs]),
+        likelihood=_likelihood(whitened, blocks),
         scale=scale,
         innovation=np.array([_level(innovations) for innovations, _ in whitened]),
     )
 
 
+def _measured(errors: Sequence[Array], cells: Sequence[Cells], k: int) -> list[Array]:
+    """The errors of output ``k`` in each horizon, (m_k,): the two sides of a gap are joined."""
+    return [e[:, k] if c[:, k].all() else e[c[:, k], k] for e, c in zip(errors, cells, strict=True)]
+
+
+def _likelihood(whitened: Sequence[tuple[list[Array], float]], least: int) -> Array:
+    """Gaussian log-likelihood of each block of the held-out rows, (b, n_y), from each output's innovations and
+    their variance.
+
+    A few long horizons are divided into blocks: what their samples tell is not lost in the few degrees of
+    freedom of so few horizons. A horizon has as many blocks in each output.
+    """
+    most = -(-least // len(whitened[0][0]))
+    shortest = [min(map(len, rows)) for rows in zip(*(rows for rows, _ in whitened), strict=True)]
+    parts = [max(1, min(most, length // SHORTEST)) for length in shortest]
+    return np.stack([_of_blocks(*one, parts) for one in whitened], axis=1)
+
+
 def _whitened(fitted: Sequence[Array], held_out: Sequence[Array]) -> tuple[list[Array], float]:
-    """The innovations of each held-out row under the fitted residual's autoregression, and their variance.
+    """Innovations of each held-out row under the fitted residual's autoregression, and their variance.
+
+    Innovations are independent from sample to sample, if the autoregression holds.
 
     Of every row the first samples are conditioned on, as many whatever the order: a likelihood of
     more samples is no better or worse a likelihood.
@@ -73,19 +104,8 @@ def _whitened(fitted: Sequence[Array], held_out: Sequence[Array]) -> tuple[list[
     coefficients, variance = autoregression(fitted)
     taps = np.concatenate([[1.0], -coefficients])
     first = most_lags([len(row) for row in fitted])
-    return [lfilter(taps, [1.0], row)[min(first, len(row) // 2) :] for row in held_out], variance
-
-
-def _likelihood(innovations: Sequence[Array], variance: float, least: int) -> Array:
-    """Gaussian log-likelihood of each block of the ``innovations``, of this ``variance``.
-
-    Innovations are independent from sample to sample, if the autoregression holds. So a few long horizons are
-    divided into blocks: what their samples tell is not lost in the few degrees of freedom of so few horizons.
-    """
-    blocks = [block for row in innovations for block in _divided(row, -(-least // len(innovations)))]
-    if variance <= 0:
-        return np.full(len(blocks), np.inf)
-    return np.array([-0.5 * np.sum(e**2 / variance + np.log(2 * np.pi * variance)) for e in blocks])
+    measured = [lfilter(taps, [1.0], row) if len(row) else row for row in held_out]
+    return [row[min(first, len(row) // 2) :] for row in measured], variance
 
 
 def _level(innovations: Sequence[Array]) -> float:
@@ -93,6 +113,9 @@ def _level(innovations: Sequence[Array]) -> float:
     return float(np.median(np.abs(np.concatenate(innovations))) / MEDIAN)
 
 
-def _divided(row: Array, parts: int) -> list[Array]:
-    """``row`` in at most so many ``parts``, none shorter than ``SHORTEST``."""
-    return np.array_split(row, max(1, min(parts, len(row) // SHORTEST)))
+def _of_blocks(innovations: Sequence[Array], variance: float, parts: Sequence[int]) -> Array:
+    """Log-likelihood of each block, (b,): each row of ``innovations`` in so many ``parts``."""
+    if variance <= 0:
+        return np.full(sum(parts), np.inf)
+    blocks = [b for row, n in zip(innovations, parts, strict=True) for b in np.array_split(row, n)]
+    return np.array([-0.5 * np.sum(e**2 / variance + np.log(2 * np.pi * variance)) for e in blocks])

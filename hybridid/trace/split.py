@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from hybridid.records.record import Record
 from hybridid.simulation.windows import cut
 
@@ -60,6 +62,25 @@ def divided(fitted: Sequence[Record], held_out: Sequence[Record], seconds: float
             "a horizon needs 2 samples"
         )
     return by_record(fitted, held_out, samples) if held_out else by_blocks(fitted, samples)
+
+
+def check_measured(split: Split) -> None:
+    """Check that horizons of either side tell enough of each output.
+
+    Raises:
+        ValueError: if an output was measured in fewer than ``FEWEST`` of them.
+    """
+    if all(record.absent is None for record in split.records):
+        return
+    measured = np.asarray(cut(split.records, split.horizon, 1).cells.any(axis=1))
+    for what, rows in (("fitted", split.fitted), ("held out", split.held_out)):
+        for channel, seen in zip(split.records[0].output_channels, measured[list(rows)].T, strict=True):
+            if seen.sum() < FEWEST:
+                raise ValueError(
+                    f"trace needs output {channel.name} in at least {FEWEST} of the {len(seen)} horizons "
+                    f"{what}, and it was measured in {seen.sum()} of them; {split.described}: divide the "
+                    "records in another way (trace.held_out), or leave the output out of the model"
+                )
 
 
 def automatic_horizon(fitted: Sequence[float], held_out: Sequence[float], longest: float = LONGEST) -> float:

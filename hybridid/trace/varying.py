@@ -17,6 +17,7 @@ Source: Hastie, Tibshirani (1993), Varying-coefficient models, J. Royal Statisti
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -50,6 +51,17 @@ class VaryingLaw:
 
 
 @dataclass(frozen=True)
+class DynamicsOf:
+    """The dynamics of ``effect``; it pickles, as a lambda does not."""
+
+    effect: Effect
+
+    def __call__(self, at: Local) -> Mapping[str, ca.SX]:
+        assert self.effect.dynamics is not None
+        return self.effect.dynamics(at)
+
+
+@dataclass(frozen=True)
 class Varied:
     """The model with the amplitude of the term ``name`` free over ``over``; None if it cannot be solved."""
 
@@ -67,6 +79,7 @@ def varying(effect: Effect, over: Over, seen: Array) -> Effect:
     return replace(
         effect,
         law=VaryingLaw(effect, learned.law),
+        dynamics=effect.dynamics and DynamicsOf(effect),
         parameters=(*effect.parameters, *shares),
         needs=tuple(dict.fromkeys((*effect.needs, *over.needs))),
         channels=tuple(dict.fromkeys((*effect.channels, *over.channels))),

@@ -45,10 +45,11 @@ class ResidualTests:
 
 
 def residual_tests(prediction: Prediction, record: Record, lags: int = 50) -> list[ResidualTests]:
-    """Tests of each output's residual up to ``lags`` samples."""
+    """Tests of each output's residual up to ``lags`` samples; nothing correlates with an input that stands
+    still."""
     lags = min(lags, len(prediction.time) // 4)
-    running = [k for k, channel in enumerate(record.input_channels) if not channel.constant]
     along = slice(len(prediction.time)) if prediction.rows is None else slice(prediction.rows[-1] + 1)
+    running = np.flatnonzero(np.ptp(record.inputs[along], axis=0) > 0).tolist()
     inputs = record.inputs[along, running]
     names = [record.input_channels[k].name for k in running]
     return [

@@ -19,7 +19,7 @@ from hybridid.trace.result import Trace
 from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
-from pipelines.shared.drawing import drawn
+from pipelines.shared.drawing import drawn, fresh_garbage_alone
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import describe_model, fit_of, without_own
 from pipelines.shared.imports import code_digests
@@ -157,10 +157,11 @@ def _drawn(job: Job, found: Trace) -> list[Picture]:
     from hybridid.plotting.style import save
     from pipelines.trace.figures import figures  # matplotlib takes half a second to import
 
-    return [
-        Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption)
-        for name, plot in drawn(figures(found), job.watcher)
-    ]
+    with fresh_garbage_alone():
+        return [
+            Picture(save(plot, job.folder, name, FORMATS)[0], plot.caption)
+            for name, plot in drawn(figures(found), job.watcher)
+        ]
 
 
 def check(settings: Settings) -> None:

@@ -18,6 +18,9 @@ from hybridid.records.record import Record
 from hybridid.records.sensor_noise import noise_level
 from hybridid.residuals.series import error_series
 from hybridid.simulation.windows import cut
+from hybridid.trace.evidence import compare
+from hybridid.trace.refit import refit
+from hybridid.trace.split import by_blocks, check_measured
 from hybridid.validation import free_run, horizon_run, metrics, residual_tests
 
 N, DT, TRUTH = 1200, 0.01, {"M": 2.0, "d": 3.0}
@@ -140,6 +143,26 @@ def test_scores_and_tests_see_what_was_measured_alone(sledge, with_value, holes)
     assert noise_level(spoiled) == pytest.approx(NOISE, rel=0.3)
 
 
+def test_a_refit_of_a_trace_counts_what_was_measured(sledge, with_value, holes):
+    """Its score holds all cells that were measured, and none of what stands in the place of the others."""
+    straight, spoiled = (refit(sledge, by_blocks([with_value(value)], 100)) for value in (0.0, 50.0))
+    judged = np.concatenate([holes[k : k + 90] for k in range(100, N, 200)])  # a tenth is the gap
+    assert spoiled.score.samples.sum(axis=0).tolist() == (~judged).sum(axis=0).tolist()
+    assert spoiled.score.rmse == pytest.approx(NOISE, rel=0.15)
+    assert spoiled.score.rmse == pytest.approx(straight.score.rmse, rel=1e-3)
+    assert spoiled.fitted_rmse == pytest.approx(straight.fitted_rmse, rel=1e-3)
+    assert compare(spoiled.score, straight.score).p_value > 0.05
+
+
+def test_an_output_that_no_horizon_holds_is_told(record):
+    cells = np.zeros((N, 2), dtype=bool)
+    cells[:, 1] = np.arange(N) // 100 % 2 == 1
+    split = by_blocks([replace(record, absent=cells)], 100)
+    with pytest.raises(ValueError, match="output speed in at least 4 of the 6 horizons held out, and it was"):
+        check_measured(split)
+    check_measured(by_blocks([record], 100))
+
+
 def test_a_sample_without_any_output_is_masked(record):
     cells = np.zeros((N, 2), dtype=bool)
     cells[30:40] = True
@@ -150,9 +173,6 @@ def test_a_sample_without_any_output_is_masked(record):
     windows = cut([found], None, 1)
     assert windows.samples == N - 10
     assert windows.counts.tolist() == [N - 10, N - 30]
-    whole = found.of_whole_samples()
-    assert whole.absent is None
-    assert [(one.first, one.end) for one in whole.masked] == [(30, 40), (100, 120)]
     assert found.part(90, 200).absent.sum(axis=0).tolist() == [0, 20]
 
 
@@ -163,7 +183,18 @@ def test_too_few_cells_are_refused(record):
         replace(record, absent=cells)
 
 
-def test_a_network_that_needs_every_error_says_so(sledge, with_value):
-    spoiled = with_value(0.0)
-    with pytest.raises(RecordError, match="residual=narx needs the error at every sample"):
-        error_series(free_run(sledge, TRUTH, spoiled), spoiled, "speed")
+def test_the_errors_of_a_network_are_those_that_were_measured(sledge, with_value, holes):
+    spoiled = with_value(50.0)
+    found = error_series(free_run(sledge, TRUTH, spoiled), spoiled, "speed")
+    assert np.array_equal(np.isnan(found.error), holes[:, 1])
+    assert np.nanmax(np.abs(found.error)) < 6 * NOISE[1]
+
+
+def test_a_network_that_runs_through_whole_records_refuses_a_mask(sledge, record):
+    cells = np.zeros((N, 2), dtype=bool)
+    cells[100:140] = True
+    masked = replace(record, absent=cells)
+    with pytest.raises(
+        RecordError, match=r"masked, first from t = 1 s to 1.39 s: residual=narx runs through"
+    ):
+        error_series(free_run(sledge, TRUTH, masked), masked, "speed")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybridid.plotting.raincloud import raincloud_plot
+from hybridid.plotting.raincloud import _density, raincloud_plot
 from hybridid.plotting.series import PlotError
 
 
@@ -36,6 +36,15 @@ def test_the_density_lies_where_the_errors_are(responses):
     error = 1e3 * responses[0].error
     inside = (error > x[y.argmax()] - 0.3) & (error < x[y.argmax()] + 0.3)
     assert inside.mean() > 2 * 0.6 / np.ptp(error)
+
+
+def test_the_density_is_that_of_a_kernel_at_every_sample():
+    from scipy.stats import gaussian_kde
+
+    values = np.random.default_rng(0).gamma(2.0, size=2000)
+    grid, height = _density(values)
+    expected = gaussian_kde(values)(grid)
+    assert height / height.max() == pytest.approx(expected / expected.max(), abs=0.01)
 
 
 def test_one_simulated_record_marks_the_figure(responses):

@@ -55,3 +55,11 @@ def test_many_signals_without_auxiliary_are_all_shown(record):
     panels = lines_by_panel(many)
     assert sum(len(lines) for lines in panels.values()) == 6
     assert max(len(lines) for lines in panels.values()) == 3
+
+
+def test_what_stands_still_is_told_and_has_no_panel(record):
+    still = np.full((record.n, 1), 7.4)
+    beside = replace(record, auxiliary=still, auxiliary_channels=(Channel("supply", "V"),))
+    assert lines_by_panel(beside) == {"force [N]": ["force (input)"], "position [mm]": ["position (output)"]}
+    heading = record_plot(beside).figure.findobj(lambda a: a.get_gid() == "heading")[0]
+    assert "supply 7.4 V" in heading.get_text()

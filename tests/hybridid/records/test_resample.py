@@ -101,3 +101,9 @@ def test_time_that_does_not_advance_cannot_be_resampled(shift, said):
 def test_an_impossible_step():
     with pytest.raises(RecordError, match="resample: dt is -1 s"):
         Resample(-1.0)
+
+
+def test_what_stands_still_stays_still():
+    time = np.cumsum(np.random.default_rng(0).uniform(0.003, 0.007, 500))
+    _, found, _ = resampled(time, [np.full(500, 200.0)] * 3, ["zoh", "foh", None], Resample(0.005), "r")
+    assert all(np.array_equal(one, np.full_like(one, 200.0)) for one in found)

@@ -34,3 +34,14 @@ def test_the_share_is_kept_and_spread():
 def test_checks_lie_side_by_side():
     starts = blocks([(0, 1000)], 10, 0.1).checks(horizon=20, reach=5)
     assert set(np.diff(starts)) == {20}
+
+
+def test_no_window_touches_a_gap():
+    gaps = np.zeros(1000, dtype=bool)
+    gaps[[50, 250, 251, 999]] = True
+    whole = blocks([(0, 1000)], count=10, held_out=0.2)
+    split = whole.without(gaps)
+    assert split.held_out == ((200, 250), (252, 300), (700, 800))
+    assert split.train == ((0, 50), (51, 200), (300, 700), (800, 999))
+    assert not covered(split.starts(20, 5), 20, 5) & {50, 250, 251, 999}
+    assert whole.without(np.zeros(1000, dtype=bool)) is whole

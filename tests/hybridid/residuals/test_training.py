@@ -43,6 +43,18 @@ class TestLearning:
         assert "no better than no correction" in found.warning
         assert trained.warning is None
 
+    @pytest.mark.parametrize("optimiser", ["adam", "lbfgs"])
+    def test_what_was_not_measured_moves_nothing(self, series, small, trained, brief, optimiser):
+        """A tenth of the error is missing in stretches: the others still teach the network."""
+        settings = replace(brief, optimiser=optimiser)
+        one, other = series(2000, 0), series(1500, 99)
+        missing = np.arange(2000) % 400 >= 360
+        found = train(Task((replace(one, error=np.where(missing, np.nan, one.error)),), small, 3), settings)
+        assert np.isfinite(weights_of(found)).all()
+        assert found.zero == pytest.approx(trained.zero, rel=0.3)
+        run = found.network.free_run(other.seen)
+        assert rms(run.error - other.error) < 0.35 * rms(other.error)
+
     def test_longer_horizons_are_trained_after_shorter_ones(self, trained):
         horizons = [epoch.horizon for epoch in trained.history]
         assert sorted(horizons) == horizons

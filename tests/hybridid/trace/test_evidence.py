@@ -210,3 +210,25 @@ def test_a_short_horizon_is_not_divided_into_nothing():
     score = score_of(rows, rows, np.ones(1))
     assert score.likelihood.shape == (6, 1)
     assert np.isfinite(score.likelihood).all()
+
+
+def test_a_sample_counts_for_the_outputs_that_were_measured():
+    """Of two outputs one is logged at every second sample, and in one horizon not at all."""
+    generator = np.random.default_rng(3)
+    whole = generator.normal(size=(4, HORIZONS, LENGTH, 2))
+    cells = np.ones((HORIZONS, LENGTH, 2), dtype=bool)
+    cells[:, 1::2, 1] = cells[2, :, 1] = False
+    fitted, held = ([np.where(c, e, 0.0) for c, e in zip(cells, part, strict=True)] for part in whole[:2])
+    found = score_of(fitted, held, np.ones(2), cells=(list(cells), list(cells)))
+    assert found.samples[2].tolist() == [LENGTH, 0]
+    assert found.rmse == pytest.approx([1.0, 1.0], rel=0.1)
+    # each output as if it had been recorded alone, at its own rate
+    slow = [[row[::2, 1:] for k, row in enumerate(part) if k != 2] for part in (fitted, held)]
+    alone = score_of(*slow, np.ones(1))
+    measured = np.arange(HORIZONS) != 2
+    assert found.squares[measured, 1:] == pytest.approx(alone.squares)
+    assert found.likelihood[:, 1].sum() == pytest.approx(alone.likelihood.sum())
+    better = [np.where(c, 0.5 * e, 0.0) for c, e in zip(cells, held, strict=True)]
+    richer = score_of(fitted, better, np.ones(2), cells=(list(cells), list(cells)))
+    assert compare(found, richer).gain == pytest.approx(0.5)
+    assert compare(found, richer).p_value < 1e-6

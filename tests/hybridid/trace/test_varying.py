@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -56,6 +57,15 @@ def test_with_its_shares_at_zero_it_is_the_effect(base):
     point = [0.0, [0.01, 0.05], [20.0]]
     ours, theirs = (float(m.efforts(*point, m.values(values))[-1]) for m in (model, other))
     assert ours == theirs != 0.0
+
+
+def test_an_effect_with_a_state_is_sent_to_other_processes_too():
+    """Its dynamics, a lambda, stand in no module beside another law."""
+    warming = effect_named("warming_friction")
+    free = varying(warming, Over("velocity"), np.linspace(-0.1, 0.1, 50))
+    again = pickle.loads(pickle.dumps(free))
+    at = SimpleNamespace(speed=3.0, z=SimpleNamespace(w=1.0), p=SimpleNamespace(tau=4.0))
+    assert again.dynamics(at) == free.dynamics(at) == {"w": 0.5}
 
 
 def test_friction_that_follows_a_channel_has_no_constant_amplitude(named, base, context):

@@ -100,3 +100,9 @@ def test_a_perfect_prediction_is_no_accident():
     found = examined(np.zeros(N), np.sin(np.arange(N)))
     assert np.isfinite(found.autocorrelation).all()
     assert found.p_white == 1.0
+
+
+def test_nothing_correlates_with_an_input_that_stands_still(noise):
+    found = examined(noise(N, 1e-3, seed=7), np.full(N, 200.0))
+    assert found.cross_correlation == {}
+    assert found.input_bands == {}
