@@ -81,8 +81,8 @@ def _measured(errors: Sequence[Array], cells: Sequence[Cells], k: int) -> list[A
 
 
 def _likelihood(whitened: Sequence[tuple[list[Array], float]], least: int) -> Array:
-    """Gaussian log-likelihood of each block of the held-out rows, (b, n_y), from each output's innovations and
-    their variance.
+    """Gaussian log-likelihood of each block of the held-out rows, (b, n_y), from the innovations of each
+    output and their variance.
 
     A few long horizons are divided into blocks: what their samples tell is not lost in the few degrees of
     freedom of so few horizons. A horizon has as many blocks in each output.
