@@ -235,7 +235,8 @@ def c_of(
             *kept,
             "}",
             f"static void {name}_run(const {x}, const {s}, const {t}, double h,",
-            f"const Lanes *u, const double *p, const double *c, {'const Lanes *e, ' * apart}{value}, {slope}) {{",
+            f"const Lanes *u, const double *p, const double *c, {'const Lanes *e,' * apart}",
+            f"{value}, {slope}) {{",
             *writer.run,
             "}\n",
         )
