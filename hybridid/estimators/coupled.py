@@ -18,16 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from hybridid.estimators.jacobian import columns, products
+from hybridid.estimators.jacobian import of_each
 from hybridid.estimators.normal_equations import small
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
 
 Array = NDArray[np.float64]
 FORGOTTEN = 1e-4
-"""Share of a horizon's own sensitivity below which an earlier initial state no longer counts."""
-MOST = 1500
-"""Initial states up to which the dense system pays."""
+"""Share of the norm of a horizon's own sensitivity below which an earlier initial state no longer counts."""
 RIDGE = 1e-14
 """Of the scaled matrix: what no sample shows stays where it is."""
 
@@ -46,10 +44,12 @@ class Coupled:
     def of(cls, problem: Problem, shot: Shot, p_scale: Array, x_scale: Array) -> Coupled:
         """From a shot with sensitivities; steps count in ``p_scale`` (n,) and ``x_scale`` (m,)."""
         w, m, n = problem.windows.count, len(x_scale), len(p_scale)
-        by = columns(problem, shot.by_state, shot.by_parameter)
-        begins = _handed_on(problem, shot, by[:, :m])
-        by[:, m:] += begins[..., :n].swapaxes(1, 2) @ by[:, :m][:, problem.carried]
-        matrix, error = _together(problem, *products(problem, shot, by), begins[..., n:])
+        square, error = of_each(problem, shot)
+        begins = _handed_on(problem, shot, square)
+        along = np.tile(np.eye(m + n), (w, 1, 1))
+        along[:, np.flatnonzero(problem.carried), m:] += begins[..., :n]
+        square, error = along.swapaxes(1, 2) @ square @ along, (error[:, None] @ along)[:, 0]
+        matrix, error = _together(problem, square, error, begins[..., n:])
         places = np.concatenate([np.arange(n), n + np.flatnonzero(problem.moving)])
         scale = np.concatenate([p_scale, np.tile(x_scale, w)])[places]
         gram, gradient = np.zeros((n + w * m, n + w * m)), np.zeros(n + w * m)
@@ -98,29 +98,21 @@ class Coupled:
         return -float(self.gradient @ step + 0.5 * step @ self.gram @ step)
 
 
-def couples(problem: Problem) -> bool:
-    """Whether horizons hand on inner states, and are few enough for this."""
-    return bool(
-        problem.carried.any()
-        and max(problem.windows.follows) >= 0
-        and problem.moving.any()
-        and problem.moving.size <= MOST
-    )
-
-
-def _handed_on(problem: Problem, shot: Shot, by_state: Array) -> Array:
+def _handed_on(problem: Problem, shot: Shot, square: Array) -> Array:
     """dz_k/dp and dz_k/dx_j (w, i, n + w e) of the i inner states in which each horizon begins, by the n
     parameters and by the e estimated initial states of each earlier horizon that it still feels, else zero.
-    ``by_state`` (w, m, n_y H) are the columns by each horizon's own."""
-    w, m, n = *by_state.shape[:2], shot.by_parameter.shape[3]
+    ``square`` (w, m + n, m + n) are the products J'J by each horizon's own."""
     own, inner = problem.moving[0], problem.carried
-    i, e = int(inner.sum()), int(own.sum())
+    w, m = square.shape[0], len(own)
+    i, e, n = int(inner.sum()), int(own.sum()), square.shape[1] - m
     found = np.zeros((w, i, n + w * e))
     by_x = found[:, :, n:].reshape(w, i, w, e)
     whole: NDArray[np.bool_] = np.all(np.isfinite(shot.ends_by), axis=(1, 2))
     ends = shot.ends_by[..., inner].swapaxes(1, 2)
     end_by_z, end_by_x = ends[:, :, :m][..., inner], ends[:, :, :m][..., own]
-    through, largest = by_state[:, inner], np.abs(by_state).max(axis=2)
+    places = np.flatnonzero(inner)
+    through = square[:, places[:, None], places]
+    faint = FORGOTTEN**2 * np.diagonal(square, axis1=1, axis2=2)[:, :m][:, own]
     for k, before in enumerate(problem.windows.follows):
         if before < 0 or not whole[before]:
             continue
@@ -129,18 +121,10 @@ def _handed_on(problem: Problem, shot: Shot, by_state: Array) -> Array:
         by_x[k, :, before] = end_by_x[before]
         past = np.flatnonzero(by_x[k].any(axis=(0, 2)))
         block = by_x[k][:, past].reshape(i, len(past) * e)
-        shown = _largest(through[k], largest[k, inner], block).reshape(len(past), e)
-        felt = (shown > FORGOTTEN * largest[k, own]).any(axis=1)
+        shown = ((through[k] @ block) * block).sum(axis=0).reshape(len(past), e)
+        felt = (shown > faint[k]).any(axis=1)
         by_x[k][:, past[~felt]] = 0.0
     return found
-
-
-def _largest(through: Array, most: Array, block: Array) -> Array:
-    """Largest size in each column of the product of ``through`` (i, N), transposed, and ``block`` (i, c).
-    ``most`` (i,) are the largest of ``through``: with one inner state they give it without the product."""
-    if len(most) == 1:
-        return most @ np.abs(block)
-    return np.abs(block.T @ through).max(axis=1)
 
 
 def _together(problem: Problem, square: Array, error: Array, earlier: Array) -> tuple[Array, Array]:

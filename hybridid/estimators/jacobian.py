@@ -38,3 +38,10 @@ def products(problem: Problem, shot: Shot, by: Array) -> tuple[Array, Array]:
     error = problem.residuals(shot).swapaxes(1, 2).reshape(len(by), -1, 1)
     with np.errstate(over="ignore", invalid="ignore"):
         return by @ by.swapaxes(1, 2), (by @ error)[..., 0]
+
+
+def of_each(problem: Problem, shot: Shot) -> tuple[Array, Array]:
+    """J'J (w, q, q) and J'r (w, q) of each horizon, by its own initial state and the parameters."""
+    if shot.multiplied:
+        return shot.square, shot.error
+    return products(problem, shot, columns(problem, shot.by_state, shot.by_parameter))

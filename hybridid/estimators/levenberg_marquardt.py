@@ -128,7 +128,7 @@ def _descend(
             dp, dx = equations.step(damping, held)
             trial_p, trial_x = variables.moved(p, x0, dp, dx)
             promised = equations.predicted(*variables.between(p, x0, trial_p, trial_x))
-            shot = problem.shot(trial_x, trial_p, sensitivities=slopes)
+            shot = problem.shot(trial_x, trial_p, slopes, limit=np.inf if apart else cost)
             if apart and growth >= STUBBORN:
                 trial_x, shot = mended(problem, (x0, here), (trial_x, shot), trial_p, cost - POOR * promised)
             trial = problem.cost(shot)

@@ -23,6 +23,10 @@ from hybridid.simulation.windows import Windows, cut
 Array = NDArray[np.float64]
 EXACT = 1e-10
 """Residual over the output's standard deviation that is the arithmetic's own."""
+MOST = 1500
+"""Initial states up to which normal equations of all of them pay, where horizons hand inner states on."""
+ROUNDING = 1e-9
+"""Share of a cost that the order of its sum cannot change."""
 
 
 @dataclass(frozen=True)
@@ -72,12 +76,23 @@ class Problem:
         """States of each record's samples as it shows them, (n, n_x)."""
         return [measured_states(self.model, record) for record in self.records]
 
-    def shot(self, x0: Array, p: Array, sensitivities: bool) -> Shot:
+    @cached_property
+    def hands_on(self) -> bool:
+        """Whether a horizon takes over inner states from another."""
+        return bool(self.carried.any()) and max(self.windows.follows) >= 0
+
+    @cached_property
+    def couples(self) -> bool:
+        """Whether it does, and the initial states that are estimated are few enough for equations of all."""
+        return self.hands_on and bool(self.moving.any()) and self.moving.size <= MOST
+
+    def shot(self, x0: Array, p: Array, sensitivities: bool, limit: float = np.inf) -> Shot:
         """A simulation from ``x0`` (w, n_x) at ``p`` (n_p,) for a descent, with ``sensitivities`` as far as
-        its normal equations need them."""
-        if sensitivities and not self.carried.any():
-            return self.shooter.multiplied(x0, p, self._factors)
-        return self.shooter(x0, p, sensitivities)
+        its normal equations need them. It may end where its cost is above ``limit``; it is infinite then."""
+        if sensitivities and self.hands_on and not self.couples:
+            return self.shooter(x0, p, sensitivities)
+        room = 2 * (1 + ROUNDING) * limit
+        return self.shooter.compared(x0, p, self._factors, sensitivities, room)
 
     @cached_property
     def _factors(self) -> Array:
@@ -111,16 +126,16 @@ class Problem:
 
     def cost(self, shot: Shot) -> float:
         """Half the sum of squared residuals; infinite if the simulation diverged."""
-        r = self.residuals(shot)
+        r = None if shot.compared else self.residuals(shot)
         with np.errstate(over="ignore", invalid="ignore"):
-            total = 0.5 * float(np.sum(r * r))
+            total = 0.5 * float(np.sum(shot.spent if r is None else r * r))
         return total if np.isfinite(total) else np.inf
 
     def costs(self, shot: Shot) -> Array:
         """The cost of each horizon, (w,); infinite where the simulation diverged."""
-        r = self.residuals(shot)
+        r = None if shot.compared else self.residuals(shot)
         with np.errstate(over="ignore", invalid="ignore"):
-            each = 0.5 * np.sum(r * r, axis=(1, 2))
+            each = 0.5 * (shot.spent if r is None else np.sum(r * r, axis=(1, 2)))
         return np.where(np.isfinite(each), each, np.inf)
 
     @property

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators.carried import by_parameter
-from hybridid.estimators.coupled import Coupled, couples
+from hybridid.estimators.coupled import Coupled
 from hybridid.estimators.jacobian import columns, products
 from hybridid.estimators.multiple_shooting import MultipleShooting, Program
 from hybridid.estimators.normal_equations import Normal
@@ -74,7 +74,7 @@ class LeastSquares:
     def linearised(self, shot: Shot) -> Normal | Coupled:
         """The normal equations at a shot with sensitivities."""
         problem = self.problem
-        if couples(problem):
+        if problem.couples:
             with np.errstate(over="ignore", invalid="ignore"):
                 return Coupled.of(problem, shot, self.p, self.x)
         square, error = _products(problem, shot)

@@ -2,6 +2,8 @@
 
 CasADi's own generator writes C for one number at a time. Here each operation of the function becomes one line
 on four. What depends on the parameters and on the step alone is computed once a simulation (``prepare``).
+What depends on the inputs beside these can be computed apart, once for all stages that have the same inputs
+(``given``): a power of an input takes longer than all the rest of a stage.
 """
 
 from __future__ import annotations
@@ -98,18 +100,25 @@ class _Writer:
     in all lanes: some stand for a ``literal``, others are ``known`` from ``prepare``, each at its own place.
     ``slopes`` are the arguments that hold sensitivities, then also the names of what is made of them.
     ``places`` say where in an argument, or in ``slope``, a number lies.
+
+    If ``apart``, what depends on the inputs u and on nothing else that varies is written to ``given``: its
+    names are ``of_inputs``, those that ``run`` needs are ``kept``, each at its own place.
     """
 
     function: ca.Function
     arguments: tuple[str, ...]
     slopes: set[str]
     places: Mapping[str, Callable[[int], int]]
+    apart: bool
     now: dict[int, str] = field(default_factory=dict)
     shared: set[str] = field(default_factory=set)
     literal: dict[str, str] = field(default_factory=dict)
     known: dict[str, int] = field(default_factory=dict)
     prepare: list[str] = field(default_factory=list)
     run: list[str] = field(default_factory=list)
+    of_inputs: dict[str, str] = field(default_factory=dict)
+    kept: dict[str, int] = field(default_factory=dict)
+    given: list[str] = field(default_factory=list)
 
     def write(self, k: int) -> None:
         """Write instruction ``k``."""
@@ -126,7 +135,9 @@ class _Writer:
             self._alike(name, _number(self.function.instruction_constant(k)))
         elif code == ca.OP_INPUT:
             argument = self.arguments[given[0]]
-            if argument in VARYING:
+            if argument == "u" and self.apart:
+                self.of_inputs[name] = f"u[{given[1]}]"
+            elif argument in VARYING:
                 self._line(name, f"{argument}[{self._place(argument, given[1])}]", argument in self.slopes)
             else:
                 self._alike(name, "h" if argument == "h" else f"p[{given[1]}]")
@@ -149,7 +160,12 @@ class _Writer:
             slope = not self.slopes.isdisjoint(given)
             if slope and code not in ARITHMETIC:
                 raise Unwritten(f"operation {code} of CasADi has no C for sensitivities")
-            self._line(name, _of_lanes(code).format(*map(self.lanes, given)), slope)
+            if all(one in self.shared or one in self.of_inputs for one in given):
+                values = [self.of_inputs.get(one) or self.lanes(one) for one in given]
+                self.given.append(f"const Lanes {name} = {_of_lanes(code).format(*values)};")
+                self.of_inputs[name] = name
+            else:
+                self._line(name, _of_lanes(code).format(*map(self.lanes, given)), slope)
 
     def _line(self, name: str, value: str, slope: bool) -> None:
         self.run.append(f"const {'Slope' if slope else 'Lanes'} {name} = {value};")
@@ -167,7 +183,10 @@ class _Writer:
         return inverse
 
     def lanes(self, name: str) -> str:
-        """What stands for ``name`` in a line on lanes."""
+        """What stands for ``name`` in a line on lanes of ``run``."""
+        if name in self.of_inputs:
+            computed = self.of_inputs[name] == name
+            return f"e[{self.kept.setdefault(name, len(self.kept))}]" if computed else self.of_inputs[name]
         if name not in self.shared:
             return name
         if name in self.literal:
@@ -180,16 +199,19 @@ def c_of(
     arguments: tuple[str, ...],
     slopes: Collection[str] = (),
     places: Mapping[str, Callable[[int], int]] | None = None,
+    apart: bool = False,
 ) -> str:
     """C that defines ``NAME_constants``, ``NAME_prepare`` and ``NAME_run``, NAME the name of ``function``.
 
     ``arguments`` say which of x, s, t, h, u, p each argument of the function is. Its results, one or two, are
-    written to ``value`` and ``slope``. ``slopes`` and ``places`` as in ``_Writer``.
+    written to ``value`` and ``slope``. ``slopes`` and ``places`` as in ``_Writer``. If ``apart``, also
+    ``NAME_givens`` and ``NAME_given``: it computes so many numbers of the inputs, which ``NAME_run`` takes as
+    ``e``.
 
     Raises:
         Unwritten: if the function has an operation that has no C here.
     """
-    writer = _Writer(function, arguments, set(slopes), places or {})
+    writer = _Writer(function, arguments, set(slopes), places or {}, apart)
     x, s, t, value, slope = (
         f"{'Slope' if one in slopes else 'Lanes'} *{one}" for one in ("x", "s", "t", "value", "slope")
     )
@@ -197,15 +219,24 @@ def c_of(
         writer.write(k)
     name = function.name()
     kept = [f"c[{place}] = {one};" for one, place in writer.known.items()]
+    given = (
+        f"enum {{ {name}_givens = {len(writer.kept)} }};",
+        f"static void {name}_given(const Lanes *u, const double *p, const double *c, Lanes *e) {{",
+        *writer.given,
+        *(f"e[{place}] = {one};" for one, place in writer.kept.items()),
+        "}",
+    )
     return "\n".join(
         (
+            *(given if apart else ()),
             f"enum {{ {name}_constants = {len(kept)} }};",
             f"static void {name}_prepare(double h, const double *p, double *c) {{",
             *writer.prepare,
             *kept,
             "}",
             f"static void {name}_run(const {x}, const {s}, const {t}, double h,",
-            f"const Lanes *u, const double *p, const double *c, {value}, {slope}) {{",
+            f"const Lanes *u, const double *p, const double *c, {'const Lanes *e,' * apart}",
+            f"{value}, {slope}) {{",
             *writer.run,
             "}\n",
         )

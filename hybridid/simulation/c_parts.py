@@ -28,20 +28,22 @@ static void {name}_value({given}, Lanes d[TURNS][{derivatives}]) {{
 STAGES = """\
 static void {name}_value({given}, Lanes d[TURNS][{derivatives}]) {{
   static const double share[] = {{0.0, 0.5, 0.5, 1.0}};
-  static const int hop[] = {{0, {hop}, {hop}, 2 * {hop}}};
-  Lanes k[TURNS][4][{rows}], y[{rows}];
+  static const int hop[] = {{0, {hop}, {hop}, 2 * {hop}}}, fresh[] = {{1, {hop}, 0, {hop}}};
+  Lanes k[TURNS][4][{rows}], y[{rows}], e[TURNS][{name}_forward_givens + 1];
   for (int i = 0; i < 4; ++i)
     for (int a = 0; a < groups; ++a) {{
+      if (fresh[i]) {name}_forward_given(at[a].u + hop[i], p, c, e[a]);
       const Lanes there = at[a].t + share[i] * h;
       for (int r = 0; r < {rows}; ++r) y[r] = i ? at[a].x[r] + share[i] * h * k[a][i - 1][r] : at[a].x[r];
-      {name}_forward_run(y, y, &there, h, at[a].u + hop[i], p, c, k[a][i], d[a] + i * {stage});
+      {name}_forward_run(y, y, &there, h, at[a].u + hop[i], p, c, e[a], k[a][i], d[a] + i * {stage});
     }}
   for (int a = 0; a < groups; ++a)
     for (int r = 0; r < {rows}; ++r)
       at[a].value[r] = at[a].x[r] + h / 6.0 * (k[a][0][r] + 2.0 * k[a][1][r] + 2.0 * k[a][2][r] + k[a][3][r]);
 }}
 """
-"""A step of the classical Runge-Kutta method, as ``integrators.rk4``; ``forward`` gives a stage's rates."""
+"""A step of the classical Runge-Kutta method, as ``integrators.rk4``; ``forward`` gives a stage's rates. What
+depends on the inputs alone is computed where they are not those of the stage before."""
 WITHOUT_COLUMNS = """\
 static void {name}_run({given}, long long columns) {{
   Lanes d[TURNS][1];
@@ -140,7 +142,8 @@ def c_of_part(part: Part, beside: int) -> str:
         "derivatives": 1 if part.column is None else max(1, part.stages * layout.stage),
     }
     value = VALUE if part.stages == 1 else STAGES
-    text = c_of(part.forward, FORWARD, places={"slope": layout.slope}) + value.format(
+    apart = part.stages > 1
+    text = c_of(part.forward, FORWARD, places={"slope": layout.slope}, apart=apart) + value.format(
         **known, hop=part.hop, stage=layout.stage
     )
     if part.column is None:

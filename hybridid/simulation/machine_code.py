@@ -13,7 +13,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -37,6 +37,8 @@ LANES = 4
 """Horizons side by side, where there are as many; of more, as many as a register of the processor holds."""
 TURNS = 2
 """Groups of horizons that take turns, as in lanes.h."""
+NO_MEMORY, STOPPED = 1, 2
+"""What ``shoot`` of shoot.c returns where it does not end."""
 ONLY = "_only"
 """Behind the names of the functions without sensitivities."""
 
@@ -68,51 +70,84 @@ class Code:
         x0: Array,
         p: Array,
         sensitivities: bool,
-        weights: Array | None = None,
     ) -> tuple[Array, ...]:
         """States (w, H, n_x), outputs (w, H, n_y), final states (w, n_x) and, if asked for (else empty),
         the outputs' sensitivities (w, H, n_x + n_free, n_y) and those of the state after each horizon's last
-        sample (w, n_x + n_free, n_x). The states ``carried`` run on from horizon to horizon.
+        sample (w, n_x + n_free, n_x). The states ``carried`` run on from horizon to horizon."""
+        w, length, n_x, n_y = windows.count, windows.length, len(self.model.states), len(self.model.outputs)
+        n_s = self._columns(sensitivities)
+        final, states, outputs = (np.empty((w, *n)) for n in ((n_x,), (length, n_x), (length, n_y)))
+        slopes, ends = np.empty((w, length, n_s, n_y)), np.empty((w, 1 + n_s, n_x))
+        found = {"final": final, "states": states, "outputs": outputs, "ends": ends}
+        self._shoot(windows, carried, x0, p, sensitivities, {**found, **({"slopes": slopes} if n_s else {})})
+        return states, outputs, final, slopes, ends[:, 1:]
 
-        With ``weights`` (w, H, n_y), in place of the outputs' sensitivities their products over each horizon:
-        J'J (w, n_x + n_free, n_x + n_free) and J'r (w, n_x + n_free, 1), J the sensitivities and r the
-        recorded outputs less the simulated, both times the weights; what has the weight 0 does not count."""
+    def compared(
+        self,
+        windows: Windows,
+        carried: Sequence[int],
+        x0: Array,
+        p: Array,
+        sensitivities: bool,
+        weights: Array,
+        limit: float = np.inf,
+    ) -> tuple[Array, ...]:
+        """r'r (w,) and, if asked for (else empty), J'J (w, n_x + n_free, n_x + n_free), J'r (w, n_x + n_free)
+        and the sensitivities (w, n_x + n_free, n_x) of the state after each horizon's last sample.
+
+        r are the recorded outputs less the simulated, J the simulated outputs' sensitivities, both times
+        ``weights`` (w, H, n_y); what has the weight 0 does not count. r'r is not a number where a horizon
+        leaves the numbers while samples count. It may stop once the sum of r'r is above ``limit``: it is
+        infinite then, and the others say nothing."""
+        w, n_x, n_s = windows.count, len(self.model.states), self._columns(sensitivities)
+        spent, ends = np.empty(w), np.empty((w, 1 + n_s, n_x))
+        square, error = np.empty((w, n_s, n_s)), np.empty((w, n_s))
+        found = {"spent": spent, "ends": ends, **({"square": square, "error": error} if n_s else {})}
+        if not self._shoot(windows, carried, x0, p, sensitivities, found, weights, limit):
+            spent[:] = np.inf
+        return spent, square, error, ends[:, 1:]
+
+    def _columns(self, sensitivities: bool) -> int:
+        return len(self.model.states) + len(self.free) if sensitivities else 0
+
+    def _shoot(
+        self,
+        windows: Windows,
+        carried: Sequence[int],
+        x0: Array,
+        p: Array,
+        sensitivities: bool,
+        found: Mapping[str, Array],
+        weights: Array | None = None,
+        limit: float = np.inf,
+    ) -> bool:
+        """Fill the arrays that ``found`` names as ``Result`` of shoot.c has them; False if it stopped at the
+        ``limit``."""
         model, shoot = self._library, _driver(self.lanes)
         assert model is not None
         assert shoot is not None
-        w, length, n_x = windows.count, windows.length, len(self.model.states)
-        n_y, n_u, n_stage = len(self.model.outputs), len(self.model.inputs), windows.stages.shape[2]
-        n_s = n_x + len(self.free) if sensitivities else 0
-        hop = 0 if self.held else 2 * n_u
-        follows = windows.follows if carried else (-1,) * w
+        n_u, n_y = len(self.model.inputs), len(self.model.outputs)
+        follows = windows.follows if carried else (-1,) * windows.count
+        marks = [k in carried for k in range(len(self.model.states))]
         blocks = _blocks(follows, self.lanes)
-        shapes = [(w, n_x), (w, length, n_x), (w, length, n_y), (w, length, n_s, n_y), (w, 1 + n_s, n_x)]
-        if weights is not None:
-            shapes[3:4] = [(w, n_s, n_s), (w, n_s, 1)]
-        results = [np.empty(shape) for shape in shapes]
-        final, states, outputs, *slopes, ends = results
-        marks = [k in carried for k in range(n_x)]
         integers = [np.array(a, dtype=np.int64) for a in (blocks, follows, windows.lengths, marks)]
+        compared = () if weights is None else (windows.outputs, weights)
         numbers = [
             np.ascontiguousarray(a, dtype=float)
-            for a in (windows.time, windows.stages, windows.inputs, p, x0)
+            for a in (windows.time, windows.stages, windows.inputs, p, x0, *compared)
         ]
-        compared = [] if weights is None else [np.ascontiguousarray(a) for a in (windows.outputs, weights)]
-        sizes = (len(blocks), length, windows.substeps, n_x, n_s, n_u, n_stage, hop, n_y)
+        sizes = (len(blocks), windows.length, windows.substeps, len(self.model.states))
+        hop = 0 if self.held else 2 * n_u
+        widths = (self._columns(sensitivities), n_u, windows.stages.shape[2], hop, n_y)
         h = windows.dt / windows.substeps
-        task = _Task(*sizes, *map(_address, integers), h, *map(_address, [*numbers, *compared]))
+        task = _Task(*sizes, *widths, *map(_address, integers), h, limit, *map(_address, numbers))
         parts = (ctypes.c_void_p * 4).in_dll(model, "parts")
         advance, observe = map(ctypes.c_void_p, parts[:2] if sensitivities else parts[2:])
-        places = [_address(a) for a in slopes]
-        found = _Found(
-            *map(_address, (final, states, outputs)),
-            *(places if n_s and weights is None else [None]),
-            _address(ends),
-            *(places if n_s and weights is not None else []),
-        )
-        if shoot(advance, observe, ctypes.byref(task), ctypes.byref(found)):
+        result = _Found(**{name: _address(array) for name, array in found.items()})
+        ended = shoot(advance, observe, ctypes.byref(task), ctypes.byref(result))
+        if ended == NO_MEMORY:
             raise MemoryError("no memory left to simulate in")
-        return states, outputs, final, *slopes, ends[:, 1:]
+        return ended != STOPPED
 
     @property
     def _by(self) -> tuple[str, ...]:
@@ -164,7 +199,7 @@ class _Task(ctypes.Structure):
     _fields_ = (
         *_typed(ctypes.c_longlong, "blocks", "length", "steps", "n_x", "n_s", "n_u", "n_stage", "hop", "n_y"),
         *_typed(ctypes.c_void_p, "members", "follows", "lengths", "carried"),
-        *_typed(ctypes.c_double, "h"),
+        *_typed(ctypes.c_double, "h", "limit"),
         *_typed(ctypes.c_void_p, "time", "stages", "inputs", "p", "x0", "measured", "weights"),
     )
 
@@ -172,7 +207,9 @@ class _Task(ctypes.Structure):
 class _Found(ctypes.Structure):
     """``Result`` of shoot.c."""
 
-    _fields_ = _typed(ctypes.c_void_p, "final", "states", "outputs", "slopes", "ends", "square", "error")
+    _fields_ = _typed(
+        ctypes.c_void_p, "final", "states", "outputs", "slopes", "ends", "spent", "square", "error"
+    )
 
 
 def _address(array: NDArray[Any]) -> int:

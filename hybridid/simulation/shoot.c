@@ -3,23 +3,28 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Samples between two looks at what was spent. */
+#define OFTEN 32
+
 /* What is to be simulated. Blocks of groups, the horizons' `length`, steps a sample, states, columns of sensitivities (0: none),
    inputs, stage inputs a sample, stage inputs from one step to the next, outputs. `members`: the horizons of each
    block, -1 where a lane is left over; a block comes after those of the horizons that its own follow. `follows`: the
    horizon before each, or -1; `lengths`: samples of each that are its own. `measured`: what the outputs are compared
-   with, `weights`: what the difference is multiplied by, 0 where it does not count. */
+   with, `weights`: what the difference r is multiplied by, 0 where it does not count, or NULL for no comparison.
+   `limit`: the sum of r'r above which the simulation may stop, or infinity. */
 typedef struct {
   long long blocks, length, steps, n_x, n_s, n_u, n_stage, hop, n_y;
   const long long *members, *follows, *lengths, *carried;
-  double h;
+  double h, limit;
   const double *time, *stages, *inputs, *p, *x0, *measured, *weights;
 } Task;
 
 /* `final`: the state one sample after the last; `ends`: state and sensitivities after each horizon's own samples. A
-   horizon that leaves the numbers is blank from there on. `slopes` or, of those of the weighted outputs, J, the
-   products J'J in `square` and J'r in `error`: the others are NULL. */
+   horizon that leaves the numbers is blank from there on. Without a comparison: `final`, `states`, `outputs` and maybe
+   `slopes`. With one: of each horizon r'r in `spent` and maybe, of the slopes J of the weighted outputs, J'J in `square`
+   and J'r in `error`. The others are NULL. */
 typedef struct {
-  double *final, *states, *outputs, *slopes, *ends, *square, *error;
+  double *final, *states, *outputs, *slopes, *ends, *spent, *square, *error;
 } Result;
 
 /* A group under way: the horizon of each lane, which lanes still have one within the numbers, and which had samples that
@@ -28,7 +33,7 @@ typedef struct {
 typedef struct {
   long long own[LANES];
   int alive[LANES], lost[LANES];
-  Lanes *now, *next, *y, *u, *stage, *measured, *weights;
+  Lanes *now, *next, *y, *u, *stage, *measured, *weights, spent;
   Slope *by, *next_by, *y_by, *column, *square, *error;
 } Group;
 
@@ -76,6 +81,7 @@ static void begin(Group *g, const Task *task, const Result *found, const long lo
     memset(g->square, 0, slopes(task->n_s, task->n_s) * sizeof(Slope));
     memset(g->error, 0, slopes(1, task->n_s) * sizeof(Slope));
   }
+  g->spent = (Lanes)FILL(0.0);
   for (int l = 0; l < LANES; ++l) {
     const long long w = members[l] >= 0 ? members[l] : spare, before = task->follows[w];
     const double *end = found->ends + before * n;
@@ -90,22 +96,27 @@ static void begin(Group *g, const Task *task, const Result *found, const long lo
   }
 }
 
-/* Whether any lane is still within the numbers; those that have just left them are blank from `sample` on. */
+/* A lane has just left the numbers, before `sample`: it is blank from there on. */
+static void leave(Group *g, const Task *task, const Result *found, long long sample, int lane) {
+  const long long left = task->length - sample, n_y = task->n_y, at = g->own[lane] * task->length + sample;
+  g->alive[lane] = 0;
+  if (task->weights) {
+    for (long long i = 0; i < left * n_y; ++i) g->lost[lane] |= task->weights[at * n_y + i] != 0.0;
+    return;
+  }
+  blank(found->states + at * task->n_x, left * task->n_x);
+  blank(found->outputs + at * n_y, left * n_y);
+  if (found->slopes) blank(found->slopes + at * task->n_s * n_y, left * task->n_s * n_y);
+  blank(found->final + g->own[lane] * task->n_x, task->n_x);
+}
+
+/* Whether any lane is still within the numbers. */
 static int still_alive(Group *g, const Task *task, const Result *found, long long sample) {
-  const long long left = task->length - sample, n_y = task->n_y;
   int any = 0;
+  Lanes zero = FILL(0.0);
+  for (long long i = 0; i < task->n_x; ++i) zero += FILL(0.0) * g->now[i];
   for (int l = 0; l < LANES; ++l) {
-    int fine = 1;
-    for (long long i = 0; i < task->n_x; ++i) fine &= isfinite(AT(g->now[i], l)) != 0;
-    if (g->alive[l] && !fine) {
-      const long long at = g->own[l] * task->length + sample;
-      blank(found->states + at * task->n_x, left * task->n_x);
-      blank(found->outputs + at * n_y, left * n_y);
-      if (found->slopes) blank(found->slopes + at * task->n_s * n_y, left * task->n_s * n_y);
-      blank(found->final + g->own[l] * task->n_x, task->n_x);
-      g->alive[l] = 0;
-      for (long long i = 0; found->square && i < left * n_y; ++i) g->lost[l] |= task->weights[at * n_y + i] != 0.0;
-    }
+    if (g->alive[l] && AT(zero, l) != 0.0) leave(g, task, found, sample, l);
     any |= g->alive[l];
   }
   return any;
@@ -122,13 +133,14 @@ static void store(const Group *g, const Task *task, const Result *found, long lo
   }
 }
 
-/* Adds what the outputs of sample k give to the products, of which half is kept: column j up to its own row. */
+/* Adds what the outputs of sample k give to r'r and to the products, of which half is kept: column j up to its own row. */
 static void weigh(Group *g, const Task *task, long long k) {
   const long long n_y = task->n_y, n_s = task->n_s, blocks = slopes(1, n_s);
   put(g->measured, g, task, task->measured, k, n_y);
   put(g->weights, g, task, task->weights, k, n_y);
   for (long long r = 0; r < n_y; ++r) {
     const Lanes weight = g->weights[r], error = (g->measured[r] - g->y[r]) * weight;
+    g->spent += ONLY_IF(weight, error * error);
     const Slope left = COUNTED(weight, SPREAD(error));
     for (long long b = 0; b < blocks; ++b)
       g->column[b] = COUNTED(weight, g->y_by[b * n_y + r] * SPREAD(weight));
@@ -139,6 +151,18 @@ static void weigh(Group *g, const Task *task, long long k) {
     }
     for (long long b = 0; b < blocks; ++b) g->error[b] += left * g->column[b];
   }
+}
+
+/* What a lane spent; nothing, if it left the numbers while samples counted. */
+static double spent_by(const Group *g, int lane) { return g->lost[lane] ? NAN : AT(g->spent, lane); }
+
+/* Whether all lanes together have spent more than the limit, beside what was spent before. */
+static int too_much(const Group *g, int groups, const Task *task, double before) {
+  if (isinf(task->limit)) return 0;
+  for (int a = 0; a < groups; ++a)
+    for (int l = 0; l < LANES; ++l)
+      if (g[a].lost[l] >= 0) before += spent_by(g + a, l);
+  return !(before <= task->limit);
 }
 
 static void take_products(const Group *g, const Task *task, const Result *found, int lane) {
@@ -173,8 +197,9 @@ static void stepped(Group *g, const Task *task, Place *at, long long i) {
   g->by = g->next_by, g->next_by = by;
 }
 
-static void run(Group *g, int groups, const Task *task, const Result *found, const Part *advance, const Part *observe,
-                const double *known) {
+/* Returns whether it stopped as too much was spent, with `before`. */
+static int run(Group *g, int groups, const Task *task, const Result *found, const Part *advance, const Part *observe,
+               const double *known, double before) {
   const long long n_x = task->n_x, n = n_x * (1 + task->n_s);
   Place at[TURNS] = {0};
   for (long long k = 0; k < task->length; ++k) {
@@ -183,8 +208,8 @@ static void run(Group *g, int groups, const Task *task, const Result *found, con
     if (!any) break;
     for (int a = 0; a < groups; ++a) observed(g + a, task, found, at + a, k);
     observe->run(at, groups, task->h, task->p, known + advance->constants, task->n_s);
-    for (int a = 0; a < groups; ++a) store(g + a, task, found, k);
-    for (int a = 0; found->square && a < groups; ++a) weigh(g + a, task, k);
+    for (int a = 0; a < groups; ++a) task->weights ? weigh(g + a, task, k) : store(g + a, task, found, k);
+    if (k % OFTEN == 0 && too_much(g, groups, task, before)) return 1;
     for (long long i = 0; i < task->steps; ++i) {
       for (int a = 0; a < groups; ++a) stepped(g + a, task, at + a, i);
       advance->run(at, groups, task->h, task->p, known, task->n_s);
@@ -197,10 +222,14 @@ static void run(Group *g, int groups, const Task *task, const Result *found, con
   }
   for (int a = 0; a < groups; ++a)
     for (int l = 0; l < LANES; ++l)
-      if (g[a].alive[l]) take(found->final + g[a].own[l] * n_x, g[a].now, l, n_x);
-  for (int a = 0; found->square && a < groups; ++a)
+      if (found->final && g[a].alive[l]) take(found->final + g[a].own[l] * n_x, g[a].now, l, n_x);
+  for (int a = 0; found->spent && a < groups; ++a)
     for (int l = 0; l < LANES; ++l)
-      if (g[a].lost[l] >= 0) take_products(g + a, task, found, l);
+      if (g[a].lost[l] >= 0) {
+        found->spent[g[a].own[l]] = spent_by(g + a, l);
+        if (found->square) take_products(g + a, task, found, l);
+      }
+  return too_much(g, groups, task, before);
 }
 
 /* Bytes that begin and end on a cache line, with one to spare. */
@@ -229,12 +258,13 @@ static void *make_room(Group *g, const Task *task) {
   return all;
 }
 
-/* Returns 0, or 1 without memory. */
+/* Returns 0, 1 without memory, or 2 if it stopped as more than the limit was spent. */
 int shoot(const Part *advance, const Part *observe, const Task *task, const Result *found) {
   Group g[TURNS];
   void *rooms[TURNS];
   double *known = malloc((advance->constants + observe->constants + 1) * sizeof *known);
-  int ready = known != NULL;
+  int ready = known != NULL, stopped = 0;
+  double before = 0.0;
   for (int a = 0; a < TURNS; ++a) {
     rooms[a] = make_room(g + a, task);
     ready = ready && rooms[a];
@@ -243,13 +273,15 @@ int shoot(const Part *advance, const Part *observe, const Task *task, const Resu
     advance->prepare(task->h, task->p, known);
     observe->prepare(task->h, task->p, known + advance->constants);
   }
-  for (long long k = 0; ready && k < task->blocks; ++k) {
+  for (long long k = 0; ready && !stopped && k < task->blocks; ++k) {
     const long long *members = task->members + k * TURNS * LANES;
     const int groups = groups_of(members);
     for (int a = 0; a < groups; ++a) begin(g + a, task, found, members + a * LANES, members[0]);
-    run(g, groups, task, found, advance, observe, known);
+    stopped = run(g, groups, task, found, advance, observe, known, before);
+    for (int l = 0; found->spent && !stopped && l < TURNS * LANES; ++l)
+      if (members[l] >= 0) before += found->spent[members[l]];
   }
   for (int a = 0; a < TURNS; ++a) free(rooms[a]);
   free(known);
-  return !ready;
+  return !ready ? 1 : stopped ? 2 : 0;
 }

@@ -35,17 +35,20 @@ class Shot:
     Shapes: ``outputs`` (w, H, n_y), ``states`` (w, H, n_x), ``final`` (w, n_x) the state one
     sample after the last. With sensitivities (else empty): ``by_state`` (w, H, n_y, n_x) = dy/dx0 and
     ``by_parameter`` (w, H, n_y, n_free) = dy/dp. With carried states: ``ends_by`` (w, n_x + n_free, n_x),
-    the derivatives by x0 and p of the state after each horizon's last sample. Or, in place of the
-    sensitivities J of the weighted outputs, their products over each horizon: ``square`` J'J (w, n_x +
-    n_free, n_x + n_free), and ``error`` J'r (w, n_x + n_free) with what the outputs leave of the record.
+    the derivatives by x0 and p of the state after each horizon's last sample.
+
+    Or, in place of outputs and states, the products over each horizon of r, what the weighted outputs leave
+    of the record, and of their sensitivities J: ``spent`` r'r (w,), not a number where the horizon diverges,
+    ``square`` J'J (w, n_x + n_free, n_x + n_free), and ``error`` J'r (w, n_x + n_free).
     """
 
-    outputs: Array
-    states: Array
-    final: Array
+    outputs: Array = field(default_factory=lambda: np.empty(0))
+    states: Array = field(default_factory=lambda: np.empty(0))
+    final: Array = field(default_factory=lambda: np.empty(0))
     by_state: Array = field(default_factory=lambda: np.empty(0))
     by_parameter: Array = field(default_factory=lambda: np.empty(0))
     ends_by: Array = field(default_factory=lambda: np.empty(0))
+    spent: Array = field(default_factory=lambda: np.empty(0))
     square: Array = field(default_factory=lambda: np.empty(0))
     error: Array = field(default_factory=lambda: np.empty(0))
 
@@ -63,6 +66,11 @@ class Shot:
     def sensitive(self) -> bool:
         """Whether there are sensitivities, or their products."""
         return self.by_state.ndim > 1 or self.multiplied
+
+    @property
+    def compared(self) -> bool:
+        """Whether there is what each horizon spent, in place of its outputs."""
+        return len(self.spent) > 0
 
     @property
     def multiplied(self) -> bool:
@@ -95,14 +103,20 @@ class Shooter:
             return _shot(states, outputs, final, *(slopes if sensitivities else ()))
         return self._interpreted(x0, p, sensitivities)
 
-    def multiplied(self, x0: Array, p: Array, weights: Array) -> Shot:
-        """The same with products of the sensitivities where machine code runs, and with sensitivities where
-        it does not; ``weights`` (w, H, n_y) of the outputs, 0 where one does not count. No state may be
-        carried. The products take less memory, and less time than to write the sensitivities down."""
+    def compared(
+        self, x0: Array, p: Array, weights: Array, sensitivities: bool, limit: float = np.inf
+    ) -> Shot:
+        """The same with products in place of outputs and sensitivities where machine code runs; ``weights``
+        (w, H, n_y) of the outputs, 0 where one does not count. The products take less memory, and less time
+        than to write the sensitivities down. Once r'r of all horizons is above ``limit``, it is infinite and
+        the rest is not simulated."""
         if not self.code.worth_it:
-            return self(x0, p, sensitivities=True)
-        states, outputs, final, square, error, _ = self.code(self.windows, (), x0, p, True, weights)
-        return Shot(outputs, states, final, square=square, error=error[..., 0])
+            return self(x0, p, sensitivities)
+        given = (self.windows, self.carried, x0, p, sensitivities, weights, limit)
+        spent, *products, ends_by = self.code.compared(*given)
+        if not sensitivities:
+            return Shot(spent=spent)
+        return Shot(ends_by=ends_by, spent=spent, square=products[0], error=products[1])
 
     def over(self, windows: Windows, times: int = 1) -> Shooter:
         """The same shooter over other horizons; it shares the compiled code. It is to simulate ``times`` as

@@ -16,6 +16,7 @@ from hybridid.estimators.reduced import LeastSquares
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
 from hybridid.records.record import Channel
+from hybridid.simulation import machine_code
 
 VALUES = {
     "M": 85.0,
@@ -85,9 +86,9 @@ def written_out(problem, shot, forgotten=0.0):
             begins[k, problem.carried] = end[problem.carried]
         used, own = problem.windows.used[k], np.where(problem.moving[k], np.eye(m), 0.0)
         by_state = shot.by_state[k][used] / problem.scale[:, None]
-        least = forgotten * np.abs(by_state @ own).max(axis=(0, 1))
+        least = forgotten * np.linalg.norm(by_state @ own, axis=(0, 1))
         for j in range(k):
-            if not (np.abs(by_state @ begins[k][:, places[j]]).max(axis=(0, 1)) > least).any():
+            if not (np.linalg.norm(by_state @ begins[k][:, places[j]], axis=(0, 1)) > least).any():
                 begins[k][:, places[j]] = 0.0
         begins[k][:, places[k]] = own
         rows = by_state @ begins[k]
@@ -134,6 +135,20 @@ def test_horizons_that_hand_states_on(monkeypatch, problem_of, effect, outputs, 
     close(found.gradient, -error)
     n, m = len(problem.free), len(problem.model.states)
     assert found.gram[n : n + m, n + m : n + 2 * m].any(), "the second horizon feels where the first began"
+
+
+@pytest.mark.parametrize("effects", [("coulomb",), ("maxwell",), ("flexible_mode",)])
+def test_products_made_in_c_give_the_same_equations(monkeypatch, problem_of, effects):
+    monkeypatch.setattr(machine_code, "WORTH", 0.0)
+    problem = problem_of("viscous", *effects, outputs=2)
+    p, x0 = problem.model.values(), problem.measured_x0()
+    fast, whole = problem.shot(x0, p, sensitivities=True), problem.shooter(x0, p, sensitivities=True)
+    assert fast.multiplied == problem.shooter.code.worth_it
+    assert problem.cost(fast) == pytest.approx(problem.cost(whole), rel=1e-12)
+    ours, theirs = (LeastSquares.of(problem).linearised(shot) for shot in (fast, whole))
+    for name in ("gram", "gradient") if "coulomb" not in effects else ("pp", "xp", "xx", "gp", "gx"):
+        a, b = getattr(ours, name), getattr(theirs, name)
+        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-11 * np.abs(b).max())
 
 
 def test_what_is_hardly_felt_is_left_out(monkeypatch, problem_of):

@@ -27,7 +27,7 @@ def always(monkeypatch):
 def shooter_of(carriage, make_model, hold="zoh", integrator="rk4"):
     made = carriage.record(150)
     made = replace(made, input_channels=(replace(made.input_channels[0], hold=hold),))
-    model = make_model(("viscous", "coulomb", "offset", "dahl", "sensor_lag"))
+    model = make_model(("viscous", "coulomb", "offset", "dahl", "sensor_lag", "input_saturation"))
     return Shooter(model, cut([made], 60, 4), FREE, integrator)
 
 
@@ -77,13 +77,14 @@ def test_products_of_the_sensitivities_are_those_of_the_sensitivities(carriage, 
     weights[0, 3:5] = weights[-1, 10:] = 0.0
     outputs = np.where(weights > 0, shooter.windows.outputs, np.nan)  # what does not count may be missing
     whole = shooter(x0, p, sensitivities=True)
-    apart = replace(shooter, windows=replace(shooter.windows, outputs=outputs)).multiplied(x0, p, weights)
+    apart = replace(shooter, windows=replace(shooter.windows, outputs=outputs))
+    apart = apart.compared(x0, p, weights, sensitivities=True)
     assert apart.multiplied
-    np.testing.assert_array_equal(apart.outputs, whole.outputs)
     by = np.concatenate([whole.by_state, whole.by_parameter], axis=3) * weights[..., None]
     left = np.where(weights > 0, (outputs - whole.outputs) * weights, 0.0)
     square, error = np.einsum("whki,whkj->wij", by, by), np.einsum("whki,whk->wi", by, left)
-    for ours, theirs in ((apart.square, square), (apart.error, error)):
+    spent = np.einsum("whk,whk->w", left, left)
+    for ours, theirs in ((apart.square, square), (apart.error, error), (apart.spent, spent)):
         np.testing.assert_allclose(ours, theirs, rtol=1e-11, atol=1e-12 * np.abs(theirs).max())
 
 
@@ -94,10 +95,26 @@ def test_products_of_a_horizon_that_leaves_the_numbers_are_none(carriage, make_m
     x0, p = np.array([[1.0, 0.0], [0.0, 0.0]]), model.values({"carriage.cubic_stiffness.k_3": -1e9})
     assert np.isnan(shooter(x0, p).outputs[0]).any()
     weights = np.ones(shooter.windows.outputs.shape)
-    assert np.isnan(shooter.multiplied(x0, p, weights).square[0]).all()
-    assert np.isfinite(shooter.multiplied(x0, p, weights).square[1]).all()
+    shot = shooter.compared(x0, p, weights, sensitivities=True)
+    assert np.isnan(shot.square[0]).all()
+    assert np.isfinite(shot.square[1]).all()
+    np.testing.assert_array_equal(np.isnan(shot.spent), [True, False])
     weights[0, 1:] = 0.0  # as beyond a record's end
-    assert np.isfinite(shooter.multiplied(x0, p, weights).square).all()
+    assert np.isfinite(shooter.compared(x0, p, weights, sensitivities=True).square).all()
+
+
+@compiled
+@pytest.mark.parametrize("horizons", [2, 20])
+def test_a_simulation_stops_above_a_limit_and_only_there(carriage, make_model, horizons):
+    windows = cut([carriage.record(20 * horizons)], 20, 1)
+    shooter = Shooter(make_model(("viscous", "coulomb")), windows, ("M",))
+    x0, p = np.full((horizons, len(shooter.model.states)), 1e-2), shooter.model.values()
+    weights = np.ones(shooter.windows.outputs.shape)
+    whole = shooter.compared(x0, p, weights, sensitivities=False).spent
+    total = whole.sum() * (1 + 1e-12)
+    np.testing.assert_array_equal(shooter.compared(x0, p, weights, False, limit=total).spent, whole)
+    for share in (0.01, 0.5, 0.99):
+        assert np.isinf(shooter.compared(x0, p, weights, False, limit=share * total).spent).all()
 
 
 def test_without_a_compiler_everything_is_interpreted(carriage, make_model, monkeypatch):
