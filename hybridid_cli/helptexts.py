@@ -139,7 +139,7 @@ in the folder traces.
   hybridid trace case=emps fit.records=[validation]                from one record alone
   hybridid trace case=emps trace.effects=[stribeck,dahl,lugre]     try only these
   hybridid trace --config-dir mylab case=mine trace.extra_effects=[mymodule:MY_EFFECT]
-  hybridid run case=emps model=TREE/trace/model.json               go on with the augmented model
+  hybridid run case=emps model=TREE/trace/model.json               use the augmented model
   hybridid trace -m --config-dir lab case=lab 'records.fitted.files=glob(../runs/*.csv)'
                                                                    many machines, one table (docs/fleet.md)
 """
