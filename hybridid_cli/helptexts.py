@@ -71,9 +71,9 @@ Estimates the parameters of plant and effects on the records of fit.records and 
 First it prints the remaining error beside the sensor's noise, and beside the error of a model that does
 nothing. It also says whether the model is wrong: no better than doing nothing, or with a wrong sign, unit or
 column. For a wrong model it states no standard errors. Then it gives advice: which of two parameters to fix,
-which horizon to use, which record to add. The exit code is 3 if the fit has not converged, and 4 if the model
-is wrong. The results are written in both cases. The commands run, residual, validate and plot carry out all
-their stages first, and then end with the same code. The commands sweep and trace continue.
+which horizon to use, which record to add. The exit code is 3 if the fit has not converged,
+and 4 if the model is wrong. The results are written in both cases. The commands run, residual, validate and
+plot carry out all their stages first, and then end with the same code. The commands sweep and trace continue.
 
   hybridid fit case=emps                            over the whole record, free running
   hybridid fit case=emps estimator.horizon=1000     over horizons of 1000 samples
