@@ -89,10 +89,10 @@ study-slurm: $(READY) ## 64 jobs on a Slurm of one node, one killed on purpose (
 study-fleet: $(READY) ## 40 machines traced on a Slurm of one node, one worker killed on purpose (simulated; needs slurm-wlm, munge)
 	$(BIN)/python -m benchmarks.slurm.fleet $(ARGS)
 
-league: $(READY) ## which of ours and two rivals names what simulated machines hide? (hours; goes on where it stopped)
+league: $(READY) ## which of ours and two rivals names what simulated machines hide? (hours; continues where it stopped)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.league $(ARGS)
 
-league-drawn: $(READY) ## does our trace hold on 120 scenarios that nobody rigged? (hours; goes on where it stopped)
+league-drawn: $(READY) ## does our trace hold on 120 randomly drawn scenarios? (hours; continues where it stopped)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.drawn $(ARGS)
 
 league-measured: $(READY) ## what does trace say of every measured record, also with each declared effect left out? (goes on)

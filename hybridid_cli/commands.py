@@ -28,7 +28,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("run", "every stage in order, from record to plots", helptexts.RUN, _STAGES),
     Command("preprocess", "read the records, check and filter them", helptexts.PREPROCESS, _STAGES),
     Command("fit", "estimate the parameters", helptexts.FIT, _STAGES),
-    Command("residual", "fit a network to what the gray box leaves", helptexts.RESIDUAL, _STAGES),
+    Command("residual", "fit a network to the error of the gray box", helptexts.RESIDUAL, _STAGES),
     Command("validate", "score the fitted model on every record", helptexts.VALIDATE, _STAGES),
     Command("plot", "draw the figures", helptexts.PLOT, _STAGES),
     Command("sweep", "many configs at once, in one table", helptexts.SWEEP, _STAGES),

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from hybridid_cli.commands import BY_NAME
-from hybridid_cli.config_files import groups, keys, options, user_folders
+from hybridid_cli.config_files import existing_folders, group_choices, groups, keys, options
 from hybridid_cli.words import CFG, FLAGS
 from pipelines.shared.errors import ConfigError, unknown
 
@@ -53,7 +53,7 @@ def _offered(before: Sequence[str], current: str) -> Iterator[str]:
         yield from [*BY_NAME, "--help", "--version"]
         return
     name, words = before[0], list(before[1:])
-    folders = [folder for folder in user_folders(words) if folder.is_dir()]
+    folders = existing_folders(words)
     if words and words[-1] in ("--cfg", "-c"):
         yield from CFG
     elif words and words[-1] in ("--config-dir", "-cd"):
@@ -88,7 +88,7 @@ def _of_new(words: Sequence[str]) -> Iterator[str]:
 def _overrides(name: str, words: Sequence[str], current: str, folders: Sequence[Path]) -> Iterator[str]:
     """Keys up to the next dot, then values where they are known."""
     known_groups = groups(folders)
-    choices = dict(word.split("=", 1) for word in words if word.split("=")[0] in known_groups and "=" in word)
+    choices = group_choices(words, folders)
     key, assigned, value = current.partition("=")
     if not assigned:
         for known in [*keys(name, choices, folders), *_parameter_keys(name, choices, folders)]:

@@ -31,6 +31,11 @@ def user_folders(words: Sequence[str]) -> list[Path]:
     return folders
 
 
+def existing_folders(words: Sequence[str]) -> list[Path]:
+    """Those of ``user_folders`` that exist."""
+    return [folder for folder in user_folders(words) if folder.is_dir()]
+
+
 def groups(folders: Sequence[Path] = ()) -> list[str]:
     """The config groups, such as ``case`` and ``estimator``."""
     found = {
@@ -45,6 +50,13 @@ def groups(folders: Sequence[Path] = ()) -> list[str]:
 def options(group: str, folders: Sequence[Path] = ()) -> list[str]:
     """The choices of a group, the user's own first to be found."""
     return sorted({p.stem for root in (*folders, conf_folder()) for p in (root / group).glob("*.yaml")})
+
+
+def group_choices(words: Sequence[str], folders: Sequence[Path] = ()) -> dict[str, str]:
+    """The option that a command's ``words`` choose in each group, such as ``{"case": "emps"}``."""
+    known = groups(folders)
+    assigned = [word.partition("=") for word in words if "=" in word]
+    return {key: value for key, _, value in assigned if key in known}
 
 
 def keys(

@@ -119,7 +119,7 @@ _BETWEEN = {
     "zoh": "held (zoh)",
     "foh": "linear (foh)",
     "bandlimited": "band-limited",
-    None: "not told: taken as held",
+    None: "not given: assumed held",
 }
 _HOW = {"user": "--scale", "header": "the header", "nothing": "assumed: the header names no unit"}
 

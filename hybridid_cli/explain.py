@@ -16,16 +16,13 @@ from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
 from hybridid.naming import shortened
-from hybridid_cli.config_files import groups, keys, options, user_folders
+from hybridid_cli.config_files import existing_folders, group_choices, groups, keys, options
+from hybridid_cli.exit_codes import FAILED, NOT_CONVERGED, WRONG_MODEL, WRONG_REQUEST
 from pipelines.shared.errors import ConfigError, Incomplete, NotConverged, WrongModel, unknown
 
-FAILED = 1
-WRONG_REQUEST = 2
-NOT_CONVERGED = 3
-WRONG_MODEL = 4
 _MAKERS_HINT = "; --debug shows where"
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""What a full or broken disk says, often without the name of the file."""
+"""Error numbers of a full or broken disk. The error often lacks the name of the file."""
 
 
 def explained(error: Exception, command: str, words: Sequence[str]) -> tuple[str, int]:
@@ -40,7 +37,7 @@ def explained(error: Exception, command: str, words: Sequence[str]) -> tuple[str
         return _not_an_option(words), WRONG_REQUEST
     if isinstance(error, UnicodeDecodeError):
         return _unreadable(error, words), WRONG_REQUEST
-    if isinstance(error, (ValueError, Incomplete)):  # RecordError and the like speak for themselves
+    if isinstance(error, (ValueError, Incomplete)):  # such as RecordError: its message is complete
         return str(error), FAILED
     if isinstance(error, OSError) and (error.filename is not None or error.errno in _NO_ROOM):
         return _file_problem(error), FAILED
@@ -53,7 +50,7 @@ def explained(error: Exception, command: str, words: Sequence[str]) -> tuple[str
 
 
 def _file_problem(error: OSError) -> str:
-    """A file that cannot be read or written, and why; on a full disk what became of the results."""
+    """Which file cannot be read or written, and why. If the disk is full, also what became of the results."""
     kept = ""
     if error.errno in _NO_ROOM:
         kept = "; what was unfinished is discarded, what was finished is kept"
@@ -70,16 +67,16 @@ def _yaml_problem(error: YAMLError) -> str:
 
 
 def _unreadable(error: UnicodeDecodeError, words: Sequence[str]) -> str:
-    """The config file that is no text in UTF-8."""
-    for folder in user_folders(words):
+    """Which config file is not UTF-8 text."""
+    for folder in existing_folders(words):
         for path in sorted(folder.rglob("*.yaml")):
             if path.is_file() and path.read_bytes() == error.object:
-                return f"{path}: no text in UTF-8: {error.reason} at byte {error.start}"
+                return f"{path}: not UTF-8 text: {error.reason} at byte {error.start}"
     return str(error)
 
 
 def _config_problem(error: Exception, command: str, words: Sequence[str]) -> str:
-    folders = [folder for folder in user_folders(words) if folder.is_dir()]
+    folders = existing_folders(words)
     if isinstance(error, MissingConfigException) and error.missing_cfg_file:
         group, _, name = str(error.missing_cfg_file).rpartition("/")
         return unknown(group or "config", name, error.options or options(group, folders))
@@ -113,23 +110,20 @@ def _plain(text: str) -> str:
 
 
 def _not_an_option(words: Sequence[str]) -> str:
-    """A group that was given a number or null instead of the name of one of its files."""
-    folders = [folder for folder in user_folders(words) if folder.is_dir()]
+    """Which config group has a number or null as its value. It needs the name of one of its files."""
+    folders = existing_folders(words)
     for word in words:
         key, _, value = word.lstrip("+").partition("=")
         if key in groups(folders) and value not in options(key, folders):
             return unknown(key, value, options(key, folders))
-    return "a group of configs is chosen by a name, as in estimator=gauss_newton"
+    return "a config group needs a name, as in estimator=gauss_newton"
 
 
 def _unknown_key(key: str, command: str, words: Sequence[str]) -> str:
-    """The nearest key, or group, to one that does not exist; listed are its would-be siblings."""
-    folders = [folder for folder in user_folders(words) if folder.is_dir()]
-    choices = dict(
-        word.split("=", 1) for word in words if "=" in word and word.split("=")[0] in groups(folders)
-    )
+    """The existing key or group that is nearest to the unknown ``key``, and the keys of the same section."""
+    folders = existing_folders(words)
     top = key.partition(".")[0]
-    known = {*keys(command, choices, folders), *groups(folders)}
+    known = {*keys(command, group_choices(words, folders), folders), *groups(folders)}
     if top in groups(folders) and not any(one.startswith(f"{top}.") for one in known):
         return f"{key}: no {top} is chosen in this config; choose {top}={'|'.join(options(top, folders))}"
     known |= {".".join(k.split(".")[: i + 1]) for k in known for i in range(k.count("."))}

@@ -1,7 +1,7 @@
-"""``records.NAME.files=glob(PATTERN)``: a value for each recording that the pattern finds.
+"""``records.NAME.files=glob(PATTERN)``: a value for each recording whose name matches the pattern.
 
-Hydra's own ``glob`` names the files of a config group. Recordings lie in the folders in which a record is
-looked for: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw`` and the user's own.
+Hydra's own ``glob`` searches the files of a config group. This one searches the folders of the records:
+``paths.data``, ``$HYBRIDID_DATA``, ``data/raw`` and the user's own.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ _GLOB = re.compile(r"(?P<key>\+*[^=]*\.files)=glob\((?P<pattern>[^()]*)\)")
 
 
 def with_files(words: Sequence[str], roots: Iterable[DataRoot]) -> list[str]:
-    """``words`` with the names of the files in the place of each pattern, in the order of their names.
+    """``words`` with each pattern replaced by the sorted names of the files that match it.
 
     Raises:
-        ConfigError: if a pattern finds no file; names the folders.
+        ConfigError: if no file matches a pattern; the message names the folders.
     """
     folders = list(roots)
     return [_expanded(word, folders) for word in words]
@@ -34,7 +34,7 @@ def _expanded(word: str, roots: Sequence[DataRoot]) -> str:
     files = _found(pattern, roots)
     if not files:
         looked = ", ".join(map(str, roots))
-        raise ConfigError(f"{word}: no file is called so; looked under {looked}")
+        raise ConfigError(f"{word}: no file matches this pattern; searched {looked}")
     return f"{asked['key']}=choice({','.join(map(_quoted, files))})"
 
 
@@ -44,7 +44,7 @@ def _quoted(name: str) -> str:
 
 
 def _found(pattern: str, roots: Sequence[DataRoot]) -> list[str]:
-    """Names below the first folder that has any, as a record gives them."""
+    """Names of the files that match, from the first folder that has any; relative to that folder."""
     given = Path(pattern).expanduser()
     if given.is_absolute():
         return sorted(str(path) for path in Path(given.anchor).glob(str(given.relative_to(given.anchor))))

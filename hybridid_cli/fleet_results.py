@@ -1,18 +1,18 @@
-"""What the traces of a fleet found, as a person reads it: a line for each machine."""
+"""The traces of a fleet as text for the terminal: a line for each machine."""
 
 from __future__ import annotations
 
 from rich.console import RenderableType
 from rich.text import Text
 
-from hybridid_cli.sweep_results import MOST
+from hybridid_cli.sweep_results import MOST, ending
 from hybridid_cli.tables import rendered, table
 from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.fleet import Fleet, counts, header, line
 
 
 def fleet_summary(swept: SweepOutcome, found: Fleet) -> str:
-    """The table of machines, how many lack what, and the page's path."""
+    """The table of machines, how many of them lack each effect, and the page's path."""
     names, words = header(found), len(found.axes)
     marks = " and ".join(sorted({one.provenance for one in found.machines}))
     made = table(f"Machines ({marks})", names, words=(*range(words + 2), len(names) - 1))
@@ -22,9 +22,4 @@ def fleet_summary(swept: SweepOutcome, found: Fleet) -> str:
     if len(found.machines) > MOST:
         parts.append(Text(f"the first {MOST}; {len(found.machines) - MOST} more on the page"))
     parts += [Text(said) for said in counts(found)]
-    done, fresh = len(swept.done), len(swept.plan.fresh)
-    parts.append(
-        Text(f"{done} of {len(swept.sweep.points)} traced, {fresh} of them before; {swept.seconds:.1f} s")
-    )
-    parts.append(Text(f"page: {swept.sweep.folder / 'index.html'}"))
-    return rendered(parts)
+    return rendered([*parts, *ending(swept, "traced")])

@@ -1,4 +1,4 @@
-"""What ``--help`` says: plain text, written for a person; the keys are made from their declarations."""
+"""The texts of ``--help``. The list of config keys is made from their declarations."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ the report and every point's run tree; default: outputs/sweeps/<name>-<digest>,
 _TREE = "put the whole run tree there; default: outputs/<case>/<hash of the config>"
 
 RUN = """\
-Reads and checks the records, estimates the parameters, scores the model in free run, over horizons
-and under its controller, and draws the figures. Stages whose inputs and settings have not changed are reused;
-each one says so.
+Reads and checks the records, estimates the parameters, scores the model in free run, over horizons and under
+its controller, and draws the figures. A stage runs only if its inputs or settings have changed. Otherwise its
+results are reused, and the command says so.
 
   hybridid run case=emps
   hybridid run case=emps estimator.horizon=1000 effects=[viscous,coulomb,offset,asymmetric_viscous]
@@ -59,19 +59,21 @@ each one says so.
 
 PREPROCESS = """\
 Maps the columns of each file to signals with units, checks them, applies preprocess.steps in order and writes
-preprocess/. With no measured record at hand the case's virtual rig stands in, and all that follows says so.
+preprocess/. If there is no measured record, the case's virtual rig simulates the records. Every result then
+says "simulated".
 
   hybridid preprocess case=emps paths.data=/data/recordings
   hybridid preprocess case=emps 'preprocess.steps=[{step: decimate, factor: 10}]'
 """
 
 FIT = """\
-Estimates the parameters of plant and effects on the records of fit.records and writes fit/estimate.json. Says
-first what the model leaves, beside the sensor's noise and beside doing nothing, and whether the model is
-wrong: no better than doing nothing, or with a sign, a unit or a column changed. No standard error is stated
-then. Lines of advice follow: which of two parameters to fix, which horizon to take, which record to add. Exit
-code: 3 if the fit has not converged, 4 if the model is wrong; the results are written all the same, and run,
-residual, validate and plot end like that after all their stages. A sweep and a trace go on.
+Estimates the parameters of plant and effects on the records of fit.records and writes fit/estimate.json.
+First it prints the remaining error beside the sensor's noise, and beside the error of a model that does
+nothing. It also says whether the model is wrong: no better than doing nothing, or with a wrong sign, unit or
+column. For a wrong model it states no standard errors. Then it gives advice: which of two parameters to fix,
+which horizon to use, which record to add. The exit code is 3 if the fit has not converged,
+and 4 if the model is wrong. The results are written in both cases. The commands run, residual, validate and
+plot carry out all their stages first, and then end with the same code. The commands sweep and trace continue.
 
   hybridid fit case=emps                            over the whole record, free running
   hybridid fit case=emps estimator.horizon=1000     over horizons of 1000 samples
@@ -79,10 +81,10 @@ residual, validate and plot end like that after all their stages. A sweep and a 
 """
 
 RESIDUAL = """\
-Fits a network to what the gray box leaves of the records of fit.records and writes residual/: the hybrid, how
-it came about, and how much of the network the model's own parameters could have explained. Held-out blocks of
-those records decide its size, or when its training stops. With a network chosen, run, validate and plot take
-up the hybrid beside the gray box.
+Fits a network to the error of the gray box on the records of fit.records. Writes residual/: the hybrid model,
+the report of its training, and the share of the network's output that the model's own parameters could have
+explained. Held-out blocks of those records decide the size of the network, or when its training stops. If a
+network is configured, run, validate and plot show the hybrid beside the gray box.
 
   hybridid residual case=emps residual=rbf residual.nodes=[4,8,16,32]   inside the equations, at a port
   hybridid residual case=emps residual=narx                             after the output
@@ -91,11 +93,12 @@ up the hybrid beside the gray box.
 """
 
 SWEEP = """\
-Runs every point of a grid and puts the held-out errors of all in one table and a heat map, with the network
-to keep of each output. Any key takes several values: key=a,b,c, key=range(1,10) or key=choice(a,b); lists of
-residual.depth, width, seeds, nodes and horizons are a grid by themselves. Small networks train together in
-stacks, large ones in workers of one thread; the plan is said first. A point that fails or is killed is named
-and leaves the others; the same command again does what is missing, and so does a larger grid.
+Runs every point of a grid. Puts the held-out errors of all points in one table and a heat map, and chooses
+one network for each output. Any key takes several values: key=a,b,c, key=range(1,10) or key=choice(a,b).
+Lists of residual.depth, width, seeds, nodes and horizons are a grid by themselves. Small networks train
+together in stacks, large ones in processes of one thread. The plan is printed first. If a point fails or is
+killed, its name is printed and the other points continue. The same command again, or one with a larger grid,
+runs only the points without results.
 
   hybridid sweep experiment=vehicle_narx                         the grid of Tables 4.4 and 4.5
   hybridid sweep experiment=vehicle_narx residual.depth=2,4,6 residual.width=8,1024 residual.orders.error=1,7
@@ -105,8 +108,8 @@ and leaves the others; the same command again does what is missing, and so does 
 
 VALIDATE = """\
 Runs the fitted model against every record and writes validate/metrics.json: MSE, RMSE, MAE, R2 and fit
-percentage by record, output and view, and tests of the residual. A case with a controller is also run in the
-loop: from its reference, the law closed over the simulated outputs; its control effort is scored too.
+percentage by record, output and view, and tests of the residual. If the case has a controller, the model is
+also simulated in closed loop from the reference, and the control effort is scored too.
 
   hybridid validate case=emps validate.horizon=0.5
   hybridid validate case=emps controller.parameters.kp=150     another gain; controller=null: no loop
@@ -124,24 +127,25 @@ the median and the one with the smallest.
 """
 
 TRACE = """\
-Adds every effect of the library at every port of its kind, refits all parameters together, and judges on
-horizons that no fit has seen what the model lacks. Accepts an effect if its gain is significant, worth
-having, determined by the records, and survives other ways to solve the equations; names together what the
-records cannot tell apart; goes on until nothing passes. Writes trace/report.html, trace/trace.json and the
-augmented model. Traces with other options stay beside it, in traces.
+Finds the effects that the model lacks. Adds each effect of the library at each port of its kind and refits
+all parameters. Judges each refit on horizons that were not fitted. Accepts an effect if its gain is
+significant and large enough, if the records determine its parameters, and if other solvers give the same
+answer. Reports effects that the records cannot distinguish as one class. Repeats this until no effect is
+accepted. Writes trace/report.html, trace/trace.json and the augmented model. Traces with other options stay
+in the folder traces.
 
   hybridid trace case=emps
   hybridid trace case=emps effects=[viscous]                       with physics left out
   hybridid trace case=emps fit.records=[validation]                from one record alone
   hybridid trace case=emps trace.effects=[stribeck,dahl,lugre]     try only these
   hybridid trace --config-dir mylab case=mine trace.extra_effects=[mymodule:MY_EFFECT]
-  hybridid run case=emps model=TREE/trace/model.json               go on with the augmented model
+  hybridid run case=emps model=TREE/trace/model.json               use the augmented model
   hybridid trace -m --config-dir lab case=lab 'records.fitted.files=glob(../runs/*.csv)'
                                                                    many machines, one table (docs/fleet.md)
 """
 
 CASES = """\
-Lists each case: what it is, its plant, inputs, outputs, effects, and which records are at hand here.
+Lists each case: what it is, its plant, inputs, outputs, effects, and which of its records are found here.
 
   hybridid cases
   hybridid cases emps
@@ -153,7 +157,7 @@ Lists each case: what it is, its plant, inputs, outputs, effects, and which reco
 
 EFFECTS = """\
 Lists each effect: its name, where it acts, its equation, parameters with units, and source. With a name, also
-what tells it from its look-alikes.
+how it differs from similar effects.
 
   hybridid effects
   hybridid effects viscous
@@ -161,31 +165,34 @@ what tells it from its look-alikes.
 """
 
 REPRODUCE = """\
-Runs the thesis' experiments side by side and writes its tables and figures beside ours, each with "measured"
-or "simulated": outputs/thesis/index.html and index.md. What is fresh is reused, so an interrupted run goes on
-where it stopped. An experiment that fails is named, on the page too, and does not touch the others.
+Runs the thesis' experiments in parallel. Writes the thesis' tables and figures beside ours, each marked
+"measured" or "simulated": outputs/thesis/index.html and index.md. Results that are up to date are reused, so
+an interrupted run continues where it stopped. If an experiment fails, the page and the terminal name it, and
+the other experiments continue.
 
   hybridid reproduce
   hybridid reproduce experiments=[emps_free_run] paths.outputs=/data/outputs
 """
 
 FETCH = """\
-Downloads the public records of a case to paths.data, checks their SHA-256 and resumes what was cut off.
+Downloads the public records of a case to paths.data and checks their SHA-256. Continues an interrupted
+download.
 
   hybridid fetch emps
   hybridid fetch emps paths.data=/data/recordings
 """
 
 TUNE = """\
-Searches for the NARX network that leaves the least on the held-out blocks: Optuna proposes size, orders and
-training from what earlier trials found, and ends early the trials that fall behind. The search lives in one
-journal file: processes and nodes that start the same command take part in it, and a command that was stopped
-or killed goes on where it was. Writes index.html, tune.json and the chosen config.
+Searches for the NARX network with the smallest error on the held-out blocks. Optuna proposes the size, the
+orders and the training settings from the results of earlier trials. It stops a trial early if its error is
+large compared with that of other trials at the same share of their training. One journal file holds the
+search. Every process or node that starts the same command takes part in it. If a command was stopped or
+killed, the same command continues the search. Writes index.html, tune.json and the chosen config.
 
   hybridid tune experiment=vehicle_narx
   hybridid tune experiment=vehicle_narx tune.trials=200 tune.seconds=3600
   hybridid tune case=esea friction=linear residual=narx_esea tune.space.residual.width.high=32
-  hybridid run --config-dir FOLDER experiment=tuned             take up what was chosen
+  hybridid run --config-dir FOLDER experiment=tuned             use the chosen config
 """
 
 TRUST = """\
@@ -200,8 +207,8 @@ you name by --config-dir needs no trust. SECURITY.md says more.
 
 NEW = """\
 Reads your recordings and writes a folder: a plant from a template, a case that says which column is which
-signal, and a README. It finds out what the files tell: the time axis, units in the header, signals by their
-names, typical magnitudes. What it cannot find out it asks; without a terminal it says what to give.
+signal, and a README. It reads from the files: the time axis, units in the header, signals by their names,
+typical magnitudes. It asks for everything else. Without a terminal it names the options to give.
 
   hybridid new                                    list the templates
   hybridid new my_rig --from swing.csv --template rotary
@@ -213,14 +220,14 @@ names, typical magnitudes. What it cannot find out it asks; without a terminal i
 --constant PARAMETER=COLUMN   a column with one number in each recording, as a gain: a parameter of the plant
 --time COLUMN            the column of time stamps; or --rate HZ where there is none
 
-Of several recordings the last one judges, and the others are fitted. Of a single one, the first 70 % are
-fitted. The recordings stay where they are. Nothing is overwritten.
+Of several recordings, the last one validates the model and the others are fitted. Of a single one, the first
+70 % are fitted and the rest validates. The recordings stay where they are. Nothing is overwritten.
 """
 
 LOG = """\
-A run whose tracking server is down, slow or dies is complete, and kept in outputs/mlflow-waiting. This sends
-every run that waits there to where it was to go, and says what it sent; whatever cuts it off, nothing is lost
-or doubled. While something still waits, the exit code is 1.
+If the tracking server is down or slow, a command keeps its run in outputs/mlflow-waiting. The run is complete
+there. This command sends every waiting run to its server, and lists what it sent. It may be interrupted at
+any time: no run is lost, and none is stored twice. The exit code is 1 if a run still waits.
 
   hybridid log
   hybridid log paths.outputs=/data/outputs

@@ -1,4 +1,4 @@
-"""Hands a command to Hydra: overrides, sweeps, launchers, ``--cfg`` and ``--config-dir`` are Hydra's."""
+"""Runs a command with Hydra, which handles overrides, sweeps, launchers, ``--cfg`` and ``--config-dir``."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 from hybridid_cli import interrupt
 from hybridid_cli.config_files import conf_folder
+from hybridid_cli.exit_codes import FAILED
 from hybridid_cli.main import complain, wants_traceback
-from hybridid_cli.words import prepared
+from hybridid_cli.words import LOOKS, MULTIRUN, has_multirun, prepared
 from pipelines.shared.secrets import typed
 
 FULL_ERROR = "HYDRA_FULL_ERROR"
 SHORT = ("preprocess", "fit", "validate")
-"""Commands that end before MLflow is imported, and fork no other processes."""
+"""Commands that take less time than the import of MLflow, and fork no other processes."""
 
 
 def run(command: str, words: Sequence[str]) -> int:
@@ -32,7 +33,7 @@ def run(command: str, words: Sequence[str]) -> int:
 def _handed_to_hydra(command: str, words: Sequence[str], ready: list[str], traceback: bool) -> int:
     import hydra
 
-    from hybridid_cli.explain import FAILED, explained
+    from hybridid_cli.explain import explained
     from hybridid_cli.tasks import Unfinished, task_of
 
     application = hydra.main(config_path=str(conf_folder()), config_name=command, version_base="1.3")
@@ -45,33 +46,31 @@ def _handed_to_hydra(command: str, words: Sequence[str], ready: list[str], trace
             raise
         error = raised.cause if isinstance(raised, Unfinished) else raised
         if isinstance(error, SystemExit):  # hybridid itself never ends the program from inside a command
-            return complain(f"some code ended the program before its time, with {error.code!r}", FAILED)
+            return complain(f"some code called sys.exit with {error.code!r}", FAILED)
         message, code = explained(error, command, words)
         return complain(message, code)
     return 0
 
 
 def _fleet(command: str, words: Sequence[str]) -> tuple[str, list[str]]:
-    """``trace -m`` as the sweep that it is: a trace at each point, and one table of all."""
-    several = {"-m", "--multirun"} & set(words)
-    if command != "trace" or not several:
+    """Turn ``trace -m`` into the equal sweep: a trace at each point, and one table of all."""
+    if command != "trace" or not has_multirun(words):
         return command, list(words)
-    return "sweep", [*(word for word in words if word not in several), "sweep.stage=trace"]
+    return "sweep", [*(word for word in words if word not in MULTIRUN), "sweep.stage=trace"]
 
 
 def _load_early(words: Sequence[str]) -> None:
-    """Begin to load what a sweep works with, unless ``words`` only look at its config or name a launcher."""
-    if {"-m", "--multirun"} & set(words) and not any("launcher=" in word for word in words):
+    """Start to import the modules of a sweep, unless ``words`` only print its config or name a launcher."""
+    if has_multirun(words) and not any("launcher=" in word for word in words):
         from pipelines.shared.pool import load_early
 
         load_early("pipelines.sweep.work", "hybridid.residuals.training")
 
 
 def _mlflow_beside(command: str, words: Sequence[str]) -> AbstractContextManager[None]:
-    """Imports MLflow beside a command that ends sooner than this import, and logs a run."""
+    """Import MLflow in parallel with a short command that logs a run: the import takes longer than it."""
     given = {word.partition("=")[0] for word in words}
-    looks = {"--cfg", "-c", "--info", "-i", "-m", "--multirun", "--resolve"} & given
-    if command not in SHORT or looks or "mlflow.enabled=false" in words:
+    if command not in SHORT or given & {*LOOKS, *MULTIRUN, "--resolve"} or "mlflow.enabled=false" in words:
         return nullcontext()
     from pipelines.tracking.ahead import imported_beside
 
@@ -80,7 +79,8 @@ def _mlflow_beside(command: str, words: Sequence[str]) -> AbstractContextManager
 
 @contextmanager
 def _sys_argv(words: list[str]) -> Iterator[None]:
-    """``words`` in ``sys.argv``, which Hydra reads, in the debugging mode, which lets exceptions pass."""
+    """Set ``sys.argv``, which Hydra reads, to ``words``, and Hydra's debugging mode, in which it passes
+    exceptions on."""
     argv, full_error = sys.argv, os.environ.get(FULL_ERROR)
     sys.argv, os.environ[FULL_ERROR] = words, "1"
     try:

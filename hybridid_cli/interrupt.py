@@ -1,8 +1,9 @@
 """Ctrl-C and requests to end (SIGTERM, SIGHUP): each raises ``Interrupted``.
 
-It is remembered, for libraries may swallow the exception or disguise it: CasADi, struck while it converts
-arguments, reports a wrong type instead. Python itself swallows what is raised in a destructor, and prints it:
-there it is raised again, a moment later.
+A library may catch the exception or raise another one in its place. CasADi, for example, reports a wrong type
+if the signal arrives while it converts arguments. So this module remembers the signal. Python prints an
+exception that a destructor raises and does not pass it on. In that case the signal is raised again ``AGAIN``
+seconds later.
 """
 
 from __future__ import annotations
@@ -21,18 +22,23 @@ SAID = {
     signal.SIGTERM: "told to end (SIGTERM)",
     signal.SIGHUP: "the terminal is closed (SIGHUP)",
 }
-"""The signals that ask a command to end, and what it then says."""
+"""The signals that ask a command to end, each with the message that the command prints."""
 AGAIN = 0.05
 """Seconds after which a swallowed signal is raised again."""
 ONE_PRESS = 1.0
-"""Seconds within which a second signal is the first again: from the terminal, and passed on by a wrapper."""
+"""Seconds within which a second signal is ignored. After one Ctrl-C the signal may arrive twice: from the
+terminal, and from a wrapper that passes it on."""
 
 _seen: signal.Signals | None = None
 _when = 0.0
 
 
 class Interrupted(KeyboardInterrupt):
-    """A signal asks to end. A subclass, for Python dies of a plain one that struck in an extension module."""
+    """A signal asks the command to end.
+
+    It is a subclass of ``KeyboardInterrupt``, because Python itself ends the process after a plain one from
+    an extension module.
+    """
 
     def __init__(self, number: int = signal.SIGINT) -> None:
         self.signal = signal.Signals(number)
@@ -45,7 +51,10 @@ class Interrupted(KeyboardInterrupt):
 
 
 def install() -> None:
-    """Make the signals raise ``Interrupted`` and be remembered; ``nohup`` keeps its word."""
+    """Make the signals of ``SAID`` raise ``Interrupted``, and remember the last one.
+
+    Under ``nohup`` SIGHUP is already ignored, and it stays ignored.
+    """
     for number in SAID:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _interrupt)
@@ -54,18 +63,19 @@ def install() -> None:
 
 
 def check() -> None:
-    """Raise ``Interrupted`` if a signal came before, whatever became of it."""
+    """Raise ``Interrupted`` if a signal came earlier, even if a library caught its exception."""
     if _seen is not None:
         raise Interrupted(_seen)
 
 
 def last() -> Interrupted:
-    """The signal that came, by whatever exception it is known: CasADi raises one of its own."""
+    """The signal that came, as an exception. It may differ from the exception that was caught, because CasADi
+    raises its own."""
     return Interrupted(_seen or signal.SIGINT)
 
 
 def ignore_from_now() -> None:
-    """An impatient second Ctrl-C must not spoil the tidying, nor a first one the end."""
+    """Ignore all further signals, so that none of them interrupts the clean-up or the exit."""
     for number in (*SAID, signal.SIGALRM):
         signal.signal(number, signal.SIG_IGN)
 
@@ -83,7 +93,7 @@ def _interrupt_again(number: int, frame: FrameType | None) -> None:
 
 
 def _swallowed(what: UnraisableHookArgs) -> None:
-    """Print what nobody can catch, unless it is an interrupt: that is raised again where it can be caught."""
+    """Print an exception that cannot be caught. An interrupt is raised again, at a place where it can be."""
     if isinstance(what.exc_value, Interrupted):
         signal.setitimer(signal.ITIMER_REAL, AGAIN)
     else:

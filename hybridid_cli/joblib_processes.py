@@ -1,4 +1,4 @@
-"""The processes that ``launcher=joblib`` starts for the jobs of a command; they end when the command does."""
+"""The processes that ``launcher=joblib`` starts for the jobs of a command. They end when the command ends."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from pipelines.shared.pool_server import OF_THE_TERMINAL
 
 
 def let_joblib_watch() -> None:
-    """Let each process that joblib starts from here watch this one: it would work on, or wait for minutes."""
+    """Make each process that joblib starts from now on end when this process ends.
+
+    Without this it would finish its job first, or wait some minutes for another one.
+    """
     from joblib import register_parallel_backend
     from joblib.parallel import BACKENDS
 
@@ -22,10 +25,11 @@ def let_joblib_watch() -> None:
 
 
 def _start_tracker() -> None:
-    """Start the process that keeps joblib's shared memory, deaf to SIGHUP as it is to Ctrl-C.
+    """Start joblib's resource tracker, the process that removes its shared memory, with SIGHUP blocked.
 
-    When a terminal is closed, that signal goes to all processes of a command. This one must outlive the
-    others, to clean up after them; a second one that took its place would report what it does not know.
+    The tracker ignores Ctrl-C but not SIGHUP, which all processes of a command get when the terminal is
+    closed. The tracker must run longer than the other processes, because it cleans up after them. If it ended
+    first, joblib would start a second one. That one would print errors about resources that it does not know.
     """
     from joblib.externals.loky.backend import resource_tracker
 
@@ -39,8 +43,11 @@ def _start_tracker() -> None:
 
 
 def end_with_command(command: int) -> None:
-    """End this process when the process ``command`` is gone, and leave the signals of the terminal to that
-    one: here they may strike a library's callback, where Python can only print them."""
+    """End this process when the process ``command`` has ended.
+
+    This process ignores the signals of the terminal; ``command`` handles them. Here a signal could arrive
+    inside a library's callback, where Python can only print the exception.
+    """
     for number in OF_THE_TERMINAL:
         signal.signal(number, signal.SIG_IGN)
     end_with(functools.partial(adopted, command))

@@ -60,7 +60,7 @@ class LauncherProcesses:
     def carry_out(self, sweep_jobs: Sequence[SweepJob], watcher: Watcher, ended: OnJobEnd) -> Failures:
         """Run all jobs. A broken pool is started again for the jobs that had not begun.
 
-        A trace that was lost by chance is launched once more, since it goes on where it was.
+        A trace that was lost by chance is launched once more, since it continues where it stopped.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
         left = {self._written(sweep_job): sweep_job for sweep_job in sweep_jobs}

@@ -43,7 +43,7 @@ def effects(name: str, words: Sequence[str]) -> int:
     make_importable(folder.resolve() for folder in folders)
     if not asked:
         print("\n".join(_described(effect) for effect in library_for([_CHANNEL])))
-        print("hybridid effects NAME also says what tells an effect from its look-alikes")
+        print("hybridid effects NAME also says how an effect differs from similar ones")
         return 0
     for word in asked:
         if ":" in word:

@@ -1,4 +1,4 @@
-"""The entry point: finds the command and hands over. Help and misspelt commands need no more than this."""
+"""The entry point: finds the command and calls its module. Help and unknown commands import nothing else."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from typing import TextIO
 from hybridid.naming import shortened
 from hybridid_cli import helptexts, interrupt
 from hybridid_cli.commands import BY_NAME, COMMANDS
+from hybridid_cli.exit_codes import WRONG_REQUEST
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.secrets import mask_streams
 
-WRONG_REQUEST = 2
 LONGEST = 700
 
 
 def main() -> None:
     """Run the command on ``sys.argv`` and exit with its code."""
     interrupt.install()
-    # no process of ours finds modules in the folder that the user stands in: it may be a received one
+    # no process of ours imports modules from the current folder: its files may come from somebody else
     os.environ["PYTHONSAFEPATH"] = "1"
     warnings.showwarning = _show_warning
     mask_streams()
@@ -42,13 +42,13 @@ def main() -> None:
     except BrokenPipeError:  # `hybridid effects | head`
         _silence(sys.stdout)
         code = 0
-    gc.freeze()  # else Python looks through all modules once more: 0.2 s, and 0.9 s with MLflow among them
+    gc.freeze()  # saves a last garbage collection over all modules: 0.2 s, with MLflow 0.9 s
     sys.exit(code)
 
 
 @contextmanager
 def _terminal_may_be_gone() -> Iterator[None]:
-    """After SIGHUP there may be nobody to write to, which must not change the exit code."""
+    """Ignore errors of writing: after SIGHUP the terminal may be closed. The exit code stays the same."""
     try:
         yield
         sys.stdout.flush()
@@ -58,7 +58,7 @@ def _terminal_may_be_gone() -> Iterator[None]:
 
 
 def _silence(stream: TextIO) -> None:
-    """Let what Python still writes there at its end go nowhere."""
+    """Discard what Python still writes to the stream while it exits."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
@@ -105,7 +105,7 @@ def complain(message: str, code: int = WRONG_REQUEST) -> int:
 
 
 def wants_traceback() -> bool:
-    """Whether the user asked to see where in the code an error arose."""
+    """Whether the user asked for the traceback of an error."""
     return os.environ.get("HYDRA_FULL_ERROR") == "1"
 
 
@@ -117,7 +117,7 @@ def _show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """Our own warnings in one line, without a place in the code; a library's as Python writes it."""
+    """Print a warning of hybridid in one line without its place in the code, others as Python prints them."""
     own = Path(filename).is_relative_to(Path(__file__).parents[1] / "hybridid")
     text = f"hybridid: warning: {message}\n"
     (file or sys.stderr).write(text if own else warnings.formatwarning(message, category, filename, lineno))

@@ -1,4 +1,4 @@
-"""What a sweep found, as a person reads it: the grid, the networks chosen, where the page is."""
+"""The results of a sweep as text for the terminal: the grid, the networks chosen, the page's path."""
 
 from __future__ import annotations
 
@@ -25,15 +25,14 @@ def summary(swept: SweepOutcome, groups: Sequence[Group]) -> str:
     parts += [Text(f"chosen for {choice(group)}") for group in groups if group.chosen is not None]
     chosen = dict.fromkeys(group.chosen.point for group in groups if group.chosen is not None)
     parts += [Text(f"  {run_words(point, swept.sweep.common)}") for point in chosen]
-    done, plan = len(swept.done), swept.plan
-    parts.append(
-        Text(
-            f"{done} of {len(swept.sweep.points)} points have results, {len(plan.fresh)} of them from "
-            f"before; {swept.seconds:.1f} s"
-        )
-    )
-    parts.append(Text(f"page: {swept.sweep.folder / 'index.html'}"))
-    return rendered(parts)
+    return rendered([*parts, *ending(swept, "points have results")])
+
+
+def ending(swept: SweepOutcome, have: str) -> list[Text]:
+    """How many points ``have`` an outcome, how many of them had it before this command, the page's path."""
+    done, fresh = len(swept.done), len(swept.plan.fresh)
+    count = f"{done} of {len(swept.sweep.points)} {have}, {fresh} of them from before"
+    return [Text(f"{count}; {swept.seconds:.1f} s"), Text(f"page: {swept.sweep.folder / 'index.html'}")]
 
 
 def failed(swept: SweepOutcome) -> str:

@@ -24,9 +24,9 @@ def command(name: str, words: Sequence[str]) -> int:
     if not words:
         for one in all_trusted():
             now = Path(one.folder)
-            remark = "" if now.is_dir() and is_trusted(now) else "  (changed since: trusted no more)"
+            remark = "" if now.is_dir() and is_trusted(now) else "  (changed since: no longer trusted)"
             print(f"{printable(one.folder)}  {one.digest[:12]}{remark}")
-        print(f"each is a file in {place_of(TRUSTED)}; remove it, and the folder is trusted no more")
+        print(f"each is a file in {place_of(TRUSTED)}; remove it, and the folder is no longer trusted")
     return 0
 
 

@@ -1,4 +1,4 @@
-"""What a search came to, as a person reads it: the best trials, what was chosen and why."""
+"""The results of a search as text for the terminal: the best trials, the chosen one and why."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def tune_results(tuned: TuneOutcome) -> str:
     missing = tuned.request.trials - len(findings.of("done", "pruned", "failed"))
     if missing > 0:
         parts.append(
-            Text(f"{missing} of {tuned.request.trials} trials are not done: the same command goes on")
+            Text(f"{missing} of {tuned.request.trials} trials are not done: the same command continues")
         )
     chosen = findings.chosen
     if chosen is not None:
@@ -54,8 +54,8 @@ def shortfall(tuned: TuneOutcome) -> str:
             f"({said(first.values)}): {first.remark}"
         )
     if tuned.lost:
-        return f"{'; '.join(tuned.lost)}; the same command goes on"
-    return "" if findings.chosen else "no trial came to its end; the same command goes on"
+        return f"{'; '.join(tuned.lost)}; the same command continues"
+    return "" if findings.chosen else "no trial has finished; the same command continues"
 
 
 def _table(tuned: TuneOutcome) -> RenderableType:

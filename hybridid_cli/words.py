@@ -9,8 +9,11 @@ from hybridid.naming import shortened
 from hybridid_cli.config_files import options, user_folders
 from pipelines.shared.errors import ConfigError, unknown
 
-SWITCHES = ("-m", "--multirun", "--resolve", "--debug", "-r", "--run")
-WITH_VALUE = ("--config-dir", "-cd", "--cfg", "-c", "--package", "-p", "--info", "-i")
+MULTIRUN = ("-m", "--multirun")
+LOOKS = ("--cfg", "-c", "--info", "-i")
+"""Flags that print the config, and run nothing."""
+SWITCHES = (*MULTIRUN, "--resolve", "--debug", "-r", "--run")
+WITH_VALUE = ("--config-dir", "-cd", "--package", "-p", *LOOKS)
 FLAGS = (*SWITCHES, *WITH_VALUE)
 MAY_BE_NEW = ("parameters", "channels", "rig", "archive")
 """Keys that a command line may give though the case's file does not."""
@@ -43,11 +46,16 @@ def prepared(command: str, words: Sequence[str]) -> list[str]:
     if value_of:
         raise ConfigError(f"{value_of} wants a value after it")
     flags = [flag for flag in flags if flag != "--debug"]
-    if command == "sweep":  # always over several points; where it keeps what is its own matter
-        alone = {"--cfg", "-c", "--info", "-i", "-m", "--multirun"}
-        several = [] if alone & {flag.partition("=")[0] for flag in flags} else ["-m"]
+    if command == "sweep":  # always over several points; it chooses its own folders
+        given = {flag.partition("=")[0] for flag in flags}
+        several = [] if given & {*LOOKS, *MULTIRUN} else ["-m"]
         return [*several, *flags, *overrides]
     return [*flags, *overrides, *_sweep_folder(flags, overrides)]
+
+
+def has_multirun(words: Sequence[str]) -> bool:
+    """Whether ``words`` ask for several points, by ``-m``."""
+    return any(word in MULTIRUN for word in words)
 
 
 def _flag_awaiting_value(word: str) -> str:
@@ -83,7 +91,7 @@ def _bare(command: str, word: str, words: Sequence[str]) -> str:
 
 
 def _sweep_folder(flags: Sequence[str], overrides: Sequence[str]) -> list[str]:
-    """With ``-m out=DIR`` what Hydra notes of the sweep goes to DIR too."""
-    if not {"-m", "--multirun"} & set(flags) or any(w.startswith("hydra.sweep.dir=") for w in overrides):
+    """With ``-m out=DIR`` Hydra's own files of the sweep go to DIR too."""
+    if not has_multirun(flags) or any(w.startswith("hydra.sweep.dir=") for w in overrides):
         return []
     return [f"hydra.sweep.dir={w.removeprefix('out=')}" for w in overrides if w.startswith("out=")][-1:]

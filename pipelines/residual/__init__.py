@@ -1,1 +1,1 @@
-"""The stage ``residual``: a network on what the gray box leaves."""
+"""The stage ``residual``: a network on the error of the gray box."""

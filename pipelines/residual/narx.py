@@ -53,7 +53,7 @@ class NARXRequest(NARXSection, Request):
         return narx_hybrid(gray, runs, trained, time.perf_counter() - began)
 
     def tasks(self, model: Model, errors: Errors) -> list[Task]:
-        """Every network, size after size, on what the gray box leaves of the fitted records."""
+        """Every network, size after size, on the error of the gray box on the fitted records."""
         return networks_to_train(errors, self.architectures(model), self._outputs(model), self.seeds)
 
     def _outputs(self, model: Model) -> tuple[str, ...]:

@@ -43,7 +43,7 @@ class Request(abc.ABC):
 
     @abc.abstractmethod
     def make(self, gray: GrayBox, watcher: Watcher) -> FittedHybrid:
-        """Fit the network to what the gray box leaves of its records.
+        """Fit the network to the error of the gray box on its records.
 
         Raises:
             ValueError: if it cannot be done.

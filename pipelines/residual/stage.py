@@ -1,4 +1,4 @@
-"""``residual``: a network on what the gray box leaves, and the hybrid that both make.
+"""``residual``: a network on the error of the gray box, and the hybrid model of both.
 
 Writes ``hybrid.json`` (with ``weights.npz`` for NARX), ``residual.json`` on how it came about, and for a
 network inside the equations its ``estimate.json``. Without a section ``residual`` in the config the stage

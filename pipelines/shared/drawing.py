@@ -24,8 +24,10 @@ def drawn(figures: Iterable[tuple[str, Callable[[], Plot]]], watcher: Watcher) -
 
 @contextmanager
 def fresh_garbage_alone() -> Iterator[None]:
-    """No search for garbage looks at what is there now. A figure makes so much of it that all would be
-    searched after every other one, a tenth of a second each time."""
+    """Exclude the objects that exist now from garbage collection.
+
+    A figure makes so many objects that a full collection would follow every second figure, for 0.1 s each.
+    """
     gc.freeze()
     try:
         yield

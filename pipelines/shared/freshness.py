@@ -1,4 +1,4 @@
-"""Whether a stage's results are still valid: compares what they were made from with what is there now."""
+"""Whether a stage's results are up to date: compares the inputs they were made from with those of now."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Holds back the signals that ask a command to end, while it writes what must not be cut off."""
+"""Delays the signals that ask a command to end while it writes something that must be complete."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from contextlib import contextmanager
 from types import FrameType
 
 HELD = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
-"""Those that ``hybridid_cli.interrupt`` and the pool's workers turn into an exception."""
+"""The signals that ``hybridid_cli.interrupt`` and the pool's workers turn into an exception."""
 
 
 @contextmanager
 def held_back() -> Iterator[None]:
-    """Let a signal that comes meanwhile act when the context is left; for work of a second or so.
+    """Delay a signal that comes inside the context until its end. For work of about a second.
 
-    Python handles signals in the main thread alone: in another there is nothing to hold back.
+    Python handles signals in the main thread only. In another thread this does nothing.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,9 +1,9 @@
-"""Results of a long computation, kept while it runs: interrupted and started again, it goes on where it was.
+"""Results of a long computation, stored while it runs, so that it can continue after an interruption.
 
-A computation that hands all its work to a mapper, and is else the same each time, asks for the same calls in
-the same order. So a result is known by its place in that order, and by the ``key`` of all that the
-computation depends on. It is written by the process that has it, at once. The files lie in the user's private
-cache and carry a seal (``hybridid.private``), because to unpickle one is to run it.
+A deterministic computation that passes all its work to a mapper makes the same calls in the same order each
+time. So the place in that order, and the ``key`` of all inputs of the computation, identify a result. The
+process that computes a result writes it at once. The files lie in the user's private cache and end with a
+checksum (``hybridid.private``), because unpickling a file from elsewhere could run code.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from hybridid.trace.mapper import Mapper
 from pipelines.shared.tree import write_bytes
 
 DAYS = 7
-"""Results that nobody has asked for in so many days are removed."""
+"""Results that were not used for so many days are removed."""
 
 
 @contextmanager
 def kept_results(key: str, anew: bool, say: Callable[[str], None]) -> Iterator[Callable[[Mapper], Mapper]]:
-    """Gives a function that lets a mapper keep its results under ``key``; they are removed when all is done.
+    """Yields a function that makes a mapper store its results under ``key``.
 
-    After an exception they stay, and the next computation of this ``key`` takes them, unless it begins
-    ``anew``.
+    The results are removed at the end. After an exception they stay, and the next computation with this
+    ``key`` uses them, unless ``anew`` is set.
     """
     home = cache_folder("unfinished")
     _prune(home)
@@ -39,7 +39,7 @@ def kept_results(key: str, anew: bool, say: Callable[[str], None]) -> Iterator[C
         shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(mode=0o700, exist_ok=True)
     if found := sum(1 for file in folder.iterdir() if not file.name.startswith(".")):
-        say(f"goes on where it was interrupted: {found} results are kept")
+        say(f"continues where it was interrupted: {found} results are kept")
     yield lambda mapper: _Keeping(mapper, folder)
     shutil.rmtree(folder, ignore_errors=True)
 

@@ -24,7 +24,7 @@ from pathlib import Path
 from pipelines.shared.errors import ConfigError
 
 MOST_FILES = 2000
-"""A folder with more files of code than this is no folder of one's own models."""
+"""A folder with more files of code than this is refused: it is unlikely to hold only models."""
 _SUFFIXES = (*SOURCE_SUFFIXES, *EXTENSION_SUFFIXES)
 _folders: list[Path] = []
 
@@ -116,7 +116,7 @@ def code_in(folder: Path) -> list[Path]:
 
 
 class _Source(SourceFileLoader):
-    """Loads the source, and keeps away from bytecode: that may be of another source."""
+    """Loads the source and ignores bytecode, which may come from another source."""
 
     def path_stats(self, path: str | bytes) -> dict[str, float]:
         raise OSError("a file of the user's own has no bytecode")

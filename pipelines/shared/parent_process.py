@@ -1,4 +1,4 @@
-"""A process that ends when its parent is gone, however that ended: who is killed cannot tell anybody."""
+"""A process that ends when its parent has ended. It watches the parent: a killed one sends no message."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from collections.abc import Callable
 PATIENCE = 10.0
 """Seconds that a worker has to clean up after it is told to stop."""
 BETWEEN = 0.5
-"""Seconds between two looks at who the parent is."""
+"""Seconds between two checks of who the parent is."""
 
 
 def end_with(parent: Callable[[], object]) -> None:
-    """End this process when ``parent()``, which waits for the end of its parent, returns."""
+    """End this process when ``parent()`` returns. The call of ``parent`` waits for the end of the parent."""
     threading.Thread(target=_end_after, args=(parent,), daemon=True).start()
 
 
 def adopted(parent: int) -> None:
-    """Wait until this process has another parent than the process ``parent``: the system gives it one."""
+    """Wait until the process ``parent`` has ended. The system then gives this process another parent."""
     while os.getppid() == parent:
         time.sleep(BETWEEN)
 

@@ -105,8 +105,10 @@ def _called(call: tuple[Callable[..., Any], tuple[Any, ...]], watcher: Watcher) 
 
 
 def load_early(*modules: str) -> None:
-    """Begin to import ``modules`` in the process that workers are forked from, while this one goes on: torch
-    and scipy take seconds. Does nothing where processes cannot be forked."""
+    """Begin to import ``modules`` in the process that workers are forked from, in parallel with this one.
+
+    Torch and scipy take seconds. Does nothing where processes cannot be forked.
+    """
     ensure_server(*modules)
 
 
@@ -125,8 +127,11 @@ class Pool:
         self._workers: list[_Worker] = []
 
     def events(self, tasks: Iterable[tuple[Key, Work, Any]]) -> Iterator[tuple[Key, str, Any]]:
-        """Do every task ``(key, work, given)``; yields (key, a watcher's method, its arguments) as workers
-        call it, and at last (key, ENDED, the result or ``Lost``). The tasks stop with the iteration."""
+        """Do every task ``(key, work, given)``.
+
+        Yields (key, name of a watcher's method, its arguments) for each call in a worker, and at the end of
+        each task (key, ENDED, the result or ``Lost``). If the iteration ends early, the tasks are stopped.
+        """
         waiting = iter(tasks)
         doing: dict[Any, tuple[_Worker, Key]] = {}
         try:
@@ -155,7 +160,7 @@ class Pool:
         self._end(self._workers)
 
     def _heard(self, worker: _Worker) -> tuple[str, Any]:
-        """One message of a busy worker. After the last one the worker is idle, or has ended."""
+        """One message of a busy worker. After the last message of a task the worker is idle or has ended."""
         try:
             kind, said = worker.pipe.recv()
         except (EOFError, OSError):
@@ -166,7 +171,7 @@ class Pool:
         return kind, said
 
     def _handed(self, call: tuple[Work, Any]) -> _Worker | None:
-        """The worker that took the call: an idle one, unless it was killed, or a new one, unless it is."""
+        """The worker that took the call: an idle one or a new one; None if the new one was killed as well."""
         for worker in [w for w in self._workers if not w.busy]:
             try:
                 worker.pipe.send(call)

@@ -1,7 +1,7 @@
-"""The process that workers are forked from: how it starts, and what it does first.
+"""The process that workers are forked from: how it starts, and what it imports first.
 
-It may still be importing libraries, for seconds, when its parent ends. On Linux the kernel then ends it at
-once. Elsewhere it sees the end of its parent as soon as it serves. The workers watch the parent themselves.
+Its parent may end while it still imports libraries, which takes seconds. On Linux the kernel then ends it at
+once. On other systems it ends after these imports. The workers watch the parent themselves.
 """
 
 from __future__ import annotations
@@ -29,8 +29,9 @@ if sys.platform == "linux" and sys.orig_argv[-1].startswith(_SERVES):
 def ensure_server(*modules: str) -> None:
     """Start the server, if there is none yet and processes can be forked. It imports ``modules``.
 
-    It and its children take no signal of the terminal. Such a signal goes to all processes of a command. This
-    one says what is to be done, and there it would strike an import, which prints a traceback.
+    The server and its children ignore the signals of the terminal, which go to all processes of a command.
+    This process decides what to do then. In the server a signal could interrupt an import, and Python would
+    print a traceback.
     """
     if METHOD != "forkserver":
         return

@@ -73,7 +73,7 @@ _stopped = False
 
 
 def _stop(number: int, frame: FrameType | None) -> NoReturn:
-    """Raise ``Stopped``, and remember it, for a library may swallow the exception."""
+    """Raise ``Stopped``, and remember it, because a library may catch the exception."""
     global _stopped
     _stopped = True
     raise Stopped
@@ -84,9 +84,9 @@ def serve(pipe: Connection, environment: Mapping[str, str], folders: Sequence[Pa
 
     The user's own code lies in ``folders``.
     """
-    os.environ.update(environment)  # what it was forked from may be older than a setting
+    os.environ.update(environment)  # the server may have started before a setting was made
     make_importable(folders)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which says what to do
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent gets Ctrl-C too, and decides
     signal.signal(signal.SIGTERM, _stop)
     parent = multiprocessing.parent_process()
     assert parent is not None
@@ -97,11 +97,11 @@ def serve(pipe: Connection, environment: Mapping[str, str], folders: Sequence[Pa
             work, given = pipe.recv()
             pipe.send((ENDED, _outcome(work, given, _PipeWatcher(pipe))))
     except (EOFError, OSError, Stopped):
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)  # on the way out there is nothing left to tidy
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)  # nothing is left to clean up
 
 
 def _shown_by(watcher: Watcher) -> Callable[..., None]:
-    """Shows a warning of hybridid as the parent shows its own; one of a library as Python writes it."""
+    """A function that passes warnings of hybridid to ``watcher`` and prints others as Python does."""
 
     def show(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:
         if Path(filename).is_relative_to(_OURS):
@@ -113,7 +113,7 @@ def _shown_by(watcher: Watcher) -> Callable[..., None]:
 
 
 def _outcome(work: Callable[[Any, Watcher], Any], given: Any, watcher: Watcher) -> Any:
-    """The result; or what was raised, with the traceback that pickling would lose."""
+    """The result, or the exception with its traceback as a note, because pickling drops the traceback."""
     try:
         return work(given, watcher)
     except Exception as error:

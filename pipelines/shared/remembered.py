@@ -1,7 +1,7 @@
-"""What the user has agreed to, remembered for later commands: a file for each, by a digest of what it is.
+"""What the user has agreed to, stored for later commands: a file for each item, named by its digest.
 
-The files lie in ``$XDG_CONFIG_HOME/hybridid`` (by default in ``~/.config``), which only the user may change:
-where others could have written there, nothing is believed.
+The files lie in ``$XDG_CONFIG_HOME/hybridid`` (by default in ``~/.config``), which only the user may change.
+If other users can write there, no file in it is used.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def is_remembered(kind: str, digest: str) -> bool:
 
 
 def remember(kind: str, digest: str, text: str) -> None:
-    """Remember it, with a ``text`` of one line for a reader.
+    """Store the ``digest`` of what the user agreed to, with a ``text`` of one line for a reader.
 
     Raises:
         ConfigError: if it cannot be written, or others could change it.
@@ -57,6 +57,6 @@ def all_remembered(kind: str) -> dict[str, str]:
 
 
 def not_believed(kind: str) -> str:
-    """Why what was remembered is not believed; empty if it is."""
+    """Why the stored files are not used; empty if they are."""
     place = place_of(kind)
     return exposed(place) if place.is_dir() else ""

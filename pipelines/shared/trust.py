@@ -115,7 +115,7 @@ def all_trusted() -> list[Trusted]:
 
 
 def printable(text: object) -> str:
-    """What a received file says, without characters that would steer a terminal."""
+    """Text from a received file without control characters, which a terminal would execute."""
     return "".join(c if c.isprintable() else "?" for c in str(text))
 
 

@@ -151,7 +151,7 @@ def _carried_out(plan: Plan, runner: JobRunner, watcher: Watcher, ended: OnJobEn
 def _made(point: Point) -> int | None:
     """The modification time of its result; None if it has none.
 
-    Freshness would not do: if the code is edited during a sweep, new results look stale at once.
+    Freshness is no measure here: if the code is edited during a sweep, new results look stale at once.
     """
     try:
         return (point.tree / point.last / RECEIPT).stat().st_mtime_ns

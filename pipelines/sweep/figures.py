@@ -39,7 +39,7 @@ class _Layout:
 
 
 def _taken(rest: list[str], liked: Sequence[str], last: bool = False) -> str:
-    """The liked one of the keys that are left, else one at the end; it is taken out."""
+    """Remove one of the keys that are left and return it: a ``liked`` one, else the first or ``last``."""
     if not rest:
         return ""
     found = next((key for key in liked if key in rest), rest[-1 if last else 0])
@@ -79,7 +79,7 @@ def _axis(key: str) -> str:
 
 
 def _panels(group: Group, layout: _Layout) -> Iterator[Cells]:
-    """Those that hold a number."""
+    """The panels that hold a number."""
     from hybridid.plotting.heat_map import Cells
 
     record = _measure(group)[1]
@@ -118,7 +118,7 @@ def _text(cell: Cell, key: str) -> str:
 
 
 def _values(group: Group, key: str) -> list[str]:
-    """The settings of one axis: numbers in order, words as they came."""
+    """The settings of one axis: numbers sorted, words in the order of the sweep."""
     found = {_text(cell, key): cell.at.get(key) for cell in group.cells}
     numbers = {text: float(value) for text, value in found.items() if isinstance(value, int | float)}
     return sorted(found, key=lambda text: numbers[text]) if len(numbers) == len(found) else list(found)

@@ -16,8 +16,8 @@ from pipelines.sweep.work import Failures, SweepJob, carry_out
 OnJobEnd = Callable[[SweepJob, Failures], None]
 """Called with a finished job and the failures of its points."""
 
-ONCE_MORE = "it is started once more and goes on where it was"
-"""What is said of a trace whose process is lost."""
+ONCE_MORE = "it is started once more and continues where it stopped"
+"""The message about a trace whose process was lost."""
 
 
 class JobRunner(Protocol):
@@ -28,7 +28,7 @@ class JobRunner(Protocol):
         """The number of jobs that run at a time; None for no limit."""
 
     def carry_out(self, jobs: Sequence[SweepJob], watcher: Watcher, ended: OnJobEnd) -> Failures:
-        """Run all jobs and return why points have no result. If a job's process is killed, the others go on.
+        """Run all jobs and return why points have no result. If a process is killed, the other jobs continue.
 
         ``ended`` is called for each finished job that is not logged yet.
         """
@@ -42,7 +42,7 @@ class LocalProcesses:
 
     def carry_out(self, jobs: Sequence[SweepJob], watcher: Watcher, ended: OnJobEnd) -> Failures:
         """Run all jobs, ``cores`` at a time. A trace whose process is lost is started once more at the end,
-        since it goes on where it was."""
+        since it continues where it stopped."""
         names = {job.name: job for job in jobs}
         board = Board("sweep", list(names), watcher)
         began: dict[str, float] = {}

@@ -20,7 +20,7 @@ from pipelines.tracking.runs import log_point
 
 
 def common(points: Sequence[Point]) -> Settings:
-    """The config of all points, less the keys in which they differ: that of the sweep's own run."""
+    """The config of the sweep's own run: that of the points without the keys in which they differ."""
     first, *others = points
     config = reduce(_shared, (point.settings.config for point in others), first.settings.config)
     return replace(first.settings, config=config)
@@ -37,7 +37,10 @@ def _shared(one: Mapping[str, Any], other: Mapping[str, Any]) -> Mapping[str, An
 
 
 def in_one_experiment(points: Sequence[Point], name: str) -> list[Point]:
-    """The points; those of several cases in one experiment ``name``, for MLflow nests no runs across."""
+    """The points; those of several cases all in one experiment ``name``.
+
+    MLflow cannot nest a run below one of another experiment.
+    """
     if len({point.settings.case for point in points}) == 1:
         return list(points)
     return [_in_experiment(point, name) for point in points]
@@ -50,7 +53,7 @@ def _in_experiment(point: Point, name: str) -> Point:
 
 
 def log_points(points: Sequence[Point], sweep: str, watcher: Watcher) -> None:
-    """Log finished points as runs of ``sweep``, the key of their parent. Again is the same again."""
+    """Log finished points as runs of ``sweep``, the key of their parent. Repeating it adds no second run."""
     for point in points:
         if point.settings.mlflow.enabled:
             log_point(point.settings, _logged(point, sweep), sweep, watcher)
@@ -65,7 +68,7 @@ def log_failures(failures: Mapping[Point, str], sweep: str, began: float, watche
 
 
 def _logged(point: Point, sweep: str) -> Logged:
-    """All of it from the point's files: who logs it, and when, makes no difference."""
+    """The point as read from its files alone, so that it does not matter who logs it and when."""
     stages = tuple(s for s in ("fit", "residual", "validate", "trace") if (point.tree / s / RECEIPT).exists())
     receipt = point.tree / point.last / RECEIPT
     seconds = float(read_json(receipt)["seconds"])

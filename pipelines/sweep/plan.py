@@ -139,8 +139,7 @@ def _alike(points: Sequence[Point]) -> list[list[Point]]:
 
 
 def _stacks(points: Sequence[Point], cores: int | None, most: int | None) -> list[tuple[Point, ...]]:
-    """Stacks of like sizes, as many as there are cores, or of ``A_JOB`` points; the dearest as cheap as it
-    can be."""
+    """Stacks of similar sizes, one per core or of ``A_JOB`` points. The largest cost of any is minimal."""
     count = -(-len(points) // A_JOB) if cores is None else min(cores, len(points))
     if most is not None:
         count = max(count, -(-len(points) // most))
@@ -171,7 +170,7 @@ def _reason(stacks: Sequence[Sequence[Point]]) -> str:
     """Why points train together."""
     if all(stack[0].settings.get("residual.optimiser") == "lbfgs" for stack in stacks):
         return "one after another in one process, so that it starts and scores once"
-    return f"with at most {SMALL} neurons a layer, many networks take hardly longer than one"
+    return f"with at most {SMALL} neurons a layer, many networks take hardly more time than one"
 
 
 def _words(

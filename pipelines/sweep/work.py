@@ -45,8 +45,8 @@ class SweepJob:
 
     @property
     def goes_on(self) -> bool:
-        """Whether it would go on where it was, if its process were lost: a trace keeps its refits, a network
-        trains from nothing."""
+        """Whether it would continue after its process was lost. A trace stores its refits. A network trains
+        from the start."""
         return self.points[0].is_traced
 
     def plain(self) -> dict[str, Any]:
@@ -166,7 +166,7 @@ def _link(source: Path, target: Path) -> None:
 
 
 class _ProgressOnly:
-    """Passes on progress and drops lines and warnings, which would repeat for every point."""
+    """Passes on progress, and drops lines and warnings, which would be repeated for every point."""
 
     def __init__(self, watcher: Watcher) -> None:
         self._watcher = watcher

@@ -80,6 +80,17 @@ def _over_horizons(number: str, role: str) -> ScoreTable:
     )
 
 
+def _over_the_record(number: str, role: str, gray: Printed, networks: dict[int, Printed]) -> ScoreTable:
+    return ScoreTable(
+        number,
+        f"EMPS, {role} record",
+        "rmse",
+        "m",
+        (Scores(_GRAY, gray, ScoreOf(FREE, role, OUTPUT)), *_networks(role, networks)),
+        (_RMSE, _OPTIMUM, _FREE_RUN),
+    )
+
+
 TABLES = (
     EstimateTable(
         "6.2",
@@ -99,40 +110,24 @@ TABLES = (
         ),
         (_UNIT, _OPTIMUM),
     ),
-    ScoreTable(
+    _over_the_record(
         "6.3",
-        "EMPS, identification record",
-        "rmse",
-        "m",
-        (
-            Scores(_GRAY, Printed(0.0049, 0.9965), ScoreOf(FREE, "identification", OUTPUT)),
-            *_networks(
-                "identification",
-                {
-                    4: Printed(0.0036, 0.9981, 26.3111), 8: Printed(0.0036, 0.9981, 26.7965),
-                    16: Printed(0.0036, 0.9981, 26.4054), 32: Printed(0.0037, 0.9980, 25.4198),
-                },
-            ),
-        ),
-        (_RMSE, _OPTIMUM, _FREE_RUN),
+        "identification",
+        Printed(0.0049, 0.9965),
+        {
+            4: Printed(0.0036, 0.9981, 26.3111), 8: Printed(0.0036, 0.9981, 26.7965),
+            16: Printed(0.0036, 0.9981, 26.4054), 32: Printed(0.0037, 0.9980, 25.4198),
+        },
     ),
     _over_horizons("6.3", "identification"),
-    ScoreTable(
+    _over_the_record(
         "6.4",
-        "EMPS, validation record",
-        "rmse",
-        "m",
-        (
-            Scores(_GRAY, Printed(0.0069, 0.9930), ScoreOf(FREE, "validation", OUTPUT)),
-            *_networks(
-                "validation",
-                {
-                    4: Printed(0.0036, 0.9982, 48.5478), 8: Printed(0.0035, 0.9982, 48.8818),
-                    16: Printed(0.0035, 0.9982, 48.6024), 32: Printed(0.0036, 0.9980, 47.9066),
-                },
-            ),
-        ),
-        (_RMSE, _OPTIMUM, _FREE_RUN),
+        "validation",
+        Printed(0.0069, 0.9930),
+        {
+            4: Printed(0.0036, 0.9982, 48.5478), 8: Printed(0.0035, 0.9982, 48.8818),
+            16: Printed(0.0035, 0.9982, 48.6024), 32: Printed(0.0036, 0.9980, 47.9066),
+        },
     ),
     _over_horizons("6.4", "validation"),
 )  # fmt: skip

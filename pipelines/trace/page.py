@@ -304,7 +304,7 @@ def _use(traced: TraceFile) -> Section | None:
     if not traced.found.accepted:
         return None
     text = "fit, validate and plot work with the augmented model as with any other model."
-    return Section("How to go on", (text,), commands=traced.commands)
+    return Section("Next commands", (text,), commands=traced.commands)
 
 
 def _capital(text: str) -> str:

@@ -1,7 +1,7 @@
-"""Imports MLflow beside the command: it takes seconds, and a fit takes less.
+"""Imports MLflow in parallel with a command. The import takes seconds, which is longer than a fit.
 
-The process that workers are forked from imports it while the command works. A worker of it then sends the
-run, and the command waits for that as if it sent the run itself. A worker ends when the command does.
+The process that workers are forked from imports MLflow while the command works. One of its workers then sends
+the run, and the command waits for it. The worker ends when the command ends.
 """
 
 from __future__ import annotations
@@ -24,7 +24,10 @@ _begun = False
 
 @contextmanager
 def imported_beside() -> Iterator[None]:
-    """Begin to import MLflow, if there is a core for it; the runs that are logged inside are sent so."""
+    """Begin to import MLflow if there is a second core.
+
+    A worker then sends the runs that are logged inside the context.
+    """
     global _begun
     if (os.cpu_count() or 1) > 1:
         set_environment()
@@ -37,13 +40,13 @@ def imported_beside() -> Iterator[None]:
 
 
 def sends(settings: Settings) -> bool:
-    """Whether a worker is to send the run: to the file of this machine, for a server is waited for with
-    patience."""
+    """Whether a worker sends the run: only to the file of this machine. The wait for a server has a time
+    limit of its own."""
     return _begun and not is_remote(tracking_uri(settings))
 
 
 def sent_beside(note: Note, settings: Settings) -> str:
-    """Send the note as ``send`` does; why it could not be, if so."""
+    """Send the note as ``send`` does. Returns the reason if that failed, else an empty text."""
     ((_, said),) = side_by_side(_sent, {note.name: (note, settings)}, 1)
     return said.reason if isinstance(said, Lost) else str(said)
 

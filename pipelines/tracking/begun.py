@@ -27,7 +27,7 @@ from pipelines.tracking.store import store_folder, tracking_uri
 _UNFINISHED = ".unfinished-"
 _LOCK, _FILE = "lock", "run.json"
 _MAKING = 3600.0
-"""Seconds after which a folder that did not get its name was left by a process that was killed."""
+"""A folder that has no final name after so many seconds was left by a process that was killed."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Begun:
 
 
 class Mark:
-    """Says that a run goes on in this process, until ``lift`` or the end of the process."""
+    """A file that says that a run is active in this process, until ``lift`` or the end of the process."""
 
     def __init__(self, key: str, experiment: str, settings: Settings, uri: str | None = None) -> None:
         root = _folder(settings)
@@ -60,18 +60,18 @@ class Mark:
             raise
 
     def lift(self) -> None:
-        """The run is ended, or kept to be sent later."""
+        """Remove the mark: the run is ended, or stored to be sent later."""
         remove(self._place)
         self.leave()
 
     def leave(self) -> None:
-        """The run is neither: the next command ends it, unless ``lift_left`` is called for it."""
+        """Leave the mark: the next command ends the run, unless ``lift_left`` removes the mark."""
         self._lock.release(force=True)
 
 
 @contextmanager
 def marked(key: str, experiment: str, settings: Settings, uri: str | None = None) -> Iterator[None]:
-    """A mark on the run as long as the context lasts; it is left there if that is broken off."""
+    """A mark on the run for the duration of the context. After an exception the mark stays."""
     mark = Mark(key, experiment, settings, uri)
     try:
         yield
@@ -82,7 +82,7 @@ def marked(key: str, experiment: str, settings: Settings, uri: str | None = None
 
 
 def lift_left(key: str, settings: Settings) -> None:
-    """Lift the marks that were left on the run ``key``: it is kept to be sent later."""
+    """Remove the marks that were left on the run ``key``, because it is stored to be sent later."""
     for place in _folder(settings).glob("[!.]*"):
         begun = _read(place)
         if begun is not None and begun.key == key and not _is_held(place):
@@ -90,8 +90,8 @@ def lift_left(key: str, settings: Settings) -> None:
 
 
 def left(settings: Settings) -> Iterator[Begun]:
-    """Runs in this store whose process on this machine is gone. Each mark is lifted when the loop goes on;
-    an exception leaves it."""
+    """Runs in this store whose process on this machine has ended. Each mark is removed when the loop
+    continues; after an exception it stays."""
     root = _folder(settings)
     there = [place for place in root.glob("[!.]*") if place.is_dir()]
     held = {place: _read(place) for place in there}

@@ -1,4 +1,4 @@
-"""The run of a sweep or a search: it goes on while its points are logged below it, and always ends."""
+"""The run of a sweep or a search. It stays open while its points are logged below it, and it always ends."""
 
 from __future__ import annotations
 

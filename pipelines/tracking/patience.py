@@ -11,25 +11,25 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 
 PAUSE = 60.0
-"""A store that was too slow is not asked again for this time: a sweep would wait for it at every point."""
+"""A store that was too slow is not used again for this time. Otherwise a sweep would wait at every point."""
 ANSWER = 5.0
 """A server that does not answer within this time counts as down."""
 QUEUE = 120.0
-"""For the sqlite file, which takes one writer at a time: the wait for all other processes."""
+"""The wait for other processes that write to the sqlite file, which allows one writer at a time."""
 END = 5.0
-"""For the server of ``hybridid ui`` to end when it is told to."""
+"""The wait for the end of the server of ``hybridid ui``."""
 REQUESTS = {
     "MLFLOW_HTTP_REQUEST_MAX_RETRIES": "1",
     "MLFLOW_HTTP_REQUEST_TIMEOUT": "10",
     "MLFLOW_HTTP_REQUEST_BACKOFF_FACTOR": "1",
     "MLFLOW_ARTIFACT_UPLOAD_DOWNLOAD_TIMEOUT": "30",
 }
-"""MLflow's own settings; by default it waits minutes for a server that is down. A user's own values win."""
+"""MLflow's own settings; its defaults wait minutes for a server that is down. A user's values come first."""
 _paused: dict[str, float] = {}
 
 
 class Slow(RuntimeError):
-    """The store took longer than it may."""
+    """The store took longer than its time limit."""
 
 
 def clock(patience: float | None) -> Callable[[], None]:
@@ -55,7 +55,7 @@ def paused(uri: str) -> bool:
 
 @contextmanager
 def in_background() -> Iterator[Callable[..., None]]:
-    """Calls what it is given in one thread of its own, in order: MLflow takes seconds, and jobs go on."""
+    """Yields a function that makes calls in order in another thread: the jobs do not wait for MLflow."""
     with ThreadPoolExecutor(1, "mlflow") as thread:
         begun: list[Future[None]] = []
         try:

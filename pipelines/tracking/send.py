@@ -50,9 +50,9 @@ def send(note: Note, settings: Settings, patience: float | None = None) -> None:
 
 @contextmanager
 def _writing(settings: Settings, remote: bool) -> Iterator[None]:
-    """Hold the sqlite file, which takes one writer at a time; a server minds its own.
+    """Lock the sqlite file, which allows one writer at a time, and delay signals. A server needs neither.
 
-    A signal that cuts off a write there leaves the file locked, so that the run cannot even be ended.
+    A signal that interrupts a write leaves the file locked, and then the run cannot be ended.
     """
     with nullcontext() if remote else alone(settings), nullcontext() if remote else held_back():
         yield
@@ -60,7 +60,7 @@ def _writing(settings: Settings, remote: bool) -> Iterator[None]:
 
 @contextmanager
 def _killed_if_interrupted(store: MlflowClient, experiment: str, key: str) -> Iterator[None]:
-    """End the run of ``key`` if it is there and the command is told to end: nobody comes back to it."""
+    """End the run of ``key``, if it exists, when a signal ends the command: no later command would end it."""
     try:
         yield
     except Exception:
@@ -91,7 +91,7 @@ def _end(store: MlflowClient, experiment: str, key: str, status: Status, reason:
 
 
 def _run_of(store: MlflowClient, settings: Settings, experiment: str, key: str, name: str, began: int) -> Run:
-    """The run of ``key``; two processes that look at once must not make two."""
+    """The run of ``key``, created if it does not exist. A lock keeps two processes from creating it twice."""
     with alone(settings):
         found = store.search_runs([experiment], f"tags.`{KEY}` = '{key}'", max_results=1)
         if found:
@@ -146,7 +146,7 @@ def _fill(
 
 
 def _is_late(note: Note, run: Run) -> bool:
-    """Whether a note waited while the same run was done again, and ended in the store after it."""
+    """Whether the store already has a later result of the same run, made while this note waited."""
     ended = run.info.end_time
     said = note.began if note.ended is None else note.ended
     return run.info.status in ("FINISHED", "FAILED") and ended is not None and ended > said
@@ -159,7 +159,7 @@ def _parts(items: Sequence[T], size: int) -> Iterator[list[T]]:
 
 
 def _upload(store: MlflowClient, identity: str, artifact: Artifact, in_time: Callable[[], None]) -> None:
-    """File by file: a folder's many must not outlast the patience together."""
+    """Upload file by file, and check the time limit before each file of a folder."""
     if artifact.source.is_file():
         store.log_artifact(identity, str(artifact.source), artifact.into or None)
         return

@@ -53,14 +53,14 @@ def client(settings: Settings, uri: str | None = None) -> MlflowClient:
 
 
 def set_environment() -> None:
-    """What MLflow reads when it is imported."""
+    """Set the environment variables that MLflow reads when it is imported."""
     os.environ.update(_SENDS_NOTHING)
     for name, value in (_SILENT | patience.REQUESTS).items():
         os.environ.setdefault(name, value)
 
 
 def _make(store: Path) -> None:
-    """Make the sqlite file whole or not at all: MLflow refuses one whose making was cut off, for ever."""
+    """Create the sqlite file in one step. MLflow can never use a file whose creation was interrupted."""
     new = store.with_name(f".{store.name}-new")
     for left in store.parent.glob(f"{new.name}*"):
         left.unlink()
@@ -70,7 +70,7 @@ def _make(store: Path) -> None:
 
 @functools.lru_cache
 def _client(uri: str, process: int) -> MlflowClient:
-    """Made once in each ``process``: a connection must not be shared with a forked one."""
+    """A client, created once in each ``process``: forked processes must not share a connection."""
     from mlflow.tracking import MlflowClient
 
     # what they log as an error, with a traceback, they also raise: it is told in one line
@@ -82,7 +82,7 @@ def _client(uri: str, process: int) -> MlflowClient:
 
 @contextmanager
 def alone(settings: Settings) -> Iterator[None]:
-    """Hold the store for this process: one after the other they meet no locked database."""
+    """Lock the store for this process, so that no other process finds its database locked."""
     folder = store_folder(settings)
     folder.mkdir(parents=True, exist_ok=True)
     with FileLock(str(folder / ".mlflow.lock"), timeout=patience.QUEUE, is_singleton=True):
@@ -95,7 +95,7 @@ def is_remote(uri: str) -> bool:
 
 
 def answers(uri: str) -> bool:
-    """Whether the server at ``uri`` says anything at all; a file always does."""
+    """Whether the server at ``uri`` answers at all; always true for a file."""
     if not is_remote(uri):
         return True
     import requests

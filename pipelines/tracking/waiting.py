@@ -113,7 +113,7 @@ def send_waiting(settings: Settings, watcher: Watcher) -> Iterator[Attempt]:
 
 
 def _trouble(note: Note, settings: Settings) -> str:
-    """Send it; why it could not be, if so."""
+    """Send it. Returns the reason if that failed, else an empty text."""
     try:
         send(note, settings)
     except Exception as error:
@@ -128,7 +128,7 @@ def reason(error: Exception, uri: str) -> str:
 
 
 def _strange(place: Path, note: Note, uri: str | None) -> str:
-    """Why a folder of runs does not look like one's own: somebody else's must not send one's files away."""
+    """Why a folder of runs may come from somebody else; empty if not. Such a folder must not send files."""
     for artifact in note.artifacts:
         inside = artifact.source.resolve().is_relative_to(place.resolve())
         if not inside or any(path.is_symlink() for path in (artifact.source, *artifact.source.rglob("*"))):

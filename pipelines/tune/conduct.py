@@ -59,7 +59,7 @@ def tune(settings: Settings, watcher: Watcher) -> TuneOutcome:
     study = opened(folder, request)
     there = sum(counts(trial) for trial in study.trials)
     if there:
-        watcher.say(f"goes on: {there} of {request.trials} trials are done in {folder}")
+        watcher.say(f"continues a search: {there} of {request.trials} trials are done in {folder}")
     until = None if request.seconds is None else began + request.seconds
     given = WorkerTask(settings, outcome.tree, folder, key, until)
     with parent_run(settings, _NAME, key, watcher) as parent:

@@ -42,7 +42,7 @@ def written(findings: Findings, settings: Settings, folder: Path, provenance: st
 
 
 def command(folder: Path) -> str:
-    """Takes up the chosen config."""
+    """The command that runs the chosen config."""
     return f"hybridid run --config-dir {folder} experiment={EXPERIMENT}"
 
 
@@ -65,7 +65,7 @@ def page_of(
 ) -> Page:
     """The page of the search."""
     chosen = findings.chosen
-    lead = "No trial came to an end."
+    lead = "No trial has finished."
     commands: tuple[str, ...] = ()
     if chosen is not None:
         values = ", ".join(f"{key} {setting(value)}" for key, value in _short(chosen).items())
@@ -113,7 +113,7 @@ def _trials(findings: Findings) -> Table:
         rows.append((f"{mark}{first}", *rest))
     done, pruned, failed, stopped = (len(findings.of(s)) for s in ("done", "pruned", "failed", "stopped"))
     note = (
-        f"{done} trials came to their end, {pruned} were pruned, {failed} failed, {stopped} were stopped "
+        f"{done} trials finished, {pruned} were pruned, {failed} failed, {stopped} were stopped "
         "from outside and do not count"
     )
     header = ("trial", "held-out share", "weights", *keys, *(f"RMSE of {o}" for o in outputs), "s")
@@ -124,7 +124,7 @@ def _importance(findings: Findings) -> Table:
     rows = tuple(
         (key.removeprefix("residual."), percent(share, 0)) for key, share in findings.importance.items()
     )
-    note = "share of what tells the better trials from the rest (PED-ANOVA); over few trials a hint, no more"
+    note = "share of the difference between better trials and the rest (PED-ANOVA); rough if trials are few"
     return Table("Importance of each key", ("key", "importance"), rows, (note,))
 
 

@@ -1,7 +1,7 @@
 """The study: trials in one journal file that processes and nodes share, on any file system that all see.
 
-Each worker sits on a seat, a file locked while it lives. A trial that still runs, but whose seat is free, was
-left by a worker that was killed: it is ended, and does not count.
+Each worker has a numbered seat: a file that it locks until it ends. If a trial is marked as running but the
+seat of its worker is free, the worker was killed. Such a trial is ended and does not count.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def opened(folder: Path, request: TuneRequest, seat: Seat | None = None) -> Stud
 
 
 def next_trial(study: Study, request: TuneRequest, seat: Seat, folder: Path) -> Trial | None:
-    """A trial to do; None if those that are done or under way make up ``request.trials``."""
+    """The next trial; None if the finished and the running ones already number ``request.trials``."""
     with FileLock(str(folder / ".lock")):
         end_orphans(study, folder)
         if sum(counts(trial) or not trial.state.is_finished() for trial in study.trials) >= request.trials:
@@ -87,7 +87,7 @@ def next_trial(study: Study, request: TuneRequest, seat: Seat, folder: Path) -> 
 
 
 def counts(trial: FrozenTrial) -> bool:
-    """Whether it came to an end of its own: a value, a pruning, an error; not whether it was killed."""
+    """Whether the trial counts: it ended with a value, pruned or with an error, and was not killed."""
     from optuna.trial import TrialState
 
     done = (TrialState.COMPLETE, TrialState.PRUNED)
@@ -95,7 +95,7 @@ def counts(trial: FrozenTrial) -> bool:
 
 
 def end_orphans(study: Study, folder: Path) -> int:
-    """End the trials whose worker is gone; returns how many. Only who holds the folder's lock may."""
+    """End the trials whose worker has ended; returns how many. The caller must hold the folder's lock."""
     from optuna.trial import TrialState
 
     ended = 0

@@ -31,7 +31,7 @@ _BETWEEN = 2  # per cent of the training, between two reports: each is a line in
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """What every trial shares: the config, the gray box and its runs."""
+    """What all trials share: the config, the gray box and its simulations."""
 
     settings: Settings
     gray: GrayBox
@@ -59,7 +59,7 @@ def carried_out(
     """Train the networks of ``values``.
 
     Raises:
-        TrialPruned: if the trial is not worth its end.
+        TrialPruned: if the trial is not worth finishing.
         ValueError: if it cannot be done.
     """
     from hybridid.residuals.training import train_stack  # torch takes seconds to import
@@ -72,7 +72,7 @@ def carried_out(
 
 
 def _reporter(trial: Trial | None, name: str, watcher: Watcher) -> Callable[[Progress], None]:
-    """Tells the study, and hears whether the trial may go on."""
+    """A function that reports the error to the study, and stops the trial if the study prunes it."""
     from optuna import TrialPruned
 
     last = -_BETWEEN

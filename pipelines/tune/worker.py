@@ -39,7 +39,7 @@ class WorkerTask:
 
 
 def work(given: WorkerTask, watcher: Watcher) -> int:
-    """Do trials; returns how many."""
+    """Do trials until there are enough; returns how many this worker did."""
     request = TuneRequest.of(given.settings)
     gray = gray_box(given.settings, given.gray_tree)
     network = narx_of(given.settings, next(request.corners()))

@@ -2,27 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-from pathlib import Path
-
 import pytest
 
-SCRIPT = Path(__file__).parents[2] / "benchmarks" / "interval_coverage.py"
+from benchmarks import interval_coverage as script
 
 
-@pytest.fixture(scope="module")
-def script():
-    spec = importlib.util.spec_from_file_location("interval_coverage", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["interval_coverage"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_a_row_counts_what_the_intervals_hold(script):
+def test_a_row_counts_what_the_intervals_hold():
     """Errors of 1, 2 and 3 under a standard error of 1, of which 0.4 is noise."""
     draws = [script.Draw([float(k)] * 4, [1.0] * 4, [0.4] * 4, True) for k in (1, 2, 3)]
     row = script.rows(script.CASES[0], draws)[0]
@@ -34,7 +19,7 @@ def test_a_row_counts_what_the_intervals_hold(script):
 
 
 @pytest.mark.parametrize("index", range(5))
-def test_every_case_runs_and_finds_the_truth(script, index):
+def test_every_case_runs_and_finds_the_truth(index):
     case = script.CASES[index]
     made = script.measure(case, 2.0, seed=1)
     assert made.simulated
@@ -45,7 +30,7 @@ def test_every_case_runs_and_finds_the_truth(script, index):
     assert all(0 < noise <= std for noise, std in zip(draw.noise, draw.std, strict=True))
 
 
-def test_slow_noise_is_as_loud_as_it_says(script):
+def test_slow_noise_is_as_loud_as_it_says():
     import numpy as np
 
     case = script.CASES[1]

@@ -5,31 +5,15 @@ One draw of each; more come from ``make study-recovery``. Simulated.
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-from pathlib import Path
-
 import pytest
 
-SCRIPT = Path(__file__).parents[2] / "benchmarks" / "recovery.py"
+from benchmarks import recovery
+
 WIDEST = {"linear": 0.001, "coulomb_stribeck": 1.2, "dahl": 0.02, "lugre": 0.2, "half_car": 0.2}
 """Half width of the widest interval, over the truth, that the case may state."""
 SURE = 3.5
 """Standard errors within which every one of some twenty parameters must lie; a true normal error misses
 that in one run of a hundred. ``make study-recovery`` counts how many lie within 1.96."""
-
-
-def _script():
-    spec = importlib.util.spec_from_file_location("recovery", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["recovery"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-recovery = _script()
 
 
 @pytest.mark.parametrize("case", recovery.CASES, ids=lambda case: case.name)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import errno
 
-from hybridid_cli.explain import FAILED, explained
+from hybridid_cli.exit_codes import FAILED
+from hybridid_cli.explain import explained
 
 
 def test_a_full_disk_that_names_no_file_costs_one_line():

@@ -74,5 +74,5 @@ def test_hydra_reads_these_names_back(runs):
 
 
 def test_a_pattern_without_a_file_names_the_folders(runs):
-    with pytest.raises(ConfigError, match=r"glob\(\*\.mat\): no file is called so; looked under .*empty"):
+    with pytest.raises(ConfigError, match=r"glob\(\*\.mat\): no file matches this pattern; searched .*empty"):
         with_files(["records.r.files=glob(*.mat)"], runs)

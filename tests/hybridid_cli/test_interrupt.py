@@ -79,7 +79,7 @@ def test_a_request_to_end_in_the_midst_of_a_fit(environment, by, says):
     ]
 
 
-def test_nohup_keeps_its_word(monkeypatch):
+def test_nohup_keeps_sighup_ignored(monkeypatch):
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     for seen in (signal.SIG_IGN, signal.SIG_DFL):
         monkeypatch.setattr(signal, "getsignal", lambda number, seen=seen: seen)

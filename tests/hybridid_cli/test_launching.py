@@ -76,7 +76,7 @@ def test_a_trace_lost_by_chance_is_launched_once_more(tmp_path, watcher):
     failures, _ = carried_out(launcher, tmp_path, watcher)
     assert failures == {}
     assert [len(one) for one in launcher.launches] == [2, 1]
-    assert "it is started once more and goes on where it was" in watcher.lines[0]
+    assert "it is started once more and continues where it stopped" in watcher.lines[0]
 
 
 def test_but_only_once(tmp_path, watcher):

@@ -129,7 +129,7 @@ def test_a_notebook_gets_what_the_command_writes_even_after_an_interruption(trac
     with pytest.raises(KeyboardInterrupt):
         once_more(interrupted)
     found = once_more(silent)
-    assert re.fullmatch(r"goes on where it was interrupted: \d\d results are kept", said[0])
+    assert re.fullmatch(r"continues where it was interrupted: \d\d results are kept", said[0])
     written = {key: value for key, value in data.items() if key not in OF_THE_COMMAND}
     assert without_seconds(plain(found)) == without_seconds(written)
 

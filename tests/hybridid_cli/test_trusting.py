@@ -43,14 +43,14 @@ def answer(monkeypatch):
 
 
 def test_a_folder_is_trusted_listed_and_trusted_no_more_after_a_change(say, theirs):
-    assert "is trusted no more" in say("trust").out
+    assert "is no longer trusted" in say("trust").out
     said = say("trust", "theirs")
     assert said.code == 0
     assert f"trusted: {theirs}, 1 file of code, until one of them changes" in said.out
     assert f"{theirs}  " in say("trust").out
     assert "changed since" not in say("trust").out
     (theirs / "evil_of_test.py").write_text("")
-    assert "changed since: trusted no more" in say("trust").out
+    assert "changed since: no longer trusted" in say("trust").out
 
 
 @pytest.mark.parametrize(("words", "line"), [(["nowhere"], "no such folder"), (["--all"], "is no folder")])

@@ -29,5 +29,5 @@ def test_search_and_take_up(say, quick):
 
     again = say("tune", *quick, *NETWORK, *SPACE)
     assert again.code == 0
-    assert "goes on: 3 of 3 trials are done in search" in again.err
+    assert "continues a search: 3 of 3 trials are done in search" in again.err
     assert not re.search(r"trial \d+: width", again.err)

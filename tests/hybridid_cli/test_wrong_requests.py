@@ -137,7 +137,7 @@ def test_parameters_as_a_whole_are_taken(say, quick):
         ("# @package _global_\ncase:\n\ttitle: x\n", "mine.yaml, line 3: found character '\\t'"),
         ("# @package _global_\nplant: a\nplant: b\n", "mine.yaml, line 3: found duplicate key plant"),
         ("# @package _global_\nplant: ${nothing}\n", "plant: Interpolation key 'nothing' not found"),
-        (b"# @package _global_\ncase: \xff\xfe\n", "mine.yaml: no text in UTF-8"),
+        (b"# @package _global_\ncase: \xff\xfe\n", "mine.yaml: not UTF-8 text"),
     ],
 )
 def test_a_case_file_that_cannot_be_read_is_one_line(say, own_folder, text, said):

@@ -129,6 +129,23 @@ def settings(
     return changed
 
 
+@pytest.fixture
+def narx_grid() -> dict[str, Any]:
+    """The section ``residual`` of a small grid of NARX networks: two depths, two widths, two seeds."""
+    return {
+        "kind": "narx",
+        "orders": {"error": 2, "inputs": 1, "gray": 1},
+        "depth": [1, 2],
+        "width": [4, 6],
+        "seeds": [0, 1],
+        "every": 5,
+        "horizons": [1, 10],
+        "epochs": 8,
+        "patience": 8,
+        "learning_rate": 5.0e-3,
+    }
+
+
 @pytest.fixture(scope="session")
 def fits_schema() -> Callable[[Path], None]:
     """``fits_schema(path)`` fails unless a file of results is what its schema in the docs says."""

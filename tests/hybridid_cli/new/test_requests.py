@@ -50,7 +50,7 @@ def test_a_held_input_is_declared_held(recorded, say, own_folder, rig):
 
 def test_what_is_not_known_to_be_held_is_left_open(recorded, say, own_folder, rig):
     words = [word for word in recorded("carriage") if word not in ("--hold", "force=foh")]
-    assert "not told: taken as held" in say("new", rig, *words).out
+    assert "not given: assumed held" in say("new", rig, *words).out
     assert "hold" not in signals_of(own_folder, rig)["inputs"]["force"]
 
 

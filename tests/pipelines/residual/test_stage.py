@@ -19,18 +19,6 @@ from pipelines.shared.prepared import prepared_records
 from pipelines.shared.storage import read_json
 from pipelines.tracking.metrics import metrics_of
 
-GRID = {
-    "kind": "narx",
-    "orders": {"error": 2, "inputs": 1, "gray": 1},
-    "depth": [1, 2],
-    "width": [4, 6],
-    "seeds": [0, 1],
-    "every": 5,
-    "horizons": [1, 10],
-    "epochs": 8,
-    "patience": 8,
-    "learning_rate": 5.0e-3,
-}
 RBF = {"kind": "rbf", "nodes": [2, 3], "horizons": [300], "max_iterations": 4, "folds": 2, "processes": 1}
 
 
@@ -46,8 +34,8 @@ def made(settings, heard, data):
 
 class TestGrid:
     @pytest.fixture
-    def tree(self, made):
-        return made(GRID)
+    def tree(self, made, narx_grid):
+        return made(narx_grid)
 
     def test_every_size_and_seed_is_a_row(self, tree):
         rows = read_json(tree / "residual/residual.json")["networks"]
@@ -106,28 +94,28 @@ class TestGrid:
         assert len(names) == 8
 
 
-def test_one_number_is_a_grid_of_one(made):
-    rows = read_json(made({**GRID, "depth": 1, "width": 4}) / "residual/residual.json")["networks"]
+def test_one_number_is_a_grid_of_one(made, narx_grid):
+    rows = read_json(made({**narx_grid, "depth": 1, "width": 4}) / "residual/residual.json")["networks"]
     assert {(row["depth"], row["width"]) for row in rows} == {(1, 4)}
 
 
-def test_a_network_that_does_not_help_says_so(made):
+def test_a_network_that_does_not_help_says_so(made, narx_grid):
     """One epoch at a vanishing rate: the network stays as it began, almost nothing."""
-    section = {**GRID, "depth": 1, "width": 4, "epochs": 1, "learning_rate": 1e-9, "seeds": [0]}
+    section = {**narx_grid, "depth": 1, "width": 4, "epochs": 1, "learning_rate": 1e-9, "seeds": [0]}
     tree = made(section)
     (warning,) = [w for w in read_json(tree / "residual/residual.json")["warnings"] if "no correction" in w]
     assert "is no better than no correction" in warning
     assert warning in rendered(residual_results(tree))
 
 
-def test_a_network_that_runs_away_is_caught_and_reported(made, heard, data):
+def test_a_network_that_runs_away_is_caught_and_reported(made, narx_grid, heard, data):
     """A drive a thousand times stronger than any that trained the network: it says where it diverged,
     in the grid's rows and in ``validate``, and the gray box is scored all the same."""
     lines = (data / "second.csv").read_text().splitlines()
     rows = [line.split(",") for line in lines[1:]]
     stronger = [f"{t},{float(force) * 1000:.12g},{mm}" for t, force, mm in rows]
     (data / "second.csv").write_text("\n".join([lines[0], *stronger]) + "\n")
-    section = {**GRID, "depth": 1, "width": 4, "seeds": [0], "guard": 1.5}
+    section = {**narx_grid, "depth": 1, "width": 4, "seeds": [0], "guard": 1.5}
     tree = made(section, "validate")
     (row,) = read_json(tree / "residual/residual.json")["networks"]
     there = {one["record"]: one for one in row["hybrid"]}
@@ -170,17 +158,24 @@ class TestRBF:
 
 
 @pytest.mark.parametrize(
-    ("section", "words"),
+    ("changes", "words"),
     [
-        ({**GRID, "depth": []}, "residual.depth is []"),
-        ({**GRID, "width": [8, 0]}, "residual.width is 0: at least 1"),
-        ({**GRID, "outputs": ["speed"]}, "speed"),
-        ({**GRID, "height": 3}, "height"),
-        ({**RBF, "nodes": [0]}, "residual.nodes is 0"),
+        ({"depth": []}, "residual.depth is []"),
+        ({"width": [8, 0]}, "residual.width is 0: at least 1"),
+        ({"outputs": ["speed"]}, "speed"),
+        ({"height": 3}, "height"),
         ({"kind": "narks"}, "narks"),
     ],
 )
-def test_refusals(made, section, words):
+def test_refusals_of_a_grid(made, narx_grid, changes, words):
+    _refused(made, {**narx_grid, **changes}, words)
+
+
+def test_refusal_of_no_nodes(made):
+    _refused(made, {**RBF, "nodes": [0]}, "residual.nodes is 0")
+
+
+def _refused(made, section, words):
     with pytest.raises(ConfigError) as refused:
         made(section)
     assert words in str(refused.value)

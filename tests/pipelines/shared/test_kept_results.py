@@ -55,7 +55,7 @@ def interrupted():
 def test_it_goes_on_where_it_was_and_leaves_nothing(interrupted, home):
     assert interrupted(-1) == [0, 1, 4, 9, 16, 25]
     assert interrupted.computed == [4, 5]
-    assert interrupted.said == ["goes on where it was interrupted: 4 results are kept"]
+    assert interrupted.said == ["continues where it was interrupted: 4 results are kept"]
     assert list(home.iterdir()) == []
 
 

@@ -18,20 +18,6 @@ from pipelines.sweep.job_runner import OnJobEnd
 from pipelines.sweep.point import Point, expanded
 from pipelines.sweep.work import Failures, SweepJob, carry_out
 
-GRID: dict[str, Any] = {
-    "kind": "narx",
-    "orders": {"error": 2, "inputs": 1, "gray": 1},
-    "depth": [1, 2],
-    "width": [4, 6],
-    "seeds": [0, 1],
-    "every": 5,
-    "horizons": [1, 10],
-    "epochs": 4,
-    "patience": 4,
-    "learning_rate": 5.0e-3,
-    "precision": "double",
-}
-
 
 @dataclass
 class InProcess:
@@ -54,20 +40,30 @@ class InProcess:
 
 
 @pytest.fixture
-def config(settings: Callable[..., Settings], data: Path) -> Callable[..., Settings]:
+def short_grid(narx_grid: dict[str, Any]) -> dict[str, Any]:
+    """The small grid with half the training."""
+    return {**narx_grid, "epochs": 4, "patience": 4, "precision": "double"}
+
+
+@pytest.fixture
+def config(
+    settings: Callable[..., Settings], data: Path, short_grid: dict[str, Any]
+) -> Callable[..., Settings]:
     """``config({"residual.depth": 3})``: the short carriage with the small grid and some keys changed."""
 
-    def changed(changes: dict[str, Any] | None = None, residual: dict[str, Any] | None = GRID) -> Settings:
+    def changed(
+        changes: dict[str, Any] | None = None, residual: dict[str, Any] | None = short_grid
+    ) -> Settings:
         return settings({"residual": deepcopy(residual), "mlflow.enabled": False, **(changes or {})})
 
     return changed
 
 
 @pytest.fixture
-def points(config: Callable[..., Settings]) -> Callable[..., list[Point]]:
+def points(config: Callable[..., Settings], short_grid: dict[str, Any]) -> Callable[..., list[Point]]:
     """``points({...}, {...})``: the points of the grid, changed in each of these ways."""
 
-    def made(*changes: dict[str, Any], residual: dict[str, Any] | None = GRID) -> list[Point]:
+    def made(*changes: dict[str, Any], residual: dict[str, Any] | None = short_grid) -> list[Point]:
         return expanded([(config(one, residual), dict(one)) for one in changes or ({},)])
 
     return made

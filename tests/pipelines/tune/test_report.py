@@ -63,7 +63,7 @@ def test_the_trials_stand_in_order_of_their_share(page):
     )
     assert table.caption == "The best 2 of 2"
     assert table.notes == (
-        "2 trials came to their end, 1 were pruned, 1 failed, 1 were stopped from outside and do not count",
+        "2 trials finished, 1 were pruned, 1 failed, 1 were stopped from outside and do not count",
     )
 
 
@@ -83,6 +83,6 @@ def test_what_failed_and_what_mattered_have_sections_where_there_is_something_to
 
 def test_without_a_trial_that_ended_nothing_is_chosen(page, tmp_path):
     made = page(ROWS[2:])
-    assert made.lead == "No trial came to an end."
+    assert made.lead == "No trial has finished."
     assert section(made, "Trials").commands == ()
     assert "no such network" in made.write(tmp_path).read_text()

@@ -108,7 +108,7 @@ def test_values_reach_the_networks_and_the_chosen_config_makes_them_again(
 
     more = tune(asked(processes=1, trials=4), heard)
     assert more.folder == tuned.folder
-    assert "goes on: 3 of 4 trials are done" in " ".join(heard.said)
+    assert "continues a search: 3 of 4 trials are done" in " ".join(heard.said)
     assert more.findings.rows[:3] == tuned.findings.rows
     store = client(settings)
     runs = store.search_runs([store.get_experiment_by_name("short").experiment_id])
