@@ -286,13 +286,15 @@ def _rules(traced: TraceFile) -> Table:
         ("identifiable", f"standard errors at most {percent(rules.vague)} of the value, correlations at "
                          f"most {rules.collinear:g}"),
         ("form trusted", f"a {learned(found)} added to the effect contributes at most "
-                         f"{percent(rules.stands_in)} of the reduction of the squared error by both"),
+                         f"{percent(rules.stands_in)} of the reduction of the squared error by both; "
+                         f"{percent(1 - rules.majority)} where the effect is a curve over its variable"),
         ("named", f"above {rules.far:g} times the error of noise and simulation alone: only effects that "
                   f"together take {percent(rules.majority)} of the squared error"),
         ("not minor", f"effects take at least {percent(rules.majority)} of what a {learned(found)} takes "
                       "beside the same model, but for one over its own variable"),
-        ("constant amplitude", f"freed over another variable, it takes less than {percent(rules.majority)} "
-                               "of the squared error that is left"),
+        ("constant amplitude", f"it differs by at most {percent(rules.steady)} between fitted and held-out "
+                               "records, or not significantly; freed over another variable, it takes less "
+                               f"than {percent(rules.majority)} of the squared error that is left"),
         ("nothing missing", f"said only up to {rules.far:g} times the error of noise and simulation alone"),
         ("search ended", found.stopped),
         ("took", f"{found.seconds:.0f} s on {traced.processes} processes"),
