@@ -15,6 +15,7 @@ from hybridid.trace.words import (
     completeness_in_words,
     idle_in_words,
     parameters_in_words,
+    refused_rivals,
     tried_in_words,
 )
 from hybridid_cli.tables import provenance, table, view
@@ -41,6 +42,7 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
     parts: list[RenderableType] = [Text.assemble(word, found.sentence, "\n")]
     if found.accepted:
         parts.append(_accepted(found))
+        parts += map(Text, refused_rivals(found))
     parts.append(_before_after(found))
     if found.idle:
         parts.append(Text(idle_in_words(found)))

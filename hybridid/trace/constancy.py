@@ -32,6 +32,9 @@ from hybridid.trace.context import Context
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.rules import Rules
 
+NO_CONSTANT = "its amplitude is no constant"
+"""Begins the reason for which an effect is refused here."""
+
 
 @dataclass(frozen=True)
 class Amplitude:
@@ -100,4 +103,4 @@ def moved(here: Refit, there: Refit | None, term: str, rules: Rules) -> str:
     """Which amplitudes of the effect ``term`` have moved from ``here`` to ``there``, in words; else empty."""
     found = () if there is None else amplitudes(here, there, term)
     told = [str(a) for a in found if a.moved > rules.steady and len(found) * a.p_value <= rules.alpha]
-    return f"its amplitude is no constant: {listed(told)}" if told else ""
+    return f"{NO_CONSTANT}: {listed(told)}" if told else ""

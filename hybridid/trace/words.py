@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
+from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.entries import AcceptedEffect, DifferingParameter, Value
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED, UNTRIED
@@ -113,6 +114,17 @@ def _only_together(found: Trace) -> str:
         )
         said += f" {one.name} and {one.together} {why}."
     return said
+
+
+def refused_rivals(found: Trace) -> tuple[str, ...]:
+    """Effects that explain the errors as well as an accepted one, and were refused for their amplitudes."""
+    return tuple(
+        f"{trial.name} explains the errors as well as {step.accepted}, but {trial.reason}."
+        for step in found.steps
+        if step.accepted in [one.name for one in found.accepted]
+        for trial in step.trials
+        if trial.reason.startswith(NO_CONSTANT)
+    )
 
 
 def named_effects(found: Trace) -> int:

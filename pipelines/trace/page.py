@@ -26,6 +26,7 @@ from hybridid.trace.words import (
     idle_in_words,
     learned,
     parameters_in_words,
+    refused_rivals,
     structure_in_words,
 )
 from pipelines.shared.page import Page, Picture, Section, Table
@@ -92,6 +93,7 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
     )  # fmt: skip
     effects = Table(f"Accepted ({found.provenance})", header, rows, (_ELSEWHERE,), words=(0, 1, 2, 3, 6))
     paragraphs = [f"{a.effect}: {a.title}, {a.equation}. {_capital(a.pattern)}." for a in found.accepted]
+    paragraphs += refused_rivals(found)
     paragraphs += [
         f"{a.name} was found only together with {a.together}; its gain is the one beside it."
         for a in found.accepted

@@ -21,7 +21,14 @@ from hybridid.trace.entries import (
 from hybridid.trace.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
 from hybridid.trace.run import _confounded
-from hybridid.trace.words import _members, idle_in_words, sentence, structure_in_words, tried_in_words
+from hybridid.trace.words import (
+    _members,
+    idle_in_words,
+    refused_rivals,
+    sentence,
+    structure_in_words,
+    tried_in_words,
+)
 
 
 def tried(effect: str, gain: float, reason: str) -> TriedEffect:
@@ -187,6 +194,17 @@ def test_a_name_far_above_the_noise_may_stand_for_a_part(nothing, times, said):
         "A name may stand for a part of that."
     )
     assert "More is missing" not in sentence(replace(found, times=2.9))
+
+
+def test_a_rival_that_was_refused_for_its_amplitude_is_told(nothing):
+    why = "its amplitude is no constant: k = 4 ± 1 N in the fitted records, 2 ± 1 N in those held out"
+    name, rival = accepted("stribeck", "F = k", False), tried("cogging", 0.3, why)
+    step = StepTaken(nothing().path[0], name.name, (), (DRAG, rival))
+    found = replace(nothing(), accepted=(name,), steps=(step,))
+    assert refused_rivals(found) == (
+        f"carriage.cogging explains the errors as well as carriage.stribeck, but {why}.",
+    )
+    assert refused_rivals(replace(found, accepted=())) == ()
 
 
 def test_a_pair_helps_only_together(nothing):
