@@ -72,7 +72,7 @@ def _accepted(found: Trace) -> RenderableType:
             entry.effect,
             entry.port,
             ", ".join(parameters_in_words(entry.parameters)),
-            ", ".join(parameters_in_words(entry.elsewhere)) or NONE,
+            ", ".join(parameters_in_words(entry.by_held_out)) or NONE,
             share(entry.gain),
             probability(entry.p_value),
             ", ".join(entry.others) or NONE,

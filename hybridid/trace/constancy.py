@@ -7,8 +7,9 @@ With a +- s an amplitude where the trace fits, and a' +- s' where it judges, the
     |a - a'| > steady min(|a|, |a'|)   and   2 (1 - Phi(|a - a'| / sqrt(s^2 + s'^2))) <= alpha / n,
 
 n being the number of the effect's amplitudes. The first says that it matters (``Rules.steady``), the second
-that it is no chance. Amplitudes of one unit are compared with the largest of them: one near zero has no size
-of its own. The standard errors are those of coloured residuals, so they hold what the model leaves.
+that it is no chance. Both fits must have converged. Amplitudes of one unit are compared with the largest of
+them: one near zero has no size of its own. The standard errors are those of coloured residuals, so they hold
+what the model leaves.
 
 Where two effects explain the errors equally well, this may tell them apart: an error looks at one number,
 and the amplitudes at how each record came to it.
@@ -67,7 +68,7 @@ class Amplitude:
         )
 
 
-def judged_there(fitted: Sequence[Refit], context: Context) -> list[Refit | None]:
+def fitted_to_held_out(fitted: Sequence[Refit], context: Context) -> list[Refit | None]:
     """Each model, fitted to the held-out horizons alone; None if it cannot be simulated there."""
     there = context.split.swapped
     given = [(one.model, there, [one.values], one, one.numerics, math.inf) for one in fitted]
@@ -101,6 +102,8 @@ def amplitudes(here: Refit, there: Refit, term: str) -> tuple[Amplitude, ...]:
 
 def moved(here: Refit, there: Refit | None, term: str, rules: Rules) -> str:
     """Which amplitudes of the effect ``term`` have moved from ``here`` to ``there``, in words; else empty."""
-    found = () if there is None else amplitudes(here, there, term)
+    if there is None or not (here.converged and there.converged):
+        return ""
+    found = amplitudes(here, there, term)
     told = [str(a) for a in found if a.moved > rules.steady and len(found) * a.p_value <= rules.alpha]
     return f"{NO_CONSTANT}: {listed(told)}" if told else ""

@@ -69,7 +69,7 @@ class AcceptedEffect:
     what to record so that they come apart. ``gain``, ``p_value`` and ``likelihood_gain`` (the summed
     log-likelihood ratio) are of its ``step``; ``survivals`` the same under other numerics. ``is_law``: a
     composed law; ``form_of`` is the effect of the library that has its form, if one has. ``together`` names
-    the other effect of a pair; ``gain`` and the trials of the class are then beside that one. ``elsewhere``
+    the other effect of a pair; ``gain`` and the trials of the class are then beside that one. ``by_held_out``
     are its own parameters where the model is fitted to the held-out records alone.
     """
 
@@ -93,7 +93,7 @@ class AcceptedEffect:
     is_law: bool = False
     form_of: str = ""
     together: str = ""
-    elsewhere: Mapping[str, Value] = field(default_factory=dict)
+    by_held_out: Mapping[str, Value] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

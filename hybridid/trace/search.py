@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from hybridid.model import Model
 from hybridid.trace.candidates import admissible
 from hybridid.trace.ceiling import Ceiling, ceilings
-from hybridid.trace.constancy import judged_there, moved
+from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import LawOverLearned
@@ -167,7 +167,7 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
         survivals = survivals_of(base, best, context, otherwise)
         why = objection(survivals)
         if not why:
-            alike, unsteady = steadiest(tuple(equivalents(best, judged, rules)), context)
+            alike, unsteady = of_constant_amplitude(tuple(equivalents(best, judged, rules)), context)
             judged = [unsteady.get(t.candidate.name, t) for t in judged]
             if best in alike:
                 return Step(base, tuple(judged), Accepted(best, alike, survivals))
@@ -176,7 +176,9 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
         judged = [withdrawn if t is best else t for t in judged]
 
 
-def steadiest(alike: tuple[Trial, ...], context: Context) -> tuple[tuple[Trial, ...], dict[str, Trial]]:
+def of_constant_amplitude(
+    alike: tuple[Trial, ...], context: Context
+) -> tuple[tuple[Trial, ...], dict[str, Trial]]:
     """Of a class, the members that keep their amplitudes in the held-out records, and the others by name,
     refused for that. All members, where none that passed does: then the last model decides.
     """
@@ -184,7 +186,7 @@ def steadiest(alike: tuple[Trial, ...], context: Context) -> tuple[tuple[Trial, 
     if len(fitted) == 1:
         return alike, {}
     refused = {}
-    for one, here, there in zip(alike, fitted, judged_there(fitted, context), strict=True):
+    for one, here, there in zip(alike, fitted, fitted_to_held_out(fitted, context), strict=True):
         name = one.candidate.name
         if why := moved(here, there, name, context.rules):
             refused[name] = replace(one, status=REJECTED, reason=why)

@@ -38,7 +38,7 @@ from dataclasses import replace
 from hybridid.effects.composed import is_composed
 from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
-from hybridid.trace.constancy import judged_there, moved
+from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import is_curve_over
@@ -189,9 +189,10 @@ def unless_moved(found: Search, context: Context) -> Search:
     """
     if not found.accepted or found.stopped == AT_FLOOR:
         return found
-    (there,) = judged_there([found.final], context)
+    (there,) = fitted_to_held_out([found.final], context)
+    kept = {one.name for one in found.accepted}
     for number, step in enumerate(found.steps):
-        for name in (one.name for one in step.taken if one.name in {kept.name for kept in found.accepted}):
+        for name in (one.name for one in step.taken if one.name in kept):
             if why := moved(found.final, there, name, context.rules):
                 return _ended_at(found, number, f"{why}. The machine changed, or the law is another one")
     return found

@@ -225,7 +225,7 @@ def _accepted(one: Accepted, number: int, estimate: Estimate, there: Refit | Non
         is_law=is_composed(effect),
         form_of=FORMS.get(effect.id, ""),
         together=one.together,
-        elsewhere={} if there is None else {n: _value(there, prefix + n, v.unit) for n, v in own.items()},
+        by_held_out={} if there is None else {n: _value(there, prefix + n, v.unit) for n, v in own.items()},
     )
 
 

@@ -20,7 +20,7 @@ from hybridid.model import Model
 from hybridid.simulation.chosen import AUTO
 from hybridid.trace.accuracy import simulation_error, times_the_limit
 from hybridid.trace.ceiling import Ceiling, ceilings
-from hybridid.trace.constancy import judged_there
+from hybridid.trace.constancy import fitted_to_held_out
 from hybridid.trace.context import Context
 from hybridid.trace.laws import law_in_place, with_law
 from hybridid.trace.numerics import numerics_for
@@ -120,7 +120,7 @@ def conclude(
         times=settled.times,
         refused=refused,
         replacements=revised,
-        there=judged_there([settled.found.final], context)[0] if settled.found.accepted else None,
+        there=fitted_to_held_out([settled.found.final], context)[0] if settled.found.accepted else None,
     )
 
 

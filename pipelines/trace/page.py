@@ -45,7 +45,7 @@ _PAIRS = (
     "least-squares fit of the residual, and the most promising ones refitted. Their p-values are adjusted "
     "for all pairs that could be formed."
 )
-_ELSEWHERE = (
+_BY_HELD_OUT = (
     "The model was also fitted to the held-out records alone. A law of physics keeps its amplitude there. "
     "One that only resembles what is missing is bent to each record anew."
 )
@@ -86,12 +86,12 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
     rows = tuple(
         (
             a.effect, a.port, "; ".join(parameters_in_words(a.parameters)),
-            "; ".join(parameters_in_words(a.elsewhere)) or NONE, share(a.gain), probability(a.p_value),
+            "; ".join(parameters_in_words(a.by_held_out)) or NONE, share(a.gain), probability(a.p_value),
             ", ".join(a.others) or NONE, str(a.step),
         )
         for a in found.accepted
     )  # fmt: skip
-    effects = Table(f"Accepted ({found.provenance})", header, rows, (_ELSEWHERE,), words=(0, 1, 2, 3, 6))
+    effects = Table(f"Accepted ({found.provenance})", header, rows, (_BY_HELD_OUT,), words=(0, 1, 2, 3, 6))
     paragraphs = [f"{a.effect}: {a.title}, {a.equation}. {_capital(a.pattern)}." for a in found.accepted]
     paragraphs += refused_rivals(found)
     paragraphs += [

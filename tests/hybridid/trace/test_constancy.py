@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.constancy import Amplitude, amplitudes, judged_there, moved
+from hybridid.trace.constancy import Amplitude, amplitudes, fitted_to_held_out, moved
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import search, steadiest
+from hybridid.trace.search import of_constant_amplitude, search
 from hybridid.trace.split import by_record
 from hybridid.trace.stand_in import unless_moved
 from hybridid.trace.trial import PASSED, attempt, judge
@@ -38,7 +39,7 @@ def traced(two_records, make_model):
 
 def test_a_law_of_the_machine_keeps_its_amplitude(traced):
     found, context = traced(80.0)
-    (there,) = judged_there([found.final], context)
+    (there,) = fitted_to_held_out([found.final], context)
     (one,) = amplitudes(found.final, there, NAME)
     assert one.name == "df_v"
     assert one.here[0] == pytest.approx(80.0, rel=0.05)
@@ -80,7 +81,10 @@ def test_at_the_noise_nothing_is_left_to_doubt(traced):
 def test_it_must_matter_and_be_no_chance(monkeypatch, here, there, size, said):
     one = Amplitude("f_c", "N", here, there, size)
     monkeypatch.setattr("hybridid.trace.constancy.amplitudes", lambda *_: (one,))
-    assert bool(moved(None, object(), "motor.coulomb", RULES)) is said
+    fitted, stopped = SimpleNamespace(converged=True), SimpleNamespace(converged=False)
+    assert bool(moved(fitted, fitted, "motor.coulomb", RULES)) is said
+    assert moved(stopped, fitted, "motor.coulomb", RULES) == ""
+    assert moved(fitted, stopped, "motor.coulomb", RULES) == ""
 
 
 def test_what_cannot_be_fitted_there_says_nothing():
@@ -101,12 +105,14 @@ def test_of_a_class_the_members_that_move_are_refused(make_model, split_of, monk
         [attempt(Candidate(effect_named(name), "carriage"), base, split) for name in names], RULES
     )
     assert first.status == second.status == PASSED
-    assert steadiest((first,), context) == ((first,), {}), "one alone is judged in the last model"
-    assert steadiest((first, second), context)[1].keys() <= {second.candidate.name}
+    assert of_constant_amplitude((first,), context) == ((first,), {}), "one alone is judged in the last model"
+    assert of_constant_amplitude((first, second), context)[1].keys() <= {second.candidate.name}
     moves = {first.candidate.name}
     monkeypatch.setattr("hybridid.trace.search.moved", lambda here, there, name, rules: "m" * (name in moves))
-    kept, refused = steadiest((first, second), context)
+    kept, refused = of_constant_amplitude((first, second), context)
     assert kept == (second,)
     assert [(one.status, one.reason) for one in refused.values()] == [("rejected", "m")]
     moves.add(second.candidate.name)
-    assert steadiest((first, second), context) == ((first, second), {}), "none is better than another"
+    assert of_constant_amplitude((first, second), context) == ((first, second), {}), (
+        "none is better than another"
+    )
