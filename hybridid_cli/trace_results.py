@@ -14,6 +14,7 @@ from hybridid.trace.words import (
     VERDICTS,
     completeness_in_words,
     idle_in_words,
+    narrowed_in_words,
     parameters_in_words,
     refused_rivals,
     tried_in_words,
@@ -44,8 +45,7 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
         parts.append(_accepted(found))
         parts += map(Text, refused_rivals(found))
     parts.append(_before_after(found))
-    if found.idle:
-        parts.append(Text(idle_in_words(found)))
+    parts += [Text(said) for said in (idle_in_words(found), narrowed_in_words(found)) if said]
     if found.completeness:
         parts.append(Text(f"completeness: {completeness_in_words(found)}"))
     parts += [

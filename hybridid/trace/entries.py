@@ -164,6 +164,17 @@ class Level:
 
 
 @dataclass(frozen=True)
+class Width:
+    """An epsilon in ``unit``: as it was ``declared``, and as it was ``used`` in the end, made narrower where
+    the smoothing of sign(v) left an error of its own."""
+
+    name: str
+    unit: str
+    declared: float
+    used: float
+
+
+@dataclass(frozen=True)
 class TriedPair:
     """Two effects that were tried together where no single one passed, and what was decided.
 

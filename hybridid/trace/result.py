@@ -21,6 +21,7 @@ from hybridid.trace.entries import (
     StepTaken,
     TriedEffect,
     UsedRecord,
+    Width,
 )
 from hybridid.trace.missing_effort import Missing
 from hybridid.trace.rules import Rules
@@ -77,7 +78,8 @@ class Trace:
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
-    each record, where that was asked; the last model has one value of each.
+    each record, where that was asked; the last model has one value of each. ``narrowed`` are the smoothings
+    of sign(v) that were made narrower.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
     """
 
@@ -109,6 +111,7 @@ class Trace:
     idle: tuple[str, ...] = ()
     replacements: tuple[ReplacedEffect, ...] = ()
     by_recording: tuple[DifferingParameter, ...] = ()
+    narrowed: tuple[Width, ...] = ()
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     @property

@@ -23,6 +23,7 @@ from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
+from hybridid.trace.sharper import narrowed
 from hybridid.trace.split import automatic_horizon, check_measured, divided
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
@@ -99,7 +100,7 @@ def trace(
     missing, failures = missing_efforts(models, split.records, context)
     evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
-    traced = replace(traced, by_recording=differ)
+    traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model))
     beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""
     return replace(traced, sentence=sentence(traced) + beware)
 

@@ -19,6 +19,7 @@ from hybridid.trace.pair import PairTrial
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
+from hybridid.trace.sharper import sharp_enough
 from hybridid.trace.trial import (
     PASSED,
     REJECTED,
@@ -124,6 +125,7 @@ def continued(found: Search, context: Context) -> Search:
     rules, base = context.rules, found.final
     steps, accepted = list(found.steps), list(found.accepted)
     while True:
+        base = sharp_enough(base, context)
         if base.score.loss <= context.noise.loss(base.score) * rules.near_floor:
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=AT_FLOOR)
         if len(accepted) >= rules.most_effects:

@@ -74,6 +74,19 @@ def idle_in_words(found: Trace) -> str:
     return f"These records show nothing of {listed(found.idle)}, which was declared: {them} at zero."
 
 
+def narrowed_in_words(found: Trace) -> str:
+    """Which smoothings of sign(v) were made narrower; empty if none was."""
+    if not found.narrowed:
+        return ""
+    told = listed(
+        [
+            f"{quantity(one.used, one.unit)} instead of {quantity(one.declared, one.unit)} ({one.name})"
+            for one in found.narrowed
+        ]
+    )
+    return f"sign(v) is smoothed over {told}: the wider smoothing left an error of its own."
+
+
 def _concluded(found: Trace) -> str:
     where = f"on held-out horizons of {found.horizon:g} s ({found.provenance})"
     if found.verdict == "nothing_missing":

@@ -10,6 +10,7 @@ from typing import Any
 
 from hybridid.estimators import Estimate
 from hybridid.model import Term
+from hybridid.trace.entries import Width
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import MAKES_A_MODEL, DescribedModel
@@ -44,12 +45,16 @@ def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def augmented(
-    settings: Settings, terms: Sequence[Term], paths: Mapping[str, str], estimate: Estimate
+    settings: Settings,
+    terms: Sequence[Term],
+    paths: Mapping[str, str],
+    estimate: Estimate,
+    widths: Sequence[Width] = (),
 ) -> Settings:
     """The settings with ``terms`` among their effects and the values of ``estimate`` as first guesses.
 
     ``paths`` gives the import path of each of the user's own effects, by id. A constant of a term that is not
-    estimated (the side of an end stop) keeps its value.
+    estimated (the side of an end stop) keeps its value. ``widths`` are smoothings that a trace made narrower.
     """
     names = [f"{paths.get(term.effect.id, term.effect.id)}@{term.port}" for term in terms]
     parameters = parameters_of(settings)
@@ -60,6 +65,9 @@ def augmented(
             setting = "fixed" if p.fixed else "guess"
             before = {key: value for key, value in (own.get(p.name) or {}).items() if key != BY}
             own[p.name] = {**before, setting: values[f"{term.name}.{p.name}"]}
+    for width in widths:
+        port, name = width.name.split(".")
+        parameters.setdefault(port, {}).setdefault(name, {})["guess"] = width.used
     config = {**settings.config, "effects": [*effect_entries(settings), *names], "parameters": parameters}
     return replace(settings, config=config)
 

@@ -25,6 +25,7 @@ from hybridid.trace.words import (
     error_left,
     idle_in_words,
     learned,
+    narrowed_in_words,
     parameters_in_words,
     refused_rivals,
     structure_in_words,
@@ -110,7 +111,7 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
 
 def _declared(found: Trace) -> Section | None:
     """What speaks against the declared physics."""
-    if not (found.idle or found.replacements):
+    if not (found.idle or found.narrowed or found.replacements):
         return None
     header = ("left out", "in its place", "less error", "p", "effects=[...] of the revised model")
     rows = tuple(
@@ -125,8 +126,8 @@ def _declared(found: Trace) -> Section | None:
     )
     title = f"Declared effects that others replace ({found.provenance})"
     tables = (Table(title, header, rows, (note,), words=(0, 1, 4)),) if rows else ()
-    idle = (idle_in_words(found),) if found.idle else ()
-    return Section("The declared physics", idle, tables)
+    said = tuple(one for one in (idle_in_words(found), narrowed_in_words(found)) if one)
+    return Section("The declared physics", said, tables)
 
 
 def _by_recording(found: Trace) -> Section | None:
