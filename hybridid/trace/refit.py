@@ -117,17 +117,18 @@ def refit(
         return numerics.steps(model, p, split, paths(found.problem, p, found.x0))
 
     def finer(found: Result) -> Start | None:
-        p = found.solution.p
-        needed = min(steps_at(found), STIFF)
+        needed = min(wanted, STIFF)
         if needed * numerics.finer <= found.problem.windows.substeps:
             return None
-        return Start(numerics.problem(model, split, needed), p, found.x0)
+        return Start(numerics.problem(model, split, needed), found.solution.p, found.x0)
 
     remembers = before is not None and len(model.states) > len(before.model.states)
     begun = _starts(model, split, starts, before, numerics)
-    found = descend(list(begun.values()), plan, split.fitted)
-    solved = [k for n, k in enumerate(begun) if not (remembers and n in found.diverged)]
-    found = refine(found, plan, finer, split.fitted)
+    first = descend(list(begun.values()), plan, split.fitted)
+    solved = [k for n, k in enumerate(begun) if not (remembers and n in first.diverged)]
+    wanted = steps_at(first)
+    found = refine(first, plan, finer, split.fitted)
+    wanted = wanted if found is first else steps_at(found)
     problem, solution, x0 = found.problem, found.solution, found.x0
     fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
     ours, ours_measured = _errors(fitted, solution.p, solution.x0)
@@ -153,7 +154,7 @@ def refit(
         substeps=problem.windows.substeps,
         numerics=numerics,
         unsolved=tuple(k for k in range(len(starts)) if k not in solved),
-        too_stiff=steps_at(found) > STIFF,
+        too_stiff=wanted > STIFF,
         ended_early=found.ended_early,
     )
 
