@@ -134,7 +134,15 @@ def _solved(
     model = promise.second.added_to(promise.first.added_to(base.model))
     try:
         found = refit_if_hopeful(
-            model, split, starts, base, numerics, to_beat, least, CONTINUATION, std_up_to=base.score.loss
+            model,
+            split,
+            starts,
+            base,
+            numerics,
+            to_beat,
+            least,
+            CONTINUATION,
+            std_up_to=(1 - least) * base.score.loss,
         )
     except (ValueError, ArithmeticError) as error:
         return PairTrial(pair, promise.share, None, failure=str(error))
