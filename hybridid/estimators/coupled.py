@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
+from scipy.linalg import lapack
 
 from hybridid.estimators.jacobian import of_each
 from hybridid.estimators.normal_equations import small
@@ -85,11 +85,10 @@ class Coupled:
         size = size[moving]
         scaled = self.gram[np.ix_(moving, moving)] / np.outer(size, size)
         scaled[np.diag_indices_from(scaled)] = 1.0 + damping + RIDGE
-        step = np.zeros(len(self.gradient))
-        try:
-            step[moving] = -linalg.solve(scaled, self.gradient[moving] / size, assume_a="pos") / size
-        except linalg.LinAlgError:
-            step[moving] = -np.linalg.lstsq(scaled, self.gradient[moving] / size, rcond=RIDGE)[0] / size
+        right, step = self.gradient[moving] / size, np.zeros(len(self.gradient))
+        if moving.any():
+            _, solved, indefinite = lapack.dposv(scaled, right)
+            step[moving] = -(np.linalg.lstsq(scaled, right, rcond=RIDGE)[0] if indefinite else solved) / size
         return step[: self.count], step[self.count :].reshape(self.states)
 
     def predicted(self, dp: Array, dx: Array) -> float:

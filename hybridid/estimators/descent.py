@@ -18,7 +18,7 @@ import numpy as np
 
 from hybridid.estimators.one_start import added, carried_to_the_end
 from hybridid.estimators.plan import Descent, Result, Start
-from hybridid.estimators.screening import from_the_best
+from hybridid.estimators.screening import from_looks, from_the_best
 
 Finer = Callable[[Result], Start | None]
 """Where to go on with shorter steps; None where those in use are short enough."""
@@ -35,6 +35,12 @@ def descend(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None
     results = [carried_to_the_end(start, plan, plan.continuation, plan.handover, fitted) for start in starts]
     costs = tuple(one.solution.cost for one in results)
     return replace(results[int(np.argmin(costs))], starts=costs)
+
+
+def go_on(found: Result, plan: Descent, fitted: Sequence[int] | None = None) -> Result:
+    """``found``, which ended early, carried to the end from where its short descents did; ``fitted`` as for
+    ``descend``."""
+    return replace(from_looks(found.looks, plan, fitted), diverged=found.diverged)
 
 
 def refine(found: Result, plan: Descent, finer: Finer, fitted: Sequence[int] | None = None) -> Result:

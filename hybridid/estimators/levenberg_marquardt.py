@@ -120,13 +120,13 @@ def _descend(
         held = variables.held(p, normal.gp)
         normal = normal.holding(variables.held_states(x0, normal.gx))
         here = shot
-        if cost <= problem.rounding or _promises_little(normal, held, cost, tolerance):
-            return Solution(p, x0, cost, "converged", True, iteration - 1, tuple(history))
         equations = learned.added_to(normal) if learned else normal
+        step = equations.step(damping, held)
+        if cost <= problem.rounding or _promises_little(normal, held, cost, tolerance, step):
+            return Solution(p, x0, cost, "converged", True, iteration - 1, tuple(history))
         slopes = iteration < stop.iterations  # most first trials are taken, and then slopes are needed
         while True:
-            dp, dx = equations.step(damping, held)
-            trial_p, trial_x = variables.moved(p, x0, dp, dx)
+            trial_p, trial_x = variables.moved(p, x0, *step)
             promised = equations.predicted(*variables.between(p, x0, trial_p, trial_x))
             shot = problem.shot(trial_x, trial_p, slopes, limit=np.inf if apart else cost)
             if apart and growth >= STUBBORN:
@@ -140,6 +140,7 @@ def _descend(
                 there = _promises_little(normal, held, cost, slow)
                 status = ROUGH if there else "stalled: no step lowers the cost"
                 return Solution(p, x0, cost, status, there, iteration, tuple(history))
+            step = equations.step(damping, held)
         damping *= max(1 / 10, 1 - (2 * ratio - 1) ** 3)
         damping, growth = max(damping, 1e-12), 2.0
         p, x0, cost = trial_p, trial_x, trial
@@ -190,8 +191,15 @@ def _at_rest(
 
 
 def _promises_little(
-    normal: Normal | Coupled, held: NDArray[np.bool_], cost: float, tolerance: float
+    normal: Normal | Coupled,
+    held: NDArray[np.bool_],
+    cost: float,
+    tolerance: float,
+    step: tuple[Array, Array] | None = None,
 ) -> bool:
-    """Whether even the undamped step would hardly lower the cost."""
-    promised = normal.predicted(*normal.step(1e-10, held))
-    return promised <= tolerance * max(cost, np.finfo(float).tiny)
+    """Whether even the undamped step would hardly lower the cost. No step promises more than that one, so a
+    ``step`` that promises enough spares it."""
+    little = tolerance * max(cost, np.finfo(float).tiny)
+    if step is not None and normal.predicted(*step) > little:
+        return False
+    return normal.predicted(*normal.step(1e-10, held)) <= little

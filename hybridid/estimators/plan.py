@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,10 +69,25 @@ class Start:
 
 
 @dataclass(frozen=True)
+class Look:
+    """Where a short descent from a start ended: it goes on from there, by the smoothings ``factors``."""
+
+    start: Start
+    seen: Solution
+    factors: tuple[float, ...]
+
+    def rest_of(self, plan: Descent) -> Descent:
+        """``plan`` with the iterations of the smoothings that are left out."""
+        times = len(plan.continuation) // len(self.factors)
+        return replace(plan, stop=replace(plan.stop, iterations=times * plan.stop.iterations))
+
+
+@dataclass(frozen=True)
 class Result:
     """Where a descent ended: the ``solution`` on the fitted horizons, initial states ``x0`` (w, n_x) of all
     horizons, and the cost at which each of the ``starts`` ended that were carried to the end. ``diverged``
-    are the numbers of those whose short descent could not be simulated. ``ended_early``: none was hopeful."""
+    are the numbers of those whose short descent could not be simulated. ``ended_early``: none was hopeful;
+    ``looks`` are then the ends of the short descents, the lowest cost first."""
 
     problem: Problem
     solution: Solution
@@ -80,3 +95,4 @@ class Result:
     starts: tuple[float, ...] = ()
     diverged: tuple[int, ...] = ()
     ended_early: bool = False
+    looks: tuple[Look, ...] = ()

@@ -138,7 +138,7 @@ class Problem:
             each = 0.5 * (shot.spent if r is None else np.sum(r * r, axis=(1, 2)))
         return np.where(np.isfinite(each), each, np.inf)
 
-    @property
+    @cached_property
     def rounding(self) -> float:
         """A cost that the arithmetic alone leaves."""
         return 0.5 * EXACT**2 * self.windows.samples * len(self.scale)

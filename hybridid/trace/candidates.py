@@ -40,7 +40,7 @@ class Candidate:
 
         First the effect starts at zero, where the fit of the poorer model ended: with its guessed shape, and
         with each declared value of one shape parameter. Then it starts at each declared value of an amplitude
-        (an input that is hardly clipped has no gradient at zero), and at its declared guess.
+        (an input that is hardly clipped has no gradient at zero), and at its declared guess. None twice.
         """
         port = model.plant.port(self.port)
         own = {p: p.at(port) for p in self.effect.parameters}
@@ -56,10 +56,13 @@ class Candidate:
         present = [
             {**guessed, f"{self.name}.{p.name}": value} for p in own if p.nests for value in p.starts_at(port)
         ]
-        return [
-            *({**values, **nothing, **one} for one in (shape, *others)),
-            *({**values, **one} for one in (*present, guessed)),
-        ]
+        absent = [{**values, **nothing, **one} for one in (shape, *others)]
+        return each_once([*absent, *({**values, **one} for one in (*present, guessed))])
+
+
+def each_once(starts: Sequence[dict[str, float]]) -> list[dict[str, float]]:
+    """``starts``, values by name, without those that came before."""
+    return list({tuple(sorted(start.items())): start for start in starts}.values())
 
 
 def admissible(

@@ -17,7 +17,7 @@ from itertools import product
 
 import numpy as np
 
-from hybridid.trace.candidates import Candidate
+from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
@@ -109,12 +109,12 @@ def attempt_pair(
 def _starts(
     promise: Promise, singles: tuple[Trial | None, Trial | None], base: Refit
 ) -> list[dict[str, float]]:
-    """Starts of both together: every combination of the starts of each."""
+    """Starts of both together: every combination of the starts of each, none twice."""
     each: list[list[Values]] = []
     for start, single in zip(promise.starts, singles, strict=True):
         ended = [_own(single.refit, single.candidate)] if single is not None and single.refit else []
         each.append([start, *ended])
-    return [{**base.values, **one, **other} for one, other in product(*each)]
+    return each_once([{**base.values, **one, **other} for one, other in product(*each)])
 
 
 def _own(refitted: Refit, candidate: Candidate) -> dict[str, float]:
@@ -134,7 +134,15 @@ def _solved(
     model = promise.second.added_to(promise.first.added_to(base.model))
     try:
         found = refit_if_hopeful(
-            model, split, starts, base, numerics, to_beat, least, CONTINUATION, std_up_to=base.score.loss
+            model,
+            split,
+            starts,
+            base,
+            numerics,
+            to_beat,
+            least,
+            CONTINUATION,
+            std_up_to=(1 - least) * base.score.loss,
         )
     except (ValueError, ArithmeticError) as error:
         return PairTrial(pair, promise.share, None, failure=str(error))

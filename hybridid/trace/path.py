@@ -17,14 +17,15 @@ from hybridid.effects.over import BRISTLE, RECENT, RECENT_LOAD, Over, factor_of
 from hybridid.effects.variable import Variable
 from hybridid.model import Model
 from hybridid.plants.plant import TOGETHER, Plant
+from hybridid.simulation.over_arrays import over_arrays
 from hybridid.trace.refit import Refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
 LAGGED: Mapping[Variable, Variable] = {RECENT: "velocity", RECENT_LOAD: "load"}
 """Variables that are a lag of another one's modulus."""
-AT_ONCE = 1000
-"""Samples of a path that CasADi evaluates in one call."""
+AT_ONCE = 2**12
+"""Samples of a path that are evaluated at once: so many stay in the processor's cache."""
 
 
 LOAD = Effect(
@@ -81,15 +82,16 @@ class Path:
         if variable == "load":
             return self._load(port)
         ports = [q.name for q in self.model.equation_ports]
-        moved = self._along(self.model.motions, self.p).reshape(len(ports), -1, 2)  # the level is a position
-        return moved[ports.index(port), :, 1 if variable == "velocity" else 0]
+        positions, velocities = self._along(self.model, "motions", self.p).reshape(2, len(ports), -1)
+        moved = velocities if variable == "velocity" else positions  # a level is a position
+        return np.asarray(moved[ports.index(port)])
 
     def place(self, port: str) -> Array:
         """Position or level at a port, (n,), or the signal of an output port; of several, of the first."""
         first = port.split(TOGETHER)[0]
         outputs = [signal.name for signal in self.model.outputs]
         if first in outputs:
-            return self._along(self.model.h, self.p)[outputs.index(first)]
+            return self._along(self.model, "h", self.p)[outputs.index(first)]
         return self.motion(first, "position")
 
     def seen(self, port: str, over: Over) -> Array:
@@ -134,12 +136,12 @@ class Path:
         rows = [k for k, (_, where) in enumerate(model.effort_places) if where == port]
         if not rows:
             return np.zeros((0, len(self.time)))
-        return self._along(model.efforts, model.values(values))[rows]
+        return self._along(model, "efforts", model.values(values))[rows]
 
     def effort_of(self, name: str, port: str) -> Array:
         """The effort of the model's own term ``name`` at ``port`` along this path, (n,)."""
         places = [(term.name, where) for term, where in self.model.effort_places]
-        return self._along(self.model.efforts, self.p)[places.index((name, port))]
+        return self._along(self.model, "efforts", self.p)[places.index((name, port))]
 
     def _load(self, port: str) -> Array:
         """What the two sides of ``port`` press against each other, drive minus load, (n,)."""
@@ -148,22 +150,32 @@ class Path:
     def _probed(self, probe: Effect, port: str) -> Array:
         """What a probe shows at ``port``, (n,)."""
         probed = self.model.plus(replace(probe, kind=self.model.plant.port(port).kind), port)
-        efforts = self._along(probed.efforts, probed.values(dict(zip(self._names, self.p, strict=True))))
-        return np.asarray(efforts[-1])
+        p = probed.values(dict(zip(self._names, self.p, strict=True)))
+        return np.asarray(self._along(probed, "efforts", p)[-1])
 
     @property
     def _names(self) -> list[str]:
         return [p.name for p in self.model.parameters]
 
-    def _along(self, function: ca.Function, p: Array) -> Array:
-        """``function`` (t, x, u, p) at every sample, its columns stacked."""
-        last, found = function.n_in() - 1, []
+    def _along(self, model: Model, name: str, p: Array) -> Array:
+        """The function ``name`` (t, x, u, p) of ``model`` at every sample: its entries, column after column,
+        (entries, n)."""
+        function = getattr(model, name)
+        run = model.kept(("along", name), lambda: over_arrays(_dense(function)))
+        rows = np.empty((function.numel_out(), len(self.time)))
         for start in range(0, len(self.time), AT_ONCE):
-            t, x, u = (a[start : start + AT_ONCE] for a in (self.time, self.states, self.inputs))
-            if start == 0 or len(t) < AT_ONCE:
-                many = function.map("along", "serial", len(t), [last], [])  # p is not repeated
-            found.append(np.asarray(many(t[None, :], x.T, u.T, p)))
-        return np.concatenate(found, axis=1)
+            part = slice(start, start + AT_ONCE)
+            t, x, u = (a[part].T.copy() for a in (self.time, self.states, self.inputs))
+            (entries,) = run([[t], list(x), list(u), list(p)])
+            for row, entry in zip(rows, entries, strict=True):
+                row[part] = entry
+        return rows
+
+
+def _dense(function: ca.Function) -> ca.Function:
+    """``function`` with every entry of its result, also those that are always zero."""
+    given = function.sx_in()
+    return ca.Function(function.name(), given, [ca.densify(function(*given))], {"cse": True})
 
 
 def is_load(plant: Plant, port: str, name: str) -> bool:

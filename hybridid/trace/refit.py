@@ -9,13 +9,12 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.estimators.carried import carry
-from hybridid.estimators.descent import descend, refine
+from hybridid.estimators.descent import descend, go_on, refine
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.plan import Descent, Handover, Refinement, Result, Start
 from hybridid.estimators.problem import Problem, paths
@@ -97,12 +96,14 @@ def refit(
     tolerance: float = TOLERANCE,
     std_up_to: float = np.inf,
     hopeful: float = np.inf,
+    surprising: float = -np.inf,
 ) -> Refit:
     """Fit ``model`` from the best of ``starts`` (values by name over guesses) and score it.
 
     ``before`` lends its initial states. ``factors`` is the continuation in epsilon; ``tolerance``
     as ``Stop`` has it. Standard errors are computed if the held-out loss is at most ``std_up_to``. It
-    ends early, without standard errors, if even the best start promises no fitted cost below ``hopeful``.
+    ends early, without standard errors, if even the best start promises no fitted cost below ``hopeful``, and
+    its held-out loss so far is not below ``surprising``.
 
     Raises:
         TooStiff: if the model is, at every start.
@@ -117,24 +118,25 @@ def refit(
         return numerics.steps(model, p, split, paths(found.problem, p, found.x0))
 
     def finer(found: Result) -> Start | None:
-        p = found.solution.p
-        needed = min(steps_at(found), STIFF)
+        needed = min(wanted, STIFF)
         if needed * numerics.finer <= found.problem.windows.substeps:
             return None
-        return Start(numerics.problem(model, split, needed), p, found.x0)
+        return Start(numerics.problem(model, split, needed), found.solution.p, found.x0)
 
     remembers = before is not None and len(model.states) > len(before.model.states)
     begun = _starts(model, split, starts, before, numerics)
-    found = descend(list(begun.values()), plan, split.fitted)
-    solved = [k for n, k in enumerate(begun) if not (remembers and n in found.diverged)]
-    found = refine(found, plan, finer, split.fitted)
-    problem, solution, x0 = found.problem, found.solution, found.x0
-    fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
-    ours, ours_measured = _errors(fitted, solution.p, solution.x0)
-    theirs, theirs_measured = _errors(judged, solution.p, x0[list(split.held_out)])
-    score = score_of(ours, theirs, problem.scale, cells=(ours_measured, theirs_measured))
+    first = descend(list(begun.values()), plan, split.fitted)
+    scored = _scored(first, split) if first.ended_early else None
+    if scored and scored[0].loss < surprising:
+        first, scored = go_on(first, plan, split.fitted), None
+    solved = [k for n, k in enumerate(begun) if not (remembers and n in first.diverged)]
+    wanted = steps_at(first)
+    found = refine(first, plan, finer, split.fitted)
+    wanted = wanted if found is first else steps_at(found)
+    solution = found.solution
+    score, fitted_rmse = scored or _scored(found, split)
     std, correlation = (
-        _standard_errors(fitted, solution)
+        _standard_errors(found.problem.on(split.fitted), solution)
         if score.loss <= std_up_to and not found.ended_early
         else ({}, np.empty((0, 0)))
     )
@@ -143,17 +145,17 @@ def refit(
         values={q.name: float(v) for q, v in zip(model.parameters, solution.p, strict=True)},
         std=std,
         correlation=correlation,
-        x0=x0,
-        fitted_rmse=np.sqrt(sum((e**2).sum(axis=0) for e in ours) / fitted.windows.counts),
+        x0=found.x0,
+        fitted_rmse=fitted_rmse,
         score=score,
         cost=solution.cost,
         status=solution.status,
         converged=solution.converged,
         seconds=time.perf_counter() - began,
-        substeps=problem.windows.substeps,
+        substeps=found.problem.windows.substeps,
         numerics=numerics,
         unsolved=tuple(k for k in range(len(starts)) if k not in solved),
-        too_stiff=steps_at(found) > STIFF,
+        too_stiff=wanted > STIFF,
         ended_early=found.ended_early,
     )
 
@@ -172,10 +174,8 @@ def refit_if_hopeful(
 ) -> Refit:
     """``refit`` that ends early if it neither takes the share ``least`` from the error of ``to_beat``, fitted
     or held out, nor promises to."""
-    fitted = partial(refit, model, split, starts, before, numerics, factors, tolerance, std_up_to)
-    found = fitted(hopeful=(1 - least) * to_beat.cost)
-    surprising = found.ended_early and found.score.loss < (1 - least) * to_beat.score.loss
-    return fitted() if surprising else found
+    cost, loss = ((1 - least) * error for error in (to_beat.cost, to_beat.score.loss))
+    return refit(model, split, starts, before, numerics, factors, tolerance, std_up_to, cost, loss)
 
 
 def least_of(worth: float) -> float:
@@ -294,6 +294,16 @@ def _standard_errors(fitted: Problem, solution: Solution) -> tuple[dict[str, flo
     moved = found.smoothing
     found = replace(found, covariance=found.covariance - np.outer(moved, moved), smoothing=0.0 * moved)
     return dict(zip(fitted.free, found.std.tolist(), strict=True)), found.correlation
+
+
+def _scored(found: Result, split: Split) -> tuple[Score, Array]:
+    """The score of a descent's end on the held-out horizons, and the RMSE (n_y,) on the fitted ones."""
+    problem, p = found.problem, found.solution.p
+    fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
+    ours, ours_measured = _errors(fitted, p, found.solution.x0)
+    theirs, theirs_measured = _errors(judged, p, found.x0[list(split.held_out)])
+    score = score_of(ours, theirs, problem.scale, cells=(ours_measured, theirs_measured))
+    return score, np.sqrt(sum((e**2).sum(axis=0) for e in ours) / fitted.windows.counts)
 
 
 def _errors(problem: Problem, p: Array, x0: Array) -> tuple[list[Array], list[Cells]]:

@@ -21,7 +21,7 @@ from hybridid.estimators.carried import by_parameter
 from hybridid.estimators.jacobian import columns
 from hybridid.estimators.problem import Problem
 from hybridid.model import Model
-from hybridid.trace.candidates import Candidate
+from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.refit import FAILURES, Refit, begin, problem_of
 from hybridid.trace.sought import known_means
 from hybridid.trace.split import Split
@@ -83,12 +83,12 @@ def _shapes(
     positive = tuple(p.lower >= 0 for p in amplitudes.values())
     view = _View(candidate, model, base, split, positive)
     starts = [{**start, **known} for start in starts]
-    absent = _each_once([{**start, **nothing} for start in starts])
+    absent = each_once([{**start, **nothing} for start in starts])
     found = [_if_possible(view.derivative, start, tuple(amplitudes)) for start in absent]
     if single is not None and single.refit is not None:
         found.append(_if_possible(view.ended, single.refit, absent[0]))
     if not any(found):
-        present = _each_once([start for start in starts if any(start[name] for name in amplitudes)])
+        present = each_once([start for start in starts if any(start[name] for name in amplitudes)])
         found = [_if_possible(view.difference, start, {**start, **nothing}) for start in present]
     yield from filter(None, found)
 
@@ -99,10 +99,6 @@ def _if_possible(look: Callable[..., _Projected], *given: object) -> _Projected:
         return look(*given)
     except (ValueError, *FAILURES):
         return None
-
-
-def _each_once(starts: Sequence[Mapping[str, float]]) -> list[Mapping[str, float]]:
-    return list({tuple(sorted(start.items())): start for start in starts}.values())
 
 
 @dataclass(frozen=True, eq=False)

@@ -70,7 +70,7 @@ def attempt(candidate: Candidate, base: Refit, split: Split, worth: float = Rule
     """Add the candidate to the base model, refit everything, compare on held-out horizons.
 
     A refit that promises little ends early: less than ``LEAST_DECREASE``, and than half of ``worth``, of the
-    fitted cost and of the held-out RMSE.
+    fitted cost and of the held-out RMSE. One that takes so little of the latter has no standard errors.
 
     What is too stiff for the integrator of ``base`` is tried again with the implicit one: the starts that it
     could not solve, or all if the end is too stiff. That trial counts if it explains more: else everything
@@ -107,7 +107,15 @@ def _attempt(
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
         starts = [{**starts[k], **known} for k in (range(len(starts)) if chosen is None else chosen)]
         found = refit_if_hopeful(
-            model, split, starts, base, numerics, to_beat, least, CONTINUATION, std_up_to=base.score.loss
+            model,
+            split,
+            starts,
+            base,
+            numerics,
+            to_beat,
+            least,
+            CONTINUATION,
+            std_up_to=(1 - least) * base.score.loss,
         )
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -31,7 +32,7 @@ from hybridid.trace.mapper import Mapper, serial
 from pipelines.shared.own_code import importable
 from pipelines.shared.parent_process import PATIENCE
 from pipelines.shared.pool_server import METHOD, ensure_server, one_thread
-from pipelines.shared.pool_worker import ENDED, Lost, serve
+from pipelines.shared.pool_worker import ENDED, Lost, Packed, serve
 from pipelines.shared.watch import Watcher
 
 __all__ = ["Lost", "Pool", "core_count", "load_early", "mapper_of", "side_by_side"]
@@ -85,7 +86,7 @@ def mapper_of(processes: int) -> Iterator[Mapper]:
 def _in_order(
     pool: Pool, function: Callable[..., object], arguments: Iterable[tuple[Any, ...]]
 ) -> Iterator[Any]:
-    calls = ((k, _called, (function, given)) for k, given in enumerate(arguments))
+    calls = ((k, _called, call) for k, call in enumerate(_packed(function, list(arguments))))
     early: dict[int, Any] = {}
     due = 0
     for k, kind, said in pool.events(calls):
@@ -99,9 +100,20 @@ def _in_order(
             yield result
 
 
-def _called(call: tuple[Callable[..., Any], tuple[Any, ...]], watcher: Watcher) -> Any:
+_Call = tuple[Callable[..., Any], tuple[Any, ...]]
+
+
+def _packed(function: Callable[..., object], arguments: Sequence[tuple[Any, ...]]) -> Iterator[_Call]:
+    """The calls, with each argument that all of them share pickled once."""
+    together = [all(one is first for one in same) for first, *same in zip(*arguments, strict=False)]
+    common = {k: Packed(pickle.dumps(arguments[0][k])) for k, shared in enumerate(together) if shared}
+    for given in arguments:
+        yield function, tuple(common.get(k, one) for k, one in enumerate(given))
+
+
+def _called(call: _Call, watcher: Watcher) -> Any:
     function, arguments = call
-    return function(*arguments)
+    return function(*(one.unpacked if isinstance(one, Packed) else one for one in arguments))
 
 
 def load_early(*modules: str) -> None:

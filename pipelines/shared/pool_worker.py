@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import signal
 import sys
 import time
@@ -11,6 +12,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import FrameType
@@ -23,6 +25,8 @@ from pipelines.shared.watch import Watcher
 
 BETWEEN = 0.2
 """Seconds between two reports of progress."""
+KEPT = 4
+"""Arguments that a worker keeps: a trace's horizons and the model that it adds to are two."""
 _OURS = Path(hybridid.__file__).parent
 ENDED = "ended"
 """The last message of a task: its result, or ``Lost``. All others are calls of a watcher's methods."""
@@ -34,6 +38,27 @@ class Lost:
 
     reason: str
     error: Exception | None = None
+
+
+@dataclass(frozen=True)
+class Packed:
+    """The pickled ``content`` of an argument that several calls share.
+
+    A worker keeps the last ones unpickled: what a call derives from one (the functions of a model, the states
+    that a record shows) serves the next.
+    """
+
+    content: bytes
+
+    @property
+    def unpacked(self) -> Any:
+        """The argument."""
+        return _kept(self.content)
+
+
+@lru_cache(maxsize=KEPT)
+def _kept(content: bytes) -> Any:
+    return pickle.loads(content)  # noqa: S301  # nosec B301  # it comes from our own parent, by a pipe
 
 
 class Stopped(BaseException):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hybridid.estimators import screening
-from hybridid.estimators.descent import descend, refine
+from hybridid.estimators.descent import descend, go_on, refine
 from hybridid.estimators.plan import Descent, Handover, Refinement, Start
 from hybridid.estimators.problem import build_problem
 from hybridid.estimators.stop import Stop
@@ -53,6 +53,10 @@ def test_a_screened_start_that_promises_little_goes_no_further(starts):
     assert not hopeless.solution.converged
     assert hopeless.diverged == (0,)
     assert hopeless.solution.cost > lowest
+    went_on = go_on(hopeless, plan)
+    assert not went_on.ended_early
+    assert went_on.solution.cost == lowest
+    assert went_on.diverged == (0,)
     promised = descend(starts, replace(plan, hopeful=1.1 * lowest))
     assert not promised.ended_early
     assert promised.solution.cost == lowest

@@ -40,3 +40,7 @@ def test_a_refit_that_promises_little_ends_early_without_standard_errors(make_mo
     assert not early.std
     assert early.score.loss == pytest.approx(whole.score.loss, rel=0.01)
     assert not refit(model, split, starts, hopeful=1.01 * whole.cost).ended_early
+    surprise = refit(model, split, starts, hopeful=0.5 * whole.cost, surprising=1.1 * early.score.loss)
+    assert not surprise.ended_early
+    assert surprise.values == whole.values
+    assert surprise.std == whole.std

@@ -215,6 +215,8 @@ def test_candidates_begin_where_the_poorer_model_ended(make_model):
     assert sum(start["carriage.stribeck.df_s"] == 0.0 for start in starts) >= 3
     assert len({start["carriage.stribeck.v_s"] for start in starts}) >= 3
     assert starts[-1]["carriage.stribeck.df_s"] > 0.0
+    once = Candidate(effect_named("asymmetric_coulomb"), "carriage")  # its guess is zero
+    assert once.starts(once.added_to(model), base) == [{**base, "carriage.asymmetric_coulomb.df_c": 0.0}]
 
 
 @pytest.mark.parametrize(

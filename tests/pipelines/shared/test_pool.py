@@ -181,6 +181,23 @@ def test_a_mapper_keeps_the_order_and_its_processes():
             os.kill(pid, 0)
 
 
+def grown(shared, x):
+    shared.append(x)
+    return len(shared), os.getpid()
+
+
+def test_what_all_calls_share_reaches_a_process_once():
+    with mapper_of(2) as mapper:
+        found = list(mapper(grown, [([], 1) for _ in range(4)]))
+        assert {length for length, _ in found} == {1}
+        shared = []
+        found = list(mapper(grown, [(shared, x) for x in range(6)]))
+    for pid in {pid for _, pid in found}:
+        lengths = [length for length, own in found if own == pid]
+        assert lengths == list(range(1, len(lengths) + 1))
+    assert shared == []
+
+
 def test_what_a_call_raises_comes_in_its_turn_with_its_traceback():
     with mapper_of(2) as mapper:
         results = mapper(squared, [(2, 0.3), ("no number",), (4,)])
