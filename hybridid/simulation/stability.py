@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from weakref import ref
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.settings.choices import Integrator
+from hybridid.simulation.over_arrays import over_arrays
 from hybridid.simulation.shooter import Shooter
 from hybridid.simulation.unobserved import filled_states
 from hybridid.simulation.windows import cut
@@ -129,8 +129,7 @@ def by_eigenvalues(
     at rest, ``|λ| h`` is below ``STABLE / margin``.
     """
     needed = 1.0
-    for record, path in zip(records, paths, strict=True):
-        moving, resting = _modes(model, p, record, path)
+    for record, (moving, resting) in zip(records, _modes(model, p, records, paths), strict=True):
         size = np.abs(moving)
         damping = np.divide(-moving.real, size, out=np.ones_like(size), where=size > 0)
         accurate = np.quantile((size / np.clip(damping, LEAST_DAMPING, 1) ** 0.25).max(axis=1), MOSTLY)
@@ -147,8 +146,7 @@ def by_kinks(model: Model, p: Array, records: Sequence[Record], paths: Sequence[
     rest than in motion. A growing mode needs short steps, too.
     """
     needed = 1.0
-    for record, path in zip(records, paths, strict=True):
-        moving, resting = _modes(model, p, record, path)
+    for record, (moving, resting) in zip(records, _modes(model, p, records, paths), strict=True):
         kink = np.abs(resting).max() - np.median(np.abs(moving).max(axis=1))
         growth = max(moving.real.max(), resting.real.max())
         needed = max(needed, record.dt * kink / RESOLVED, record.dt * growth / (0.25 * RESOLVED))
@@ -189,23 +187,31 @@ REMEDY: Mapping[str, str] = {
 }
 
 
-def _modes(model: Model, p: Array, record: Record, path: Array) -> tuple[Modes, Modes]:
-    """Eigenvalues of df/dx in 1/s at some samples of a record, (m, n_x), and at rest, (m, n_x)."""
-    counting = np.flatnonzero(record.counts) if record.masked else np.arange(record.n)
-    k = counting[np.unique(np.linspace(0, len(counting) - 1, PROBES).astype(int))]
-    states, slopes = path[k], _slopes(model, len(k))
+def _modes(
+    model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array]
+) -> list[tuple[Modes, Modes]]:
+    """Eigenvalues of df/dx in 1/s at some samples of each record, (m, n_x), and at rest, (m, n_x)."""
+    chosen = [_probed(record) for record in records]
+    t = np.concatenate([record.time[k] for record, k in zip(records, chosen, strict=True)])
+    x = np.concatenate([path[k] for path, k in zip(paths, chosen, strict=True)])
+    u = np.concatenate([record.inputs[k] for record, k in zip(records, chosen, strict=True)])
+    slopes, n_x = model.kept("slopes", lambda: over_arrays(model.by_state)), x.shape[1]
 
-    def eigenvalues(at: Array) -> Modes:
-        stacked = slopes(record.time[k], at.T, record.inputs[k].T, p)
-        matrices = np.asarray(stacked).reshape(at.shape[1], len(k), at.shape[1]).swapaxes(0, 1)
+    def eigenvalues(states: Array) -> Modes:
+        (entries,) = slopes([[t], list(states.T.copy()), list(u.T.copy()), list(p)])
+        stacked = np.array([np.broadcast_to(entry, t.shape) for entry in entries])
+        matrices = stacked.reshape(n_x, n_x, len(t)).T
         return np.linalg.eigvals(np.where(np.isfinite(matrices), matrices, 0.0)).astype(complex)
 
-    return eigenvalues(states), eigenvalues(np.zeros_like(states))
+    ends = np.cumsum([len(k) for k in chosen])[:-1]
+    moving, resting = (np.split(eigenvalues(states), ends) for states in (x, np.zeros_like(x)))
+    return list(zip(moving, resting, strict=True))
 
 
-def _slopes(model: Model, samples: int) -> ca.Function:
-    """df/dx at so many samples and one p, kept with the model: a fit asks for it many times."""
-    return model.kept(("slopes", samples), lambda: model.by_state.map("slopes", "serial", samples, [3], []))
+def _probed(record: Record) -> NDArray[np.intp]:
+    """Numbers of up to ``PROBES`` samples that count, evenly chosen."""
+    counting = np.flatnonzero(record.counts) if record.masked else np.arange(record.n)
+    return counting[np.linspace(0, len(counting) - 1, min(PROBES, len(counting))).astype(int)]
 
 
 def _outputs(model: Model, p: Array, records: Sequence[Record], paths: Sequence[Array], steps: int) -> Array:
