@@ -32,7 +32,13 @@ LIMIT = EffectParameter(
     nests=True,
 )
 SHARPNESS = EffectParameter(
-    "n", ONE, "sharpness, fixed: 2 bends early, 12 clips", guess=4.0, lower=1.0, fixed=True
+    "n",
+    ONE,
+    "sharpness: 2 bends early, as iron; 100 clips, as software",
+    guess=4.0,
+    lower=1.0,
+    upper=100.0,
+    minor=True,
 )
 
 

@@ -42,7 +42,7 @@ goes on after the short descents."""
 WITHOUT_STD = -np.inf
 """``std_up_to`` of a refit whose standard errors nothing reads."""
 STIFF = 8
-"""A start that needs more steps a sample is left out if another one needs fewer."""
+"""Steps a sample that are many for one more effect: see ``_room``."""
 
 
 FAILURES = (Diverged, ArithmeticError, np.linalg.LinAlgError)
@@ -59,8 +59,8 @@ class Refit:
 
     ``unsolved`` are the numbers of the starts that were left out as too stiff, or that diverged with a new
     inner state, whose stiffness no path of the poorer model shows. It is ``too_stiff`` if the end would need
-    more than ``STIFF`` steps. In either case the integrator may have decided, not the records. It
-    ``ended_early`` if no start was hopeful.
+    more steps than there is room for (``_room``). In either case the integrator may have decided, not the
+    records. It ``ended_early`` if no start was hopeful.
     """
 
     model: Model
@@ -118,11 +118,12 @@ def refit(
         return numerics.steps(model, p, split, paths(found.problem, p, found.x0))
 
     def finer(found: Result) -> Start | None:
-        needed = min(wanted, STIFF)
+        needed = min(wanted, room)
         if needed * numerics.finer <= found.problem.windows.substeps:
             return None
         return Start(numerics.problem(model, split, needed), found.solution.p, found.x0)
 
+    room = _room(before)
     remembers = before is not None and len(model.states) > len(before.model.states)
     begun = _starts(model, split, starts, before, numerics)
     first = descend(list(begun.values()), plan, split.fitted)
@@ -155,7 +156,7 @@ def refit(
         substeps=found.problem.windows.substeps,
         numerics=numerics,
         unsolved=tuple(k for k in range(len(starts)) if k not in solved),
-        too_stiff=wanted > STIFF,
+        too_stiff=wanted > room,
         ended_early=found.ended_early,
     )
 
@@ -240,6 +241,13 @@ def _lent(before: Refit, model: Model, split: Split) -> list[Array]:
     return lent
 
 
+def _room(before: Refit | None) -> int:
+    """Steps a sample up to which a refit is solved as the poorer model ``before`` was: half as many again as
+    that takes, and ``STIFF`` at least. What needs more is stiff by the effect that it adds."""
+    taken = 0 if before is None else before.substeps // before.numerics.finer
+    return max(STIFF, taken + taken // 2)
+
+
 def _starts(
     model: Model,
     split: Split,
@@ -261,7 +269,7 @@ def _starts(
         wanted = [steps if steps <= MOST else STIFF for steps in wanted]
     if min(wanted) > MOST:
         raise TooStiff(f"needs more than {MOST} steps a sample at every start")
-    limit = max(STIFF, min(wanted))
+    limit = max(_room(before), min(wanted))
     problems = {n: numerics.problem(model, split, n) for n in sorted(set(wanted)) if n <= limit}
     return {
         k: begin(problems[steps], model.values(start), before, numerics)
