@@ -36,10 +36,11 @@ SHARPNESS = EffectParameter(
     ONE,
     "sharpness: 2 bends early, as iron; 100 clips, as software",
     guess=4.0,
-    lower=1.0,
+    lower=2.0,
     upper=100.0,
     minor=True,
 )
+"""Below 2 the law would bend at u = 0 already: a drive follows small inputs in proportion."""
 
 
 INPUT_SATURATION = Effect(
