@@ -53,11 +53,11 @@ def narrowed(declared: Model, final: Model) -> tuple[Width, ...]:
 
 
 def _widths(model: Model) -> list[Parameter]:
-    """The epsilons that the user has not fixed."""
+    """The epsilons that are constants, and that the user has not fixed."""
     return [
         p
         for p in model.parameters
-        if p.name.endswith(".epsilon") and "fixed" not in model.adjustments.get(p.name, {})
+        if p.name.endswith(".epsilon") and p.fixed and "fixed" not in model.adjustments.get(p.name, {})
     ]
 
 

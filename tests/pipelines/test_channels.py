@@ -10,6 +10,7 @@ import pytest
 from hybridid.effects.library import EFFECTS
 from hybridid.records.record import RecordError
 from hybridid.trace.candidates import admissible
+from hybridid.trace.entries import Width
 from pipelines.runner import run_stages
 from pipelines.shared.augmented import augmented
 from pipelines.shared.errors import ConfigError
@@ -70,6 +71,13 @@ def test_an_accepted_effect_over_a_channel_is_configured(settings):
     assert better.terms[-1].name == term.name
     found = {p.name: (p.guess, p.fixed) for p in better.parameters}
     assert (found[f"{term.name}.k"], found[f"{term.name}.c_0"]) == ((0.5, False), (26.0, True))
+
+
+def test_a_smoothing_that_a_trace_made_narrower_is_configured(settings):
+    width = Width("carriage.epsilon", "m/s", 1e-3, 2.5e-4)
+    values = SimpleNamespace(values={})
+    model = model_of(augmented(settings({"effects": ["viscous", "coulomb"]}), [], {}, values, [width]))
+    assert {p.name: (p.guess, p.fixed) for p in model.parameters}["carriage.epsilon"] == (2.5e-4, True)
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from hybridid.trace.entries import (
     TriedEffect,
     TriedPair,
     Value,
+    Width,
 )
 from hybridid.trace.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
@@ -24,6 +25,7 @@ from hybridid.trace.run import _confounded
 from hybridid.trace.words import (
     _members,
     idle_in_words,
+    narrowed_in_words,
     refused_rivals,
     sentence,
     structure_in_words,
@@ -254,6 +256,15 @@ def test_what_speaks_against_the_declared_physics_is_told(nothing):
         "These records show nothing of carriage.offset, which was declared: it ends at zero."
     )
     assert idle_in_words(nothing()) == ""
+
+
+def test_a_narrower_smoothing_is_told(nothing):
+    width = Width("carriage.epsilon", "m/s", 1e-3, 2.5e-4)
+    assert narrowed_in_words(replace(nothing(), narrowed=(width,))) == (
+        "sign(v) is smoothed over 250 µm/s instead of 1 mm/s (carriage.epsilon): the wider smoothing left "
+        "an error of its own."
+    )
+    assert narrowed_in_words(nothing()) == ""
 
 
 @pytest.fixture
