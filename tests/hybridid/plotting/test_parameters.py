@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from hybridid.plotting.correlation_map import correlation_map, short_names
 from hybridid.plotting.parameters import parameters_plot
 from hybridid.plotting.series import PlotError
+from hybridid.plotting.style import new_figure
 
 
 def plot_of(estimates, parameters, width=180.0):
@@ -73,7 +73,7 @@ def test_nothing_estimated_is_refused(parameters):
 
 @pytest.mark.parametrize(("count", "written"), [(6, True), (7, False)])
 def test_the_cells_hold_numbers_or_a_scale_of_colours_stands_beside(count, written):
-    figure = Figure()
+    figure = new_figure(88.0, 60.0, "correlations", "measured")
     axes = figure.subplots()
     correlation_map(axes, [f"p{k}" for k in range(count)], np.eye(count), "gray box", 0.5)
     assert len(axes.texts) == (count**2 if written else 0)
