@@ -16,7 +16,7 @@ from hybridid_cli.config_files import options
 from hybridid_cli.tables import rendered, table
 from pipelines.new.create import Request, new
 from pipelines.new.machine import Machine
-from pipelines.new.template import meanings
+from pipelines.new.template import kinds, meanings
 from pipelines.shared.errors import ConfigError
 
 
@@ -49,8 +49,8 @@ class _Parser(argparse.ArgumentParser):
 def _request(words: Sequence[str]) -> Request:
     parser = _Parser(prog="hybridid new", add_help=False, allow_abbrev=False)
     parser.add_argument("name", type=Path)
-    parser.add_argument("--from", dest="recordings", nargs="+", type=Path, required=True, metavar="RECORDING")
-    parser.add_argument("--template", required=True)
+    parser.add_argument("--from", dest="recordings", nargs="+", required=True, metavar="RECORDING")
+    parser.add_argument("--template")
     parser.add_argument("--signal", action="append", default=[], metavar="SIGNAL=COLUMN")
     parser.add_argument("--scale", action="append", default=[], metavar="SIGNAL=NUMBER")
     parser.add_argument("--hold", action="append", default=[], metavar="SIGNAL=HOLD")
@@ -59,11 +59,13 @@ def _request(words: Sequence[str]) -> Request:
     axis.add_argument("--time", metavar="COLUMN")
     axis.add_argument("--rate", type=float, metavar="HZ")
     given = parser.parse_args(words)
+    if given.template is None:
+        raise ConfigError(f"--template is missing: {', '.join(kinds())}; hybridid new says what each is")
     if given.rate is not None and not 0 < given.rate < float("inf"):
         raise ConfigError(f"--rate is {given.rate:g}, it must be positive, in Hz")
     return Request(
         folder=given.name,
-        recordings=tuple(given.recordings),
+        recordings=tuple(map(_files, given.recordings)),
         template=given.template,
         signals=_pairs("--signal", given.signal),
         scales={signal: _number(signal, text) for signal, text in _pairs("--scale", given.scale).items()},
@@ -72,6 +74,11 @@ def _request(words: Sequence[str]) -> Request:
         time=given.time,
         rate=given.rate,
     )
+
+
+def _files(word: str) -> tuple[Path, ...]:
+    """The files of one recording, which + joins; a file may have a + in its name."""
+    return (Path(word),) if Path(word).exists() else tuple(map(Path, word.split("+")))
 
 
 _VALUES = {"--signal": "COLUMN", "--scale": "NUMBER", "--hold": "HOLD", "--constant": "COLUMN"}

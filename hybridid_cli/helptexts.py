@@ -213,6 +213,7 @@ typical magnitudes. It asks for everything else. Without a terminal it names the
   hybridid new                                    list the templates
   hybridid new my_rig --from swing.csv --template rotary
   hybridid new my_rig --from a.csv b.csv --template carriage --signal force=cur --scale force=2.1
+  hybridid new my_rig --from motor.mat+link.mat --template two_inertias   two files of one recording
 
 --signal SIGNAL=COLUMN   which column a signal is
 --scale SIGNAL=NUMBER    the signal's unit over the column's, as N·m per A

@@ -34,15 +34,15 @@ def _shown(part: str, asked: argparse.Namespace) -> str:
         return report.killed(_killed(asked.keep, asked.kills))
     chosen = [one for one in machines() if asked.only is None or one.name in asked.only]
     if part == RIGS:
-        return report.rigs(list(_played([one for one in chosen if one.planted], asked)))
-    return report.templates(list(_played([one for one in chosen if not one.planted], asked)))
+        return report.rigs(list(_played(part, [one for one in chosen if one.planted], asked)))
+    return report.templates(list(_played(part, [one for one in chosen if not one.planted], asked)))
 
 
-def _played(chosen: Sequence[Machine], asked: argparse.Namespace) -> Iterator[Outcome]:
+def _played(part: str, chosen: Sequence[Machine], asked: argparse.Namespace) -> Iterator[Outcome]:
     """Each machine, played; its row is printed as it is done."""
     more = () if asked.processes is None else (f"trace.processes={asked.processes}",)
     for machine in chosen:
-        with _folder(asked.keep, machine.name) as folder:
+        with _folder(asked.keep, part, machine.name) as folder:
             found = played(machine, folder, more)
         print(report.row(found), flush=True)
         yield found
@@ -62,10 +62,10 @@ def _killed(keep: Path | None, kills: int) -> killed.Killed:
 
 
 @contextmanager
-def _folder(keep: Path | None, name: str) -> Iterator[Path]:
-    """A new folder of this name, below ``keep``, or one that is removed afterwards."""
+def _folder(keep: Path | None, *names: str) -> Iterator[Path]:
+    """A new folder of these names, below ``keep``, or one that is removed afterwards."""
     with tempfile.TemporaryDirectory(prefix="strangers-") as scratch:
-        folder = (keep or Path(scratch)).resolve() / name
+        folder = (keep or Path(scratch)).resolve().joinpath(*names)
         folder.mkdir(parents=True)
         yield folder
 

@@ -13,7 +13,7 @@ class Advice:
     """What to do about a fit, ``said`` in words. It does not change the verdict.
 
     ``bound``: a parameter at its bound is collinear with another. ``scale``: some parameters share one free
-    scale. ``decay``: amplitude and time are one in the records. ``range``: a held-out record leaves what was
+    scale. ``decay``: amplitude and time cannot be told apart. ``range``: a held-out record leaves what was
     fitted. ``horizon``: the horizon of the fit is too long or too short for the records. ``stopped``: a
     descent used all its iterations, and needs more, or another tolerance. ``valley``: too few starts tell
     whether the valley that is kept is the lowest.

@@ -1,4 +1,4 @@
-"""Parameters that the records tell only together: two that run along each other, several with one scale.
+"""Parameters that the records determine only together: two that are collinear, several with one scale.
 
 The outputs of ``k_t u/R = J a + F`` stay the same if k_t, J and F are all multiplied by one factor. The
 logarithms of such a group then enter a null direction of the information matrix with equal weights.
@@ -21,7 +21,7 @@ from hybridid.quantities import fixed
 
 Array = NDArray[np.float64]
 COLLINEAR = 0.98
-"""Size of the correlation from which two parameters run along each other."""
+"""Size of the correlation from which two parameters count as collinear."""
 NULL = 1e-7
 """Singular value, over the largest, below which no sample shows a direction: the columns have length one."""
 TAKES_PART = 1e-3
@@ -33,8 +33,8 @@ SMALL = 1e-6
 
 
 def at_bound(estimate: Estimate) -> Iterator[Advice]:
-    """Of each parameter at its bound the one that it runs along. A bound of zero is physics: a friction that
-    is not there does not want wider bounds."""
+    """Of each parameter at its bound the one that it is collinear with. A bound of zero is physics: a friction
+    that is not there does not want wider bounds."""
     if not estimate.converged:
         return
     told: set[frozenset[str]] = set()

@@ -1,4 +1,4 @@
-"""A free decay: its amplitude falls with time alone, so what follows the one may as well follow the other.
+"""A free decay: its amplitude falls with time alone, so the two cannot be told apart as causes.
 
 A friction over the amplitude and a friction that drifts predict the same decay. A second decay that begins at
 another amplitude tells them apart, and so does a machine that is driven.
@@ -28,7 +28,7 @@ FALLS = 2.0
 
 
 def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
-    """Whether all ``records`` are decays that nothing drives, and their amplitude goes with time alone."""
+    """Whether all ``records`` are decays that nothing drives, their amplitude a function of time."""
     if not all(_undriven(record) for record in records):
         return
     from scipy.stats import spearmanr  # takes a while, and most machines are driven
@@ -43,10 +43,10 @@ def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
             high, low = (quantity(float(a), channel.unit, 2) for a in (amplitude.max(), amplitude.min()))
             yield Advice(
                 "decay",
-                f"amplitude and time are one in {listed([r.name for r in records])}: a free decay of "
-                f"{channel.name} from {high} to {low} (rank correlation {fixed(rank, 2)}), which a friction "
-                "over the amplitude and a friction that drifts with time explain alike; a decay from another "
-                "amplitude, or a driven record, tells them apart",
+                f"amplitude and time cannot be told apart in {listed([r.name for r in records])}: a free "
+                f"decay of {channel.name} from {high} to {low} (rank correlation {fixed(rank, 2)}), which a "
+                "friction over the amplitude and a friction that drifts with time explain alike; a decay "
+                "from another amplitude, or a driven record, tells them apart",
             )
             return
 

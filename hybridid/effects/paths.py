@@ -121,7 +121,7 @@ SENSOR_SCALE = Effect(
     ),
     source="Fraden (2016), Handbook of Modern Sensors, 5th ed., ch. 3 (calibration error)",
     pattern=(
-        "proportional to the output itself, at rest too; on a machine whose inertia is free it hides in that"
+        "proportional to the output itself, at rest too; a machine's inertia, where it is free, absorbs it"
     ),
     look_alikes=("input_gain", "linear_stiffness", "sensor_offset", "sensor_nonlinearity"),
     separating_experiment="compare the output with a gauge at two known positions, or with a second sensor",

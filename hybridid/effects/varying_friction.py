@@ -65,7 +65,7 @@ WARMING_FRICTION = Effect(
     dynamics=lambda at: {"w": (at.speed - at.z.w) / at.p.tau},
     parameters=(
         EffectParameter(
-            "b", DAMPING, "fall of the Coulomb level over the mean speed of late", guess=0.1, nests=True
+            "b", DAMPING, "fall of the Coulomb level over the recent mean speed", guess=0.1, nests=True
         ),
         EffectParameter(
             "tau",
@@ -78,7 +78,7 @@ WARMING_FRICTION = Effect(
             absolute=True,
         ),
     ),
-    states=(EffectState("w", VELOCITY, "mean speed of late: a measure of the contact's warmth"),),
+    states=(EffectState("w", VELOCITY, "recent mean speed: a measure of the contact's temperature"),),
     source=(
         "Bittencourt, Gunnarsson (2012), ASME J. Dyn. Syst. Meas. Control 134(5), 051013 (friction over "
         "temperature); the temperature of one thermal mass that friction heats in proportion to the speed: "

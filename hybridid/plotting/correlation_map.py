@@ -6,17 +6,19 @@ from collections import Counter
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
+from matplotlib.image import AxesImage
 
 from hybridid.plotting.axes import Array
 from hybridid.plotting.lettering import root, shorten
 from hybridid.plotting.looks import INK
 from hybridid.quantities import fixed
 
-WRITTEN = 8  # parameters up to which the numbers stand in the cells
+WRITTEN = 6  # parameters up to which the numbers fit into the cells
 
 
 def correlation_map(axes: Axes, names: Sequence[str], correlation: Array, title: str, room: float) -> None:
-    """Draw ``correlation`` (n, n), from blue (−1) over white to red (+1), numbers in the cells.
+    """Draw ``correlation`` (n, n), from blue (−1) over white to red (+1), with its numbers in the cells, or a
+    scale of colours beside it where these are too many.
 
     ``title`` is cut to ``room``, a part of the figure's width.
     """
@@ -32,8 +34,14 @@ def correlation_map(axes: Axes, names: Sequence[str], correlation: Array, title:
             for column in places:
                 value = float(correlation[row, column])
                 colour = "white" if abs(value) > 0.6 else INK
-                axes.text(column, row, fixed(value, 2), ha="center", va="center", fontsize=6, color=colour)
-    shorten(axes.set_title(title), room)
+                axes.text(column, row, fixed(value, 2), ha="center", va="center", fontsize=5.5, color=colour)
+    shorten(axes.set_title(f"correlation: {title}"), room)
+    if len(names) > WRITTEN:
+        _colours(axes, image)
+
+
+def _colours(axes: Axes, image: AxesImage) -> None:
+    """A scale of colours at the right of the map."""
     beside = axes.inset_axes((1.05, 0.0, 0.045, 1.0))
     bar = root(axes).colorbar(image, cax=beside, label="correlation [–]", ticks=(-1, 0, 1))
     bar.outline.set_visible(False)

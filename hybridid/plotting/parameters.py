@@ -182,7 +182,7 @@ def _dress_precision(axes: Axes, entries: Sequence[_Entry], wide: bool, several:
     axes.set_xlim(10.0**low, 10.0**high)
     axes.minorticks_off()
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    axes.set_xlabel("95 % half-width [% of estimate]")
+    axes.set_xlabel("95 % interval [± %]")
     axes.tick_params(axis="y", length=0, labelleft=not wide)
     beside = axes.secondary_yaxis("right")
     beside.set_yticks([e.y for e in entries], [_text(e) for e in entries])

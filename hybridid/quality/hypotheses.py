@@ -1,4 +1,4 @@
-"""What may be wrong with a record or a model beside missing physics, each as a change that would mend it.
+"""What may be wrong with a record or a model beside missing physics, each as a change that would correct it.
 
 A channel whose sign is reversed, that is in another unit than declared, or two columns that are swapped: the
 record is changed back. A parameter that wants to leave its bounds: they are released.
@@ -84,7 +84,7 @@ def hypotheses(model: Model, records: Sequence[Record], at_bound: Sequence[str])
     """All that is tried; ``at_bound`` names the parameters that a fit left at a bound.
 
     Channels that do not move have no sign or unit that a fit could tell, and channels of one unit share a
-    blunder: a reader of a file makes the same one with each.
+    mistake: a reader of a file makes the same one with each.
     """
     channels = (*records[0].input_channels, *records[0].output_channels)
     n_u = len(records[0].input_channels)

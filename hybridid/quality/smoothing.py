@@ -1,9 +1,9 @@
-"""Over which horizons a fit does not hang on the smoothing of sign(v).
+"""Over which horizons a fit does not depend on the smoothing of sign(v).
 
 With sign(v) smoothed, a reversal is simulated a moment too early or too late. Every later reversal of the
-same run moves with it. So in a long run the outputs can hang on the width of the smoothing, and the estimates
-with them. Over shorter horizons, each from an initial state of its own, the difference has no time to grow.
-Source: Ribeiro, Tiels, Umenberger, Schön, Aguirre (2020), "On the smoothness of nonlinear system
+same run moves with it. So in a long run the outputs can depend on the width of the smoothing, and the
+estimates with them. Over shorter horizons, each from an initial state of its own, the difference has no time
+to grow. Source: Ribeiro, Tiels, Umenberger, Schön, Aguirre (2020), "On the smoothness of nonlinear system
 identification", Automatica 121, 109158.
 """
 

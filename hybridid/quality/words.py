@@ -44,7 +44,7 @@ def incomplete(left: Sequence[Left]) -> str:
 
 
 def explains_little(views: Sequence[View]) -> str:
-    """That most of the motion is left, and nobody knows why."""
+    """That most of the motion is left, for an unknown reason."""
     said = "; ".join(
         f"{v.output} {where(v)}: {percent(_two_digits((v.rmse / v.nothing) ** 2))}" for v in views
     )

@@ -1,11 +1,11 @@
-"""The columns of an MCAP file, as ROS 2 records them: a column for each number of each topic's messages.
+"""The columns of a bag of ROS 2, MCAP or SQLite: a column for each number of each topic's messages.
 
 ``/joint_states.position[0]`` is a number of a message, ``/imu.angular_velocity.z`` one of a message within.
 ``/joint_states.stamp`` are the topic's stamps in s since the first stamp of the file: those of the messages'
 headers, or, without a header or where none is set, the times at which they were logged.
 
 A file can be from anybody. Its message definitions are read as data and run nothing, and what it may hold is
-bounded: a chunk before and after it is unpacked, a message, and all that is kept.
+bounded: a message, and all that is kept (``bag_records`` bounds what is unpacked).
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr
-from dataclasses import dataclass, field, replace
-from io import BytesIO, StringIO
+from dataclasses import dataclass, field
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.naming import shortened
+from hybridid.records.bag_records import records
 from hybridid.records.channel import Array, RecordError
 
-INSTALL = "reading .mcap files needs the extra ros: pip install 'hybridid[ros]'"
-LARGEST_CHUNK = 2**28
-"""Bytes of a chunk, packed or unpacked."""
+INSTALL = "reading bags of ROS 2 needs the extra ros: pip install 'hybridid[ros]'"
 LARGEST_MESSAGE = 2**16
 """Bytes of a message: images and point clouds, which are larger, are no signals."""
 LONGEST_LIST = 256
@@ -51,8 +50,8 @@ class Instants:
     seconds: Array
 
 
-def read_mcap(path: Path) -> Iterator[tuple[str, Stamped | Instants | str]]:
-    """The columns of the MCAP file at ``path``, or why a topic or a column is none.
+def read_bag(path: Path) -> Iterator[tuple[str, Stamped | Instants | str]]:
+    """The columns of the bag at ``path``, or why a topic or a column is none.
 
     Raises:
         RecordError: if the extra is not installed, the file is cut off, or it holds more than is read.
@@ -152,7 +151,7 @@ def _topics(path: Path) -> list[_Topic]:
     channels: dict[int, tuple[_Topic, Callable[[bytes], Any]]] = {}
     numbers = 0
     try:
-        for record in _records(path):
+        for record in records(path):
             if isinstance(record, Schema):
                 schemas[record.id] = record
             elif isinstance(record, Channel) and record.id not in channels:
@@ -165,7 +164,8 @@ def _topics(path: Path) -> list[_Topic]:
                 numbers += _taken(record, *channels[record.channel_id])
             if numbers > MOST_NUMBERS:
                 raise RecordError(
-                    f"{path}: more than {MOST_NUMBERS:,} numbers: leave topics out with mcap filter"
+                    f"{path}: more than {MOST_NUMBERS:,} numbers: leave topics out, with mcap filter "
+                    "or ros2 bag convert"
                 )
     except EndOfFile as end:
         raise RecordError(f"{path}: it ends in the middle: was it cut off? mcap recover may help") from end
@@ -210,38 +210,3 @@ def _taken(record: Any, topic: _Topic, decoder: Callable[[bytes], Any]) -> int:
         topic.unread = f"a message of it cannot be read: {shortened(str(wrong), 100) or type(wrong).__name__}"
         return 0
     return topic.take(message, record.log_time)
-
-
-def _records(path: Path) -> Iterator[Any]:
-    """The records of the file, those of a chunk in their places.
-
-    The library would unpack a chunk to whatever size it says inside, so it is unpacked here.
-    """
-    from mcap.records import Chunk
-    from mcap.stream_reader import StreamReader, breakup_chunk
-
-    with path.open("rb") as file:
-        for record in StreamReader(file, emit_chunks=True, record_size_limit=LARGEST_CHUNK).records:
-            if isinstance(record, Chunk):
-                yield from breakup_chunk(replace(record, compression="", data=_unpacked(path, record)))
-            else:
-                yield record
-
-
-def _unpacked(path: Path, chunk: Any) -> bytes:
-    """The bytes of a chunk."""
-    import lz4.frame
-    import zstandard
-
-    if chunk.compression == "zstd":
-        with zstandard.ZstdDecompressor().stream_reader(BytesIO(chunk.data)) as stream:
-            found = stream.read(LARGEST_CHUNK + 1)
-    elif chunk.compression == "lz4":
-        found = lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=LARGEST_CHUNK + 1)
-    elif chunk.compression:
-        raise RecordError(f"{path}: a chunk is packed by {chunk.compression!r}, allowed: zstd, lz4")
-    else:
-        found = chunk.data
-    if len(found) > LARGEST_CHUNK:
-        raise RecordError(f"{path}: a chunk of more than {LARGEST_CHUNK:,} bytes: write smaller ones")
-    return bytes(found)

@@ -59,7 +59,7 @@ def _slopes(values: Array, steps: Array, quantum: float, start: int, length: int
 
     The near slope is the path length, so that noise counts as motion, minus one step of the resolution,
     so that a single last count does not. The far slope is the difference over half the length of the
-    run, a distance over which a smooth top would hardly have bent.
+    run, a distance over which a smooth top would hardly have curved.
     """
     last, reach = start + length - 1, max(2, length // 2)
     for path in (steps[max(start - VICINITY, 0) : start], steps[last : last + VICINITY]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -51,6 +52,27 @@ class Columns(Mapping[str, Array]):
 
     def __len__(self) -> int:
         return len(self.values_by_name)
+
+
+def joined(tables: Sequence[Columns]) -> Columns:
+    """The columns of all files of one recording. A name that several of ``tables`` have becomes
+    ``file:column``, as ``find_column`` takes it."""
+    if len(tables) == 1:
+        return tables[0]
+    held = Counter(name for table in tables for name in (*table, *table.unusable))
+    stems = Counter(table.path.stem for table in tables)
+
+    def told(table: Columns, name: str) -> str:
+        file = table.path.stem if stems[table.path.stem] == 1 else table.path.name
+        return name if held[name] == 1 else f"{file}:{name}"
+
+    return Columns(
+        Path(", ".join(str(table.path) for table in tables)),
+        {told(table, name): values for table in tables for name, values in table.items()},
+        {told(table, name): why for table in tables for name, why in table.unusable.items()},
+        frozenset(told(table, name) for table in tables for name in table.instants),
+        {told(table, a): told(table, b) for table in tables for a, b in table.clocks.items()},
+    )
 
 
 def find_column(name: str, tables: Sequence[Columns]) -> Array:

@@ -261,7 +261,7 @@ def _clocks(
     signal, clock = signals[other], own[other]
     said = f"record {name}: signal {signal.name!r}"
     if of_time is None or clock is None or clock[0] != of_time[0]:
-        raise RecordError(f"{said} and time have no clock in common: take both from one .mcap file")
+        raise RecordError(f"{said} and time have no clock in common: take both from one bag")
     if time.column is None or time.column.rpartition(":")[2] != of_time[1]:
         raise RecordError(f"{said} is stamped by {clock[1]}: set time.column to stamps, as {of_time[1]}")
     table = next(table for table in tables if table.path == clock[0])

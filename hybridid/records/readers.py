@@ -1,4 +1,4 @@
-"""Reads named columns of numbers from a file: MATLAB (v5 and v7.3), HDF5, CSV, JSON, Parquet and MCAP.
+"""Reads named columns of numbers from a file: MATLAB (v5 and v7.3), HDF5, CSV, JSON, Parquet, bags of ROS 2.
 
 Everything numeric in a file is a column: a vector (n,), or a scalar as (1,). The samples of a matrix
 lie along its longer axis. Names address the parts of a file: ``data_theta[2]`` (counted from zero) is
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from hybridid.naming import shortened
-from hybridid.records.bags import Instants, Stamped, read_mcap
+from hybridid.records.bags import Instants, Stamped, read_bag
 from hybridid.records.channel import Array, RecordError
 from hybridid.records.columns import Columns
 from hybridid.records.json_columns import read_json, read_json_lines
@@ -278,10 +278,10 @@ READERS: Mapping[str, Callable[[Path], Found]] = {
     ".h5": _read_hdf5,
     ".hdf5": _read_hdf5,
     ".parquet": _read_parquet,
-    ".mcap": read_mcap,
+    ".mcap": read_bag,
+    ".db3": read_bag,
 }
 CONVERTED: Mapping[str, str] = {
-    ".db3": "write the bag as MCAP, with ros2 bag convert",
     ".bag": "write it as an MCAP file of ROS 2, with rosbags-convert",
 }
 """How a recording of another format becomes one that is read."""

@@ -266,7 +266,7 @@ class Record:
     def part(self, start: int, stop: int, name: str | None = None) -> Record:
         """Samples ``start`` to ``stop`` (exclusive) as a record of their own.
 
-        The part keeps the warnings about how the record was made. It is checked anew itself.
+        The part keeps the warnings about how the record was made. It is checked again.
 
         Raises:
             RecordError: if the part is too short.

@@ -36,13 +36,19 @@ class Labelled(NamedTuple):
 @dataclass(frozen=True)
 class TimeFound:
     """The time axis: its ``column``, in a ``unit`` of ``SECONDS`` (``assumed`` where nothing told it), the
-    usual ``step`` in s, and whether the stamps are ``even``. Without a column they are 0, ``step``, ..."""
+    usual ``step`` in s, and whether the stamps are ``even``. Without a column they are 0, ``step``, ...
+    ``same`` are further columns with the same stamps, of other files of the recording."""
 
     column: str | None
     unit: str
     assumed: bool
     step: float
     even: bool
+    same: tuple[str, ...] = ()
+
+
+class NoTimeError(RecordError):
+    """Nothing looks like time, or several columns do: the user must say which."""
 
 
 @dataclass(frozen=True)
@@ -90,12 +96,12 @@ def time_found(columns: Columns, column: str | None = None, step: float | None =
     A column looks like time if its name says so and it increases, or if it alone holds dates.
 
     Raises:
-        RecordError: if nothing looks like time, if several columns do, if its unit is none of time, or if the
-            stamps do not increase.
+        NoTimeError: if nothing looks like time, or several columns that differ do.
+        RecordError: if its unit is none of time, or if the stamps do not increase.
     """
     if column is None and step is not None:
         return TimeFound(None, "s", False, step, True)
-    name = column if column is not None else _looks_like_time(columns)
+    name, *same = [column] if column is not None else _looks_like_time(columns)
     stamps = columns[name]
     told = _unit_of_time(name, columns)
     unit = told or "s"
@@ -109,19 +115,29 @@ def time_found(columns: Columns, column: str | None = None, step: float | None =
         even = True
     except RecordError:
         even = False
-    return TimeFound(name, unit, not told, float(np.median(np.diff(seconds))), even)
+    return TimeFound(name, unit, not told, float(np.median(np.diff(seconds))), even, tuple(same))
 
 
-def _looks_like_time(columns: Columns) -> str:
+def _looks_like_time(columns: Columns) -> list[str]:
+    """The column that looks like time, and those that agree with it."""
     longest = max(len(values) for values in columns.values())
     whole = [name for name, values in columns.items() if len(values) == longest]
     named = [name for name in whole if _plain(labelled(name).label) in TIME_NAMES]
+    named = named or [name for name in whole if _plain(labelled(name.rpartition(":")[2]).label) in TIME_NAMES]
     found = named or [name for name in whole if name in columns.instants]
-    if len(found) == 1:
-        return found[0]
-    listed = ", ".join(found or whole)
-    said = "several columns look like time" if found else "no column looks like time"
-    raise RecordError(f"{columns.path}: {said}: {listed}; say which, or the sampling rate")
+    if found and all(np.array_equal(columns[name], columns[found[0]], equal_nan=True) for name in found):
+        return found
+    if found:
+        raise NoTimeError(f"{columns.path}: several columns look like time: {', '.join(found)}")
+    rising = [name for name in whole if _rises_evenly(columns[name])]
+    but = f"; {rising[0]} rises evenly, as time does" if rising else ""
+    raise NoTimeError(f"{columns.path}: no column is called time: {', '.join(whole)}{but}")
+
+
+def _rises_evenly(values: Array) -> bool:
+    """Whether all steps are positive and as long as the others, as of a clock or a counter."""
+    steps = np.diff(values)
+    return bool(len(steps) > 1 and steps.min() > 0 and np.ptp(steps) <= 1e-3 * steps.max())
 
 
 def _unit_of_time(name: str, columns: Columns) -> str:

@@ -1,14 +1,15 @@
 """How near the error that is left comes to the smallest error that a complete model could leave.
 
-Two things keep a complete model off the measured output: the sensor's noise, and the simulation's error.
-A machine that sticks does not creep as tanh(v/epsilon) does, and a step has a finite length. The error s
-of the simulation is found by Richardson's extrapolation, from the held-out errors e before, and e' after all
+Two things separate a complete model from the measured output: the sensor's noise, and the simulation's error.
+The simulation's error has two causes: friction at rest is smoothed to tanh(v/epsilon), so the model creeps
+where the machine sticks, and the integrator's step has a finite length. The error s of the simulation is
+found by Richardson's extrapolation, from the held-out errors e before, and e' after all
 is refitted with epsilon / 2 or with half the step. With r from other causes, and a method of order k,
 
     e^2 = r^2 + s^2,    e'^2 = r^2 + s^2 / 4^k,    so that s^2 = (e^2 - e'^2) 4^k / (4^k - 1).
 
-The order is one in epsilon and four in the step of RK4. Where the finer simulation leaves no smaller error,
-the simulation is not to blame.
+The order is one in epsilon and four in the step of RK4. Where the finer simulation leaves no smaller error, s
+is taken as zero.
 
 Source: Roache (1998), Verification and Validation in Computational Science and Engineering, ch. 5.
 """

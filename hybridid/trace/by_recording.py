@@ -187,7 +187,7 @@ def _alike(
 
 
 def _no_worse(other: Refit | None, best: Refit | None, rules: Rules) -> bool:
-    """Whether held-out horizons show no advantage of ``best`` over ``other`` worth the name."""
+    """Whether held-out horizons show no relevant advantage of ``best`` over ``other``."""
     if other is None or best is None:
         return False
     advantage = compare(other.score, best.score)

@@ -1,18 +1,19 @@
 """Whether an effect has the same amplitude in the held-out records as in the fitted ones.
 
 A law of physics keeps its amplitude from record to record of one machine. A law that only resembles what is
-missing is bent to each record anew. So the whole model is fitted once more, to the held-out horizons alone.
-With a +- s an amplitude where the trace fits, and a' +- s' where it judges, the amplitude has moved if
+missing takes another amplitude in each record. So the whole model is fitted once more, to the held-out
+horizons alone. With a +- s an amplitude where the trace fits, and a' +- s' where it judges, the amplitude has
+moved if
 
     |a - a'| > steady min(|a|, |a'|)   and   2 (1 - Phi(|a - a'| / sqrt(s^2 + s'^2))) <= alpha / n,
 
-n being the number of the effect's amplitudes. The first says that it matters (``Rules.steady``), the second
-that it is no chance. Both fits must have converged. Amplitudes of one unit are compared with the largest of
-them: one near zero has no size of its own. The standard errors are those of coloured residuals, so they hold
-what the model leaves.
+n being the number of the effect's amplitudes. The first condition is on the size of the change
+(``Rules.steady``), the second on its significance. Both fits must have converged. Amplitudes of one unit are
+compared with the largest of them: relative to itself, one near zero would move by a large share. The standard
+errors are those of coloured residuals, so they include the share of what the model does not explain.
 
-Where two effects explain the errors equally well, this may tell them apart: an error looks at one number,
-and the amplitudes at how each record came to it.
+Where two effects explain the errors equally well, this test may still tell them apart: it compares how each
+record leads to the error.
 
 Source: Chow (1960), Tests of equality between sets of coefficients in two linear regressions, Econometrica
 28(3), 591-605; Peters, Buhlmann, Meinshausen (2016), Causal inference by using invariant prediction,

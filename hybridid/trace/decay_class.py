@@ -1,18 +1,18 @@
-"""Amplitude and time are one in a free decay, so friction laws over the one and over the other are one class.
+"""In a free decay, friction over the amplitude and friction over the time cannot be told apart.
 
 In a decay that nothing drives, the amplitude A falls with the time t alone: A = a(t), which has an inverse. A
 friction that takes the power P(A) then takes the same power as one that takes P(a(t)). The record gives one
-such curve. Which of the two it follows is no question that it can answer, however well the parameters are
+such curve. It cannot show on which of the two the friction depends, however well the parameters are
 determined. Held-out horizons of the same decay lie on the same curve, so they do not tell either.
 
 A law over time depends on the time itself, or on a state whose memory is longer than a swing. Only laws that
-follow the velocity are compared: those take power. A spring changes the frequency, and the decay does not
-confuse it with friction.
+follow the velocity are compared: those take power. A spring changes the frequency, so it is not confused
+with friction.
 
-A law over time may need several over the amplitude in its place. The first three powers of the amplitude are
-dry, viscous and drag friction, so these are tried together.
-Source: Feeny, Liang (1996), A decrement method for the simultaneous estimation of Coulomb and viscous
-friction, J. Sound and Vibration 195(1), 149-154; with the next power.
+Several laws over the amplitude may be needed in the place of one over the time. The first three powers of the
+amplitude are dry, viscous and drag friction, so these are tried together. Source: Feeny, Liang (1996), A
+decrement method for the simultaneous estimation of Coulomb and viscous friction, J. Sound and Vibration
+195(1), 149-154; with the next power.
 """
 
 from __future__ import annotations

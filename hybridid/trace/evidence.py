@@ -7,9 +7,9 @@ whatever its parameters' bounds and whether or not its shape parameters exist un
 null. Horizons are the units; their autocorrelation sets how many count as independent.
 
 The likelihoods are compared by their signs, not by Student's t: an effect that acts now and then (a limit, a
-stop) makes a few differences large, and t takes their scatter for noise.
+stop) makes a few differences large, which increases the variance in the denominator of t.
 
-Whitening looks away from slow errors, which an autoregression predicts from their own past. So
+Whitening removes slow errors, which an autoregression predicts from their own past. So
 the squared errors themselves are compared as well (Diebold, Mariano), and their logarithms, in which
 one horizon that is far worse than the others cannot outweigh them. Of the three p-values the smallest
 counts, three times (Bonferroni).

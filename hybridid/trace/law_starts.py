@@ -1,8 +1,8 @@
-"""Where the refit of a composed law starts: in the likeness of a learned effort over the same variable.
+"""Where the refit of a composed law starts: as near as possible to a learned effort over the same variable.
 
 At each point of a grid of shape parameters, a linear regression along the path gives the amplitudes. The
-model's own terms may change as well: beside the learned effort they trade what is like them. The point that
-comes nearest is the start. It only chooses where a refit begins; the refit
+amplitudes of the model's own terms may change as well, since the learned effort may have taken a part of
+their efforts. The point that comes nearest is the start. It only chooses where a refit begins; the refit
 decides.
 """
 

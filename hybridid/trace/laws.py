@@ -1,4 +1,4 @@
-"""Laws that no effect of the library has: composed where a learned effort finds what no name explains.
+"""Laws that no effect of the library has: composed where a learned effort finds what no effect explains.
 
 A learned effort says over which variable something is missing, and how much any law of that variable could
 take. Every shape that textbooks use over that variable (``hybridid.effects.shapes``) is then an effect like
@@ -14,7 +14,7 @@ than the grid, and is tried all the same.
 Of laws that the held-out horizons cannot tell apart, the one with the fewest parameters is proposed; the
 others are told beside it. Effects that the law has made needless are removed again.
 
-Several effects, each of which resembles a part of an unknown law, may mend one another until little is left.
+Several effects, each of which resembles a part of an unknown law, may together leave little error.
 So where two or more were accepted, and a learned effort beside the declared model leaves less than all of
 them, laws are tried in their place as well. One that alone explains more, by more than ``Rules.tie`` and
 significantly, takes their place: as ``hybridid.trace.pairs`` does it with pairs.

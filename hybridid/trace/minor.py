@@ -1,8 +1,9 @@
-"""Effects that are minor beside a learned effort: no names before what takes most is known.
+"""Effects that are minor beside a learned effort are not accepted.
 
-A forward search takes the best effect of the library, also where something that the library does not hold
-takes far more. Such an effect resembles a part of the unknown, and further ones would mend what it leaves. So
-the best effect is held against the learned efforts beside the same model. With L the held-out loss,
+A forward search takes the best effect of the library, even where the machine has something else that would
+take far more of the error. The accepted effect then resembles a part of that, and further effects would be
+accepted to fit the rest. So the best effect is compared with the learned efforts beside the same model. With
+L the held-out loss,
 
     L_base^2 - L_effect^2 < majority (L_base^2 - L_learned^2)
 
@@ -10,8 +11,8 @@ says that the effect is minor. No learned effort takes more than all, so an effe
 L_base^2 is not minor, and nothing need be learned. Of two effects that add up, the larger takes at least half
 of what any curve can take; so a true effect is minor only where two help together and not alone. A learned
 effort adds up all effects of its variable, so it says nothing against an effect that is itself a curve over
-that variable. Else the step ends as if no effect had passed: pairs are tried next, and then composed laws,
-beside which the search goes on.
+that variable. If the effect is minor, the step ends as if none had passed: pairs are tried next, and then
+composed laws, beside which the search goes on.
 """
 
 from __future__ import annotations

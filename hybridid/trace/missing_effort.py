@@ -4,9 +4,9 @@
 
 A smoother finds the w(t) that makes the model agree with the record: an input estimated in
 simulation, never a second derivative of noise. The model is linearised about the states that the
-record shows, then about the smoothed ones until they stand still; each time the walk's intensity
-maximises the innovations' likelihood. (Linearised about a model's own prediction, which is wrong
-by what is missing, the walk would have to mend the linearisation too.)
+record shows, then about the smoothed ones until they no longer change; each time the walk's intensity
+maximises the innovations' likelihood. (Linearised about the model's own prediction, which lacks
+the missing effort, the walk would also contain the error of the linearisation.)
 
 Source: Rauch, Tung, Striebel (1965), AIAA J. 3(8), 1445-1450; Särkkä (2013), Bayesian Filtering
 and Smoothing, ch. 5 and 12; the augmented input is the "disturbance model" of Muske, Badgwell

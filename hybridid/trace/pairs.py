@@ -12,7 +12,7 @@ the place of each member, beside the other one: those that do as well form its c
 pair is refused where another one without a common member, and physically unrelated, explains as much; then no
 other is accepted either.
 
-An effect that resembles a pair may have been accepted in its place, and others that mend what it leaves. So
+An effect that resembles a pair may have been accepted in its place, and further effects to fit the rest. So
 where effects were accepted and something is still left, pairs are also tried beside the declared model. One
 that alone explains more than all accepted effects together, by more than ``Rules.tie`` and significantly,
 takes their place. (Sequential replacement: Miller (2002), Subset Selection in Regression, 2nd ed., ch. 3.)
@@ -188,7 +188,7 @@ def _free_parameters(pair: PairTrial) -> int:
 
 
 def _as_good(best: PairTrial, other: PairTrial, rules: Rules) -> bool:
-    """Whether held-out horizons show no advantage of ``best`` worth the name."""
+    """Whether held-out horizons show no relevant advantage of ``best``."""
     assert best.refit is not None
     assert other.refit is not None
     advantage = compare(other.refit.score, best.refit.score)

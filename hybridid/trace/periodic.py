@@ -1,10 +1,10 @@
-"""Whether a record shows that something repeats: a sine whose period is free fits any bend.
+"""Whether a record shows that something repeats: a sine of free period fits any short curve.
 
 Over less than one period, a sine of free amplitude, phase and period bends like a cubic polynomial. So an
 effect that is periodic in position or time counts only where the records cover ``LEAST`` periods: then its
 form repeats at least twice. A frequency above half the sampling frequency cannot be told from a lower
-one (Nyquist). A resonance (an effect with states) claims no repetition, but must swing: far above its
-frequency the load stands still, and its spring pulls as one to the ground would. So one period must fit into
+one (Nyquist). A resonance (an effect with states) claims no repetition, but must oscillate: far above its
+frequency the load stands still, and its spring acts as a spring to the ground. So one period must fit into
 a record. Source: Bretthorst (1988), Bayesian Spectrum Analysis and Parameter Estimation, ch. 6.
 """
 

@@ -3,9 +3,11 @@
 A forward search judges an effect beside the model of its step. What is accepted or taken out later changes
 that model, and with it the answer:
 
-- later effects may tell apart what was alike, so every rival takes the accepted effect's place once more;
+- later effects may tell apart what could not be told apart before, so every rival takes the accepted effect's
+  place once more;
 - an effect of that step's model may have been taken out since. Then all trials of the step were judged beside
-  a model that is no longer believed. So those that passed in any step are tried in the accepted one's place.
+  a model that has been discarded since. So those that passed in any step are tried in the accepted one's
+  place.
 
 Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2nd ed., Chapman & Hall, ch. 3.
 """

@@ -1,4 +1,4 @@
-"""Whether the declared physics should be other: each declared effect is left out, and the search begins anew.
+"""Whether others should replace a declared effect: each one is left out, and the search is repeated.
 
 A search that only adds cannot replace. Where viscous friction is declared, and Coulomb friction and quadratic
 drag are true, each of the two alone may gain nothing beside the viscous term; only the pair replaces it.
@@ -6,7 +6,7 @@ Without the declared effect each of them gains by itself, so the search finds th
 
 The model so found must beat the last one of the trace on held-out horizons, by the same rules. Its p-value
 counts every trial of every step of every such search (Bonferroni). And the effect that was left out must
-explain nothing more beside them: else it is not wrong, and others are only missing beside it.
+explain nothing more beside them: else it belongs to the model, and further effects are missing.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def _without(term: Term, found: Search, context: Context) -> Search:
     poorer, values = first.model.without(term.name), values_without(first, term.name)
     others = tuple(effect for effect in context.effects if effect.id != term.effect.id)
     rules = replace(context.rules, most_effects=len(found.accepted) + MORE)
-    context.say(f"without {term.name}: the search begins anew")
+    context.say(f"without {term.name}: the search is repeated")
     elsewhere = replace(context, effects=others, rules=rules)
     base = context.one(refit, poorer, context.split, [values], None, first.numerics, CONTINUATION)
     return continued(Search((), base, (), ""), elsewhere)

@@ -11,19 +11,20 @@ L_own being the loss right after the effect was accepted. A share above ``Rules.
 causes: the machine lacks two things, or the name is wrong. To tell them apart, the effect is removed and
 the learned effort stays. Two things then show that the learned effort can replace it. The effect took less
 than ``Rules.kept`` of what it took alone; and the learned effort in its place explains the records better,
-by more than ``Rules.tie`` and significantly. (If the truth were a function of that variable, it would.
-Where a dozen bumps do as well as a law of one parameter, the law is the simpler of two equals.) Then the
+by more than ``Rules.tie`` and significantly. (It would, if the machine had a function of that
+variable. Where a dozen bumps do only as well as a law of one parameter, the simpler law stays.) Then the
 effect is withdrawn, and with it all that was accepted later. The gain of the learned effort must survive
 other numerics. (Where friction sticks, smoothing it leaves an error over velocity that is no effect.)
 
 Where the effect is itself a curve over the learned variable, the learned effort contains it, and adds up what
-else there is over that variable. It always replaces it. So it accuses the effect only if it takes more than
-the effect does: a share above ``1 - Rules.majority``.
+else there is over that variable. It always replaces it. So it counts against the effect only if it takes
+more than the effect does: a share above ``1 - Rules.majority``.
 
-Several effects together may hide so much that little is left to find beside them. So one learned effort is
-also put in place of them all. If it alone takes more from the squared error, by a share above
-``Rules.stands_in``, they are withdrawn. A periodic effect that shows less than three periods is such a
-curve, too: it is no name, but where it explains more than the names do, they are not the truth.
+Several effects together may take so much of an unknown effort that a learned effort beside them finds little.
+So one learned effort is also put in place of them all. If it alone takes more from the squared error, by a
+share above ``Rules.stands_in``, they are withdrawn. A periodic effect that shows less than three periods is
+such a curve, too: it is not accepted, but where it explains more than the accepted effects do, these are
+withdrawn.
 
 Last, every test above asks whether an effect explains more than noise would. Where the error that is left is
 far above the noise, most of it comes from something unknown, and every flexible law resembles a part of that.

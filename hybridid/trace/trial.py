@@ -244,7 +244,7 @@ def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Tria
     Two effects are one class if the advantage of the better one is not significant, or less than
     ``rules.tie`` of the error. Declared look-alikes are one class also if it is less than ``rules.tie`` of
     what the better one takes from the squared error. (Bouc-Wen hysteresis contains Dahl's friction and has
-    one shape parameter more, which always mends a little.)
+    one shape parameter more, which always lowers the error a little.)
     """
     others = [t for t in trials if t is not best and (t.status == PASSED or _insignificant(t, best, rules))]
     return [
@@ -276,7 +276,7 @@ def related(one: Trial, other: Trial) -> bool:
 
 
 def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:
-    """Whether held-out horizons show no advantage of ``best`` worth the name."""
+    """Whether held-out horizons show no relevant advantage of ``best``."""
     assert best.refit is not None
     assert other.refit is not None
     advantage = compare(other.refit.score, best.refit.score)

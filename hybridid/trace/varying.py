@@ -1,16 +1,16 @@
-"""Names whose amplitude is no constant: a varying-coefficient model beside an accepted effect.
+"""Accepted effects whose amplitude is no constant: a varying-coefficient model beside an accepted effect.
 
 A law of the library is a form times a constant amplitude. A machine may have the form and another amplitude
 at every load, place or time: a detent that a spring presses, friction that a temperature sets. The library's
-law is then the best one it has, and leaves what its amplitude does. So where the search did not end at the
-noise, the amplitude of each accepted effect at an effort or flow port is freed:
+law is then the best available one, and the variation of its amplitude stays in the error. So where the search
+did not end at the noise, the amplitude of each accepted effect at an effort or flow port is freed:
 
     F = law (1 + sum_j a_j b_j(s)),   s a variable of the port, b_j as in ``hybridid.trace.learned_effort``
 
 With all a_j at zero this is the accepted model. If it takes most of the squared error that is left
 (``Rules.majority``), significantly with all such trials counted, and under other numerics as well, the
-amplitude is no constant and the law is not that of the library: the name is withdrawn. (Of noise alone no
-model takes that much, so this needs no estimate of the noise.)
+amplitude is no constant and the law is not that of the library: the name is withdrawn. (No
+model takes that much from noise alone, so this needs no estimate of the noise.)
 
 Source: Hastie, Tibshirani (1993), Varying-coefficient models, J. Royal Statistical Society B 55(4), 757-796.
 """

@@ -49,10 +49,10 @@ def chosen(
     found = _given(columns, given)
     while len(found) < len(signals):
         _settle(template, columns, found)
-        left = next((signal for signal in signals if signal.name not in found), None)
-        if left is not None:
+        left = [signal for signal in signals if signal.name not in found]
+        if left:
             free = [one for one in columns if one not in found.values()]
-            found[left.name] = _answered(left, free, ask)
+            found[left[0].name] = _answered(left, free, ask)
     return tuple(_in_unit(signal, found[signal.name], scales) for signal in signals)
 
 
@@ -121,15 +121,17 @@ def _may_be(signal: Signal, column: ColumnFound, driven: bool) -> bool:
     return not column.unit or driven or factor(column.unit, signal.unit) is not None
 
 
-def _answered(signal: Signal, free: Sequence[ColumnFound], ask: Ask) -> ColumnFound:
-    by_name = {column.name: column for column in free}
-    answer = ask(f"Which column is {signal.name}, the {signal.meaning} [{signal.unit}]?", list(by_name))
-    if answer is None:
-        raise ConfigError(
-            f"which column is {signal.name}, the {signal.meaning}? Give --signal {signal.name}=COLUMN; "
-            f"columns left: {', '.join(by_name) or 'none'}"
-        )
-    return by_name[answer]
+def _answered(left: Sequence[Signal], free: Sequence[ColumnFound], ask: Ask) -> ColumnFound:
+    """The column that the user answers for the first of the signals that are ``left``; where nobody answers,
+    a line asks for all of them."""
+    by_name, first = {column.name: column for column in free}, left[0]
+    answer = ask(f"Which column is {first.name}, the {first.meaning} [{first.unit}]?", list(by_name))
+    if answer is not None:
+        return by_name[answer]
+    asked = ", which ".join(f"is {signal.name}, the {signal.meaning}" for signal in left)
+    flags = " ".join(f"--signal {signal.name}=COLUMN" for signal in left)
+    columns = ", ".join(by_name) or "none"
+    raise ConfigError(f"which column {asked}? Give {flags}; columns left: {columns}")
 
 
 def _in_unit(signal: Signal, column: ColumnFound, scales: Mapping[str, float]) -> Chosen:

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from hybridid.records.channel import Hold, RecordError
-from hybridid.records.columns import Columns
+from hybridid.records.columns import Columns, joined
 from hybridid.records.mapping import SignalMap, TimeMap, build_record
 from hybridid.records.readers import read_columns
 from hybridid.records.record import Record
-from hybridid.records.survey import TimeFound, columns_found, time_found
+from hybridid.records.survey import NoTimeError, TimeFound, columns_found, time_found
 from pipelines.new.columns import Ask, Chosen, chosen
 from pipelines.new.machine import Machine, Recording
 from pipelines.new.pages import case_file, readme
@@ -28,12 +28,12 @@ from pipelines.shared.tree import discard_unfinished, replacing, write_text
 
 @dataclass(frozen=True)
 class Request:
-    """What the user asks for: columns, scales and holds by signal, and the column of ``time`` or the ``rate``
-    in Hz, where the files do not tell it. ``constants`` are columns that hold one number, by the parameter
-    that it is."""
+    """What the user asks for: the files of each recording; columns, scales and holds by signal; the column of
+    ``time`` or the ``rate`` in Hz, where the files do not tell it. ``constants`` are columns that hold one
+    number, by the parameter that it is."""
 
     folder: Path
-    recordings: tuple[Path, ...]
+    recordings: tuple[tuple[Path, ...], ...]
     template: str
     signals: Mapping[str, str] = field(default_factory=dict)
     scales: Mapping[str, float] = field(default_factory=dict)
@@ -53,28 +53,39 @@ def new(request: Request, ask: Ask) -> Machine:
     name = _name_of(request.folder)
     plan = template(request.template)
     _check_signals(plan, request)
-    tables = [read_columns(path) for path in request.recordings]
-    step = 1 / request.rate if request.rate else None
-    times = [time_found(table, request.time, step) for table in tables]
+    tables = [joined([read_columns(path) for path in paths]) for paths in request.recordings]
+    times = [_time_of(table, request) for table in tables]
     apart = {(time.column, time.unit) for time in times}
     if len(apart) > 1:
         raise RecordError(f"the recordings have different time columns: {sorted(map(str, apart))}")
-    found = [one for one in columns_found(tables[0]) if one.name != times[0].column]
+    clocks = (times[0].column, *times[0].same)
+    found = [one for one in columns_found(tables[0]) if one.name not in clocks]
     picked = chosen(plan, found, request.signals, request.scales, ask)
     picked = tuple(_with_gaps(_with_hold(one, plan, request), plan, tables) for one in picked)
     times = [_aligned(time, table, picked) for time, table in zip(times, tables, strict=True)]
     names = _record_names(request.recordings)
     here = request.folder.resolve()
     recordings = tuple(
-        Recording(record, _address(path.resolve(), here), time, _constants(table, request))
-        for record, path, time, table in zip(names, request.recordings, times, tables, strict=True)
+        Recording(
+            record, tuple(_address(path.resolve(), here) for path in paths), time, _constants(table, request)
+        )
+        for record, paths, time, table in zip(names, request.recordings, times, tables, strict=True)
     )
     records = tuple(
-        _read(name, table, time, plan, picked) for name, table, time in zip(names, tables, times, strict=True)
+        _read(name, paths, time, plan, picked)
+        for name, paths, time in zip(names, request.recordings, times, strict=True)
     )
     machine = Machine(name, request.folder, plan, picked, recordings, records)
     _write(machine)
     return machine
+
+
+def _time_of(table: Columns, request: Request) -> TimeFound:
+    """The time axis of a recording; where nothing tells it, the options that do."""
+    try:
+        return time_found(table, request.time, 1 / request.rate if request.rate else None)
+    except NoTimeError as open_question:
+        raise ConfigError(f"{open_question}. Give --time COLUMN, or --rate HZ") from open_question
 
 
 def _aligned(time: TimeFound, table: Columns, picked: tuple[Chosen, ...]) -> TimeFound:
@@ -143,13 +154,15 @@ def _with_gaps(one: Chosen, plan: Template, tables: Sequence[Columns]) -> Chosen
     return replace(one, gaps=gaps and one.signal in plan.outputs)
 
 
-def _record_names(paths: tuple[Path, ...]) -> list[str]:
-    """A name for each recording, after its file."""
-    names = [re.sub(r"\W+", "_", path.stem).strip("_").lower() or "record" for path in paths]
+def _record_names(recordings: tuple[tuple[Path, ...], ...]) -> list[str]:
+    """A name for each recording, after its first file."""
+    names = [re.sub(r"\W+", "_", paths[0].stem).strip("_").lower() or "record" for paths in recordings]
     return [n if names.count(n) == 1 else f"{n}_{i}" for i, n in enumerate(names, 1)]
 
 
-def _read(name: str, table: Columns, time: TimeFound, plan: Template, picked: tuple[Chosen, ...]) -> Record:
+def _read(
+    name: str, paths: tuple[Path, ...], time: TimeFound, plan: Template, picked: tuple[Chosen, ...]
+) -> Record:
     """The recording as the case will read it, so that what is written works."""
     signals = {
         one.signal.name: SignalMap(
@@ -162,9 +175,11 @@ def _read(name: str, table: Columns, time: TimeFound, plan: Template, picked: tu
         )
         for one in picked
     }
-    axis = TimeMap(time.column, time.unit) if time.column is not None else TimeMap(dt=time.step)
+    axis = TimeMap(dt=time.step)
+    if time.column is not None:
+        axis = TimeMap(time.column, time.unit, same=time.same)
     inputs, outputs = ([signals[one.name] for one in ours] for ours in (plan.inputs, plan.outputs))
-    return build_record(name, [table.path], axis, inputs, outputs, resample=None if time.even else time.step)
+    return build_record(name, paths, axis, inputs, outputs, resample=None if time.even else time.step)
 
 
 def _write(machine: Machine) -> None:

@@ -22,11 +22,11 @@ EDGE = 2.0
 
 @dataclass(frozen=True)
 class Recording:
-    """One recording: its record's name, its file as the case names it, its time axis, and the parameters that
-    it gives."""
+    """One recording: its record's name, its files as the case names them, its time axis, and the parameters
+    that it gives."""
 
     name: str
-    file: str
+    files: tuple[str, ...]
     time: TimeFound
     constants: Mapping[str, float]
 

@@ -30,7 +30,8 @@ def _rendered(file: str, machine: Machine) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["quoted"] = lambda text: json.dumps(text, ensure_ascii=False)
+    quoted = environment.filters["quoted"] = lambda text: json.dumps(text, ensure_ascii=False)
+    environment.filters["files"] = lambda files: quoted(files[0] if len(files) == 1 else files)
     environment.filters["span"] = lambda part: ", ".join(
         f"{key}: {at}" for key, at in (("start", part.start), ("stop", part.stop)) if at is not None
     )

@@ -113,6 +113,15 @@ def test_the_servo_is_skipped_with_a_reason(monkeypatch):
     assert "**Skipped**: the measured records are not at hand" in report.servo(None)
 
 
+def test_the_servo_of_the_templates_and_the_measured_one_are_kept_apart(tmp_path):
+    from benchmarks.strangers.__main__ import SERVO, TEMPLATES, _folder
+
+    with _folder(tmp_path, SERVO) as measured, _folder(tmp_path, TEMPLATES, SERVO) as simulated:
+        assert measured.is_dir()
+        assert simulated.is_dir()
+        assert measured not in simulated.parents
+
+
 def test_the_page_s_servo_is_within_the_lines_allowed():
     """The changed lines of the page, made on what the template writes."""
     _, plant, _ = servo.said_on_page()

@@ -143,7 +143,7 @@ def test_a_pendulum_that_swings_freely_has_a_free_scale_of_its_torques():
     known = compose(Free(), ["viscous"], {"J": {"fixed": 0.02}})
     assert told("scale", known, [swing]) == []
     (decay,) = told("decay", known, [swing])
-    assert decay.startswith("amplitude and time are one in swing: a free decay of angle from ")
+    assert decay.startswith("amplitude and time cannot be told apart in swing: a free decay of angle from ")
 
 
 def decaying(amplitude, name, n=3000, dt=0.01, torque=None):

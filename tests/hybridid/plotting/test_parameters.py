@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hybridid.plotting.correlation_map import short_names
+from hybridid.plotting.correlation_map import correlation_map, short_names
 from hybridid.plotting.parameters import parameters_plot
 from hybridid.plotting.series import PlotError
+from hybridid.plotting.style import new_figure
 
 
 def plot_of(estimates, parameters, width=180.0):
@@ -55,7 +56,7 @@ def test_several_models_keep_apart_and_each_has_its_map(estimate, parameters):
     figure = plot_of({"a": estimate(), "b": estimate((80.0, 150.0, 9.0, 0.1))}, parameters).figure
     heights = [c.lines[0].get_ydata()[0] for c in figure.axes[0].containers]
     assert len(set(heights)) == 8
-    assert [axes.get_title(loc="left") for axes in figure.axes[2:4]] == ["a", "b"]
+    assert [axes.get_title(loc="left") for axes in figure.axes[2:4]] == ["correlation: a", "correlation: b"]
     cells = [text.get_text() for text in figure.axes[2].texts]
     assert cells[:4] == ["1.00", "0.90", "−0.40", "0.10"]
 
@@ -68,3 +69,12 @@ def test_short_names_stay_unique():
 def test_nothing_estimated_is_refused(parameters):
     with pytest.raises(PlotError, match="parameters of identification: no estimate"):
         plot_of({}, parameters)
+
+
+@pytest.mark.parametrize(("count", "written"), [(6, True), (7, False)])
+def test_the_cells_hold_numbers_or_a_scale_of_colours_stands_beside(count, written):
+    figure = new_figure(88.0, 60.0, "correlations", "measured")
+    axes = figure.subplots()
+    correlation_map(axes, [f"p{k}" for k in range(count)], np.eye(count), "gray box", 0.5)
+    assert len(axes.texts) == (count**2 if written else 0)
+    assert len(axes.child_axes) == (0 if written else 1)

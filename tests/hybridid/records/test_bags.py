@@ -1,15 +1,17 @@
-"""MCAP files as ROS 2 writes them: each number a column, stamps of each topic, and bounds on what is read."""
+"""Bags of ROS 2, MCAP and SQLite: each number a column, stamps of each topic, and bounds on what is read."""
 
 from __future__ import annotations
 
+import sqlite3
 import struct
+from contextlib import closing
 from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from hybridid.records import bags
+from hybridid.records import bag_records, bags
 from hybridid.records.channel import RecordError
 from hybridid.records.mapping import build_record, record_map
 from hybridid.records.readers import read_columns
@@ -217,7 +219,7 @@ def test_a_chunk_that_unpacks_to_more_than_it_may_is_refused(tmp_path, monkeypat
     from mcap.records import Chunk
     from mcap.writer import Writer
 
-    monkeypatch.setattr(bags, "LARGEST_CHUNK", 100_000)
+    monkeypatch.setattr(bag_records, "LARGEST_CHUNK", 100_000)
     pack = {"zstd": zstandard.ZstdCompressor().compress, "lz4": lz4.frame.compress}[compression]
     bomb = Chunk(
         compression=compression,
@@ -244,7 +246,7 @@ def test_a_chunk_that_unpacks_to_more_than_it_may_is_refused(tmp_path, monkeypat
 
 def test_more_numbers_than_are_kept_are_refused(bag, monkeypatch):
     monkeypatch.setattr(bags, "MOST_NUMBERS", 100)
-    with pytest.raises(RecordError, match="more than 100 numbers: leave topics out with mcap filter"):
+    with pytest.raises(RecordError, match="more than 100 numbers: leave topics out, with mcap filter"):
         read_columns(bag.write(swing()))
 
 
@@ -257,13 +259,89 @@ def test_a_definition_that_holds_itself_ends_in_one_line(bag):
     path.write_bytes(endless)
     with pytest.raises(RecordError, match="it holds no column of numbers"):
         read_columns(path)
-    assert "a message of it cannot be read: maximum recursion depth" in dict(bags.read_mcap(path))["/a"]
+    assert "a message of it cannot be read: maximum recursion depth" in dict(bags.read_bag(path))["/a"]
 
 
-def test_other_bags_say_how_they_become_one(tmp_path):
-    (tmp_path / "old.db3").write_bytes(b"SQLite format 3\0")
-    with pytest.raises(RecordError, match=r".db3 is not read: write the bag as MCAP, with ros2 bag convert"):
-        read_columns(tmp_path / "old.db3")
+def as_database(path):
+    """The bag of an MCAP file in the tables of rosbag2_storage_sqlite3, as since ROS 2 Iron."""
+    from mcap.reader import make_reader
+
+    target = path.with_suffix(".db3")
+    with path.open("rb") as file, closing(sqlite3.connect(target)) as bag, bag:
+        bag.executescript(
+            "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,"
+            " serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);"
+            "CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL,"
+            " encoding TEXT NOT NULL, encoded_message_definition TEXT NOT NULL);"
+            "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL,"
+            " timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
+        )
+        for schema, channel, message in make_reader(file).iter_messages():
+            definition = (schema.id, schema.name, schema.encoding, schema.data.decode())
+            bag.execute("INSERT OR IGNORE INTO message_definitions VALUES (?, ?, ?, ?)", definition)
+            topic = (channel.id, channel.topic, schema.name, channel.message_encoding)
+            bag.execute("INSERT OR IGNORE INTO topics VALUES (?, ?, ?, ?, '')", topic)
+            row = (channel.id, message.log_time, message.data)
+            bag.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)", row)
+    return target
+
+
+@pytest.fixture
+def database(bag):
+    return as_database(bag.write(swing()))
+
+
+def test_a_database_has_the_columns_that_the_mcap_file_of_its_messages_has(bag, database):
+    packed, plain = read_columns(bag.path), read_columns(database)
+    assert set(plain) == set(packed)
+    assert plain.instants == packed.instants
+    for name in packed:
+        np.testing.assert_array_equal(plain[name], packed[name])
+    np.testing.assert_array_equal(plain["/cmd.data"], np.sin(np.arange(0, 200, 3) * 0.01))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            "DROP TABLE message_definitions",
+            "lacks message definitions, as before ROS 2 Iron: .*ros2 bag convert",
+        ),
+        ("DROP TABLE messages", "it has no table messages of topic_id, timestamp, data"),
+        (
+            "DROP TABLE messages; CREATE VIEW messages AS WITH RECURSIVE n(k) AS "
+            "(SELECT 0 UNION ALL SELECT k + 1 FROM n) "
+            "SELECT 1 AS topic_id, k AS timestamp, x'00' AS data FROM n",
+            "it has no table messages",
+        ),
+        ("UPDATE messages SET data = x'28b52ffd00'", "packed by zstd: .*ros2 bag convert"),
+        ("UPDATE messages SET topic_id = 9", "a message is of channel 9, which it lacks"),
+        ("UPDATE messages SET data = 'text'", "not a readable .db3 file"),
+    ],
+)
+def test_a_database_that_is_no_bag_with_definitions_is_told_in_one_line(database, change, said):
+    with closing(sqlite3.connect(database)) as bag, bag:
+        bag.executescript(change)
+    with pytest.raises(RecordError, match=said) as told:
+        read_columns(database)
+    assert "\n" not in str(told.value)
+
+
+def test_a_database_that_is_still_recorded_or_cut_off_is_refused(database, tmp_path):
+    (tmp_path / "half.db3").write_bytes(database.read_bytes()[:9000])
+    with pytest.raises(RecordError, match=r"not a readable \.db3 file"):
+        read_columns(tmp_path / "half.db3")
+    database.with_name("swing.db3-wal").write_bytes(b"more")
+    with pytest.raises(
+        RecordError, match=r"its last messages are in swing\.db3-wal: end its recording first"
+    ):
+        read_columns(database)
+
+
+def test_bags_of_ros_1_say_how_they_become_one(tmp_path):
+    (tmp_path / "old.bag").write_bytes(b"#ROSBAG V2.0")
+    with pytest.raises(RecordError, match=r".bag is not read: write it as an MCAP file .*rosbags-convert"):
+        read_columns(tmp_path / "old.bag")
 
 
 def test_without_the_extra_one_line_says_how_to_install_it(bag, monkeypatch):
@@ -288,7 +366,7 @@ def test_messages_of_another_kind_are_told(tmp_path):
         writer.finish()
     with pytest.raises(RecordError, match="it holds no column of numbers"):
         read_columns(path)
-    said = dict(bags.read_mcap(path))["/a"]
+    said = dict(bags.read_bag(path))["/a"]
     assert said == "its messages are json, defined in jsonschema; cdr, defined in ros2msg, is read"
 
 

@@ -68,8 +68,9 @@ def test_dates_are_time_where_no_name_says_so():
 @pytest.mark.parametrize(
     ("table", "line"),
     [
-        ({"q": T, "u": T}, "no column looks like time: q, u; say which, or the sampling rate"),
-        ({"t": T, "time": T}, "several columns look like time: t, time"),
+        ({"q": T**2, "u": T}, "no column is called time: q, u; u rises evenly, as time does$"),
+        ({"q": np.sin(T), "u": np.cos(T)}, "no column is called time: q, u$"),
+        ({"t": T, "time": T + 1}, "several columns look like time: t, time$"),
         (
             {"time [samples]": np.arange(200.0)},
             r"time column 'time \[samples\]' is in samples; allowed: s",
@@ -81,6 +82,11 @@ def test_dates_are_time_where_no_name_says_so():
 def test_what_cannot_be_time_is_one_line(table, line):
     with pytest.raises(RecordError, match=line):
         time_found(columns(**table))
+
+
+def test_columns_that_agree_are_one_time_axis():
+    found = time_found(columns(t=T, time=T, q=T**2))
+    assert (found.column, found.same) == ("t", ("time",))
 
 
 def test_a_rate_needs_no_column():

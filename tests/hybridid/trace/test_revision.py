@@ -40,8 +40,8 @@ def test_the_pair_that_does_better_replaces_the_declared_effect(stalled):
     assert "carriage.viscous.f_v" not in best.refit.values
     assert best.gain > 0.5
     assert [line for line in said if line.startswith("without")] == [
-        "without carriage.viscous: the search begins anew",
-        "without carriage.offset: the search begins anew",
+        "without carriage.viscous: the search is repeated",
+        "without carriage.offset: the search is repeated",
     ]
 
 

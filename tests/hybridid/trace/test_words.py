@@ -289,6 +289,6 @@ def make_decay():
 def test_a_free_decay_warns_beside_a_name(make_decay):
     """Amplitude and time are one there, so a friction over the one may be a friction over the other."""
     assert _confounded([make_decay()]).startswith(
-        " Beware: amplitude and time are one in decay: a free decay"
+        " Beware: amplitude and time cannot be told apart in decay: a free decay"
     )
     assert _confounded([make_decay(), make_decay(amplitude=0.3)]) == ""

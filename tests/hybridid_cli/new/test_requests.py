@@ -101,7 +101,8 @@ REFUSED = {
     "unknown signal": (["--signal", "angel=a"], "template rotary has no signal 'angel'; it has"),
     "unknown column": (["--signal", "angle=A1"], "there is no column 'A1'"),
     "column twice": (["--signal", "angle=a", "--signal", "torque=a"], "'a' is given for angle and torque"),
-    "which column": ([], "which column is torque, the torque of the drive? Give --signal"),
+    "which columns": ([], "which column is torque, the torque of the drive, which is angle, the angle"),
+    "columns left": ([], "Give --signal torque=COLUMN --signal angle=COLUMN; columns left: a, b, still"),
     "no number": (["--scale", "torque=much"], "--scale torque=much: it must be a number"),
     "zero": (["--scale", "torque=0"], "it must be a number, finite and not 0"),
     "no pair": (["--signal", "torque"], "--signal torque: write --signal SIGNAL=COLUMN"),
@@ -174,9 +175,38 @@ def test_on_a_terminal_it_asks(typed, column, say, own_folder, monkeypatch, rig)
     assert signals_of(own_folder, rig)["inputs"]["torque"]["column"] == column
 
 
+def test_the_template_is_asked_for_by_the_names_of_all(say, own_folder):
+    said = say("new", "rig", "--from", "run.csv")
+    assert said.code == 2
+    assert f"--template is missing: {', '.join(kinds())}" in said.complaint
+
+
+def test_a_recording_may_be_several_files(say, own_folder, rig):
+    """Two loggers that were started together: each has a clock, and one has a column that the other has."""
+    t = 0.01 * np.arange(400)
+    for name, signal in (("drive", np.sign(np.sin(t))), ("encoder", np.sin(3 * t))):
+        rows = "\n".join(f"{a:.2f},{b:.6f},{k}" for k, (a, b) in enumerate(zip(t, signal, strict=True)))
+        label = {"drive": "torque", "encoder": "angle [deg]"}[name]
+        (own_folder / f"{name}.csv").write_text(f"t,{label},count\n{rows}\n")
+    assert say("new", rig, "--from", "drive.csv+encoder.csv", "--template", "rotary").code == 0
+    assert signals_of(own_folder, rig)["time"] == {"column": "drive:t", "unit": "s", "same": ["encoder:t"]}
+    said = say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false")
+    assert said.code == 0, said.err
+    rows = (own_folder / "encoder.csv").read_text().replace("\n3.99,", "\n4.01,")
+    (own_folder / "encoder.csv").write_text(rows)
+    said = say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false")
+    assert "time columns 'drive:t' and 'encoder:t' differ: not recorded together" in said.complaint
+
+
+def test_time_is_asked_for_by_its_options(say, own_folder):
+    (own_folder / "run.csv").write_text(TABLE.replace("t,a", "clock1,a"))
+    said = say("new", "rig", "--from", "run.csv", "--template", "rotary")
+    assert "clock1 rises evenly, as time does. Give --time COLUMN, or --rate HZ" in said.complaint
+
+
 def test_words_become_a_request():
-    asked = _request(["rig", "--from", "a.csv", "b.csv", "--template", "tank", "--rate", "2"])
-    assert [path.name for path in asked.recordings] == ["a.csv", "b.csv"]
+    asked = _request(["rig", "--from", "a.csv", "b.csv+c.csv", "--template", "tank", "--rate", "2"])
+    assert [[path.name for path in paths] for paths in asked.recordings] == [["a.csv"], ["b.csv", "c.csv"]]
     assert asked.rate == 2.0
 
 
