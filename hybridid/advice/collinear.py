@@ -33,8 +33,8 @@ SMALL = 1e-6
 
 
 def at_bound(estimate: Estimate) -> Iterator[Advice]:
-    """Of each parameter at its bound the one that it is collinear with. A bound of zero is physics: a friction
-    that is not there does not want wider bounds."""
+    """Of each parameter at its bound the one that it is collinear with. A bound of zero is physics: a
+    friction that is not there does not want wider bounds."""
     if not estimate.converged:
         return
     told: set[frozenset[str]] = set()
