@@ -99,6 +99,7 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
 
     Raises:
         ValueError: if the port takes neither.
+        ArithmeticError: if the smoother diverges.
     """
     from hybridid.trace.kalman import kalman_filter, smooth  # numba takes a quarter of a second
 
@@ -131,6 +132,10 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
         walk = (INTENSITIES[best] * per_sample) ** 2
         _, mean, cov, predicted, spread = kalman_filter(a, b, c, d, record.outputs, noise, scales, walk)
         before, (about, covariance) = about, smooth(a, mean, cov, predicted, spread)
+        if not (np.isfinite(about).all() and np.isfinite(covariance).all()):
+            raise ArithmeticError(
+                "the smoother diverges: the model cannot be linearised from sample to sample"
+            )
         moved = np.abs(about[:, -1] - before[:, -1])
         if np.median(moved) < STILL * np.sqrt(np.median(covariance)):
             break

@@ -76,3 +76,12 @@ def test_nothing_is_missing_where_nothing_is(carriage, make_model, noise):
 def test_a_signal_lacks_no_effort(carriage, make_model):
     with pytest.raises(ValueError, match="port force is of kind input"):
         missing_effort(make_model(), carriage.truth, carriage.record(200), "force")
+
+
+def test_a_smoother_that_diverges_says_so(carriage, make_model, monkeypatch):
+    def diverging(a, mean, *_):
+        return np.full_like(mean, np.nan), np.zeros(len(mean))
+
+    monkeypatch.setattr("hybridid.trace.kalman.smooth", diverging)
+    with pytest.raises(ArithmeticError, match="the smoother diverges"):
+        missing_effort(make_model(), carriage.truth, carriage.record(200), "carriage")
