@@ -12,6 +12,7 @@ import pytest
 from hybridid.effects.library import EFFECTS
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import Model, Term, compose
+from hybridid.plants.emps import EMPS
 from hybridid.records.record import Channel, Record
 from hybridid.simulation import simulate
 
@@ -101,3 +102,17 @@ def test_a_planted_effect_is_fitted_back(effect, pressed):
     assert after < 0.02 * before
     for name in amplitudes:
         assert found.values[name] == pytest.approx(truth[name], rel=0.03)
+
+
+@pytest.mark.parametrize(("planted", "found"), [(2.0, (2.0, 3.0)), (100.0, (30.0, 100.0))])
+def test_a_saturation_is_as_sharp_as_the_records_show(planted, found):
+    """Iron bends early, software clips."""
+    model = compose(EMPS(), ["viscous", "coulomb", "input_saturation"])
+    truth = {**KNOWN, "force.input_saturation.inverse_limit": 1 / 50, "force.input_saturation.n": planted}
+    record = record_of(position_of(model, truth))
+    known = {name: {"fixed": value} for name, value in KNOWN.items() if name != "M"}
+    free = compose(EMPS(), ["viscous", "coulomb", "input_saturation"], known)
+    values = fit(free, [record], FitSettings(starts=4)).values
+    assert found[0] <= values["force.input_saturation.n"] <= found[1]
+    assert values["force.input_saturation.inverse_limit"] == pytest.approx(1 / 50, rel=0.02)
+    assert values["M"] == pytest.approx(KNOWN["M"], rel=0.01)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import STIFF, refit
+from hybridid.trace.refit import STIFF, _room, refit
 
 
 def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
@@ -29,6 +31,14 @@ def test_a_start_that_is_left_out_as_too_stiff_is_told(make_model, split_of):
     assert Numerics().steps(model, model.values(short), split) > STIFF
     assert refit(model, split, [mild]).unsolved == ()
     assert refit(model, split, [mild, short]).unsolved == (1,)
+
+
+def test_only_what_an_effect_adds_to_the_steps_is_its_stiffness(make_model, split_of):
+    base = refit(make_model(), split_of())
+    assert _room(None) == _room(replace(base, substeps=2)) == STIFF
+    assert _room(replace(base, substeps=10)) == 15
+    finer = replace(base, substeps=20, numerics=replace(base.numerics, finer=2))
+    assert _room(finer) == 15
 
 
 def test_a_refit_that_promises_little_ends_early_without_standard_errors(make_model, split_of):
