@@ -23,10 +23,9 @@ from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
 from hybridid.trace.promise import Promise
 from hybridid.trace.refit import (
-    CONTINUATION,
     Refit,
     least_of,
-    refit_if_hopeful,
+    refit_beside,
     refit_if_possible,
     values_without,
 )
@@ -133,17 +132,7 @@ def _solved(
     pair = (promise.first, promise.second)
     model = promise.second.added_to(promise.first.added_to(base.model))
     try:
-        found = refit_if_hopeful(
-            model,
-            split,
-            starts,
-            base,
-            numerics,
-            to_beat,
-            least,
-            CONTINUATION,
-            std_up_to=(1 - least) * base.score.loss,
-        )
+        found = refit_beside(base, model, split, starts, numerics, to_beat, least)
     except (ValueError, ArithmeticError) as error:
         return PairTrial(pair, promise.share, None, failure=str(error))
     if not math.isfinite(found.cost):

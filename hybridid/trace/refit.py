@@ -179,6 +179,23 @@ def refit_if_hopeful(
     return refit(model, split, starts, before, numerics, factors, tolerance, std_up_to, cost, loss)
 
 
+def refit_beside(
+    base: Refit,
+    model: Model,
+    split: Split,
+    starts: Sequence[Mapping[str, float]],
+    numerics: Numerics,
+    to_beat: Refit,
+    least: float,
+) -> Refit:
+    """``refit_if_hopeful`` of a trial beside ``base``: by every smoothing, with standard errors only where it
+    takes the share ``least`` from the held-out error of ``base``."""
+    std_up_to = (1 - least) * base.score.loss
+    return refit_if_hopeful(
+        model, split, starts, base, numerics, to_beat, least, CONTINUATION, std_up_to=std_up_to
+    )
+
+
 def least_of(worth: float) -> float:
     """The share of the error below which a refit ends early, where a gain of ``worth`` is asked for."""
     return min(LEAST_DECREASE, worth / 2)

@@ -16,7 +16,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
-from hybridid.trace.refit import CONTINUATION, Refit, least_of, refit_if_hopeful
+from hybridid.trace.refit import Refit, least_of, refit_beside
 from hybridid.trace.rules import Rules
 from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.sought import known_means, sought
@@ -106,17 +106,7 @@ def _attempt(
         known = known_means(candidate, model, split)
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
         starts = [{**starts[k], **known} for k in (range(len(starts)) if chosen is None else chosen)]
-        found = refit_if_hopeful(
-            model,
-            split,
-            starts,
-            base,
-            numerics,
-            to_beat,
-            least,
-            CONTINUATION,
-            std_up_to=(1 - least) * base.score.loss,
-        )
+        found = refit_beside(base, model, split, starts, numerics, to_beat, least)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):
