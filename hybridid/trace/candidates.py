@@ -27,6 +27,11 @@ class Candidate:
         """The ports where it acts; several for ports alike."""
         return Term(self.effect, self.port).ports
 
+    @property
+    def inner_states(self) -> int:
+        """States that the effect adds to a model: with them, a refit takes many times as long."""
+        return len(self.effect.states)
+
     def added_to(self, model: Model) -> Model:
         """``model`` with the effect at its port.
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hybridid.declarations import PortKind
 from hybridid.effects.effect import Effect
-from hybridid.effects.over import Over
+from hybridid.effects.over import MEMORIES, Over
 from hybridid.model import Model
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
@@ -89,7 +89,15 @@ def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Cei
         for over in context.overs(port, base.model)
         if path.shows(port.name, over)
     ]
-    return tuple(context.each(stage, ceiling, places, lambda found: found.place))
+    return tuple(
+        context.each(
+            stage,
+            ceiling,
+            places,
+            lambda found: found.place,
+            lambda _base, _split, _port, over, _least: over.variable in MEMORIES,
+        )
+    )
 
 
 def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEAST_DECREASE) -> Ceiling:

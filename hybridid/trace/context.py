@@ -21,6 +21,11 @@ from hybridid.trace.split import Split
 T = TypeVar("T")
 
 
+def nothing_known(*given: Any) -> int:
+    """All may take equally long."""
+    return 0
+
+
 @dataclass(frozen=True, eq=False)
 class Context:
     """The horizons of a trace, what is tried where, by which rules, and how the refits run.
@@ -70,10 +75,16 @@ class Context:
         function: Callable[..., T],
         arguments: Sequence[tuple[Any, ...]],
         label: Callable[[T], str],
+        slow: Callable[..., int] = nothing_known,
     ) -> list[T]:
-        """``function`` of each of ``arguments``, in order; every result is reported by its ``label``."""
-        results: list[T] = []
-        for result in self.mapper(function, arguments):
-            results.append(result)
+        """``function`` of each of ``arguments``, in their order; every result is reported by its ``label``.
+
+        Those for which ``slow`` is larger begin first, so that at the end no process waits long for another
+        (longest processing time first: Graham 1969, SIAM J. Appl. Math. 17(2), 416-429).
+        """
+        order = sorted(range(len(arguments)), key=lambda k: -slow(*arguments[k]))
+        results: dict[int, T] = {}
+        for k, result in zip(order, self.mapper(function, [arguments[k] for k in order]), strict=True):
+            results[k] = result
             self.report(stage, len(results), len(arguments), label(result))
-        return results
+        return [results[k] for k in range(len(arguments))]

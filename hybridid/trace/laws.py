@@ -24,10 +24,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import takewhile
 
 from hybridid.effects.composed import ComposedLaw, composed, is_composed
 from hybridid.effects.shapes import Shape, shapes_over
-from hybridid.naming import listed
+from hybridid.naming import counted, listed
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
@@ -45,14 +46,7 @@ def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search
     """``found`` with the law that explains best what the learned efforts ``left`` still find; itself if none
     passes."""
     base, rules, family = found.final, context.rules, family_of(left)
-    trials: list[Trial] = []
-    for learned in sorted((c for c in left if not c.failure), key=lambda c: -c.gain):
-        most = max((t.taken for t in trials), default=0.0)
-        excluded = not learned.passes(rules) or _taken(learned, base) < (1 - rules.stands_in) * most
-        shapes = [shape for shape in shapes_over(learned.over.variable) if shape.fine or not excluded]
-        given = [(learned, shape, base, context.split, rules.worth) for shape in shapes]
-        stage = f"laws at {learned.place}"
-        trials += context.each(stage, try_law, given, lambda trial: trial.candidate.name)
+    trials = _tried(base, left, context)
     if not trials:
         return found
     step = decided(base, judge(trials, rules, family), context)
@@ -71,6 +65,36 @@ def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search
         accepted=tuple(accepted),
         withdrawn="",
     )
+
+
+def _tried(base: Refit, left: Sequence[Ceiling], context: Context) -> list[Trial]:
+    """The refits of the laws over the variables of ``left``, in the order of what these take.
+
+    A variable that is left out stays so, as the best law can only take more. So neighbours that are left out
+    are tried together.
+    """
+    rules, trials = context.rules, list[Trial]()
+    waiting = sorted((c for c in left if not c.failure), key=lambda c: -c.gain)
+    while waiting:
+        excluded = _left_out(waiting, base, max((t.taken for t in trials), default=0.0), rules)
+        now = excluded or waiting[:1]
+        waiting = waiting[len(now) :]
+        given = [
+            (learned, shape, base, context.split, rules.worth)
+            for learned in now
+            for shape in shapes_over(learned.over.variable)
+            if shape.fine or not excluded
+        ]
+        more = f" and {counted(len(now) - 1, 'other place')}" if len(now) > 1 else ""
+        trials += context.each(f"laws at {now[0].place}{more}", try_law, given, lambda t: t.candidate.name)
+    return trials
+
+
+def _left_out(waiting: Sequence[Ceiling], base: Refit, most: float, rules: Rules) -> list[Ceiling]:
+    """The first ones of ``waiting``, up to one that finds something, and no less than the best law, which
+    takes ``most``."""
+    enough = (1 - rules.stands_in) * most
+    return list(takewhile(lambda c: not c.passes(rules) or _taken(c, base) < enough, waiting))
 
 
 def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> Search:

@@ -29,7 +29,7 @@ from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.pair import PairTrial, attempt_pair, judge_pairs
-from hybridid.trace.promise import promises
+from hybridid.trace.promise import Promise, promises
 from hybridid.trace.refit import least_of
 from hybridid.trace.robustness import objection
 from hybridid.trace.rules import Rules
@@ -71,7 +71,7 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     ]
     family = len(candidates) * (len(candidates) - 1) // 2
     if accepted_before is None:
-        trials = context.each("pairs", attempt_pair, chosen, lambda trial: trial.name)
+        trials = context.each("pairs", attempt_pair, chosen, lambda trial: trial.name, _inner_states)
         judged = judge_pairs(trials, family, rules)
     else:
         family += accepted_before.steps[-1].family
@@ -79,6 +79,10 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     step = _decided(replace(step, family=family), judged, context)
     context.say(f"of {counted(family, 'pair')}, {len(trials)} tried: {_said_of(step)}")
     return _taken(found, step, context)
+
+
+def _inner_states(promise: Promise, *_: object) -> int:
+    return promise.inner_states
 
 
 def in_place(found: Search, context: Context) -> Search:
@@ -102,7 +106,7 @@ def _judged_in_place(
     """
     for rival in (before.final, None):
         given = [(*one, rival) for one in chosen]
-        trials = context.each("pairs", attempt_pair, given, lambda trial: trial.name)
+        trials = context.each("pairs", attempt_pair, given, lambda trial: trial.name, _inner_states)
         judged = [
             _unless_better(pair, before, family, context.rules)
             for pair in judge_pairs(trials, family, context.rules)

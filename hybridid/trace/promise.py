@@ -41,6 +41,11 @@ class Promise:
     starts: tuple[Mapping[str, float], Mapping[str, float]]
     share: float
 
+    @property
+    def inner_states(self) -> int:
+        """States that the two add to a model."""
+        return self.first.inner_states + self.second.inner_states
+
 
 def promises(seen: Sequence[Seen], collinear: float) -> list[Promise]:
     """Every pair that promises something, the most promising first.

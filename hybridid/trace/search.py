@@ -153,7 +153,13 @@ def _step(base: Refit, context: Context, number: int) -> Step:
     rules = context.rules
     candidates = list(admissible(base.model, context.effects, context.ports))
     places = [(candidate, base, context.split, rules.worth) for candidate in candidates]
-    trials = context.each(f"step {number}", attempt, places, lambda trial: trial.candidate.name)
+    trials = context.each(
+        f"step {number}",
+        attempt,
+        places,
+        lambda trial: trial.candidate.name,
+        lambda candidate, *_: candidate.inner_states,
+    )
     return decided(base, judge(trials, rules), context)
 
 
