@@ -114,6 +114,7 @@ class _Writer:
     shared: set[str] = field(default_factory=set)
     literal: dict[str, str] = field(default_factory=dict)
     known: dict[str, int] = field(default_factory=dict)
+    inverses: set[str] = field(default_factory=set)
     prepare: list[str] = field(default_factory=list)
     run: list[str] = field(default_factory=list)
     of_inputs: dict[str, str] = field(default_factory=dict)
@@ -154,7 +155,7 @@ class _Writer:
             values = [self.literal.get(one, one) for one in given]
             self.prepare.append(f"const double {name} = {_of_one(code).format(*values)};")
             self.shared.add(name)
-        elif code == ca.OP_DIV and given[1] in self.shared:
+        elif code == ca.OP_DIV and not self.of_inputs.keys() & given:
             self._operation(name, ca.OP_MUL, [given[0], self._inverse(given[1])])
         else:
             slope = not self.slopes.isdisjoint(given)
@@ -176,9 +177,10 @@ class _Writer:
         return self.places[array](index) if array in self.places else index
 
     def _inverse(self, name: str) -> str:
-        """1 over ``name``, which is the same in all lanes: a division takes as long as ten products."""
+        """1 over ``name``, computed once: a division takes as long as ten products."""
         inverse = f"{name}_inverse"
-        if inverse not in self.shared:
+        if inverse not in self.inverses:
+            self.inverses.add(inverse)
             self._operation(inverse, ca.OP_INV, [name])
         return inverse
 

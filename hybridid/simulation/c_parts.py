@@ -63,7 +63,7 @@ static void {name}_run({given}, long long columns) {{
   {name}_value(at, groups, h, p, c, d);
   for (int a = 0; a < groups; ++a)
     for (long long j = 0; j * BESIDE < columns; ++j) {{
-      const Slope *own = j < {bare} ? none : (const Slope *)(d[a] + {first}) + (j - {bare}) * {rows};
+      const Slope *own = j < {bare} ? none : (const Slope *)(d[a] + {first}) + (j - {bare}) * {own_rows};
       Slope *slope = at[a].slope + j * {rows};
       {name}_column_run(d[a], at[a].s + j * {n_x}, own, h, at[a].u, p, known, slope, slope);
     }}
@@ -96,16 +96,16 @@ class _Layout:
     def stage(self) -> int:
         """Numbers of one stage."""
         blocks = -(-(self.part.columns - self.bare) // self.beside)
-        return self.first + blocks * self.part.rows * self.beside
+        return self.first + blocks * self.part.own_rows * self.beside
 
     def slope(self, k: int) -> int:
         """Of number k of the derivatives that ``forward`` gives."""
         if k < self.part.entries:
             return k
-        column, row = divmod(k - self.part.entries, self.part.rows)
+        column, row = divmod(k - self.part.entries, self.part.own_rows)
         column += self.part.forward.size1_in(0) - self.bare
         block, lane = divmod(column, self.beside)
-        return self.first + (block * self.part.rows + row) * self.beside + lane
+        return self.first + (block * self.part.own_rows + row) * self.beside + lane
 
     def entry(self, k: int) -> int:
         """Of number k of the d that ``column`` takes: of these it reads the entries only."""
@@ -156,6 +156,7 @@ def c_of_part(part: Part, beside: int) -> str:
         + WITH_COLUMNS.format(
             **known,
             own=own,
+            own_rows=part.own_rows,
             bare=layout.bare,
             first=layout.first,
             n_x=part.forward.size1_in(0),

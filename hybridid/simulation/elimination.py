@@ -13,7 +13,7 @@ Methods for Sparse Matrices.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -23,15 +23,27 @@ Row = dict[int, ca.SX]
 
 @dataclass(frozen=True)
 class Pivot:
-    """One elimination step: row ``index``, its ``diagonal``, and ``row``, its entries in later columns.
+    """One elimination step: row ``index``, the ``inverse`` of its diagonal, and ``row``, its entries in later
+    columns.
 
     ``multipliers`` are the factors by which it is subtracted from each remaining row.
     """
 
     index: int
-    diagonal: ca.SX
+    inverse: ca.SX
     multipliers: Row
     row: Row
+
+    @property
+    def numbers(self) -> list[ca.SX]:
+        """All its numbers."""
+        return [self.inverse, *self.multipliers.values(), *self.row.values()]
+
+    def with_numbers(self, numbers: Iterator[ca.SX]) -> Pivot:
+        """The same step with the next of ``numbers``, in the order of its own."""
+        inverse = next(numbers)
+        multipliers = {i: next(numbers) for i in self.multipliers}
+        return Pivot(self.index, inverse, multipliers, {j: next(numbers) for j in self.row})
 
 
 @dataclass(frozen=True)
@@ -52,6 +64,16 @@ class Elimination:
             pivots.append(_eliminate(rows, left, index))
         return cls(tuple(pivots))
 
+    @property
+    def numbers(self) -> ca.SX:
+        """All that ``solve`` needs of W, (m,)."""
+        return ca.vertcat(*(number for pivot in self.pivots for number in pivot.numbers))
+
+    def with_numbers(self, numbers: ca.SX) -> Elimination:
+        """The elimination of a matrix of the same pattern, of which these are the ``numbers`` (m,)."""
+        each = iter(ca.vertsplit(numbers))
+        return Elimination(tuple(pivot.with_numbers(each) for pivot in self.pivots))
+
     def solve(self, right: ca.SX) -> ca.SX:
         """x (n,) for the right side b (n,)."""
         b = [right[i] for i in range(len(self.pivots))]
@@ -60,7 +82,7 @@ class Elimination:
                 b[i] = b[i] - multiplier * b[pivot.index]
         for pivot in reversed(self.pivots):
             rest = sum((value * b[j] for j, value in pivot.row.items()), ca.SX(0))
-            b[pivot.index] = (b[pivot.index] - rest) / pivot.diagonal
+            b[pivot.index] = (b[pivot.index] - rest) * pivot.inverse
         return ca.vertcat(*b)
 
 
@@ -75,10 +97,10 @@ def _cheapest(rows: Sequence[Row], left: Sequence[int]) -> int:
 
 def _eliminate(rows: list[Row], left: Sequence[int], index: int) -> Pivot:
     own = {j: value for j, value in rows[index].items() if j in left}
-    multipliers = {}
+    inverse, multipliers = 1 / rows[index][index], {}
     for i in left:
         if index in rows[i]:
-            multipliers[i] = rows[i][index] / rows[index][index]
+            multipliers[i] = rows[i][index] * inverse
             for j, value in own.items():
                 rows[i][j] = rows[i].get(j, ca.SX(0)) - multipliers[i] * value
-    return Pivot(index, rows[index][index], multipliers, own)
+    return Pivot(index, inverse, multipliers, own)

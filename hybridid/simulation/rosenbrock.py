@@ -19,6 +19,7 @@ in the form of Hairer, Wanner (1996), Solving Ordinary Differential Equations II
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -56,6 +57,8 @@ class Inputs:
 
     def slope(self, h: float | ca.SX) -> ca.SX:
         """du/dt at the start of the step, exact for a parabola."""
+        if self.first is self.last:
+            return ca.SX.zeros(self.first.shape)
         return (-3 * self.first + 4 * self.middle - self.last) / h
 
 
@@ -67,14 +70,20 @@ class Rodas3:
 
     def step(self, t: ca.SX, h: float | ca.SX, x: ca.SX, u: Inputs, p: ca.SX) -> ca.SX:
         """The state at ``t + h`` from ``x`` at ``t``."""
+        return x + weighted(M, self.stages(t, h, x, u, p)[0])
+
+    def stages(
+        self, t: ca.SX, h: float | ca.SX, x: ca.SX, u: Inputs, p: ca.SX
+    ) -> tuple[list[ca.SX], Elimination]:
+        """The k_i of a step, and the elimination of its W."""
         rate, jacobian, drift = self._linearised(t, x, u.first, p, u.slope(h))
         system = Elimination.of(ca.SX.eye(x.shape[0]) / (GAMMA * h) - jacobian)
         k: list[ca.SX] = []
         for i, at_end in enumerate(AT_END):
             if at_end:
-                rate = self.model.f(t + h, x + _sum(A[i], k), u.last, p)
-            k.append(system.solve(rate + _sum(C[i], k) / h + SLOPE[i] * h * drift))
-        return x + _sum(M, k)
+                rate = self.model.f(t + h, x + weighted(A[i], k), u.last, p)
+            k.append(system.solve(rate + weighted(C[i], k) / h + SLOPE[i] * h * drift))
+        return k, system
 
     @cached_property
     def _linearised(self) -> ca.Function:
@@ -87,7 +96,8 @@ class Rodas3:
         return ca.Function("linearised", [t, x, u, p, slope], [rate, ca.jacobian(rate, x), drift])
 
 
-def _sum(weights: tuple[float, ...], terms: list[ca.SX]) -> ca.SX:
+def weighted(weights: Sequence[float], terms: Sequence[ca.SX]) -> ca.SX:
+    """The sum of the ``terms``, each times its weight; 0 if there are none."""
     total = ca.SX.zeros(terms[0].shape) if terms else ca.SX(0)
     for weight, term in zip(weights, terms, strict=True):
         if weight:

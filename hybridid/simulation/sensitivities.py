@@ -11,7 +11,7 @@ An explicit Runge-Kutta method, differentiated, is the same method on s, with th
 So one function, ``forward``, computes the value with the derivatives, of a Runge-Kutta method those of one
 stage. Another, ``column``, applies them to one column. There are as many columns as states and free
 parameters. The code of both is four to ten times shorter than that of a whole step's derivative with all
-columns, for as many operations.
+columns, for as many operations. ``rosenbrock_column`` does the same for ``rodas3``.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ import casadi as ca
 
 from hybridid.model import Model
 from hybridid.simulation.integrators import INTEGRATORS, RK4_TIMES, rk4
+from hybridid.simulation.rosenbrock import Inputs
+from hybridid.simulation.rosenbrock_column import differentiated
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,8 @@ class Derivatives:
 
 Along = Callable[[Sequence[Derivatives], ca.SX, ca.SX], ca.SX]
 """``(derivatives, s, h) -> column`` of the sensitivities of a value."""
+OfColumn = Callable[[Sequence[tuple[ca.SX, ca.SX]], ca.SX, ca.SX], ca.SX]
+"""``([(entries, v_p), ...], s, h) -> column``: of each stage its entries and, for this column, its v_p."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,8 @@ class Part:
     """A step or the outputs.
 
     ``forward`` (x, t, h, u, p) gives the value, or the rates of one of the ``stages`` of ``rk4``. With
-    ``column`` it also gives the derivatives: the ``entries`` of the v_x, then v_p by each free parameter.
+    ``column`` it also gives the derivatives: the ``entries`` of v_x (of a step of ``rodas3``, the numbers of
+    its ``Column``), then v_p by each free parameter, ``own_rows`` numbers each.
     ``column`` (s, d, v_p, h) gives one of the ``columns`` of the value's sensitivities; None without
     sensitivities. d are the derivatives of all stages, ``block`` numbers each. v_p is the part of d
     that begins at the column's own, or zero.
@@ -58,6 +63,7 @@ class Part:
     columns: int = 0
     entries: int = 0
     block: int = 0
+    own_rows: int = 0
     stages: int = 1
     hop: int = 0
     """Inputs from the start of a step to its middle, and on to its end."""
@@ -110,26 +116,33 @@ class _At:
     def part(self, name: str, value: ca.SX, free: Sequence[str], along: Along, stages: int = 1) -> Part:
         """``value``, or the rates of each stage, with the derivatives, and what they make of a column."""
         made = self.derivatives(value, free)
-        entries, rows = made.by_state.nnz(), value.shape[0]
-        held = ca.densify(ca.vertcat(*made.by_state.nonzeros(), ca.vec(ca.densify(made.by_parameter))))
-        block = held.shape[0]
+        pattern = made.by_state.sparsity()
+
+        def column(stage: Sequence[tuple[ca.SX, ca.SX]], s: ca.SX, h: ca.SX) -> ca.SX:
+            return along([Derivatives(ca.SX(pattern, entries), own) for entries, own in stage], s, h)
+
+        entries = ca.vertcat(*made.by_state.nonzeros())
+        return self.made(name, value, entries, ca.densify(made.by_parameter), column, stages)
+
+    def made(
+        self, name: str, value: ca.SX, entries: ca.SX, own: ca.SX, column: OfColumn, stages: int = 1
+    ) -> Part:
+        """``value``, or the rates of each stage, with its ``entries`` (m,), its v_p, ``own`` (r, n_free), and
+        what ``column`` makes of these."""
+        held = ca.densify(ca.vertcat(entries, ca.vec(own)))
+        block, m, rows = held.shape[0], entries.shape[0], own.shape[0]
         s, d = ca.SX.sym("s", self.x.shape[0]), ca.SX.sym("d", stages * block)
-        own = ca.SX.sym("b", (stages - 1) * block + rows)
-        filled = [
-            Derivatives(
-                ca.SX(made.by_state.sparsity(), d[k * block : k * block + entries]),
-                own[k * block : k * block + rows],
-            )
-            for k in range(stages)
-        ]
-        column = ca.densify(along(filled, s, self.h))
+        b = ca.SX.sym("b", (stages - 1) * block + rows)
+        begins = [k * block for k in range(stages)]
+        after = ca.densify(column([(d[k : k + m], b[k : k + rows]) for k in begins], s, self.h))
         return Part(
             name,
             self._forward(f"{name}_forward", value, held),
-            ca.Function(f"{name}_column", [s, d, own, self.h], [column], {"cse": True}),
-            self.x.shape[0] + made.by_parameter.shape[1],
-            entries,
+            ca.Function(f"{name}_column", [s, d, b, self.h], [after], {"cse": True}),
+            self.x.shape[0] + own.shape[1],
+            m,
             block,
+            rows,
             stages,
         )
 
@@ -147,8 +160,22 @@ def step_part(name: str, model: Model, integrator: str, held: bool, free: Sequen
     if integrator == "rk4":
         return _rk4_part(name, model, 0 if held else len(model.inputs), free)
     at = _At.of(model, len(model.inputs) * (1 if held else 3))
-    value = INTEGRATORS[integrator](model, at.h, held)(at.t, at.x, at.u, at.p, at.h)
-    return at.alone(name, value) if free is None else at.part(name, value, free, _as_a_whole)
+    if free is None:
+        return at.alone(name, INTEGRATORS[integrator](model, at.h, held)(at.t, at.x, at.u, at.p, at.h))
+    return _rodas3_part(name, at, held, free)
+
+
+def _rodas3_part(name: str, at: _At, held: bool, free: Sequence[str]) -> Part:
+    """A step of ``rodas3``. Its entries are the numbers of a ``Column``; v_p are the q_i of its stages."""
+    order = [parameter.name for parameter in at.model.parameters]
+    inputs, chosen = Inputs.of(at.u, held), [order.index(one) for one in free]
+    value, column, q = differentiated(at.model, at.t, at.h, at.x, inputs, at.p, chosen)
+
+    def after(stage: Sequence[tuple[ca.SX, ca.SX]], s: ca.SX, h: ca.SX) -> ca.SX:
+        ((numbers, own),) = stage
+        return column.with_numbers(numbers).along(s, own, h)
+
+    return at.made(name, value, column.numbers, q, after)
 
 
 def _rk4_part(name: str, model: Model, hop: int, free: Sequence[str] | None) -> Part:

@@ -34,7 +34,7 @@ def columns(part: Part, given, s) -> np.ndarray:
     assert part.column is not None
     _, d = evaluated(part, given)
     size, n_x = part.column.size1_in(2), len(s)
-    places = [part.entries + k * part.rows for k in range(s.shape[1] - n_x)]
+    places = [part.entries + k * part.own_rows for k in range(s.shape[1] - n_x)]
     own = [np.zeros(size)] * n_x + [d[place : place + size] for place in places]
     return np.hstack([np.array(part.column(s[:, j], d, own[j], given[2])) for j in range(s.shape[1])])
 
