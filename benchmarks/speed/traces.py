@@ -21,6 +21,8 @@ CASES = {
     "Silverbox": ("silverbox", ()),
     "servo, 12 recordings": ("servo", ()),
     "flexible link": ("flexible_link", ()),
+    "eSEA, 30 s": ("esea", ("data=simulated", "rig.duration=30.0")),
+    "half-car": ("vehicle", ("data=simulated",)),
 }
 QUICK = {"EMPS, 8 s": ("emps", ("data=simulated", "rig.duration=8.0", "trace.effects=[asymmetric_viscous]"))}
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from hybridid.estimators import Estimate
 from hybridid.model import Model
 from hybridid.naming import listed
+from hybridid.quantities import quantity
 from hybridid.trace.before_after import FITTED, HELD_OUT, FittedModel, ScoreRow
 from hybridid.trace.completeness import Completeness, WithNetwork
 from hybridid.trace.entries import (
@@ -114,6 +115,11 @@ class Trace:
     narrowed: tuple[Width, ...] = ()
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
+    def __str__(self) -> str:
+        """The sentence, then a line for each record, view and output: the error before and after."""
+        rows = zip(self.before, self.after, strict=True)
+        return "\n".join([self.sentence, *(_line(before, after) for before, after in rows)])
+
     @property
     def model(self) -> Model:
         """The last model: the declared one with every accepted effect."""
@@ -148,3 +154,12 @@ class Trace:
         if held_out:
             return f"{length} of {listed(held_out)}, held out"
         return f"alternate {length} of {listed(self.fitted_records)}, held out"
+
+
+def _line(before: ScoreRow, after: ScoreRow) -> str:
+    """An error before and after, in one line."""
+    view = "free run" if before.horizon is None else f"horizon {before.horizon:.3g} s"
+    errors = " -> ".join(quantity(one.rmse, one.unit) for one in (before, after))
+    network = ", with a network" if before.network else ""
+    what = f"{before.record} ({before.role}), {view}, {before.output}{network}"
+    return f"{what}: RMSE {errors}, {before.provenance}"

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from hybridid.advice.decay import free_decay
 from hybridid.effects.effect import Effect
-from hybridid.effects.library import library_for
+from hybridid.effects.library import effect_named, library_for
 from hybridid.effects.variable import Variable
 from hybridid.estimators import FitSettings
 from hybridid.model import Model
@@ -40,7 +40,7 @@ def trace(
     held_out: Sequence[Record] = (),
     *,
     horizon: float | None = None,
-    effects: Sequence[Effect] | None = None,
+    effects: Sequence[Effect | str] | None = None,
     ports: Sequence[str] | None = None,
     variables: Sequence[Variable] | None = None,
     rules: Rules | None = None,
@@ -58,21 +58,21 @@ def trace(
     """Find what ``model`` lacks on ``records``, judged on the records ``held_out``.
 
     Without any, alternate horizons of ``records`` judge. ``horizon`` is the length of each in s (None: 1 s,
-    or less where the records are short). ``effects`` (None: the library) are tried at every port of their
-    kind, or only at ``ports``, by ``rules``. Learned efforts and laws depend on ``variables`` (None: all that
-    a port has). ``settings`` are those of the fits before and after, and give the integrator; ``start``
-    (values by name; None: by regression) is where the declared model starts.
+    or less where the records are short). ``effects`` (None: the library; a name: that effect of the library)
+    are tried at every port of their kind, or only at ``ports``, by ``rules``. Learned efforts and laws depend
+    on ``variables`` (None: all that a port has). ``settings`` are those of the fits before and after, and
+    give the integrator; ``start`` (values by name; None: by regression) is where the declared model starts.
     ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect explains what is
     missing, ``pairs`` of effects are tried, the most promising ones (0: none); with ``laws``, a law is
-    composed. With ``revise``, each declared effect is left out in turn, and
-    others are sought in its place. With ``recordings``, each parameter is tried with a value for each record.
-    Of a sample at which one output was not measured the others count. ``mapper`` runs the refits, one after
-    another or side by side; ``report`` follows them. ``say`` is told what each step decides, as it falls.
+    composed. With ``revise``, each declared effect is left out in turn, and others are sought in its place.
+    With ``recordings``, each parameter is tried with a value for each record. Of a sample at which one output
+    was not measured the others count. ``mapper`` runs the refits, one after another or side by side;
+    ``report`` follows them. ``say`` is told what each step decides, as it falls.
 
     Raises:
-        ValueError: if a record does not fit the model, the model diverges on the records, they give too few
-            horizons for a verdict, or an output was measured in too few of them; with ``recordings``, if
-            there is one record or a record is held out.
+        ValueError: if the library has no effect of a name in ``effects``; a record does not fit the model,
+            the model diverges on the records, they give too few horizons for a verdict, or an output was
+            measured in too few of them; with ``recordings``, if there is one record or a record is held out.
     """
     began = time.perf_counter()
     fitted, others = tuple(records), tuple(held_out)
@@ -80,7 +80,7 @@ def trace(
     seconds = horizon or automatic_horizon(ours, theirs)
     split = divided(fitted, others, seconds)
     check_measured(split)
-    tried = library_for(model.channels) if effects is None else tuple(effects)
+    tried = library_for(model.channels) if effects is None else _known(effects, model)
     where = None if ports is None else tuple(ports)
     over = None if variables is None else tuple(variables)
     context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, pairs, revise, over)
@@ -103,6 +103,11 @@ def trace(
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model))
     beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""
     return replace(traced, sentence=sentence(traced) + beware)
+
+
+def _known(effects: Sequence[Effect | str], model: Model) -> tuple[Effect, ...]:
+    """``effects``, those of the library by their names."""
+    return tuple(effect_named(one, model.channels) if isinstance(one, str) else one for one in effects)
 
 
 def _of_one_decay(found: Conclusion, records: Sequence[Record], context: Context) -> Conclusion:

@@ -26,6 +26,11 @@ def test_concepts_run(blocks):
     assert "carriage.asymmetric_viscous.df_v" in {p.name for p in space["better"].parameters}
 
 
+def _metres(shown: str) -> float:
+    number, unit = shown.split()
+    return float(number) * {"mm": 1e-3, "µm": 1e-6, "nm": 1e-9}[unit]
+
+
 def test_trace_runs_in_a_notebook(blocks, own_folder, capsys):
     """It prints the verdict with both errors, marked simulated, and touches no file."""
     (block,) = blocks("trace.md")
@@ -33,7 +38,9 @@ def test_trace_runs_in_a_notebook(blocks, own_folder, capsys):
     sentence, *rows = capsys.readouterr().out.splitlines()
     assert "asymmetric_viscous at carriage" in sentence
     assert len(rows) == 2 * 2 * 2  # records, views, with and without the network
-    errors = [tuple(map(float, row.split()[3:5])) for row in rows if row.split()[1] == "horizon"]
-    assert all(after < before for before, after in errors[:2])
-    assert all(row.endswith("m simulated") for row in rows)
+    errors = [re.search(r"horizon 0.6 s, position: RMSE (\S+ .?m) -> (\S+ .?m), ", row) for row in rows]
+    shown = [tuple(map(_metres, found.groups())) for found in errors if found]
+    assert len(shown) == 2
+    assert all(after < 0.1 * before for before, after in shown)
+    assert all(row.endswith(", simulated") for row in rows)
     assert list(own_folder.iterdir()) == []
