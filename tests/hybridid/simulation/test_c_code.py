@@ -137,3 +137,8 @@ def test_no_number_in_one_lane_leaves_the_others_alone():
 def test_an_operation_without_c_is_refused():
     with pytest.raises(Unwritten, match="has no C"):
         c_of(of(lambda x, p: ca.erfinv(x[0]), n=1), ("x", "p"))
+
+
+def test_one_division_for_all_that_is_divided_by_the_same():
+    text = c_of(of(lambda x, p: ca.vertcat(p[0] / x[0], x[1] / x[0], ca.exp(x[1]) / x[0]), n=3), ("x", "p"))
+    assert text.count(" / ") == 1

@@ -162,3 +162,7 @@ def test_elimination_solves_small_sparse_systems(n):
     b = random.normal(size=(n, 2))
     solve = ca.Function("solve", [symbols, right], [solution])
     np.testing.assert_allclose(np.asarray(solve(dense, b)), np.linalg.solve(dense, b), rtol=1e-10)
+    numbers = ca.SX.sym("n", system.numbers.shape[0])
+    again = ca.Function("again", [numbers, right], [system.with_numbers(numbers).solve(right[:, 0])])
+    known = ca.Function("known", [symbols], [system.numbers])(dense)
+    np.testing.assert_allclose(np.asarray(again(known, b)), np.asarray(solve(dense, b))[:, :1], rtol=1e-12)

@@ -1,0 +1,27 @@
+"""``Context.each``: which refit begins first, and in which order their results come."""
+
+from __future__ import annotations
+
+from hybridid.trace.context import Context
+
+
+def test_slow_refits_begin_first_and_results_keep_their_order(split_of):
+    begun, reported = [], []
+    context = Context(
+        split_of(), report=lambda stage, done, of, what: reported.append((stage, done, of, what))
+    )
+
+    def refit(name: str, states: int) -> str:
+        begun.append(name)
+        return name.upper()
+
+    given = [("offset", 0), ("dahl", 1), ("drag", 0), ("mass", 2)]
+    found = context.each("step 1", refit, given, str, lambda name, states: states)
+    assert begun == ["mass", "dahl", "offset", "drag"]
+    assert found == ["OFFSET", "DAHL", "DRAG", "MASS"]
+    assert reported[0] == ("step 1", 1, 4, "MASS")
+    assert [done for _, done, *_ in reported] == [1, 2, 3, 4]
+
+
+def test_in_the_order_given_where_nothing_tells_what_is_slow(split_of):
+    assert Context(split_of()).each("step 1", str.upper, [("b",), ("a",)], str) == ["B", "A"]
