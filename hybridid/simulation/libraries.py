@@ -9,6 +9,7 @@ damaged has no right seal and is compiled anew. To check one takes 0.1 to 0.3 ms
 from __future__ import annotations
 
 import ctypes
+import itertools
 import os
 import tempfile
 from collections.abc import Callable
@@ -19,7 +20,10 @@ from hybridid.private import cache_folder, content_of_sealed, sealed
 
 MOST = 3000
 """Number of libraries that are kept, of about 50 kB each; the least recently used are removed first."""
+OFTEN = 50
+"""Libraries that a process makes from one look at their number to the next: a look takes 5 ms."""
 SUFFIX = ".so"
+_made = itertools.count()
 
 
 def library(key: str, build: Callable[[Path], bool]) -> ctypes.CDLL | None:
@@ -39,7 +43,8 @@ def library(key: str, build: Callable[[Path], bool]) -> ctypes.CDLL | None:
         made.write_bytes(sealed(kept.name, made.read_bytes()))  # what stands behind its end is never loaded
         found = ctypes.CDLL(str(made))
         made.replace(kept)  # written under another name first: other processes may be reading
-    _prune(folder)
+    if next(_made) % OFTEN == 0:
+        _prune(folder)
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import shutil
 import subprocess
@@ -62,6 +63,7 @@ def test_a_build_that_fails_leaves_nothing(cache):
 
 def test_the_longest_unused_go_first(cache, monkeypatch):
     monkeypatch.setattr(libraries, "MOST", 10)
+    monkeypatch.setattr(libraries, "_made", itertools.count())  # as in a process that has made none
     private.cache_folder()
     for k in range(10):
         (cache / f"old{k}.so").write_bytes(b"")
