@@ -157,12 +157,13 @@ class Code:
     @property
     def parts(self) -> tuple[Part, ...]:
         """Step and outputs, with sensitivities and without."""
-        return self.model.kept(("parts", self._by, self.integrator, self.held), self._differentiated)
+        key = ("parts", self._by, self.integrator, self.held, self.lanes == 1)
+        return self.model.kept(key, self._differentiated)
 
     def _differentiated(self) -> tuple[Part, ...]:
         step, outputs = "model_advance", "model_observe"
         return (
-            step_part(step, self.model, self.integrator, self.held, self._by),
+            step_part(step, self.model, self.integrator, self.held, self._by, self.lanes == 1),
             output_part(outputs, self.model, self._by),
             step_part(step + ONLY, self.model, self.integrator, self.held, None),
             output_part(outputs + ONLY, self.model, None),

@@ -7,8 +7,8 @@ Along a column s of dx/d(x0, p), that of an initial state or of a parameter, the
     x⁺' = s + Σ m_i k_i',                                                                (see ``rosenbrock``)
 
 so four systems with the matrix of the step itself. W, f_x and N_i are the same for all columns, q_i is the
-parameter's own (zero for an initial state). That needs a third of the operations of the derivative of the
-whole step.
+parameter's own (zero for an initial state). Against the derivative of the whole step, that takes from what is
+computed once, and adds to each column. It pays where several columns are computed side by side.
 
 Source: Hairer, Wanner (1996), Solving Ordinary Differential Equations II, sec. IV.7, differentiated.
 """

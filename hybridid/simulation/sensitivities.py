@@ -11,7 +11,7 @@ An explicit Runge-Kutta method, differentiated, is the same method on s, with th
 So one function, ``forward``, computes the value with the derivatives, of a Runge-Kutta method those of one
 stage. Another, ``column``, applies them to one column. There are as many columns as states and free
 parameters. The code of both is four to ten times shorter than that of a whole step's derivative with all
-columns, for as many operations. ``rosenbrock_column`` does the same for ``rodas3``.
+columns, for as many operations.
 """
 
 from __future__ import annotations
@@ -155,14 +155,22 @@ class _At:
         return ca.Function(name, given, [ca.densify(v) for v in values], {"cse": True})
 
 
-def step_part(name: str, model: Model, integrator: str, held: bool, free: Sequence[str] | None) -> Part:
-    """One step of ``integrator``; without sensitivities where ``free`` is None."""
+def step_part(
+    name: str, model: Model, integrator: str, held: bool, free: Sequence[str] | None, wide: bool = False
+) -> Part:
+    """One step of ``integrator``; without sensitivities where ``free`` is None.
+
+    ``wide``: several columns are computed side by side, so that long ones cost little. Then those of
+    ``rodas3`` go through its stages (``rosenbrock_column``); else ``forward`` has the derivative of the whole
+    step.
+    """
     if integrator == "rk4":
         return _rk4_part(name, model, 0 if held else len(model.inputs), free)
     at = _At.of(model, len(model.inputs) * (1 if held else 3))
-    if free is None:
-        return at.alone(name, INTEGRATORS[integrator](model, at.h, held)(at.t, at.x, at.u, at.p, at.h))
-    return _rodas3_part(name, at, held, free)
+    if free is not None and wide:
+        return _rodas3_part(name, at, held, free)
+    value = INTEGRATORS[integrator](model, at.h, held)(at.t, at.x, at.u, at.p, at.h)
+    return at.alone(name, value) if free is None else at.part(name, value, free, _as_a_whole)
 
 
 def _rodas3_part(name: str, at: _At, held: bool, free: Sequence[str]) -> Part:

@@ -60,11 +60,11 @@ def at_random(model, inputs):
 
 
 @pytest.mark.parametrize("held", [True, False])
-@pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_a_step(make_model, integrator, held):
+@pytest.mark.parametrize(("integrator", "wide"), [("rk4", False), ("rodas3", False), ("rodas3", True)])
+def test_a_step(make_model, integrator, wide, held):
     model = make_model(EFFECTS)
     given, s = at_random(model, 1 if held else 3)
-    part = step_part("step", model, integrator, held, FREE)
+    part = step_part("step", model, integrator, held, FREE, wide)
     step = INTEGRATORS[integrator](model, ca.SX.sym("h"), held)
     x, t, h, u, p = given
     np.testing.assert_allclose(evaluated(part, given)[0], np.array(step(t, x, u, p, h)).ravel())
