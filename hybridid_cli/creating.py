@@ -128,7 +128,12 @@ _BETWEEN = {
     "bandlimited": "band-limited",
     None: "not given: assumed held",
 }
-_HOW = {"user": "--scale", "header": "the header", "nothing": "assumed: the header names no unit"}
+_HOW = {
+    "user": "--scale",
+    "header": "the header",
+    "bare": "the header; taken as recorded",
+    "nothing": "assumed: the header names no unit",
+}
 
 
 def _told(machine: Machine) -> list[RenderableType]:

@@ -6,7 +6,8 @@ Three shapes are read. ``entries`` may have any name:
     [{"t": 0.0, "q": 0.1}, {"t": 0.1, "q": 0.2}]                            samples
     {"kp": 100, "t": [0.0, 0.1], "q": [0.1, 0.2]}                           constants and columns
 
-JSON lines hold the same samples, an object in each line.
+JSON lines hold the same samples, an object in each line. Objects may hold objects, and samples short lists:
+``{"motor": {"current": 1.5}, "gyro": [0.1, 0.2]}`` gives ``motor.current``, ``gyro[0]`` and ``gyro[1]``.
 
 A constant becomes a column that repeats it, so that it can be a signal: a gain that differs from one
 recording to the next is an input of the model. ``true`` is 1, ``false`` is 0, ``null`` is a missing value.
@@ -23,6 +24,8 @@ import numpy as np
 
 from hybridid.records.channel import Array, RecordError
 
+DEEPEST, LONGEST = 8, 64
+"""So many objects in objects, and entries of a list in a sample, become columns."""
 SHAPES = (
     "a list of samples, each an object of numbers, or an object that holds numbers beside one such list or "
     "beside lists of numbers"
@@ -41,6 +44,7 @@ def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
         content = {"": content}
     if not isinstance(content, Mapping):
         raise RecordError(f"{path}: it holds {_kind(content)}; {SHAPES} is read")
+    content = dict(_flat(content, 0))
     lists = {name: value for name, value in content.items() if isinstance(value, list)}
     tables = [
         name for name, value in lists.items() if value and all(isinstance(one, Mapping) for one in value)
@@ -83,8 +87,21 @@ def _sample(line: str, where: str) -> Mapping[str, Any]:
 
 def _of_samples(samples: Sequence[Mapping[str, Any]]) -> dict[str, Array | str]:
     """The columns of a list of samples, in the order in which their names appear."""
-    names = dict.fromkeys(name for sample in samples for name in sample)
-    return {name: _across(name, samples) for name in names}
+    flat = [dict(_flat(sample, LONGEST)) for sample in samples]
+    names = dict.fromkeys(name for sample in flat for name in sample)
+    return {name: _across(name, flat) for name in names}
+
+
+def _flat(content: Mapping[str, Any], longest: int, depth: int = 1) -> Iterator[tuple[str, Any]]:
+    """Each value of an object by its name; those of an object in it as ``name.key``, and of a list of up to
+    ``longest`` entries as ``name[0]``."""
+    for name, value in content.items():
+        inner: Mapping[str, Any] = {}
+        if isinstance(value, Mapping) and depth < DEEPEST:
+            inner = {f"{name}.{key}": one for key, one in value.items()}
+        elif isinstance(value, list) and len(value) <= longest:
+            inner = {f"{name}[{k}]": one for k, one in enumerate(value)}
+        yield from _flat(inner, longest, depth + 1) if inner else ((name, value),)
 
 
 def _across(name: str, samples: Sequence[Mapping[str, Any]]) -> Array | str:

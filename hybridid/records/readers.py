@@ -172,16 +172,17 @@ def _read_csv(path: Path) -> Found:
 
 
 def _units(below: Sequence[str], separator: str, decimal: str) -> list[str]:
-    """The cells of the line below a header if they are units: no number is among them, one is in the next."""
+    """The cells of the line below a header if they are units: no number but 1 is among them, one is in the
+    next line."""
     rows = [next(csv.reader([line], delimiter=separator), []) for line in below]
     if len(rows) < 2 or not rows[0]:
         return []
     filled = [cell.strip() for cell in rows[0]]
-    if any(cell and _is_number(cell, decimal) for cell in filled) or not any(filled):
+    if any(cell not in ("", "1") and _is_number(cell, decimal) for cell in filled) or not any(filled):
         return []
     numbers = any(cell.strip() and _is_number(cell, decimal) for cell in rows[1])
     units = [cell.strip("[]() ") for cell in filled]
-    return units if numbers and any(is_unit(unit) for unit in units) else []
+    return units if numbers and any(unit != "1" and is_unit(unit) for unit in units) else []
 
 
 def _labels(cells: Sequence[str], units: Sequence[str]) -> list[str]:
