@@ -6,14 +6,17 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from benchmarks.strangers.asked import COMMANDS, LONGEST, Answer
 from benchmarks.strangers.killed import Killed
 from benchmarks.strangers.play import SECONDS, Outcome, Value
 from benchmarks.strangers.servo import ALLOWED, Servo
 from hybridid.quantities import estimated, fixed, number, percent, quantity
 
 OUT = Path(__file__).resolve().parents[2] / "outputs" / "studies"
-LONGEST, COMMANDS = 300.0, 10
-"""Seconds and commands that a machine may take."""
+WORDS = (
+    "The verdicts are quoted as the trace says them. It takes every recorded file for a measurement, so its "
+    "word is 'measured' here too: all of this section is simulated."
+)
 HEAD = ("machine", "template", "commands", "lines of Python", "new, run, trace [s]", "CPU [s]")
 
 
@@ -43,7 +46,8 @@ def templates(rows: Sequence[Outcome]) -> str:
     return "\n".join(
         [
             "## Each template, from the recording to the traced report (simulated)",
-            f"{SECONDS:g} s at 500 Hz; tanks at 1 Hz, as many samples. Nothing is missing in these machines.",
+            f"{SECONDS:g} s at 500 Hz; tanks at 1 Hz, as many samples. Nothing is missing in these machines. "
+            f"{WORDS}",
             "",
             *_table((*HEAD, "largest error of a planted parameter", "verdict"), map(row, rows)),
             "",
@@ -57,6 +61,7 @@ def rigs(rows: Sequence[Outcome]) -> str:
     return "\n".join(
         [
             "## Machines that hold more than their template declares (simulated)",
+            WORDS,
             "",
             *_table((*HEAD, "found, and planted", "verdict"), map(row, rows)),
             "",
@@ -113,7 +118,8 @@ def killed(found: Killed) -> str:
     return "\n".join(
         [
             "## A trace that is killed at a random moment and started again (simulated)",
-            f"In peace: {found.refits} refits in {found.seconds:.0f} s, one process. {found.sentence}",
+            f"{WORDS} In peace: {found.refits} refits in {found.seconds:.0f} s, one process. "
+            f"{found.sentence}",
             "",
             *_table(
                 (
@@ -141,9 +147,18 @@ def killed(found: Killed) -> str:
     )
 
 
-def page(sections: Sequence[str]) -> str:
-    """The page of all ``sections``."""
-    return "\n\n".join(["# A stranger's machine: from a recording to a traced model", *sections]) + "\n"
+def answers(found: Sequence[Answer]) -> str:
+    """Each line that must be shown, with what was found."""
+    rows = [_cells(one.asked, "yes" if one.holds else "**no**", one.found, one.data) for one in found]
+    return "\n".join(
+        ["## What must be shown", "", *_table(("asked (issue 19)", "holds", "found", "data"), rows)]
+    )
+
+
+def page(found: Sequence[Answer], sections: Sequence[str]) -> str:
+    """The page: the answers, then all ``sections``."""
+    head = "# A stranger's machine: from a recording to a traced model"
+    return "\n\n".join([head, answers(found), *sections]) + "\n"
 
 
 def write(text: str) -> Path:

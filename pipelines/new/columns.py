@@ -13,6 +13,8 @@ from hybridid.records.units import factor
 from pipelines.new.template import Template
 from pipelines.shared.errors import ConfigError
 
+EXPLAINED = 2
+"""Columns that cannot be read, of which a line says why."""
 Ask = Callable[[str, Sequence[str]], str | None]
 """Puts a question with its possible answers to the user; None where nobody is there to answer."""
 
@@ -90,9 +92,10 @@ def full_name(said: str, names: Iterable[str]) -> str:
 
 
 def _listed(names: Iterable[str], unusable: Mapping[str, str]) -> str:
-    """Columns by name, and those that are none."""
+    """Columns by name, and those that are none, the first ``EXPLAINED`` with the reason."""
     listed = ", ".join(names) or "none"
-    return f"{listed}; no numbers: {', '.join(unusable)}" if unusable else listed
+    bad = [f"{one} ({why})" if k < EXPLAINED else one for k, (one, why) in enumerate(unusable.items())]
+    return f"{listed}; no numbers: {', '.join(bad)}" if bad else listed
 
 
 def _settle(template: Template, columns: Sequence[ColumnFound], found: dict[str, ColumnFound]) -> None:

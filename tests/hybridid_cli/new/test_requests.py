@@ -181,7 +181,10 @@ def test_a_column_of_text_is_told_as_such(say, own_folder, rig):
         "column 'mode' cannot be a signal: it holds the text 'eco'"
         in say("new", *words, "angle=mode").complaint
     )
-    assert "columns: esc.a, x; no numbers: mode" in say("new", *words, "angle=none").complaint
+    assert (
+        "columns: esc.a, x; no numbers: mode (it holds the text 'eco' at sample 0"
+        in say("new", *words, "angle=none").complaint
+    )
 
 
 def test_a_missing_recording_is_one_line(say, rig):
