@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from benchmarks.strangers.recording import Simulated, clock, noisy, push, run, sign, table
-from benchmarks.strangers.tanks import tank, two_tanks
+from benchmarks.strangers.tanks import heater, tank, two_tanks
 
 SHORT = 5.0  # s, of the recordings that the tests fit
 
@@ -180,6 +180,7 @@ MACHINES: Mapping[str, Callable[..., Simulated]] = {
         quarter_car,
         tank,
         two_tanks,
+        heater,
         servo,
         test_rig,
         vehicle,

@@ -46,7 +46,7 @@ def templates(rows: Sequence[Outcome]) -> str:
     return "\n".join(
         [
             "## Each template, from the recording to the traced report (simulated)",
-            f"{SECONDS:g} s at 500 Hz; tanks at 1 Hz, as many samples. Nothing is missing in these machines. "
+            f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz, as many samples. Nothing is missing in these. "
             f"{WORDS}",
             "",
             *_table((*HEAD, "largest error of a planted parameter", "verdict"), map(row, rows)),
