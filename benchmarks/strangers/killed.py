@@ -74,7 +74,9 @@ def played(folder: Path, kills: int = KILLS) -> Killed:
     """
     made = slide(SECONDS)
     (folder / "slide.csv").write_text(made.text, encoding="utf-8")
-    commanded(("new", NAME, "--from", "slide.csv", "--template", "carriage", *made.words), folder)
+    commanded(
+        ("new", NAME, "--from", "slide.csv", "--template", "carriage", *made.words, "--simulated"), folder
+    )
     commanded(("fit", *CASE), folder)
     before = folder.with_name(f"{folder.name}-before")
     shutil.copytree(folder, before, symlinks=True)

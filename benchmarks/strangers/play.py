@@ -103,7 +103,7 @@ def played(machine: Machine, folder: Path, more: tuple[str, ...] = ()) -> Outcom
         (folder / file).write_text(text, encoding="utf-8")
     case = ("--config-dir", name, f"case={name}", *made.settings)
     first, *others = (
-        ("new", name, "--from", *files, "--template", machine.template, *made.words),
+        ("new", name, "--from", *files, "--template", machine.template, *made.words, "--simulated"),
         ("run", *case),
         ("trace", *case, *more),
     )

@@ -13,10 +13,6 @@ from benchmarks.strangers.servo import ALLOWED, Servo
 from hybridid.quantities import estimated, fixed, number, percent, quantity
 
 OUT = Path(__file__).resolve().parents[2] / "outputs" / "studies"
-WORDS = (
-    "The verdicts are quoted as the trace says them. It takes every recorded file for a measurement, so its "
-    "word is 'measured' here too: all of this section is simulated."
-)
 HEAD = ("machine", "template", "commands", "lines of Python", "new, run, trace [s]", "CPU [s]")
 
 
@@ -46,8 +42,7 @@ def templates(rows: Sequence[Outcome]) -> str:
     return "\n".join(
         [
             "## Each template, from the recording to the traced report (simulated)",
-            f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz, as many samples. Nothing is missing in these. "
-            f"{WORDS}",
+            f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz, as many samples. Nothing is missing in these.",
             "",
             *_table((*HEAD, "largest error of a planted parameter", "verdict"), map(row, rows)),
             "",
@@ -61,7 +56,6 @@ def rigs(rows: Sequence[Outcome]) -> str:
     return "\n".join(
         [
             "## Machines that hold more than their template declares (simulated)",
-            WORDS,
             "",
             *_table((*HEAD, "found, and planted", "verdict"), map(row, rows)),
             "",
@@ -118,8 +112,7 @@ def killed(found: Killed) -> str:
     return "\n".join(
         [
             "## A trace that is killed at a random moment and started again (simulated)",
-            f"{WORDS} In peace: {found.refits} refits in {found.seconds:.0f} s, one process. "
-            f"{found.sentence}",
+            f"In peace: {found.refits} refits in {found.seconds:.0f} s, one process. {found.sentence}",
             "",
             *_table(
                 (

@@ -10,7 +10,7 @@ from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.smooth import ramp
 
 LIQUIDS = ("[!°K]*",)
-"""Units of a level: not those of a temperature, at whose port the flow is heat. Heat has no edge and no hole."""
+"""Units of a level, not of a temperature: there the flow is heat, which has no edge and no hole."""
 HEIGHT = EffectParameter(
     "h", POSITION, "reference height, fixed: it only sets what the coefficient means", guess=1.0, fixed=True
 )

@@ -30,7 +30,7 @@ from pipelines.shared.tree import discard_unfinished, replacing, write_text
 class Request:
     """What the user asks for: the files of each recording; columns, scales and holds by signal; the column of
     ``time`` or the ``rate`` in Hz, where the files do not tell it. ``constants`` are columns that hold one
-    number, by the parameter that it is."""
+    number, by the parameter that it is. ``simulated``: the files hold no measurement."""
 
     folder: Path
     recordings: tuple[tuple[Path, ...], ...]
@@ -41,6 +41,7 @@ class Request:
     constants: Mapping[str, str] = field(default_factory=dict)
     time: str | None = None
     rate: float | None = None
+    simulated: bool = False
 
 
 def new(request: Request, ask: Ask) -> Machine:
@@ -75,7 +76,7 @@ def new(request: Request, ask: Ask) -> Machine:
         _read(name, paths, time, plan, picked)
         for name, paths, time in zip(names, request.recordings, times, strict=True)
     )
-    machine = Machine(name, request.folder, plan, picked, recordings, records)
+    machine = Machine(name, request.folder, plan, picked, recordings, records, request.simulated)
     _write(machine)
     return machine
 

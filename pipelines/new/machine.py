@@ -54,6 +54,7 @@ class Machine:
     chosen: tuple[Chosen, ...]
     recordings: tuple[Recording, ...]
     records: tuple[Record, ...]
+    simulated: bool = False
 
     @property
     def time(self) -> TimeFound:

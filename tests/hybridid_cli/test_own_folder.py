@@ -106,6 +106,16 @@ def test_a_unit_that_a_factor_turns_into_the_plant_s_is_told_with_it(say, mylab)
 
 
 @pytest.mark.usefixtures("nothing_imported")
+def test_files_that_are_no_measurement_are_marked_simulated(say, mylab):
+    words = ("--config-dir", "mylab", "case=mine", "mlflow.enabled=false", "out=tree")
+    said = say("validate", *words, "signals.simulated=true")
+    assert said.code == 0, said.err
+    assert "measured" not in said.out
+    scores = json.loads(Path("tree/validate/metrics.json").read_text())
+    assert {row["provenance"] for row in scores} == {"simulated"}
+
+
+@pytest.mark.usefixtures("nothing_imported")
 def test_a_fitted_record_whose_file_is_not_there_is_told(say, mylab):
     case = mylab / "case" / "mine.yaml"
     case.write_text(CASE + "  other: {files: nowhere.csv, role: validation}\n")

@@ -173,6 +173,13 @@ def test_a_column_may_be_named_without_its_unit(say, own_folder, rig):
     assert 'column: "Temperatur [°C]", unit: "1"} # signal that is measured, in °C' in case
 
 
+def test_recordings_that_are_no_measurements_are_marked(recorded, say, own_folder, rig):
+    say("new", rig, *recorded("carriage"), "--simulated")
+    assert "\n  simulated: true # no measurement" in (own_folder / rig / "case" / f"{rig}.yaml").read_text()
+    said = say("fit", "--config-dir", rig, f"case={rig}", "out=tree", "mlflow.enabled=false")
+    assert "Fit quality (simulated)" in said.out
+
+
 def test_a_column_of_text_is_told_as_such(say, own_folder, rig):
     lines = [f'{{"ts": {0.01 * k}, "esc": {{"a": {k % 7}}}, "x": {k % 5}, "mode": "eco"}}' for k in range(60)]
     (own_folder / "run.jsonl").write_text("\n".join(lines))
