@@ -128,12 +128,12 @@ def test_rig(seconds: float = SHORT) -> Simulated:  # noqa: PT028
 
 
 def vehicle(seconds: float = SHORT) -> Simulated:
-    """A scooter that is driven and coasts, never at rest. The speed is measured."""
+    """A model car, never at rest. The speed is measured."""
     t = clock(seconds)
-    force = lambda s: 60.0 + push(s, 120.0)  # noqa: E731
-    v, _ = run(lambda s, x: [(force(s) - 14.0 - 0.9 * x[0] * abs(x[0])) / 98.0, 0.0], [6.0, 0.0], t)
+    force = lambda s: 20.0 + push(s, 60.0)  # noqa: E731
+    v, _ = run(lambda s, x: [(force(s) - 4.0 - 0.5 * x[0] - 0.12 * x[0] ** 2) / 4.0, 0.0], [6.0, 0.0], t)
     text = table("ts,drive force (N),speed_kmh", 1.7e9 + t, force(t), noisy(v) * 3.6, digits=14)
-    truth = {"M": 98.0, "road.coulomb.f_c": 14.0, "road.quadratic_drag.c_d": 0.9}
+    truth = {"M": 4.0, "road.coulomb.f_c": 4.0, "road.viscous.f_v": 0.5, "road.quadratic_drag.c_d": 0.12}
     return Simulated(text, truth, ("--hold", "force=foh"))
 
 
