@@ -44,7 +44,7 @@ def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
         content = {"": content}
     if not isinstance(content, Mapping):
         raise RecordError(f"{path}: it holds {_kind(content)}; {SHAPES} is read")
-    content = dict(_flat(content, 0))
+    content = _named(content, 0, str(path))
     lists = {name: value for name, value in content.items() if isinstance(value, list)}
     tables = [
         name for name, value in lists.items() if value and all(isinstance(one, Mapping) for one in value)
@@ -55,7 +55,7 @@ def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
         )
     if not lists or (not tables and "" in lists):
         raise RecordError(f"{path}: it holds no list of samples; {SHAPES} is read")
-    columns = _of_samples(lists.pop(tables[0])) if tables else {}
+    columns = _of_samples(lists.pop(tables[0]), str(path)) if tables else {}
     columns |= {name: _numbers(value) for name, value in lists.items()}
     return _with_constants(
         columns, {name: value for name, value in content.items() if not isinstance(value, list)}
@@ -72,7 +72,7 @@ def read_json_lines(path: Path) -> Iterator[tuple[str, Array | str]]:
     for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
         if line.strip():
             samples.append(_sample(line, f"{path}: line {number}"))
-    yield from _of_samples(samples).items()
+    yield from _of_samples(samples, str(path)).items()
 
 
 def _sample(line: str, where: str) -> Mapping[str, Any]:
@@ -85,11 +85,27 @@ def _sample(line: str, where: str) -> Mapping[str, Any]:
     return found
 
 
-def _of_samples(samples: Sequence[Mapping[str, Any]]) -> dict[str, Array | str]:
+def _of_samples(samples: Sequence[Mapping[str, Any]], where: str) -> dict[str, Array | str]:
     """The columns of a list of samples, in the order in which their names appear."""
-    flat = [dict(_flat(sample, LONGEST)) for sample in samples]
+    flat = [_named(sample, LONGEST, f"{where}: sample {k}") for k, sample in enumerate(samples)]
     names = dict.fromkeys(name for sample in flat for name in sample)
     return {name: _across(name, flat) for name in names}
+
+
+def _named(content: Mapping[str, Any], longest: int, where: str) -> dict[str, Any]:
+    """``_flat``, where each name must be that of one value.
+
+    Raises:
+        RecordError: if an object in it makes a name that a key of its own has.
+    """
+    if not any(isinstance(value, (dict, list)) for value in content.values()):
+        return dict(content)  # most often, and long files have many samples
+    found: dict[str, Any] = {}
+    for name, value in _flat(content, longest):
+        if name in found:
+            raise RecordError(f"{where}: {name!r} names two values, one in an object: rename a key")
+        found[name] = value
+    return found
 
 
 def _flat(content: Mapping[str, Any], longest: int, depth: int = 1) -> Iterator[tuple[str, Any]]:
@@ -97,7 +113,7 @@ def _flat(content: Mapping[str, Any], longest: int, depth: int = 1) -> Iterator[
     ``longest`` entries as ``name[0]``."""
     for name, value in content.items():
         inner: Mapping[str, Any] = {}
-        if isinstance(value, Mapping) and depth < DEEPEST:
+        if isinstance(value, dict) and depth < DEEPEST:
             inner = {f"{name}.{key}": one for key, one in value.items()}
         elif isinstance(value, list) and len(value) <= longest:
             inner = {f"{name}[{k}]": one for k, one in enumerate(value)}

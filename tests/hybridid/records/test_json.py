@@ -105,6 +105,12 @@ def test_lists_and_constants_may_stand_in_objects(tmp_path):
     }  # fmt: skip
 
 
+def test_a_name_of_two_values_is_refused(tmp_path):
+    sample = {"t": 0.0, "esc.amps": 1.0, "esc": {"amps": 2.0}}
+    with pytest.raises(RecordError, match=r"sample 0: 'esc\.amps' names two values, one in an object"):
+        read_columns(written(tmp_path, [sample, sample]))
+
+
 def test_objects_in_objects_have_an_end(tmp_path):
     deep: Any = 1.0
     for _ in range(40):
