@@ -11,6 +11,7 @@ JSON lines hold the same samples, an object in each line. Objects may hold objec
 
 A constant becomes a column that repeats it, so that it can be a signal: a gain that differs from one
 recording to the next is an input of the model. ``true`` is 1, ``false`` is 0, ``null`` is a missing value.
+Dates that are text serve as time.
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ from typing import Any
 
 import numpy as np
 
+from hybridid.records.bags import Instants
 from hybridid.records.channel import Array, RecordError
+from hybridid.records.dates import seconds_of
 
 DEEPEST, LONGEST = 8, 64
 """So many objects in objects, and entries of a list in a sample, become columns."""
@@ -32,7 +35,7 @@ SHAPES = (
 )
 
 
-def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
+def read_json(path: Path) -> Iterator[tuple[str, Array | Instants | str]]:
     """The columns of the JSON file at ``path``, each (n,), or why a column is none.
 
     Raises:
@@ -62,7 +65,7 @@ def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
     )
 
 
-def read_json_lines(path: Path) -> Iterator[tuple[str, Array | str]]:
+def read_json_lines(path: Path) -> Iterator[tuple[str, Array | Instants | str]]:
     """The columns of a file with a sample in each line.
 
     Raises:
@@ -85,7 +88,7 @@ def _sample(line: str, where: str) -> Mapping[str, Any]:
     return found
 
 
-def _of_samples(samples: Sequence[Mapping[str, Any]], where: str) -> dict[str, Array | str]:
+def _of_samples(samples: Sequence[Mapping[str, Any]], where: str) -> dict[str, Array | Instants | str]:
     """The columns of a list of samples, in the order in which their names appear."""
     flat = [_named(sample, LONGEST, f"{where}: sample {k}") for k, sample in enumerate(samples)]
     names = dict.fromkeys(name for sample in flat for name in sample)
@@ -120,15 +123,19 @@ def _flat(content: Mapping[str, Any], longest: int, depth: int = 1) -> Iterator[
         yield from _flat(inner, longest, depth + 1) if inner else ((name, value),)
 
 
-def _across(name: str, samples: Sequence[Mapping[str, Any]]) -> Array | str:
+def _across(name: str, samples: Sequence[Mapping[str, Any]]) -> Array | Instants | str:
     for k, sample in enumerate(samples):
         if name not in sample:
             return f"sample {k} does not have it"
     return _numbers([sample[name] for sample in samples])
 
 
-def _numbers(values: Sequence[Any]) -> Array | str:
-    """A list as floats, or why it is none."""
+def _numbers(values: Sequence[Any]) -> Array | Instants | str:
+    """A list as floats, or as stamps that are text, or why it is none."""
+    if values and isinstance(values[0], str) and all(one is None or isinstance(one, str) for one in values):
+        stamps = seconds_of(values)
+        if stamps is not None:
+            return Instants(stamps)
     for k, value in enumerate(values):
         if value is not None and not isinstance(value, (bool, int, float)):
             return f"it holds {_kind(value)} at sample {k}, no number"
@@ -138,16 +145,23 @@ def _numbers(values: Sequence[Any]) -> Array | str:
 
 
 def _with_constants(
-    columns: Mapping[str, Array | str], constants: Mapping[str, Any]
-) -> Iterator[tuple[str, Array | str]]:
+    columns: Mapping[str, Array | Instants | str], constants: Mapping[str, Any]
+) -> Iterator[tuple[str, Array | Instants | str]]:
     """The columns, then the constants, as long as the longest column."""
-    n = max((len(column) for column in columns.values() if not isinstance(column, str)), default=1)
+    n = max((_length(column) for column in columns.values() if not isinstance(column, str)), default=1)
     for name, column in columns.items():
         yield name, "it is both a constant and a column" if name in constants else column
     for name, value in constants.items():
         if name not in columns:
             one = _numbers([value])
-            yield name, f"it holds {_kind(value)}, no number" if isinstance(one, str) else np.repeat(one, n)
+            yield (
+                name,
+                np.repeat(one, n) if isinstance(one, np.ndarray) else f"it holds {_kind(value)}, no number",
+            )
+
+
+def _length(column: Array | Instants) -> int:
+    return len(column.seconds if isinstance(column, Instants) else column)
 
 
 def _kind(value: Any) -> str:

@@ -23,6 +23,7 @@ from hybridid.naming import shortened
 from hybridid.records.bags import Instants, Stamped, read_bag
 from hybridid.records.channel import Array, RecordError
 from hybridid.records.columns import Columns
+from hybridid.records.dates import seconds_of
 from hybridid.records.json_columns import read_json, read_json_lines
 from hybridid.records.units import is_unit
 
@@ -133,7 +134,7 @@ def _read_csv(path: Path) -> Found:
     with path.open(encoding=encoding, newline="") as file:
         sample = file.read(65536)
     lines = re.split(r"\r\n|\r|\n", sample)  # str.splitlines would end one at other characters, too
-    preamble = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
+    preamble = _head(lines)
     first = lines[preamble] if lines else ""
     separator = _separator(first)
     decimal = "," if separator != "," and re.search(r"\d,\d", sample) else "."
@@ -169,6 +170,25 @@ def _read_csv(path: Path) -> Found:
             yield name, _numbers(series)
         elif has_header and name:  # a trailing separator makes one more, empty column
             yield name, "it is empty"
+
+
+def _head(lines: Sequence[str]) -> int:
+    """The line of a CSV file's header, after comments and after words of its logger: the first line with as
+    many cells as the samples have, if those above it have fewer and it holds no number."""
+    filled = [i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")]
+    if not filled:
+        return 0
+    usual = lines[filled[len(filled) // 2]]
+    separator = _separator(usual)
+    decimal = "," if separator != "," else "."
+
+    def cells(line: str) -> list[str]:
+        return next(csv.reader([line], delimiter=separator), [])
+
+    width = len(cells(usual))
+    found = next(i for i in filled if len(cells(lines[i])) == width)
+    words = not any(cell.strip() and _is_number(cell, decimal) for cell in cells(lines[found]))
+    return found if words else filled[0]
 
 
 def _units(below: Sequence[str], separator: str, decimal: str) -> list[str]:
@@ -255,6 +275,9 @@ def _numbers(series: Any) -> Array | Instants | str:
     wrong = series[numeric.isna() & series.notna()]
     if len(wrong) == 0:
         return numeric.to_numpy(float, na_value=np.nan)
+    stamps = seconds_of([one if isinstance(one, str) else None for one in series])
+    if stamps is not None:
+        return Instants(stamps)
     row = int(np.flatnonzero(series.index == wrong.index[0])[0])
     return f"it holds {shortened(repr(wrong.iloc[0]), 60)} at sample {row}, no number"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,8 @@ from hybridid.records.units import factor, is_unit
 TIME_NAMES = ("t", "time", "timestamp", "stamp", "stamps", "ts", "epoch", "seconds", "zeit", "temps", "tempo")
 SINCE_1970 = (1e9, 4e9)
 """Seconds since 1970 of the years 2001 to 2096."""
+EXPLAINED = 2
+"""Columns that are none, of which the line that asks for time says why."""
 HELD = 0.5
 """Share of the steps without a change from which on a signal is taken to be held between its changes."""
 _BRACKETS = re.compile(r"^(?P<label>.+?)\s*[\[(](?P<unit>[^\[\]()]+)[\])]$")
@@ -139,7 +142,8 @@ def _looks_like_time(columns: Columns) -> list[str]:
         raise NoTimeError(f"{columns.path}: several columns look like time: {', '.join(found)}")
     rising = [name for name in whole if _rises_evenly(columns[name])]
     but = f"; {rising[0]} rises evenly, as time does" if rising else ""
-    raise NoTimeError(f"{columns.path}: no column is called time: {', '.join(whole)}{but}")
+    texts = "".join(f"; {name}: {why}" for name, why in islice(columns.unusable.items(), EXPLAINED))
+    raise NoTimeError(f"{columns.path}: no column is called time: {', '.join(whole)}{but}{texts}")
 
 
 def _is_named_time(name: str) -> bool:
