@@ -136,16 +136,16 @@ def _read_csv(path: Path) -> Found:
     lines = re.split(r"\r\n|\r|\n", sample)  # str.splitlines would end one at other characters, too
     preamble = _head(lines)
     first = lines[preamble] if lines else ""
-    separator = _separator(first)
+    separator = " " if _separator(_usual(lines)) == " " else _separator(first)
     decimal = "," if separator != "," and re.search(r"\d,\d", sample) else "."
-    cells = next(csv.reader([first], delimiter=separator), [])
+    cells = _cells(first, separator)
     has_header = any(not _is_number(cell, decimal) for cell in cells)
     units = _units(lines[preamble + 1 : preamble + 3], separator, decimal) if has_header else []
 
     def read() -> pd.DataFrame:
         return pd.read_csv(
             path,
-            sep=separator,
+            sep=r"\s+" if separator == " " else separator,
             decimal=decimal,
             header=0 if has_header else None,
             skiprows=[*range(preamble), preamble + 1] if units else preamble,
@@ -172,29 +172,31 @@ def _read_csv(path: Path) -> Found:
             yield name, "it is empty"
 
 
+def _usual(lines: Sequence[str]) -> str:
+    """A line of samples: the one in the middle, without comments."""
+    filled = [line for line in lines if line.strip() and not line.startswith("#")]
+    return filled[len(filled) // 2] if filled else ""
+
+
 def _head(lines: Sequence[str]) -> int:
     """The line of a CSV file's header, after comments and after words of its logger: the first line with as
     many cells as the samples have, if those above it have fewer and it holds no number."""
     filled = [i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")]
     if not filled:
         return 0
-    usual = lines[filled[len(filled) // 2]]
-    separator = _separator(usual)
+    separator = _separator(_usual(lines))
     decimal = "," if separator != "," else "."
 
-    def cells(line: str) -> list[str]:
-        return next(csv.reader([line], delimiter=separator), [])
-
-    width = len(cells(usual))
-    found = next(i for i in filled if len(cells(lines[i])) == width)
-    words = not any(cell.strip() and _is_number(cell, decimal) for cell in cells(lines[found]))
+    width = len(_cells(_usual(lines), separator))
+    found = next(i for i in filled if len(_cells(lines[i], separator)) == width)
+    words = not any(cell.strip() and _is_number(cell, decimal) for cell in _cells(lines[found], separator))
     return found if words else filled[0]
 
 
 def _units(below: Sequence[str], separator: str, decimal: str) -> list[str]:
     """The cells of the line below a header if they are units: no number but 1 is among them, one is in the
     next line."""
-    rows = [next(csv.reader([line], delimiter=separator), []) for line in below]
+    rows = [_cells(line, separator) for line in below]
     if len(rows) < 2 or not rows[0]:
         return []
     filled = [cell.strip() for cell in rows[0]]
@@ -223,7 +225,9 @@ def _check_cells(path: Path, encoding: str, separator: str, preamble: int, colum
         RecordError: for the first row where one does.
     """
     with path.open(encoding=encoding, newline="") as file:
-        rows = csv.reader(islice(file, preamble, None), delimiter=separator)
+        rows = csv.reader(
+            islice(file, preamble, None), delimiter=separator, skipinitialspace=separator == " "
+        )
         for line, row in enumerate(rows, preamble + 1):
             if any(cell.strip() for cell in row[columns:]):
                 raise RecordError(f"{path}: line {line} has {len(row)} cells under {columns} columns")
@@ -242,9 +246,16 @@ def _encoding(path: Path) -> str:
 
 
 def _separator(line: str) -> str:
-    """The character between the cells of ``line``: a tab or semicolon if there is one, else a comma."""
+    """The character between the cells of ``line``: a tab or semicolon if there is one, else a comma; a space
+    if there is none of these and it holds several numbers."""
     outside_quotes = re.sub(r'"[^"]*"', "", line)
-    return next((s for s in ("\t", ";", ",", "|") if s in outside_quotes), ",")
+    spaced = len(line.split()) > 1 and all(_is_number(word, ".") for word in line.split())
+    return next((s for s in ("\t", ";", ",", "|") if s in outside_quotes), " " if spaced else ",")
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    """The cells of one line; several spaces are one separator."""
+    return line.split() if separator == " " else next(csv.reader([line], delimiter=separator), [])
 
 
 def _is_number(cell: str, decimal: str) -> bool:
@@ -296,6 +307,9 @@ def _read_parquet(path: Path) -> Found:
 READERS: Mapping[str, Callable[[Path], Found]] = {
     ".mat": _read_mat,
     ".csv": _read_csv,
+    ".tsv": _read_csv,
+    ".txt": _read_csv,
+    ".dat": _read_csv,
     ".json": read_json,
     ".jsonl": read_json_lines,
     ".ndjson": read_json_lines,
@@ -307,5 +321,13 @@ READERS: Mapping[str, Callable[[Path], Found]] = {
 }
 CONVERTED: Mapping[str, str] = {
     ".bag": "write it as an MCAP file of ROS 2, with rosbags-convert",
+    ".xlsx": "save its sheet as CSV",
+    ".xls": "save its sheet as CSV",
+    ".ods": "save its sheet as CSV",
+    ".tdms": "write it as CSV or HDF5, with npTDMS",
+    ".mf4": "write it as Parquet or MATLAB, with asammdf",
+    ".mdf": "write it as Parquet or MATLAB, with asammdf",
+    ".npy": "write it as CSV, with numpy.savetxt",
+    ".npz": "write it as MATLAB, with scipy.io.savemat",
 }
 """How a recording of another format becomes one that is read."""
