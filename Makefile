@@ -77,7 +77,7 @@ benchmark: $(READY) ## how fast are fits, simulations, commands and traces, besi
 study-servo: $(READY) ## how well does the servo's model predict a trajectory of another kind? (measured, minutes)
 	$(BIN)/python benchmarks/servo.py
 
-study-strangers: $(READY) ## all that a stranger must be able to do, on one page: templates, servo, rigs, kills (simulated, the servo measured; half an hour)
+study-strangers: $(READY) ## all that a stranger must be able to do, on one page: templates, servo, rigs, kills (simulated, the servo measured; 20 minutes)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.strangers $(ARGS)
 
 study-sweep: $(READY) ## how much faster than a plain loop is a sweep? (simulated, minutes)

@@ -13,7 +13,7 @@ import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any, NoReturn
 
 from hybridid.naming import shortened, unknown
@@ -70,9 +70,18 @@ def imported(path: str, what: str) -> Any:
     except OwnCodeError as error:
         raise OwnCodeError(f"{what} {path}: {name} fails when imported: {error}") from error
     if not hasattr(module, attribute):
-        public = [n for n, v in vars(module).items() if not n.startswith("_") and not inspect.ismodule(v)]
-        raise ValueError(f"{what} {path}: {unknown(f'name in {name}', attribute, public)}")
+        raise ValueError(f"{what} {path}: {unknown(f'name in {name}', attribute, _own_names(module))}")
     return getattr(module, attribute)
+
+
+def _own_names(module: ModuleType) -> list[str]:
+    """The public names of a module, without the modules, classes and functions that it imports."""
+
+    def imports(value: Any) -> bool:
+        made = inspect.isclass(value) or inspect.isroutine(value)
+        return inspect.ismodule(value) or (made and value.__module__ != module.__name__)
+
+    return [name for name, value in vars(module).items() if not name.startswith("_") and not imports(value)]
 
 
 class Named(SimpleNamespace):

@@ -12,6 +12,9 @@ from pathlib import Path
 from typing import Any
 
 _GLOBAL = "_global_"
+DEFAULT_CASE = "emps"
+"""What a command takes where no word chooses a case."""
+_WITH_CASE = ("run", "preprocess", "fit", "residual", "validate", "plot", "trace", "sweep", "tune")
 
 
 def conf_folder() -> Path:
@@ -34,6 +37,21 @@ def user_folders(words: Sequence[str]) -> list[Path]:
 def existing_folders(words: Sequence[str]) -> list[Path]:
     """Those of ``user_folders`` that exist."""
     return [folder for folder in user_folders(words) if folder.is_dir()]
+
+
+def case_left_out(command: str, words: Sequence[str]) -> str:
+    """What to write where ``--config-dir`` adds cases and no word chooses one, so that the command would take
+    ``DEFAULT_CASE``; empty where nothing is missing."""
+    own = {path.stem for folder in existing_folders(words) for path in (folder / "case").glob("*.yaml")}
+    chosen = {word.lstrip("+").partition("=")[0] for word in words}
+    if (
+        command not in _WITH_CASE
+        or not own
+        or DEFAULT_CASE in own
+        or chosen & {"case", "experiment", "model"}
+    ):
+        return ""
+    return f"no case is chosen: write case={'|'.join(sorted(own))}, or case={DEFAULT_CASE} if that is meant"
 
 
 def groups(folders: Sequence[Path] = ()) -> list[str]:

@@ -55,6 +55,7 @@ def _request(words: Sequence[str]) -> Request:
     parser.add_argument("--scale", action="append", default=[], metavar="SIGNAL=NUMBER")
     parser.add_argument("--hold", action="append", default=[], metavar="SIGNAL=HOLD")
     parser.add_argument("--constant", action="append", default=[], metavar="PARAMETER=COLUMN")
+    parser.add_argument("--simulated", action="store_true")
     axis = parser.add_mutually_exclusive_group()
     axis.add_argument("--time", metavar="COLUMN")
     axis.add_argument("--rate", type=float, metavar="HZ")
@@ -73,6 +74,7 @@ def _request(words: Sequence[str]) -> Request:
         constants=_pairs("--constant", given.constant),
         time=given.time,
         rate=given.rate,
+        simulated=given.simulated,
     )
 
 
@@ -128,7 +130,12 @@ _BETWEEN = {
     "bandlimited": "band-limited",
     None: "not given: assumed held",
 }
-_HOW = {"user": "--scale", "header": "the header", "nothing": "assumed: the header names no unit"}
+_HOW = {
+    "user": "--scale",
+    "header": "the header",
+    "bare": "the header; taken as recorded",
+    "nothing": "assumed: the header names no unit",
+}
 
 
 def _told(machine: Machine) -> list[RenderableType]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 from hydra.errors import (
     ConfigCompositionException,
@@ -79,10 +80,12 @@ def _config_problem(error: Exception, command: str, words: Sequence[str]) -> str
     folders = existing_folders(words)
     if isinstance(error, MissingConfigException) and error.missing_cfg_file:
         group, _, name = str(error.missing_cfg_file).rpartition("/")
-        return unknown(group or "config", name, error.options or options(group, folders))
+        known = unknown(group or "config", name, error.options or options(group, folders))
+        return f"{known}{_folder_left_out(group, name)}"
     if isinstance(error, OverrideParseException):
         return (
             f"cannot read {error.override!r}: write key=value, and quote what the shell would split or change"
+            f"{_twice_quoted(str(error.override))}"
         )
     text = str(error)
     if match := re.search(r"An item is already at '([^']+)'", text):
@@ -98,6 +101,20 @@ def _config_problem(error: Exception, command: str, words: Sequence[str]) -> str
     if isinstance(error, ConfigCompositionException) and not text and cause is not None:
         return str(cause)
     return _plain(f"{text} {cause or ''}")
+
+
+def _twice_quoted(word: str) -> str:
+    """How to write a value with signs that Hydra does not take, as ``unit=N·m``."""
+    key, _, value = word.partition("=")
+    special = re.search(r"[^\w\s.,:/*+-]", value) and not re.search(r"[\[\]{}()'\"]", value)
+    return f"; special signs need quotes inside the shell's: '{key}=\"{value}\"'" if key and special else ""
+
+
+def _folder_left_out(group: str, name: str) -> str:
+    """A hint at a folder here that holds the config which ``--config-dir`` would add."""
+    held = (one for one in sorted(Path().iterdir()) if (one / group / f"{name}.yaml").is_file())
+    folder = next(held, None) if group and name else None
+    return f"; {folder}/{group}/{name}.yaml is there: add --config-dir {folder}" if folder else ""
 
 
 def _plain(text: str) -> str:

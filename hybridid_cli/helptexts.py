@@ -215,11 +215,12 @@ typical magnitudes. It asks for everything else. Without a terminal it names the
   hybridid new my_rig --from a.csv b.csv --template carriage --signal force=cur --scale force=2.1
   hybridid new my_rig --from motor.mat+link.mat --template two_inertias   two files of one recording
 
---signal SIGNAL=COLUMN   which column a signal is
+--signal SIGNAL=COLUMN   which column a signal is; the unit in its header may be left out
 --scale SIGNAL=NUMBER    the signal's unit over the column's, as N·m per A
 --hold INPUT=HOLD        how an input runs between two samples: zoh (held), foh (linear) or bandlimited
 --constant PARAMETER=COLUMN   a column with one number in each recording, as a gain: a parameter of the plant
 --time COLUMN            the column of time stamps; or --rate HZ where there is none
+--simulated              the recordings are no measurements: every result says "simulated"
 
 Of several recordings, the last one validates the model and the others are fitted. Of a single one, the first
 70 % are fitted and the rest validates. The recordings stay where they are. Nothing is overwritten.

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 from hybridid_cli import interrupt
-from hybridid_cli.config_files import conf_folder
+from hybridid_cli.config_files import case_left_out, conf_folder
 from hybridid_cli.exit_codes import FAILED
 from hybridid_cli.main import complain, wants_traceback
 from hybridid_cli.words import LOOKS, MULTIRUN, has_multirun, prepared
@@ -22,6 +22,8 @@ SHORT = ("preprocess", "fit", "validate")
 def run(command: str, words: Sequence[str]) -> int:
     """Carry out a command that has a primary config; returns the exit code."""
     command, words = _fleet(command, typed(words))
+    if missing := case_left_out(command, words):
+        return complain(missing)
     ready = prepared(command, words)
     traceback = wants_traceback() or "--debug" in words
     if command == "sweep":

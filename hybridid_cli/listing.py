@@ -205,7 +205,5 @@ def _paragraph(label: str, text: str) -> str:
 def _unit(effect: Effect, dimension: Dimension) -> str:
     """The unit at a linear and at a rotary port, at a level, or in that of the signal."""
     ports = _PORTS[effect.kind]
-    suited = [
-        port for port in ports if not effect.position_units or port.position_unit in effect.position_units
-    ]
+    suited = [port for port in ports if effect.suits(port.position_unit)]
     return " or ".join(dict.fromkeys(dimension.unit(port) for port in suited or ports))

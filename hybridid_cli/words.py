@@ -18,7 +18,8 @@ FLAGS = (*SWITCHES, *WITH_VALUE)
 MAY_BE_NEW = ("parameters", "channels", "rig", "archive")
 """Keys that a command line may give though the case's file does not."""
 _OF_RECORDS = re.compile(
-    r"signals\.resample|records\.[^.]+\.(resample|steps)|(signals|records\.[^.]+)\.outputs\.[^.]+\.missing"
+    r"signals\.(resample|simulated)|records\.[^.]+\.(resample|steps|simulated)|"
+    r"(signals|records\.[^.]+)\.outputs\.[^.]+\.missing"
 )
 """The same below keys whose others the case's file must give."""
 CFG = ("job", "hydra", "all")

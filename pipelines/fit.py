@@ -9,6 +9,7 @@ from hybridid.quality import judge
 from hybridid.records.store import load_record
 from pipelines.shared import modelling
 from pipelines.shared.config import Settings
+from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import Fit, describe_model
 from pipelines.shared.limits import check_and_tell, check_demand
 from pipelines.shared.modelling import fit_settings, model_of
@@ -55,7 +56,12 @@ def check(settings: Settings) -> None:
     model = model_of(settings)
     _ = model.f  # asks plant and effects for their equations
     check_demand(fit_demand(model, (), fit_settings(settings)), settings)  # more is known with the records
-    chosen(sources_of(settings).found, fitted_records(settings), "fit.records")
+    sources = sources_of(settings)
+    try:
+        chosen(sources.found, fitted_records(settings), "fit.records")
+    except ConfigError as error:  # it may be the record whose file is not there
+        missing = "" if sources.simulated else "; ".join(["", *sources.remarks])
+        raise ConfigError(f"{error}{missing}") from error
 
 
 def _show(report: Progress, watcher: Watcher) -> None:

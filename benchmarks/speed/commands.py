@@ -53,6 +53,7 @@ def _figures(what: str, words: Sequence[str], repeats: int, say: Callable[[str],
         row = _timed(what, ["run", *rest], repeats, say, lambda k: formats[k % 2])
         row.details["the whole run"] = whole
         row.details["in the stage of the figures"] = _kept(Path(folder) / "tree/plot/stage.json", "seconds")
+        row.details["in the stage of the fit"] = _kept(Path(folder) / "tree/fit/stage.json", "seconds")
         return row
 
 

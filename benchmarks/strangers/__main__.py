@@ -10,7 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks.strangers import killed, report, servo
+from benchmarks.strangers.asked import Answer, of_killed, of_rigs, of_servo, of_templates
 from benchmarks.strangers.play import Machine, Outcome, machines, played
+from hybridid.naming import unknown
 
 TEMPLATES, SERVO, RIGS, KILLS = PARTS = ("templates", "servo", "rigs", "kills")
 
@@ -18,24 +20,42 @@ TEMPLATES, SERVO, RIGS, KILLS = PARTS = ("templates", "servo", "rigs", "kills")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Play the parts that are asked for, and write their page to ``outputs/studies``."""
     asked = _parser().parse_args(arguments)
-    sections = []
-    for part in asked.parts if asked.only is None else (TEMPLATES, RIGS):
-        sections.append(_shown(part, asked))
-        print(sections[-1], flush=True)
-    print(f"written: {report.write(report.page(sections))}")
+    found, sections = [], []
+    for part in asked.parts if asked.only is None else _parts_of(asked.only):
+        answer, section = _shown(part, asked)
+        found.append(answer)
+        sections.append(section)
+        print(section, flush=True)
+    print(report.answers(found))
+    print(f"written: {report.write(report.page(found, sections))}")
     return 0
 
 
-def _shown(part: str, asked: argparse.Namespace) -> str:
-    """What the page says of a part, once it was played."""
+def _parts_of(names: Sequence[str]) -> list[str]:
+    """The parts that hold these machines.
+
+    Raises:
+        SystemExit: if a name is none of a machine.
+    """
+    known = {one.name: RIGS if one.planted else TEMPLATES for one in machines()}
+    for name in names:
+        if name not in known:
+            raise SystemExit(unknown("machine", name, known))
+    return [part for part in (TEMPLATES, RIGS) if part in {known[name] for name in names}]
+
+
+def _shown(part: str, asked: argparse.Namespace) -> tuple[Answer, str]:
+    """What the page says of a part, once it was played: the answer, and the section."""
     if part == SERVO:
-        return report.servo(_servo(asked.keep))
+        told = _servo(asked.keep)
+        return of_servo(told), report.servo(told)
     if part == KILLS:
-        return report.killed(_killed(asked.keep, asked.kills))
+        ended = _killed(asked.keep, asked.kills)
+        return of_killed(ended), report.killed(ended)
     chosen = [one for one in machines() if asked.only is None or one.name in asked.only]
-    if part == RIGS:
-        return report.rigs(list(_played(part, [one for one in chosen if one.planted], asked)))
-    return report.templates(list(_played(part, [one for one in chosen if not one.planted], asked)))
+    planted = part == RIGS
+    rows = list(_played(part, [one for one in chosen if one.planted == planted], asked))
+    return (of_rigs(rows), report.rigs(rows)) if planted else (of_templates(rows), report.templates(rows))
 
 
 def _played(part: str, chosen: Sequence[Machine], asked: argparse.Namespace) -> Iterator[Outcome]:

@@ -1,8 +1,9 @@
 """A trace that is killed at a random moment and started again, over and over. Simulated.
 
-Each trial begins with the same fit. ``SIGKILL`` ends the trace, so that it can put nothing in order. The same
-command then runs to its end. Each refit that begins is counted: what both traces began, less what one that is
-left in peace begins, was done twice.
+Each trial begins with the same fit. ``SIGKILL`` ends the trace at a random share of its refits, and within a
+refit at a random part of its time, so that the load of the machine decides nothing. It can put nothing in
+order. The same command then runs to its end. Each refit that begins is counted: what both traces began, less
+what one that is left in peace begins, was done twice.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ TRACE = ("trace", *CASE, f"trace.effects=[{EFFECTS}]", "trace.processes=1")
 
 @dataclass(frozen=True)
 class Trial:
-    """A kill: after so many seconds, as a ``share`` of what a trace takes from its first refit on; the refits
-    that had begun ``before`` it and those ``after`` it; whether verdict and numbers are the same."""
+    """A kill: after a ``share`` of a trace's refits; the refits that had begun ``before`` it and those
+    ``after`` it; whether verdict and numbers are the same."""
 
     share: float
     before: int
@@ -73,14 +74,16 @@ def played(folder: Path, kills: int = KILLS) -> Killed:
     """
     made = slide(SECONDS)
     (folder / "slide.csv").write_text(made.text, encoding="utf-8")
-    commanded(("new", NAME, "--from", "slide.csv", "--template", "carriage", *made.words), folder)
+    commanded(
+        ("new", NAME, "--from", "slide.csv", "--template", "carriage", *made.words, "--simulated"), folder
+    )
     commanded(("fit", *CASE), folder)
     before = folder.with_name(f"{folder.name}-before")
     shutil.copytree(folder, before, symlinks=True)
     _finished(folder, _begun(folder))  # compiles what the others find compiled
     _restored(folder, before)
     running = _begun(folder)
-    _first_refit(folder, running)
+    _refit(folder, running, 1)
     began = time.monotonic()
     _finished(folder, running)
     seconds = time.monotonic() - began
@@ -89,7 +92,7 @@ def played(folder: Path, kills: int = KILLS) -> Killed:
     trials = []
     for share in generator.uniform(size=kills):
         _restored(folder, before)
-        ended, first = _struck(folder, float(share) * seconds)
+        ended, first = _struck(folder, float(share) * refits, seconds / max(refits, 1))
         (folder / REFITS).unlink()
         _finished(folder, _begun(folder))
         again = _count(folder)
@@ -99,12 +102,12 @@ def played(folder: Path, kills: int = KILLS) -> Killed:
     return Killed(refits, seconds, sentence, tuple(trials))
 
 
-def _struck(folder: Path, after: float) -> tuple[bool, int]:
-    """Kill a trace so many seconds after its first refit begins; whether it had ended, and the refits."""
+def _struck(folder: Path, at: float, each: float) -> tuple[bool, int]:
+    """Kill a trace ``at`` so many refits, of about ``each`` s; whether it had ended, and the refits."""
     running = _begun(folder)
-    _first_refit(folder, running)
+    _refit(folder, running, 1 + int(at))
     try:
-        running.wait(after)
+        running.wait(at % 1.0 * each)
     except subprocess.TimeoutExpired:
         running.send_signal(signal.SIGKILL)
         running.wait()
@@ -127,9 +130,10 @@ def _finished(folder: Path, running: subprocess.Popen[bytes]) -> None:
         raise RuntimeError(f"hybridid {' '.join(TRACE)}: {(folder / SAID).read_text()}")
 
 
-def _first_refit(folder: Path, running: subprocess.Popen[bytes]) -> None:
-    while not (folder / REFITS).exists() and running.poll() is None:
-        time.sleep(0.01)
+def _refit(folder: Path, running: subprocess.Popen[bytes], number: int) -> None:
+    """Wait until the trace begins its refit of this number, or ends."""
+    while _count(folder) < number and running.poll() is None:
+        time.sleep(0.005)
 
 
 def _count(folder: Path) -> int:

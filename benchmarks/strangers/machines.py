@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from benchmarks.strangers.recording import Simulated, clock, noisy, push, run, sign, table
-from benchmarks.strangers.tanks import tank, two_tanks
+from benchmarks.strangers.tanks import heater, tank, two_tanks
 
 SHORT = 5.0  # s, of the recordings that the tests fit
 
@@ -127,6 +127,27 @@ def test_rig(seconds: float = SHORT) -> Simulated:  # noqa: PT028
     return Simulated(text, {"M": 2.0, "K": 5e3, "specimen.viscous.f_v": 60.0})
 
 
+def vehicle(seconds: float = SHORT) -> Simulated:
+    """A model car, never at rest. The speed is measured."""
+    t = clock(seconds)
+    force = lambda s: 20.0 + push(s, 60.0)  # noqa: E731
+    v, _ = run(lambda s, x: [(force(s) - 4.0 - 0.5 * x[0] - 0.12 * x[0] ** 2) / 4.0, 0.0], [6.0, 0.0], t)
+    text = table("ts,drive force (N),speed_kmh", 1.7e9 + t, force(t), noisy(v) * 3.6, digits=14)
+    truth = {"M": 4.0, "road.coulomb.f_c": 4.0, "road.viscous.f_v": 0.5, "road.quadratic_drag.c_d": 0.12}
+    return Simulated(text, truth, ("--hold", "force=foh"))
+
+
+def spindle(seconds: float = SHORT) -> Simulated:
+    t = clock(seconds)
+    torque = lambda s: push(s, 2.0)  # noqa: E731
+    w, _ = run(lambda s, x: [(torque(s) - 5e-3 * x[0] - 0.2 * sign(x[0], 60.0)) / 5e-3, 0.0], [0.0, 0.0], t)
+    text = table(
+        "Zeit [s];Drehmoment [Nm];Drehzahl [U/min]", t, torque(t), noisy(w) * 30 / np.pi, separator=";"
+    )
+    truth = {"J": 5e-3, "bearing.viscous.f_v": 5e-3, "bearing.coulomb.f_c": 0.2}
+    return Simulated(text, truth, ("--hold", "torque=foh"))
+
+
 def blank(seconds: float = SHORT) -> Simulated:
     t = clock(seconds)
     drive = lambda s: push(s, 1.0)  # noqa: E731
@@ -159,8 +180,11 @@ MACHINES: Mapping[str, Callable[..., Simulated]] = {
         quarter_car,
         tank,
         two_tanks,
+        heater,
         servo,
         test_rig,
+        vehicle,
+        spindle,
         blank,
     )
 }

@@ -50,10 +50,12 @@ def sign(v: np.ndarray, usual: float) -> np.ndarray:
     return np.tanh(v / (STICK * usual))
 
 
-def table(header: str, *columns: np.ndarray, separator: str = ",", decimal: str = ".") -> str:
+def table(
+    header: str, *columns: np.ndarray, separator: str = ",", decimal: str = ".", digits: int = 9
+) -> str:
     """The text of a file: the header, and a line for each sample."""
     rows = [
-        separator.join(f"{value:.9g}".replace(".", decimal) for value in row)
+        separator.join(f"{value:.{digits}g}".replace(".", decimal) for value in row)
         for row in zip(*columns, strict=True)
     ]
     return "\n".join([header, *rows]) + "\n"

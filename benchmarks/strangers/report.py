@@ -6,14 +6,13 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from benchmarks.strangers.asked import COMMANDS, LONGEST, Answer
 from benchmarks.strangers.killed import Killed
 from benchmarks.strangers.play import SECONDS, Outcome, Value
 from benchmarks.strangers.servo import ALLOWED, Servo
 from hybridid.quantities import estimated, fixed, number, percent, quantity
 
 OUT = Path(__file__).resolve().parents[2] / "outputs" / "studies"
-LONGEST, COMMANDS = 300.0, 10
-"""Seconds and commands that a machine may take."""
 HEAD = ("machine", "template", "commands", "lines of Python", "new, run, trace [s]", "CPU [s]")
 
 
@@ -43,7 +42,7 @@ def templates(rows: Sequence[Outcome]) -> str:
     return "\n".join(
         [
             "## Each template, from the recording to the traced report (simulated)",
-            f"{SECONDS:g} s at 500 Hz; tanks at 1 Hz, as many samples. Nothing is missing in these machines.",
+            f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz, as many samples. Nothing is missing in these.",
             "",
             *_table((*HEAD, "largest error of a planted parameter", "verdict"), map(row, rows)),
             "",
@@ -141,9 +140,18 @@ def killed(found: Killed) -> str:
     )
 
 
-def page(sections: Sequence[str]) -> str:
-    """The page of all ``sections``."""
-    return "\n\n".join(["# A stranger's machine: from a recording to a traced model", *sections]) + "\n"
+def answers(found: Sequence[Answer]) -> str:
+    """Each line that must be shown, with what was found."""
+    rows = [_cells(one.asked, "yes" if one.holds else "**no**", one.found, one.data) for one in found]
+    return "\n".join(
+        ["## What must be shown", "", *_table(("asked (issue 19)", "holds", "found", "data"), rows)]
+    )
+
+
+def page(found: Sequence[Answer], sections: Sequence[str]) -> str:
+    """The page: the answers, then all ``sections``."""
+    head = "# A stranger's machine: from a recording to a traced model"
+    return "\n\n".join([head, answers(found), *sections]) + "\n"
 
 
 def write(text: str) -> Path:

@@ -1,4 +1,4 @@
-"""Tanks, simulated at 1 Hz: alone, and two of which one may overflow."""
+"""Slow machines, simulated at 1 Hz: a tank, two tanks of which one may overflow, and a furnace."""
 
 from __future__ import annotations
 
@@ -46,3 +46,18 @@ def overflowing(seconds: float = 3000.0) -> Simulated:
     """The two tanks, the upper one with an edge that it passes now and then."""
     made = two_tanks(seconds, EDGE)
     return Simulated(made.text, {**made.truth, "upper.overflow.limit": EDGE})
+
+
+def heater(seconds: float = 2000.0) -> Simulated:
+    """A furnace, logged at 1 Hz with decimal commas and a row of units. The heater is told in %, of 2 kW."""
+    t = clock(seconds, 1.0)
+    share = np.repeat(np.random.default_rng(5).uniform(5, 100, len(t) // 200 + 1), 200)[: len(t)]
+    warm = np.empty_like(t)
+    warm[0] = 20.0
+    decay = np.exp(-2.5 / 1500.0)  # over a second, in which the power is held
+    for k, held in enumerate(share[:-1]):
+        settled = 20.0 + 20.0 * held / 2.5
+        warm[k + 1] = settled + (warm[k] - settled) * decay
+    text = table("Uhrzeit;Heizung;Temperatur\ns;%;°C", t, share, noisy(warm), separator=";", decimal=",")
+    words = ("--signal", "power=Heizung", "--scale", "power=20")
+    return Simulated(text, {"C": 1500.0, "h": 2.5}, words)

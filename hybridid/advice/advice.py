@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["bound", "scale", "decay", "range", "horizon", "stopped", "valley"]
+Kind = Literal["bound", "scale", "decay", "range", "horizon", "stopped", "valley", "open", "same"]
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,8 @@ class Advice:
     scale. ``decay``: amplitude and time cannot be told apart. ``range``: a held-out record leaves what was
     fitted. ``horizon``: the horizon of the fit is too long or too short for the records. ``stopped``: a
     descent used all its iterations, and needs more, or another tolerance. ``valley``: too few starts tell
-    whether the valley that is kept is the lowest.
+    whether the valley that is kept is the lowest. ``open``: a standard error is larger than its parameter,
+    which is positive. ``same``: a held-out record holds samples that were fitted.
     """
 
     kind: Kind

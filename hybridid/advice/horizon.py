@@ -24,6 +24,8 @@ SHARE = 0.1
 """Of the shortest record, that a horizon should have at most: there are some to judge by."""
 TOLERATED = 1.5
 """Times ``SHARE`` that are not told: a part of a recording may be fitted with the horizon of the whole."""
+RESOLVED = 1 / 3
+"""Of the shortest record, that the slowest dynamics may take and still be seen."""
 PROBES = 50
 """Samples of each record at which the time constants are computed."""
 
@@ -45,8 +47,8 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
     if seconds > TOLERATED * SHARE * shortest:
         yield Advice("horizon", _said(problem, estimate, shortest, proposed_horizon(step, shortest)))
         return
-    slowest = slowest_time(problem, estimate, SHARE * shortest)
-    if seconds < slowest:
+    slowest = slowest_time(problem, estimate, RESOLVED * shortest)
+    if seconds < min(slowest, 0.99 * SHARE * shortest):
         wanted = max(2 * slowest, proposed_horizon(step, shortest))
         better = max(SHORTEST, round(min(wanted, SHARE * shortest) / step))
         yield Advice(

@@ -246,10 +246,12 @@ class Effect:
     def admissible_at(self, port: Port) -> bool:
         """Whether the effect makes sense at ``port``: its kind, units and name, and what it knows."""
         return (
-            self.possible_at(port)
-            and _fits(port.position_unit, self.position_units)
-            and _fits(port.name.lower(), self.ports)
+            self.possible_at(port) and self.suits(port.position_unit) and _fits(port.name.lower(), self.ports)
         )
+
+    def suits(self, unit: str) -> bool:
+        """Whether the effect makes sense where positions are in ``unit``."""
+        return _fits(unit, self.position_units)
 
     def possible_at(self, port: Port) -> bool:
         """Whether ``port`` is of the effect's kind and has all that it needs."""

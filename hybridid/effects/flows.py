@@ -9,6 +9,8 @@ from hybridid.effects.disturbance import AMPLITUDES, OVER_TIME, sine_over_time
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.smooth import ramp
 
+LIQUIDS = ("[!°K]*",)
+"""Units of a level, not of a temperature: there the flow is heat, which has no edge and no hole."""
 HEIGHT = EffectParameter(
     "h", POSITION, "reference height, fixed: it only sets what the coefficient means", guess=1.0, fixed=True
 )
@@ -67,6 +69,7 @@ def _over_the_edge(at: Local) -> ca.SX:
 OVERFLOW = Effect(
     id="overflow",
     kind="flow",
+    position_units=LIQUIDS,
     title="overflow over an edge",
     equation="F = k r √(r/h),  r = ramp(q - limit),  ramp(x) = 0 for x < 0, x for x > 0",
     law=_over_the_edge,
@@ -105,6 +108,7 @@ def _through_the_hole(at: Local) -> ca.SX:
 ORIFICE_LEAK = Effect(
     id="orifice_leak",
     kind="flow",
+    position_units=LIQUIDS,
     title="leak through an orifice",
     equation="F = c sign(q) √(|q|/h),  sign(q) √|q| ≈ q/(q² + w²)^(1/4)",
     law=_through_the_hole,

@@ -6,10 +6,12 @@ Three shapes are read. ``entries`` may have any name:
     [{"t": 0.0, "q": 0.1}, {"t": 0.1, "q": 0.2}]                            samples
     {"kp": 100, "t": [0.0, 0.1], "q": [0.1, 0.2]}                           constants and columns
 
-JSON lines hold the same samples, an object in each line.
+JSON lines hold the same samples, an object in each line. Objects may hold objects, and samples short lists:
+``{"motor": {"current": 1.5}, "gyro": [0.1, 0.2]}`` gives ``motor.current``, ``gyro[0]`` and ``gyro[1]``.
 
 A constant becomes a column that repeats it, so that it can be a signal: a gain that differs from one
 recording to the next is an input of the model. ``true`` is 1, ``false`` is 0, ``null`` is a missing value.
+Dates that are text serve as time.
 """
 
 from __future__ import annotations
@@ -21,15 +23,19 @@ from typing import Any
 
 import numpy as np
 
+from hybridid.records.bags import Instants
 from hybridid.records.channel import Array, RecordError
+from hybridid.records.dates import seconds_of
 
+DEEPEST, LONGEST = 8, 64
+"""So many objects in objects, and entries of a list in a sample, become columns."""
 SHAPES = (
     "a list of samples, each an object of numbers, or an object that holds numbers beside one such list or "
     "beside lists of numbers"
 )
 
 
-def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
+def read_json(path: Path) -> Iterator[tuple[str, Array | Instants | str]]:
     """The columns of the JSON file at ``path``, each (n,), or why a column is none.
 
     Raises:
@@ -41,6 +47,7 @@ def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
         content = {"": content}
     if not isinstance(content, Mapping):
         raise RecordError(f"{path}: it holds {_kind(content)}; {SHAPES} is read")
+    content = _named(content, 0, str(path))
     lists = {name: value for name, value in content.items() if isinstance(value, list)}
     tables = [
         name for name, value in lists.items() if value and all(isinstance(one, Mapping) for one in value)
@@ -51,14 +58,14 @@ def read_json(path: Path) -> Iterator[tuple[str, Array | str]]:
         )
     if not lists or (not tables and "" in lists):
         raise RecordError(f"{path}: it holds no list of samples; {SHAPES} is read")
-    columns = _of_samples(lists.pop(tables[0])) if tables else {}
+    columns = _of_samples(lists.pop(tables[0]), str(path)) if tables else {}
     columns |= {name: _numbers(value) for name, value in lists.items()}
     return _with_constants(
         columns, {name: value for name, value in content.items() if not isinstance(value, list)}
     )
 
 
-def read_json_lines(path: Path) -> Iterator[tuple[str, Array | str]]:
+def read_json_lines(path: Path) -> Iterator[tuple[str, Array | Instants | str]]:
     """The columns of a file with a sample in each line.
 
     Raises:
@@ -68,7 +75,7 @@ def read_json_lines(path: Path) -> Iterator[tuple[str, Array | str]]:
     for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
         if line.strip():
             samples.append(_sample(line, f"{path}: line {number}"))
-    yield from _of_samples(samples).items()
+    yield from _of_samples(samples, str(path)).items()
 
 
 def _sample(line: str, where: str) -> Mapping[str, Any]:
@@ -81,21 +88,54 @@ def _sample(line: str, where: str) -> Mapping[str, Any]:
     return found
 
 
-def _of_samples(samples: Sequence[Mapping[str, Any]]) -> dict[str, Array | str]:
+def _of_samples(samples: Sequence[Mapping[str, Any]], where: str) -> dict[str, Array | Instants | str]:
     """The columns of a list of samples, in the order in which their names appear."""
-    names = dict.fromkeys(name for sample in samples for name in sample)
-    return {name: _across(name, samples) for name in names}
+    flat = [_named(sample, LONGEST, f"{where}: sample {k}") for k, sample in enumerate(samples)]
+    names = dict.fromkeys(name for sample in flat for name in sample)
+    return {name: _across(name, flat) for name in names}
 
 
-def _across(name: str, samples: Sequence[Mapping[str, Any]]) -> Array | str:
+def _named(content: Mapping[str, Any], longest: int, where: str) -> dict[str, Any]:
+    """``_flat``, where each name must be that of one value.
+
+    Raises:
+        RecordError: if an object in it makes a name that a key of its own has.
+    """
+    if not any(isinstance(value, (dict, list)) for value in content.values()):
+        return dict(content)  # most often, and long files have many samples
+    found: dict[str, Any] = {}
+    for name, value in _flat(content, longest):
+        if name in found:
+            raise RecordError(f"{where}: {name!r} names two values, one in an object: rename a key")
+        found[name] = value
+    return found
+
+
+def _flat(content: Mapping[str, Any], longest: int, depth: int = 1) -> Iterator[tuple[str, Any]]:
+    """Each value of an object by its name; those of an object in it as ``name.key``, and of a list of up to
+    ``longest`` entries as ``name[0]``."""
+    for name, value in content.items():
+        inner: Mapping[str, Any] = {}
+        if isinstance(value, dict) and depth < DEEPEST:
+            inner = {f"{name}.{key}": one for key, one in value.items()}
+        elif isinstance(value, list) and len(value) <= longest:
+            inner = {f"{name}[{k}]": one for k, one in enumerate(value)}
+        yield from _flat(inner, longest, depth + 1) if inner else ((name, value),)
+
+
+def _across(name: str, samples: Sequence[Mapping[str, Any]]) -> Array | Instants | str:
     for k, sample in enumerate(samples):
         if name not in sample:
             return f"sample {k} does not have it"
     return _numbers([sample[name] for sample in samples])
 
 
-def _numbers(values: Sequence[Any]) -> Array | str:
-    """A list as floats, or why it is none."""
+def _numbers(values: Sequence[Any]) -> Array | Instants | str:
+    """A list as floats, or as stamps that are text, or why it is none."""
+    if values and isinstance(values[0], str) and all(one is None or isinstance(one, str) for one in values):
+        stamps = seconds_of(values)
+        if stamps is not None:
+            return Instants(stamps)
     for k, value in enumerate(values):
         if value is not None and not isinstance(value, (bool, int, float)):
             return f"it holds {_kind(value)} at sample {k}, no number"
@@ -105,16 +145,23 @@ def _numbers(values: Sequence[Any]) -> Array | str:
 
 
 def _with_constants(
-    columns: Mapping[str, Array | str], constants: Mapping[str, Any]
-) -> Iterator[tuple[str, Array | str]]:
+    columns: Mapping[str, Array | Instants | str], constants: Mapping[str, Any]
+) -> Iterator[tuple[str, Array | Instants | str]]:
     """The columns, then the constants, as long as the longest column."""
-    n = max((len(column) for column in columns.values() if not isinstance(column, str)), default=1)
+    n = max((_length(column) for column in columns.values() if not isinstance(column, str)), default=1)
     for name, column in columns.items():
         yield name, "it is both a constant and a column" if name in constants else column
     for name, value in constants.items():
         if name not in columns:
             one = _numbers([value])
-            yield name, f"it holds {_kind(value)}, no number" if isinstance(one, str) else np.repeat(one, n)
+            yield (
+                name,
+                np.repeat(one, n) if isinstance(one, np.ndarray) else f"it holds {_kind(value)}, no number",
+            )
+
+
+def _length(column: Array | Instants) -> int:
+    return len(column.seconds if isinstance(column, Instants) else column)
 
 
 def _kind(value: Any) -> str:

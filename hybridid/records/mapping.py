@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -109,6 +109,7 @@ class TimeMap:
 @dataclass(frozen=True)
 class RecordMap:
     """Everything that a config says about one recording. A machine may have no input: one that swings freely.
+    ``simulated``: the files hold no measurement, but what some program computed; every result says so.
 
     Raises:
         RecordError: if it names no file or no output, or two signals share a name.
@@ -120,6 +121,7 @@ class RecordMap:
     inputs: tuple[SignalMap, ...] = ()
     auxiliary: tuple[SignalMap, ...] = ()
     resample: Resample | float | None = None
+    simulated: bool = False
 
     def __post_init__(self) -> None:
         if not self.files:
@@ -150,8 +152,17 @@ def read_record(name: str, plan: RecordMap, roots: Sequence[DataRoot | Path | st
         RecordNotFoundError: if a file is under none of the roots.
         RecordError: as ``build_record``.
     """
-    files = [locate(file, roots) for file in plan.files]
-    return build_record(name, files, plan.time, plan.inputs, plan.outputs, plan.auxiliary, plan.resample)
+    return planned_record(name, plan, [locate(file, roots) for file in plan.files])
+
+
+def planned_record(name: str, plan: RecordMap, files: Sequence[Path]) -> Record:
+    """The record that ``plan`` describes, from its ``files``.
+
+    Raises:
+        RecordError: as ``build_record``.
+    """
+    made = build_record(name, files, plan.time, plan.inputs, plan.outputs, plan.auxiliary, plan.resample)
+    return replace(made, simulated=plan.simulated)
 
 
 def build_record(

@@ -9,11 +9,8 @@ group of HDF5, and ``[0]``, ``[1]`` are the columns of a CSV file without a head
 
 from __future__ import annotations
 
-import csv
-import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import islice, zip_longest
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +20,8 @@ from hybridid.naming import shortened
 from hybridid.records.bags import Instants, Stamped, read_bag
 from hybridid.records.channel import Array, RecordError
 from hybridid.records.columns import Columns
+from hybridid.records.csv_columns import numbers, read_csv
 from hybridid.records.json_columns import read_json, read_json_lines
-from hybridid.records.units import is_unit
 
 
 def read_columns(path: Path | str) -> Columns:
@@ -126,138 +123,6 @@ def _read_hdf5(path: Path) -> Found:
 _KINDS = {"c": "complex numbers", "U": "text", "S": "text", "O": "objects", "M": "dates", "m": "durations"}
 
 
-def _read_csv(path: Path) -> Found:
-    import pandas as pd
-
-    encoding = _encoding(path)
-    with path.open(encoding=encoding, newline="") as file:
-        sample = file.read(65536)
-    lines = re.split(r"\r\n|\r|\n", sample)  # str.splitlines would end one at other characters, too
-    preamble = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
-    first = lines[preamble] if lines else ""
-    separator = _separator(first)
-    decimal = "," if separator != "," and re.search(r"\d,\d", sample) else "."
-    cells = next(csv.reader([first], delimiter=separator), [])
-    has_header = any(not _is_number(cell, decimal) for cell in cells)
-    units = _units(lines[preamble + 1 : preamble + 3], separator, decimal) if has_header else []
-
-    def read() -> pd.DataFrame:
-        return pd.read_csv(
-            path,
-            sep=separator,
-            decimal=decimal,
-            header=0 if has_header else None,
-            skiprows=[*range(preamble), preamble + 1] if units else preamble,
-            skipinitialspace=True,
-            encoding=encoding,
-            index_col=False,
-            low_memory=False,
-        )
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", pd.errors.ParserWarning)
-        try:
-            table = read()
-        except pd.errors.ParserWarning:  # rows are longer than the header
-            _check_cells(path, encoding, separator, preamble, len(cells))
-            warnings.simplefilter("ignore", pd.errors.ParserWarning)
-            table = read()
-    names = _labels(cells, units) if has_header else [f"[{j}]" for j in range(len(table.columns))]
-    for j, name in enumerate(names):
-        series = table.iloc[:, j]
-        if not series.isna().all():
-            yield name, _numbers(series)
-        elif has_header and name:  # a trailing separator makes one more, empty column
-            yield name, "it is empty"
-
-
-def _units(below: Sequence[str], separator: str, decimal: str) -> list[str]:
-    """The cells of the line below a header if they are units: no number is among them, one is in the next."""
-    rows = [next(csv.reader([line], delimiter=separator), []) for line in below]
-    if len(rows) < 2 or not rows[0]:
-        return []
-    filled = [cell.strip() for cell in rows[0]]
-    if any(cell and _is_number(cell, decimal) for cell in filled) or not any(filled):
-        return []
-    numbers = any(cell.strip() and _is_number(cell, decimal) for cell in rows[1])
-    units = [cell.strip("[]() ") for cell in filled]
-    return units if numbers and any(is_unit(unit) for unit in units) else []
-
-
-def _labels(cells: Sequence[str], units: Sequence[str]) -> list[str]:
-    """The names of the columns: with the unit, where a row of units names it, and numbered, where one name
-    stands over several columns."""
-    names = [cell.strip() for cell in cells]
-    names = [f"{n} [{u}]" if n and u else n for n, u in zip_longest(names, units[: len(names)], fillvalue="")]
-    return [
-        f"{name}[{names[:j].count(name)}]" if name and names.count(name) > 1 else name
-        for j, name in enumerate(names)
-    ]
-
-
-def _check_cells(path: Path, encoding: str, separator: str, preamble: int, columns: int) -> None:
-    """Separators at the end of a row may be too many, but no cell beyond the header may hold anything.
-
-    Raises:
-        RecordError: for the first row where one does.
-    """
-    with path.open(encoding=encoding, newline="") as file:
-        rows = csv.reader(islice(file, preamble, None), delimiter=separator)
-        for line, row in enumerate(rows, preamble + 1):
-            if any(cell.strip() for cell in row[columns:]):
-                raise RecordError(f"{path}: line {line} has {len(row)} cells under {columns} columns")
-
-
-def _encoding(path: Path) -> str:
-    """UTF-16 if the file says so, UTF-8 if it is valid UTF-8, else Latin-1: older loggers write ° and µ."""
-    content = path.read_bytes()
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return "utf-16"
-    try:
-        content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return "latin-1"
-    return "utf-8-sig"
-
-
-def _separator(line: str) -> str:
-    """The character between the cells of ``line``: a tab or semicolon if there is one, else a comma."""
-    outside_quotes = re.sub(r'"[^"]*"', "", line)
-    return next((s for s in ("\t", ";", ",", "|") if s in outside_quotes), ",")
-
-
-def _is_number(cell: str, decimal: str) -> bool:
-    try:
-        float(cell.strip().replace(decimal, ".") or "nan")
-    except ValueError:
-        return False
-    return True
-
-
-def _numbers(series: Any) -> Array | Instants | str:
-    """A pandas column as floats, missing values as NaN; or why not."""
-    import pandas as pd
-    from pandas.api import types
-
-    if len(series) and series.isna().all() and not types.is_numeric_dtype(series):
-        return "it is empty"
-    if types.is_datetime64_any_dtype(series):
-        return Instants((series - series.dropna().iloc[0]).dt.total_seconds().to_numpy(float))
-    if types.is_timedelta64_dtype(series):
-        return Instants(series.dt.total_seconds().to_numpy(float))
-    if types.is_numeric_dtype(series) and not types.is_complex_dtype(series):
-        return series.to_numpy(float, na_value=np.nan)
-    try:
-        numeric = pd.to_numeric(series, errors="coerce")
-    except TypeError:  # lists, mappings
-        return f"it holds {shortened(repr(series.dropna().iloc[0]), 60)}, no number"
-    wrong = series[numeric.isna() & series.notna()]
-    if len(wrong) == 0:
-        return numeric.to_numpy(float, na_value=np.nan)
-    row = int(np.flatnonzero(series.index == wrong.index[0])[0])
-    return f"it holds {shortened(repr(wrong.iloc[0]), 60)} at sample {row}, no number"
-
-
 def _read_parquet(path: Path) -> Found:
     import pandas as pd
 
@@ -266,12 +131,15 @@ def _read_parquet(path: Path) -> Found:
     if index.name is not None:  # pandas writes a named index, often the time, beside the columns
         table = table.reset_index()
     for label in table.columns:
-        yield str(label), _numbers(table[label])
+        yield str(label), numbers(table[label])
 
 
 READERS: Mapping[str, Callable[[Path], Found]] = {
     ".mat": _read_mat,
-    ".csv": _read_csv,
+    ".csv": read_csv,
+    ".tsv": read_csv,
+    ".txt": read_csv,
+    ".dat": read_csv,
     ".json": read_json,
     ".jsonl": read_json_lines,
     ".ndjson": read_json_lines,
@@ -283,5 +151,13 @@ READERS: Mapping[str, Callable[[Path], Found]] = {
 }
 CONVERTED: Mapping[str, str] = {
     ".bag": "write it as an MCAP file of ROS 2, with rosbags-convert",
+    ".xlsx": "save its sheet as CSV",
+    ".xls": "save its sheet as CSV",
+    ".ods": "save its sheet as CSV",
+    ".tdms": "write it as CSV or HDF5, with npTDMS",
+    ".mf4": "write it as Parquet or MATLAB, with asammdf",
+    ".mdf": "write it as Parquet or MATLAB, with asammdf",
+    ".npy": "write it as CSV, with numpy.savetxt",
+    ".npz": "write it as MATLAB, with scipy.io.savemat",
 }
 """How a recording of another format becomes one that is read."""

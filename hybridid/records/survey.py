@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,11 @@ from hybridid.records.columns import Columns
 from hybridid.records.mapping import SECONDS
 from hybridid.records.units import factor, is_unit
 
-TIME_NAMES = ("t", "time", "timestamp", "stamp", "stamps", "seconds", "zeit", "temps", "tempo")
+TIME_NAMES = ("t", "time", "timestamp", "stamp", "stamps", "ts", "epoch", "seconds", "zeit", "temps", "tempo")
+SINCE_1970 = (1e9, 4e9)
+"""Seconds since 1970 of the years 2001 to 2096."""
+EXPLAINED = 2
+"""Columns that are none, of which the line that asks for time says why."""
 HELD = 0.5
 """Share of the steps without a change from which on a signal is taken to be held between its changes."""
 _BRACKETS = re.compile(r"^(?P<label>.+?)\s*[\[(](?P<unit>[^\[\]()]+)[\])]$")
@@ -35,7 +40,7 @@ class Labelled(NamedTuple):
 
 @dataclass(frozen=True)
 class TimeFound:
-    """The time axis: its ``column``, in a ``unit`` of ``SECONDS`` (``assumed`` where nothing told it), the
+    """The time axis: its ``column``, in a ``unit`` of ``SECONDS`` (``assumed`` where no header told it), the
     usual ``step`` in s, and whether the stamps are ``even``. Without a column they are 0, ``step``, ...
     ``same`` are further columns with the same stamps, of other files of the recording."""
 
@@ -93,7 +98,9 @@ def columns_found(columns: Columns) -> tuple[ColumnFound, ...]:
 def time_found(columns: Columns, column: str | None = None, step: float | None = None) -> TimeFound:
     """The time axis of a file: ``column`` where it is given, else ``step`` in s, else what looks like one.
 
-    A column looks like time if its name says so and it increases, or if it alone holds dates.
+    A column looks like time if its name says so, without its file's. If none does: if it alone holds dates;
+    then if the last part of its name says so, as of ``log.t``; then if it alone is in a unit of time and
+    increases. Stamps without a unit are in s, or in the unit in which they count from 1970.
 
     Raises:
         NoTimeError: if nothing looks like time, or several columns that differ do.
@@ -104,7 +111,7 @@ def time_found(columns: Columns, column: str | None = None, step: float | None =
     name, *same = [column] if column is not None else _looks_like_time(columns)
     stamps = columns[name]
     told = _unit_of_time(name, columns)
-    unit = told or "s"
+    unit = told or _since_1970(stamps)
     seconds = stamps * SECONDS[unit]
     where = f"{columns.path}: {name}"
     if len(seconds) < 2 or not np.isfinite(seconds).all():
@@ -122,16 +129,38 @@ def _looks_like_time(columns: Columns) -> list[str]:
     """The column that looks like time, and those that agree with it."""
     longest = max(len(values) for values in columns.values())
     whole = [name for name, values in columns.items() if len(values) == longest]
-    named = [name for name in whole if _plain(labelled(name).label) in TIME_NAMES]
-    named = named or [name for name in whole if _plain(labelled(name.rpartition(":")[2]).label) in TIME_NAMES]
-    found = named or [name for name in whole if name in columns.instants]
+    found = (
+        [name for name in whole if _is_named_time(name)]
+        or [name for name in whole if _is_named_time(name.rpartition(":")[2])]
+        or [name for name in whole if name in columns.instants]
+        or [name for name in whole if _is_named_time(name.rpartition(".")[2])]
+        or [name for name in whole if _in_seconds(name) and np.all(np.diff(columns[name]) > 0)]
+    )
     if found and all(np.array_equal(columns[name], columns[found[0]], equal_nan=True) for name in found):
         return found
     if found:
         raise NoTimeError(f"{columns.path}: several columns look like time: {', '.join(found)}")
     rising = [name for name in whole if _rises_evenly(columns[name])]
     but = f"; {rising[0]} rises evenly, as time does" if rising else ""
-    raise NoTimeError(f"{columns.path}: no column is called time: {', '.join(whole)}{but}")
+    texts = "".join(f"; {name}: {why}" for name, why in islice(columns.unusable.items(), EXPLAINED))
+    raise NoTimeError(f"{columns.path}: no column is called time: {', '.join(whole)}{but}{texts}")
+
+
+def _is_named_time(name: str) -> bool:
+    return _plain(labelled(name).label) in TIME_NAMES
+
+
+def _in_seconds(name: str) -> bool:
+    """Whether a column's header names a unit of time."""
+    unit = labelled(name).unit
+    return bool(unit) and factor(unit, "s") in SECONDS.values()
+
+
+def _since_1970(stamps: Array) -> str:
+    """The unit in which stamps count from 1970, of those whose header names none; s if they do not."""
+    low, high = SINCE_1970
+    first = float(stamps[0]) if len(stamps) else 0.0
+    return next((unit for unit in ("ms", "us", "ns") if low <= first * SECONDS[unit] <= high), "s")
 
 
 def _rises_evenly(values: Array) -> bool:

@@ -14,6 +14,8 @@ _SPELT = (
     (re.compile(r"\b([mkM]?N)m\b"), r"\1*m"),
     (re.compile(r"([A-Za-z])(\d)"), r"\1^\2"),
     (re.compile(r"\brev\b"), "turn"),
+    (re.compile(r"\b(kmh|kmph)\b"), "km/h"),
+    (re.compile(r"\bU/min\b"), "turn/min"),
 )
 
 

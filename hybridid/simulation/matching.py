@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.records.record import Record
+from hybridid.records.units import factor
 
 
 def check_records(model: Model, records: Sequence[Record]) -> None:
@@ -36,8 +37,16 @@ def _check_signals(model: Model, record: Record) -> None:
             if channel.unit != signal.unit:
                 raise ValueError(
                     f"record {record.name}: {channel.name} is in {channel.unit or 'no unit'}, "
-                    f"{_who(model)} needs {signal.unit}"
+                    f"{_who(model)} needs {signal.unit}{_converted(channel.unit, signal.unit)}"
                 )
+
+
+def _converted(unit: str, into: str) -> str:
+    """How a signal gets another unit, where a factor turns one into the other."""
+    scale = factor(unit, into) if unit else None
+    return (
+        "" if scale is None else f": give it unit: {into}, and scale: {scale:.6g} if its column is in {unit}"
+    )
 
 
 def _who(model: Model) -> str:

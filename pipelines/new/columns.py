@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from hybridid.declarations import Signal
 from hybridid.naming import nearest
 from hybridid.records.channel import Hold
-from hybridid.records.survey import ColumnFound, words_of
+from hybridid.records.survey import ColumnFound, labelled, words_of
 from hybridid.records.units import factor
 from pipelines.new.template import Template
 from pipelines.shared.errors import ConfigError
 
+EXPLAINED = 2
+"""Columns that cannot be read, of which a line says why."""
 Ask = Callable[[str, Sequence[str]], str | None]
 """Puts a question with its possible answers to the user; None where nobody is there to answer."""
 
@@ -20,7 +22,8 @@ Ask = Callable[[str, Sequence[str]], str | None]
 @dataclass(frozen=True)
 class Chosen:
     """A signal and its column: ``signal = scale · column``. ``told`` says how the scale is known: from the
-    ``user``, from the unit in the ``header``, or from ``nothing``: then the signal's own unit is assumed.
+    ``user``, from the unit in the ``header``, from ``nothing``: then the signal's own unit is assumed, or the
+    signal is ``bare``, of unit 1, and takes the numbers as they were recorded.
     ``hold`` is the course of an input between its samples, None where nothing tells it. ``gaps``: it is an
     output, and a recording lacks some of its cells."""
 
@@ -38,39 +41,61 @@ def chosen(
     given: Mapping[str, str],
     scales: Mapping[str, float],
     ask: Ask,
+    unusable: Mapping[str, str],
 ) -> tuple[Chosen, ...]:
     """A column for each signal: the one ``given``, else the only one whose name says it, else the only one
-    whose unit fits, else the only one that is left, else the one that the user answers.
+    whose unit fits, else the only one that is left, else the one that the user answers. ``unusable`` says why
+    further columns are none.
 
     Raises:
         ConfigError: if a signal has no column, or a unit that no factor turns into the signal's.
     """
     signals = (*template.inputs, *template.outputs)
-    found = _given(columns, given)
+    found = _given(columns, given, unusable)
     while len(found) < len(signals):
         _settle(template, columns, found)
         left = [signal for signal in signals if signal.name not in found]
         if left:
             free = [one for one in columns if one not in found.values()]
-            found[left[0].name] = _answered(left, free, ask)
-    return tuple(_in_unit(signal, found[signal.name], scales) for signal in signals)
+            found[left[0].name] = _answered(left, free, ask, unusable)
+    return tuple(_in_unit(template, signal, found[signal.name], scales) for signal in signals)
 
 
-def _given(columns: Sequence[ColumnFound], given: Mapping[str, str]) -> dict[str, ColumnFound]:
+def _given(
+    columns: Sequence[ColumnFound], given: Mapping[str, str], unusable: Mapping[str, str]
+) -> dict[str, ColumnFound]:
     """The columns that the user named, by signal."""
     by_name = {column.name: column for column in columns}
     found: dict[str, ColumnFound] = {}
-    for name, column in given.items():
-        if column not in by_name:
+    for signal, said in given.items():
+        name = full_name(said, by_name)
+        if name in unusable:
+            raise ConfigError(f"signal {signal}: column {name!r} cannot be a signal: {unusable[name]}")
+        if name not in by_name:
             raise ConfigError(
-                f"signal {name}: there is no column {column!r}{nearest(column, by_name)}; "
-                f"columns: {', '.join(by_name)}"
+                f"signal {signal}: there is no column {name!r}{nearest(name, by_name)}; "
+                f"columns: {_listed(by_name, unusable)}"
             )
-        taken = next((other for other, one in found.items() if one.name == column), None)
+        taken = next((other for other, one in found.items() if one.name == name), None)
         if taken is not None:
-            raise ConfigError(f"column {column!r} is given for {taken} and {name}: a column is one signal")
-        found[name] = by_name[column]
+            raise ConfigError(f"column {name!r} is given for {taken} and {signal}: a column is one signal")
+        found[signal] = by_name[name]
     return found
+
+
+def full_name(said: str, names: Iterable[str]) -> str:
+    """The one of ``names`` that is ``said``, or is ``said`` with a unit, as ``angle [deg]`` is ``angle``;
+    ``said`` itself if there is none, or several."""
+    every = list(names)
+    fits = [name for name in every if labelled(name).label == said]
+    return fits[0] if said not in every and len(fits) == 1 else said
+
+
+def _listed(names: Iterable[str], unusable: Mapping[str, str]) -> str:
+    """Columns by name, and those that are none, the first ``EXPLAINED`` with the reason."""
+    listed = ", ".join(names) or "none"
+    bad = [f"{one} ({why})" if k < EXPLAINED else one for k, (one, why) in enumerate(unusable.items())]
+    return f"{listed}; no numbers: {', '.join(bad)}" if bad else listed
 
 
 def _settle(template: Template, columns: Sequence[ColumnFound], found: dict[str, ColumnFound]) -> None:
@@ -121,7 +146,9 @@ def _may_be(signal: Signal, column: ColumnFound, driven: bool) -> bool:
     return not column.unit or driven or factor(column.unit, signal.unit) is not None
 
 
-def _answered(left: Sequence[Signal], free: Sequence[ColumnFound], ask: Ask) -> ColumnFound:
+def _answered(
+    left: Sequence[Signal], free: Sequence[ColumnFound], ask: Ask, unusable: Mapping[str, str]
+) -> ColumnFound:
     """The column that the user answers for the first of the signals that are ``left``; where nobody answers,
     a line asks for all of them."""
     by_name, first = {column.name: column for column in free}, left[0]
@@ -130,15 +157,23 @@ def _answered(left: Sequence[Signal], free: Sequence[ColumnFound], ask: Ask) -> 
         return by_name[answer]
     asked = ", which ".join(f"is {signal.name}, the {signal.meaning}" for signal in left)
     flags = " ".join(f"--signal {signal.name}=COLUMN" for signal in left)
-    columns = ", ".join(by_name) or "none"
-    raise ConfigError(f"which column {asked}? Give {flags}; columns left: {columns}")
+    raise ConfigError(f"which column {asked}? Give {flags}; columns left: {_listed(by_name, unusable)}")
 
 
-def _in_unit(signal: Signal, column: ColumnFound, scales: Mapping[str, float]) -> Chosen:
+def _in_unit(template: Template, signal: Signal, column: ColumnFound, scales: Mapping[str, float]) -> Chosen:
+    apart = _steps_of_time(signal, column) if signal in template.outputs else ""
+    if apart:
+        where = f"signal {signal.name} is in {signal.unit}, column {column.name!r} in {column.unit}"
+        raise ConfigError(
+            f"{where}: it is {apart}, and no scale makes one of the other; hybridid new lists what each "
+            "template measures"
+        )
     if signal.name in scales:
         return Chosen(signal, column, scales[signal.name], "user")
     if not column.unit:
         return Chosen(signal, column, 1.0, "nothing")
+    if signal.unit == "1":
+        return Chosen(signal, column, 1.0, "bare")
     scale = factor(column.unit, signal.unit)
     if scale is None:
         raise ConfigError(
@@ -146,3 +181,12 @@ def _in_unit(signal: Signal, column: ColumnFound, scales: Mapping[str, float]) -
             f"--scale {signal.name}=NUMBER, in {signal.unit} per {column.unit}"
         )
     return Chosen(signal, column, scale, "header")
+
+
+def _steps_of_time(signal: Signal, column: ColumnFound) -> str:
+    """Whether the header says that a column is the rate of a signal, or the signal the rate of it."""
+    if not column.unit or signal.unit == "1":
+        return ""
+    if factor(column.unit, f"({signal.unit})/s") is not None:
+        return "its rate of change"
+    return "what it is the rate of" if factor(f"({column.unit})/s", signal.unit) is not None else ""

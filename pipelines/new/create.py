@@ -17,7 +17,7 @@ from hybridid.records.mapping import SignalMap, TimeMap, build_record
 from hybridid.records.readers import read_columns
 from hybridid.records.record import Record
 from hybridid.records.survey import NoTimeError, TimeFound, columns_found, time_found
-from pipelines.new.columns import Ask, Chosen, chosen
+from pipelines.new.columns import Ask, Chosen, chosen, full_name
 from pipelines.new.machine import Machine, Recording
 from pipelines.new.pages import case_file, readme
 from pipelines.new.scales import scales
@@ -30,7 +30,7 @@ from pipelines.shared.tree import discard_unfinished, replacing, write_text
 class Request:
     """What the user asks for: the files of each recording; columns, scales and holds by signal; the column of
     ``time`` or the ``rate`` in Hz, where the files do not tell it. ``constants`` are columns that hold one
-    number, by the parameter that it is."""
+    number, by the parameter that it is. ``simulated``: the files hold no measurement."""
 
     folder: Path
     recordings: tuple[tuple[Path, ...], ...]
@@ -41,6 +41,7 @@ class Request:
     constants: Mapping[str, str] = field(default_factory=dict)
     time: str | None = None
     rate: float | None = None
+    simulated: bool = False
 
 
 def new(request: Request, ask: Ask) -> Machine:
@@ -60,7 +61,7 @@ def new(request: Request, ask: Ask) -> Machine:
         raise RecordError(f"the recordings have different time columns: {sorted(map(str, apart))}")
     clocks = (times[0].column, *times[0].same)
     found = [one for one in columns_found(tables[0]) if one.name not in clocks]
-    picked = chosen(plan, found, request.signals, request.scales, ask)
+    picked = chosen(plan, found, request.signals, request.scales, ask, tables[0].unusable)
     picked = tuple(_with_gaps(_with_hold(one, plan, request), plan, tables) for one in picked)
     times = [_aligned(time, table, picked) for time, table in zip(times, tables, strict=True)]
     names = _record_names(request.recordings)
@@ -75,7 +76,7 @@ def new(request: Request, ask: Ask) -> Machine:
         _read(name, paths, time, plan, picked)
         for name, paths, time in zip(names, request.recordings, times, strict=True)
     )
-    machine = Machine(name, request.folder, plan, picked, recordings, records)
+    machine = Machine(name, request.folder, plan, picked, recordings, records, request.simulated)
     _write(machine)
     return machine
 
@@ -83,7 +84,8 @@ def new(request: Request, ask: Ask) -> Machine:
 def _time_of(table: Columns, request: Request) -> TimeFound:
     """The time axis of a recording; where nothing tells it, the options that do."""
     try:
-        return time_found(table, request.time, 1 / request.rate if request.rate else None)
+        named = None if request.time is None else full_name(request.time, table)
+        return time_found(table, named, 1 / request.rate if request.rate else None)
     except NoTimeError as open_question:
         raise ConfigError(f"{open_question}. Give --time COLUMN, or --rate HZ") from open_question
 
@@ -130,7 +132,8 @@ def _check_signals(plan: Template, request: Request) -> None:
 def _constants(table: Columns, request: Request) -> dict[str, float]:
     """The parameters that a recording gives, in the parameters' units."""
     found = {}
-    for parameter, column in request.constants.items():
+    for parameter, said in request.constants.items():
+        column = full_name(said, table)
         values = table[column]
         if not np.ptp(values) == 0:  # nan is no constant either
             raise ConfigError(

@@ -34,7 +34,7 @@ class Recording:
 @dataclass(frozen=True)
 class Part:
     """A record of the case: the samples of a recording from ``start`` to ``stop`` in s (None: its own end);
-    ``cut`` says whether they are not all."""
+    ``cut`` says whether they are not all, or signals are made of them."""
 
     name: str
     recording: Recording
@@ -54,6 +54,7 @@ class Machine:
     chosen: tuple[Chosen, ...]
     recordings: tuple[Recording, ...]
     records: tuple[Record, ...]
+    simulated: bool = False
 
     @property
     def time(self) -> TimeFound:
@@ -73,7 +74,9 @@ class Machine:
         if self.split is None:
             roles = ["identification"] * (len(whole) - 1) + ["validation"]
             pairs = zip(self.recordings, whole, roles, strict=True)
-            return tuple(Part(one.name, one, role, *span, self._trims) for one, span, role in pairs)
+            return tuple(
+                Part(one.name, one, role, *span, bool(self.template.made)) for one, span, role in pairs
+            )
         only, (start, stop) = self.recordings[0], whole[0]
         return (
             Part("fitted", only, "identification", start, self.split, True),
@@ -83,13 +86,14 @@ class Machine:
     @property
     def _trims(self) -> bool:
         """Whether derivatives are taken, whose first and last samples are no good."""
-        return bool(self.template.made)
+        return any(derivative.order > 0 for _, derivative in self.template.made)
 
     def _usable(self, record: Record) -> tuple[float | None, float | None]:
         """The times in s between which the derivatives of a record are good; None: the record's own end."""
         if not self._trims:
             return None, None
-        margin = EDGE / min(self.cutoff(derivative) for _, derivative in self.template.made)
+        taken = [derivative for _, derivative in self.template.made if derivative.order > 0]
+        margin = EDGE / min(map(self.cutoff, taken))
         return _instant(record.time[0] + margin, record), _instant(record.time[-1] - margin, record)
 
     @property

@@ -32,10 +32,11 @@ class Scale:
 
 @dataclass(frozen=True)
 class Derivative:
-    """An input that is made of the output ``of``: its ``order``-th time derivative."""
+    """An input that is made of the output ``of``: its ``order``-th time derivative, or of order -1 its
+    integral."""
 
     of: str
-    order: Literal[1, 2]
+    order: Literal[-1, 1, 2]
 
 
 @dataclass(frozen=True)

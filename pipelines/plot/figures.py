@@ -52,7 +52,8 @@ def figures(job: Job, choice: Choice) -> Named:
         )
     for prepared in choice.compared:
         yield from _comparisons(prepared.name, stored)
-    yield from _of_model(model, stored, fit_of(job.tree))
+    shown = {prepared.name for prepared in (*choice.all_figures, *choice.compared)}
+    yield from _of_model(model, [s for s in stored if s.prediction.record in shown], fit_of(job.tree))
 
 
 def _of_record(
@@ -95,7 +96,7 @@ def _in_loop(record: Record, stored: Sequence[Stored]) -> Named:
 
 
 def _of_model(model: Model, stored: Sequence[Stored], fit: Fit) -> Named:
-    """Figures over all records: the spread of errors, the estimates."""
+    """Figures over several records: the spread of the errors of those that are drawn, the estimates."""
     for output in model.outputs if stored else ():
         responses = [Response.of(s.model, s.prediction, output.name) for s in stored]
         yield f"{output.name}.raincloud", partial(raincloud_plot, responses)

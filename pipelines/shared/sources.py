@@ -10,7 +10,7 @@ from typing import Any, Protocol, TypeVar
 
 from hybridid.demand import Demand
 from hybridid.naming import listed, no_file_name, shortened
-from hybridid.records.mapping import RecordMap, build_record, record_map
+from hybridid.records.mapping import RecordMap, planned_record, record_map
 from hybridid.records.record import Record, RecordError
 from hybridid.records.sources import DataRoot, RecordNotFoundError, data_roots, digest_of, locate
 from hybridid.rigs.rig import Rig
@@ -30,7 +30,7 @@ _STANDS_IN = "no measured record found; the virtual rig simulates them, so all r
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured record whose files were found. ``constants`` are the parameters that it gives."""
+    """A record whose files were found. ``constants`` are the parameters that it gives."""
 
     name: str
     role: str
@@ -46,10 +46,7 @@ class Measured:
 
     def record(self) -> Record:
         """Read the record from its files."""
-        plan = self.plan
-        return build_record(
-            self.name, self.files, plan.time, plan.inputs, plan.outputs, plan.auxiliary, plan.resample
-        )
+        return planned_record(self.name, self.plan, self.files)
 
 
 @dataclass(frozen=True)
@@ -192,7 +189,7 @@ def _records(settings: Settings) -> dict[str, dict[str, Any]]:
     for name, entry in given.items():
         if complaint := no_file_name(str(name)):
             raise ConfigError(f"record {shortened(repr(str(name)), 80)}: {complaint}")
-        if set(entry) <= {"resample", "steps"} and len(given) > 1:  # of the command line alone
+        if set(entry) <= {"resample", "steps", "simulated"} and len(given) > 1:  # of the command line alone
             raise ConfigError(unknown("record", str(name), [one for one in given if one != name]))
         if entry.get("role") not in ROLES:
             raise ConfigError(unknown(f"role of record {name}:", str(entry.get("role")), ROLES))

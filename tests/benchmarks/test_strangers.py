@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.strangers import counted, report, servo
+from benchmarks.strangers import asked, counted, report, servo
 from benchmarks.strangers.command import beyond
 from benchmarks.strangers.killed import Killed, Trial
 from benchmarks.strangers.play import Machine, Outcome, Value, machines
@@ -72,6 +72,31 @@ def test_the_table_counts_what_keeps_each_limit():
         "Of 2 machines (simulated): at most 300 s 1, at most 10 commands 2, no line of Python 1, "
         "a page of the trace 1."
     )
+
+
+def test_each_line_of_the_issue_is_answered_by_what_was_found():
+    quick, slow = outcome(30.0, lacking=(), report=True), outcome(300.0, lacking=(), report=True)
+    said = asked.of_templates([quick, slow])
+    assert not said.holds
+    assert said.found.startswith("1 of 2 machines keep all limits: at most 3 commands, 0 lines of Python")
+    assert "beyond a limit: slide; not played: " in said.found
+    assert asked.of_rigs([quick]).holds
+    assert not asked.of_rigs([outcome(30.0, lacking=(), report=False)]).holds
+    sound, late = Trial(0.5, 6, 5, True, True), Trial(0.9, 10, 0, True, True, ended_before=True)
+    assert asked.of_killed(Killed(10, 8.0, "Found.", (sound, late))).holds
+    for bad in (Trial(0.5, 8, 5, True, True), Trial(0.5, 6, 5, True, False), late):
+        assert not asked.of_killed(Killed(10, 8.0, "Found.", (bad,))).holds
+    assert not asked.of_servo(None).holds
+    assert "| **no** |" in report.answers([said])
+    assert "simulated" in report.page([said], ["## a section"])
+
+
+def test_a_machine_that_is_none_is_refused():
+    from benchmarks.strangers.__main__ import _parts_of
+
+    assert _parts_of(["tank", "slide"]) == ["templates", "rigs"]
+    with pytest.raises(SystemExit, match="did you mean 'tank'"):
+        _parts_of(["tnak"])
 
 
 def test_what_was_planted_and_not_found_is_told():

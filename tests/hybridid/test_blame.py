@@ -138,6 +138,11 @@ def test_import_that_fails_names_the_line(own_folder, monkeypatch):
         ("mine_c", "x = {\n", "mine_c.py, line 1: SyntaxError: '{' was never closed"),
         ("mine_d", "\nimport no_such_module\n", "mine_d.py, line 2: No module named 'no_such_module'"),
         ("mine_e", "X = 1\n", "unknown name in mine_e 'Y': allowed: X"),
+        (
+            "mine_i",
+            "import os\nfrom pathlib import Path\nclass Z: pass\nX = 1\n",
+            "unknown name in mine_i 'Y': allowed: Z, X",
+        ),
     ):
         (own_folder / f"{name}.py").write_text(text)
         with pytest.raises(ValueError, match="plant mine_") as caught:

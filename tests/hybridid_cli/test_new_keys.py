@@ -12,6 +12,7 @@ from hybridid_cli.words import prepared
     [
         ("signals.resample=0.005", True),
         ("records.swing.resample=0.005", True),
+        ("signals.simulated=true", True),
         ("records.swing.steps=[{step: mask, stretches: [[1, 2]]}]", True),
         ("signals.resampel=0.005", False),
         ("signals.time.column=t", False),

@@ -83,6 +83,48 @@ def test_own_case_plant_and_effect_are_fitted(say, mylab):
     assert "cable" in say("effects", "cable:CABLE", "--config-dir", "mylab").out
 
 
+def test_a_case_or_its_folder_that_is_left_out_is_told(say, mylab):
+    said = say("fit", "--config-dir", "mylab")
+    assert (said.code, said.complaint) == (
+        2,
+        "hybridid: no case is chosen: write case=mine, or case=emps if that is meant",
+    )
+    said = say("fit", "case=mine")
+    assert said.code == 2
+    assert said.complaint.startswith("hybridid: unknown case 'mine'")
+    assert said.complaint.endswith("; mylab/case/mine.yaml is there: add --config-dir mylab")
+
+
+@pytest.mark.usefixtures("nothing_imported")
+def test_a_unit_that_a_factor_turns_into_the_plant_s_is_told_with_it(say, mylab):
+    words = ("--config-dir", "mylab", "case=mine", "mlflow.enabled=false", "out=tree")
+    said = say("fit", *words, 'signals.inputs.torque.unit="mN·m"')
+    assert said.code == 1
+    left_bare = say("fit", *words, "signals.inputs.torque.unit=mN·m").complaint
+    assert left_bare.endswith("'signals.inputs.torque.unit=\"mN·m\"'")
+    assert "needs N·m: give it unit: N·m, and scale: 0.001 if its column is in mN·m" in said.complaint
+
+
+@pytest.mark.usefixtures("nothing_imported")
+def test_files_that_are_no_measurement_are_marked_simulated(say, mylab):
+    words = ("--config-dir", "mylab", "case=mine", "mlflow.enabled=false", "out=tree")
+    said = say("validate", *words, "signals.simulated=true")
+    assert said.code == 0, said.err
+    assert "measured" not in said.out
+    scores = json.loads(Path("tree/validate/metrics.json").read_text())
+    assert {row["provenance"] for row in scores} == {"simulated"}
+
+
+@pytest.mark.usefixtures("nothing_imported")
+def test_a_fitted_record_whose_file_is_not_there_is_told(say, mylab):
+    case = mylab / "case" / "mine.yaml"
+    case.write_text(CASE + "  other: {files: nowhere.csv, role: validation}\n")
+    said = say("fit", "--config-dir", "mylab", "case=mine", "mlflow.enabled=false", "fit.records=[other]")
+    assert said.code == 2
+    assert "unknown record in fit.records: 'other'" in said.complaint
+    assert "record other: nowhere.csv not found" in said.complaint
+
+
 def test_changed_python_makes_the_fit_stale(process, mylab):
     words = ("fit", "--config-dir", "mylab", "case=mine", "mlflow.enabled=false", "out=tree")
     assert process(*words).code == 0

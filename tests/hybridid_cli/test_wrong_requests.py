@@ -59,7 +59,7 @@ WRONG = (
     (["a=["], ["cannot read 'a=['"]),
     (["+extra=1"], ["unknown config key 'extra'"]),
     (["paths.data=nowhere", "data=auto"], ["paths.data is nowhere: no such folder"]),
-    (["rig.path=hybridid.rigs.emps:Rigg"], ["rig.path", "did you mean 'Rig'?"]),
+    (["rig.path=hybridid.rigs.emps:Rigg"], ["rig.path", "did you mean 'EMPSRig'?"]),
 )
 
 

@@ -19,8 +19,8 @@ class Machine(Plant):
         State("q", "1", scale=STROKE, observed_by="output", derivative=0, meaning="position"),
         State("v", "1/s", scale=SPEED, observed_by="output", derivative=1, meaning="velocity"),
     )
-    inputs = (Signal("input", "1", "what drives it"),)
-    outputs = (Signal("output", "1", "what is measured"),)
+    inputs = (Signal("input", "1", "signal that drives it"),)
+    outputs = (Signal("output", "1", "signal that is measured"),)
     parameters = (
         Parameter("b", "1/s²", guess=GAIN, lower=GAIN / 1000, upper=1000 * GAIN, meaning="gain of the input"),
     )

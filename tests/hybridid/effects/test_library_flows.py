@@ -101,6 +101,10 @@ def test_flows_are_tried_at_levels_only_and_nothing_else_of_the_equations_is(tan
     level, (carriage, *_) = tank.port("tank"), EMPS().ports
     assert {effect.id for effect in EFFECTS if effect.admissible_at(level)} == flows
     assert not {effect.id for effect in EFFECTS if effect.admissible_at(carriage)} & flows
+    for unit in ("°C", "K"):
+        heat = replace(level, position_unit=unit)
+        left = {effect.id for effect in EFFECTS if effect.admissible_at(heat)}
+        assert flows - left == {"overflow", "orifice_leak"}
     tried = {one.effect.kind for one in admissible(compose(tank), EFFECTS) if one.port == "tank"}
     assert tried == {"flow"}
 

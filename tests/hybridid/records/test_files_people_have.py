@@ -57,7 +57,7 @@ def test_a_line_that_is_no_sample_is_named(tmp_path, line, said):
         read_columns(path)
 
 
-@pytest.mark.parametrize("units", ["s,deg,N·m", "[s],[deg],[N·m]", "(s), (deg), "])
+@pytest.mark.parametrize("units", ["s,deg,N·m", "[s],[deg],[N·m]", "(s), (deg), ", "s,deg,1"])
 def test_a_row_of_units_joins_the_header(tmp_path, units):
     path = tmp_path / "run.csv"
     path.write_text(
@@ -67,6 +67,11 @@ def test_a_row_of_units_joins_the_header(tmp_path, units):
     assert list(columns)[:2] == ["t [s]", "angle [deg]"]
     np.testing.assert_array_equal(columns["angle [deg]"], Q)
     assert [labelled(one.name).unit for one in columns_found(columns)][:2] == ["s", "deg"]
+
+
+def test_a_row_of_ones_is_data(tmp_path):
+    (tmp_path / "run.csv").write_text("t,a,b\n1,1,1\n2,1,1\n")
+    assert read_columns(tmp_path / "run.csv")["t"].tolist() == [1.0, 2.0]
 
 
 def test_a_row_of_other_words_is_no_row_of_units(tmp_path):

@@ -77,13 +77,46 @@ def test_any_other_shape_is_one_line(tmp_path, content, said):
     [
         ({"t": 1.0}, "sample 60 does not have it"),
         ({"t": 1.0, "q": "fast"}, "it holds the text 'fast' at sample 60, no number"),
-        ({"t": 1.0, "q": {"x": 1}}, "it holds an object at sample 60, no number"),
+        ({"t": 1.0, "q": {"x": 1}}, "sample 60 does not have it"),
+        ({"t": 1.0, "q": {}}, "it holds an object at sample 60, no number"),
+        ({"t": 1.0, "q": [1.0] * 65}, "it holds a list at sample 60, no number"),
     ],
 )
 def test_a_column_that_is_none_says_why(tmp_path, sample, said):
     columns = read_columns(written(tmp_path, [*SAMPLES, sample]))
     with pytest.raises(RecordError, match=said):
         columns["q"]
+
+
+def test_objects_and_short_lists_in_a_sample_are_columns_of_their_own(tmp_path):
+    samples = [{"t": 0.1 * k, "esc": {"amps": k, "cells": [3.7, 3.8]}, "mode": "eco"} for k in range(20)]
+    columns = read_columns(written(tmp_path, samples))
+    assert list(columns) == ["t", "esc.amps", "esc.cells[0]", "esc.cells[1]"]
+    assert columns["esc.amps"].tolist() == list(range(20))
+    with pytest.raises(RecordError, match=r"'esc' has 3 parts, esc.amps to esc.cells\[1\]: name one"):
+        columns["esc"]
+
+
+def test_lists_and_constants_may_stand_in_objects(tmp_path):
+    content = {"data": {"t": [0.0, 0.1], "q": [1.0, 2.0]}, "drive": {"kp": 3.0}}
+    columns = read_columns(written(tmp_path, content))
+    assert {name: values.tolist() for name, values in columns.items()} == {
+        "data.t": [0.0, 0.1], "data.q": [1.0, 2.0], "drive.kp": [3.0, 3.0],
+    }  # fmt: skip
+
+
+def test_a_name_of_two_values_is_refused(tmp_path):
+    sample = {"t": 0.0, "esc.amps": 1.0, "esc": {"amps": 2.0}}
+    with pytest.raises(RecordError, match=r"sample 0: 'esc\.amps' names two values, one in an object"):
+        read_columns(written(tmp_path, [sample, sample]))
+
+
+def test_objects_in_objects_have_an_end(tmp_path):
+    deep: Any = 1.0
+    for _ in range(40):
+        deep = {"a": deep}
+    columns = read_columns(written(tmp_path, [{"t": 0.0, "deep": deep}, {"t": 1.0, "deep": deep}]))
+    assert list(columns) == ["t"]
 
 
 def test_a_name_for_both_a_constant_and_a_column_is_refused(tmp_path):

@@ -225,9 +225,32 @@ def test_a_missing_file_and_a_strange_suffix(tmp_path):
     with pytest.raises(RecordError, match=r"run.mat: no such file"):
         read_columns(tmp_path / "run.mat")
     with pytest.raises(
-        RecordError, match=r"\.xlsx is not read; allowed: \.mat, \.csv, \.json, \.jsonl, .*\.parquet"
+        RecordError, match=r"\.doc is not read; allowed: \.mat, \.csv, \.tsv, .*\.jsonl, .*\.parquet"
     ):
+        read_columns(tmp_path / "run.doc")
+    with pytest.raises(RecordError, match=r"run\.xlsx: \.xlsx is not read: save its sheet as CSV"):
         read_columns(tmp_path / "run.xlsx")
+
+
+@pytest.mark.parametrize("suffix", ["txt", "dat", "csv"])
+def test_numbers_between_spaces_are_columns(tmp_path, suffix):
+    """As numpy.savetxt writes them, and with names above them."""
+    samples = np.column_stack([0.01 * np.arange(30), np.sin(np.arange(30)), -np.ones(30)])
+    path = tmp_path / f"run.{suffix}"
+    np.savetxt(path, samples, header="a log of the bench")
+    bare = read_columns(path)
+    np.testing.assert_allclose(bare["[1]"], samples[:, 1])
+    path.write_text(
+        "t   force position\n" + "\n".join("  ".join(f"{x:9.5f}" for x in row) for row in samples)
+    )
+    named = read_columns(path)
+    assert list(named) == ["t", "force", "position"]
+    np.testing.assert_allclose(named["force"], samples[:, 1], atol=1e-5)
+
+
+def test_names_with_spaces_above_tabs_stay_whole(tmp_path):
+    (tmp_path / "run.tsv").write_text("time s\tthe force\n" + "\n".join(f"{k}\t{2 * k}" for k in range(9)))
+    assert list(read_columns(tmp_path / "run.tsv")) == ["time s", "the force"]
 
 
 def test_a_column_among_several_files(tmp_path):

@@ -44,12 +44,28 @@ def test_words_of_a_name():
 
 @pytest.mark.parametrize(
     ("name", "stamps", "unit", "assumed"),
-    [("t_ms", T * 1e3, "ms", False), ("Time [us]", T * 1e6, "us", False), ("timestamp", T, "s", True)],
+    [
+        ("t_ms", T * 1e3, "ms", False),
+        ("Time [us]", T * 1e6, "us", False),
+        ("timestamp", T, "s", True),
+        ("log.ts", T, "s", True),
+        ("Uhrzeit [s]", T, "s", False),
+        ("epoch", 1.7e9 + T, "s", True),
+        ("ts", 1.7e12 + T * 1e3, "ms", True),
+        ("stamp", 1.7e18 + T * 1e9, "ns", True),
+    ],
 )
 def test_time_is_found_by_its_name(name, stamps, unit, assumed):
-    found = time_found(columns(**{"q": T, name: stamps}))
+    found = time_found(columns(**{"q": T**2, name: stamps}))
     assert (found.column, found.unit, found.assumed, found.even) == (name, unit, assumed, True)
-    assert found.step == pytest.approx(0.002)
+    assert found.step == pytest.approx(0.002, rel=1e-3)
+
+
+def test_of_two_columns_in_seconds_the_one_that_is_named_time_is_time():
+    found = time_found(columns(**{"t [s]": T, "delay [s]": T**2 + T}))
+    assert found.column == "t [s]"
+    with pytest.raises(RecordError, match=r"several columns look like time: clock \[s\], delay \[s\]"):
+        time_found(columns(**{"clock [s]": T, "delay [s]": T**2 + T}))
 
 
 def test_uneven_stamps_are_told():

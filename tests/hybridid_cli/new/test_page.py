@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.strangers.play import SLOW
 from benchmarks.strangers.servo import ALLOWED, edited, said_on_page
 from hybridid.model import compose
 from hybridid.plants.servo import FIRMWARE, GRAVITY, Servo
@@ -44,7 +45,7 @@ def test_a_template_s_commands_find_what_was_simulated(kind, machine, say, own_f
     (own_folder / f"{kind}.csv").write_text(machine(kind).text, encoding="utf-8")
     new, trace = commands(SECTIONS[kind])
     assert (new[0], trace[0]) == ("new", "trace")
-    for line in (new, [*trace, *few(FLOWS if "tank" in kind else EFFORTS), "trace.laws=false"]):
+    for line in (new, [*trace, *few(FLOWS if kind in SLOW else EFFORTS), "trace.laws=false"]):
         said = say(*line)
         assert said.code == 0, said.complaint
     assert said.out.startswith("nothing missing")

@@ -153,6 +153,47 @@ def test_a_unit_of_another_quantity_needs_a_scale(recorded, say, rig):
     assert said.complaint.endswith("column 'motor current [A]' in A: give --scale force=NUMBER, in N per A")
 
 
+def test_a_speed_is_no_position_whatever_the_scale(say, own_folder, rig):
+    (own_folder / "run.csv").write_text(TABLE.replace("a,b", "force,v_kmh", 1))
+    words = ("--template", "carriage", "--signal", "position=v_kmh", "--scale", "position=0.2778")
+    said = say("new", rig, "--from", "run.csv", *words)
+    assert said.code == 2
+    assert "signal position is in m, column 'v_kmh' in kmh: it is its rate of change" in said.complaint
+
+
+def test_a_column_may_be_named_without_its_unit(say, own_folder, rig):
+    """The header here has names and, in a second row, units: a user copies the names."""
+    text = TABLE.replace("t,a,b,still\n", "Uhr;Strom;Temperatur;still\ns;%;°C;1\n").replace(",", ";")
+    (own_folder / "run.csv").write_text(text)
+    words = ("--template", "blank", "--signal", "input=Strom", "--signal", "output=Temperatur")
+    said = say("new", rig, "--from", "run.csv", *words, "--time", "Uhr")
+    assert said.code == 0
+    assert "taken as recorded" in said.out
+    case = (own_folder / rig / "case" / f"{rig}.yaml").read_text()
+    assert 'column: "Temperatur [°C]", unit: "1"} # signal that is measured, in °C' in case
+
+
+def test_recordings_that_are_no_measurements_are_marked(recorded, say, own_folder, rig):
+    say("new", rig, *recorded("carriage"), "--simulated")
+    assert "\n  simulated: true # no measurement" in (own_folder / rig / "case" / f"{rig}.yaml").read_text()
+    said = say("fit", "--config-dir", rig, f"case={rig}", "out=tree", "mlflow.enabled=false")
+    assert "Fit quality (simulated)" in said.out
+
+
+def test_a_column_of_text_is_told_as_such(say, own_folder, rig):
+    lines = [f'{{"ts": {0.01 * k}, "esc": {{"a": {k % 7}}}, "x": {k % 5}, "mode": "eco"}}' for k in range(60)]
+    (own_folder / "run.jsonl").write_text("\n".join(lines))
+    words = (rig, "--from", "run.jsonl", "--template", "rotary", "--signal")
+    assert (
+        "column 'mode' cannot be a signal: it holds the text 'eco'"
+        in say("new", *words, "angle=mode").complaint
+    )
+    assert (
+        "columns: esc.a, x; no numbers: mode (it holds the text 'eco' at sample 0"
+        in say("new", *words, "angle=none").complaint
+    )
+
+
 def test_a_missing_recording_is_one_line(say, rig):
     assert (
         "nowhere.csv: no such file"

@@ -49,6 +49,18 @@ def test_several_recordings_the_last_one_judges(recorded, say, own_folder, rig):
     assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
 
 
+@pytest.mark.parametrize(("kind", "made"), [("test_rig", "differentiate"), ("vehicle", "integrate")])
+def test_each_of_several_recordings_has_its_own_steps(recorded, say, own_folder, rig, kind, made):
+    words = recorded(kind)
+    for name in ("a", "b"):
+        (own_folder / f"{name}.csv").write_text((own_folder / f"{kind}.csv").read_text())
+    assert say("new", rig, "--from", "a.csv", "b.csv", *words[2:]).code == 0
+    records = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())["records"]
+    assert [one["files"] for one in records.values()] == ["../a.csv", "../b.csv"]
+    assert all(one["steps"][0]["step"] == made for one in records.values())
+    assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
+
+
 def test_constants_of_the_recordings_become_parameters(recorded, machine, say, rig, own_folder):
     """Two servos with other gains: the column that holds the gain gives it to each record."""
     words = recorded("servo")

@@ -70,6 +70,9 @@ def test_of_many_records_the_worst_is_drawn_and_two_are_compared(many, heard):
     assert drawn_records(tree) == {worst}
     compared = {path.name.partition(".")[0] for path in (tree / "plot").glob("*.comparison.svg")}
     assert compared == {best, median, worst}
+    spread = (tree / "plot" / "position.raincloud.svg").read_text()
+    about = spread[spread.index("<dc:description>") : spread.index("</dc:description>")]
+    assert {name for name in errors(tree) if f"{name} (measured)" in about} == {best, median, worst}
     (line,) = (line for line in heard.said if line.startswith(f"plot: of 5 records all figures of {worst}"))
     assert f"the comparisons of {median} (median) and {best} (best)" in line
     assert "plot.records=all" in line
