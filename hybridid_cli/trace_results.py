@@ -20,6 +20,7 @@ from hybridid.trace.words import (
     tried_in_words,
 )
 from hybridid_cli.tables import provenance, table, view
+from pipelines.shared.fitted import ESTIMATE, fit_of
 from pipelines.shared.traced import trace_of
 
 _COLOURS = {
@@ -57,7 +58,14 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
     ]
     if found.accepted:
         parts.append(Text(f"go on:  {said.commands[0]}"))
-    return parts
+    return [*parts, *_advice_of_the_fit(tree)]
+
+
+def _advice_of_the_fit(tree: Path) -> list[RenderableType]:
+    """What the fit advises that the trace stands on: a trace over too short horizons finds little."""
+    if not (tree / ESTIMATE).exists():
+        return []
+    return [Text(f"advice of the fit: {one.said}", style="cyan") for one in fit_of(tree).quality.advice]
 
 
 def _accepted(found: Trace) -> RenderableType:

@@ -5,11 +5,16 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from hybridid.advice.advice import Advice
+from hybridid.estimators import Estimate, FitSettings
 from hybridid.plain import plain
+from hybridid.quality import Quality
 from hybridid_cli.tables import rendered
 from hybridid_cli.trace_results import trace_results
+from pipelines.shared.fitted import ESTIMATE, Fit
 from pipelines.shared.storage import write_json
 from pipelines.shared.traced import TRACE, trace_of
 
@@ -44,3 +49,16 @@ def test_the_terminal_prints_it(tree):
         "simulated", "tried 3 effects in 1 step,", "go on:  hybridid run case=cart",
     ):  # fmt: skip
         assert part in text, part
+
+
+def test_the_terminal_repeats_what_the_fit_advises(tree):
+    """A trace over horizons that the fit calls too short."""
+    nothing, advice = np.zeros((0, 0)), Advice("horizon", "horizons of 12 s would show more")
+    estimate = Estimate(
+        (), {}, nothing, nothing, (), 1.0, "converged", converged=True, iterations=3, seconds={},
+        substeps=1, settings=FitSettings(),
+    )  # fmt: skip
+    quality = Quality("sound", "sound", (), (), 0.0, advice=(advice,))
+    (tree / ESTIMATE).parent.mkdir()
+    write_json(tree / ESTIMATE, Fit("cart", "gray box", ("push",), "simulated", (), quality, estimate))
+    assert "advice of the fit: horizons of 12 s would show more" in rendered(trace_results(tree))
