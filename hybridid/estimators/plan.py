@@ -59,8 +59,6 @@ class Start:
     """A problem, and where to begin in it: parameters (n_p,), initial states of all horizons (w, n_x).
 
     ``candidates`` are the initial states (w, n_x) that the second look chooses from, none for no second look.
-    ``widest``: parameters and initial states that begin nearer to the optimum at the widest smoothing, if any
-    are known; a short descent there begins with them.
     """
 
     problem: Problem
@@ -68,23 +66,15 @@ class Start:
     x0: Array
     candidates: tuple[Array, ...] = ()
     watch: Watch | None = None
-    widest: tuple[Array, Array] | None = None
 
 
 @dataclass(frozen=True)
 class Look:
-    """Where a short descent from a start ended: ``seen`` at the narrowest smoothing, in ``start``, and
-    ``wide`` at the widest. It goes on by the smoothings ``factors``, from ``begins``."""
+    """Where a short descent from a start ended: it goes on from there, by the smoothings ``factors``."""
 
     start: Start
     seen: Solution
     factors: tuple[float, ...]
-    wide: Start
-
-    @property
-    def begins(self) -> Start:
-        """Where it goes on."""
-        return self.wide if len(self.factors) > 1 else self.start
 
     def rest_of(self, plan: Descent) -> Descent:
         """``plan`` with the iterations of the smoothings that are left out."""

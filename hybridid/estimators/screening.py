@@ -34,7 +34,7 @@ def from_looks(looks: Sequence[Look], plan: Descent, fitted: Sequence[int] | Non
     """The first of ``looks`` that does not diverge, carried to the end."""
     costs: list[float] = []
     for look in looks:
-        found = carried_to_the_end(look.begins, look.rest_of(plan), look.factors, plan.handover, fitted)
+        found = carried_to_the_end(look.start, look.rest_of(plan), look.factors, plan.handover, fitted)
         costs.append(found.solution.cost)
         if np.isfinite(costs[-1]):
             break
@@ -45,17 +45,12 @@ def _look(start: Start, plan: Descent, stop: Stop, fitted: Sequence[int] | None)
     """A short descent at the widest smoothing, then one at the narrowest, if anything is smoothed."""
     task = Task.of(start, plan.method, fitted)
     widest, narrowest = plan.continuation[:1], plan.continuation[-1:]
-    p, x0 = start.widest or (start.p, start.x0)
-    wide = task.solve(p, x0, widest, stop)
-    wide_x0 = task.with_ours(x0, wide.x0)
-    seen, factors, seen_x0 = wide, plan.continuation, wide_x0
+    wide = task.solve(start.p, start.x0, widest, stop)
+    seen, factors = wide, plan.continuation
     if widest != narrowest and start.problem.widths:
-        # from where the start itself is, by as much as the descent at the widest smoothing moved
-        seen = task.solve(start.p + (wide.p - p), start.x0 + (wide_x0 - x0), narrowest, stop)
-        seen_x0 = task.with_ours(start.x0, seen.x0)
+        seen = task.solve(wide.p, task.with_ours(start.x0, wide.x0), narrowest, stop)
         factors = narrowest if wide.cost > BLURRED * seen.cost else factors
-    at_widest = replace(start, p=wide.p, x0=wide_x0)
-    return Look(replace(start, p=seen.p, x0=seen_x0), seen, factors, at_widest)
+    return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, factors)
 
 
 def _hopeful(look: Look, plan: Descent, fitted: Sequence[int] | None) -> bool:

@@ -60,8 +60,7 @@ class Refit:
     ``unsolved`` are the numbers of the starts that were left out as too stiff, or that diverged with a new
     inner state, whose stiffness no path of the poorer model shows. It is ``too_stiff`` if the end would need
     more steps than there is room for (``_room``). In either case the integrator may have decided, not the
-    records. It ``ended_early`` if no start was hopeful. ``widest``: values and initial states of the optimum
-    at the widest smoothing of ``CONTINUATION``, where ``with_widest`` has found them.
+    records. It ``ended_early`` if no start was hopeful.
     """
 
     model: Model
@@ -80,7 +79,6 @@ class Refit:
     unsolved: tuple[int, ...] = ()
     too_stiff: bool = False
     ended_early: bool = False
-    widest: tuple[Mapping[str, float], Array] | None = None
 
     def problem(self, split: Split) -> Problem:
         """Every horizon of ``split`` as the problem that was solved."""
@@ -127,7 +125,7 @@ def refit(
 
     room = _room(before)
     remembers = before is not None and len(model.states) > len(before.model.states)
-    begun = _starts(model, split, starts, before, numerics, wide=len(factors) > 1)
+    begun = _starts(model, split, starts, before, numerics)
     first = descend(list(begun.values()), plan, split.fitted)
     scored = _scored(first, split) if first.ended_early else None
     if scored and scored[0].loss < surprising:
@@ -196,18 +194,6 @@ def refit_beside(
     return refit_if_hopeful(
         model, split, starts, base, numerics, to_beat, least, CONTINUATION, std_up_to=std_up_to
     )
-
-
-def with_widest(base: Refit, split: Split) -> Refit:
-    """``base`` with its optimum at the widest smoothing, from which trials beside it begin there.
-
-    Without that, each of them would first move the parameters of ``base`` there.
-    """
-    if not base.model.smooths:
-        return base
-    numerics = replace(base.numerics, smoothing=CONTINUATION[0] * base.numerics.smoothing)
-    found = refit_if_possible(base.model, split, [base.values], base, numerics)
-    return base if found is None else replace(base, widest=(found.values, found.x0))
 
 
 def least_of(worth: float) -> float:
@@ -285,10 +271,8 @@ def _starts(
     starts: Sequence[Mapping[str, float]],
     before: Refit | None,
     numerics: Numerics,
-    wide: bool,
 ) -> dict[int, Start]:
-    """The starts that are not too stiff by their numbers, each in steps of its own. ``wide``: each also
-    begins at the widest smoothing, where ``before`` has its optimum there.
+    """The starts that are not too stiff by their numbers, each in steps of its own.
 
     The implicit integrator is stable in any number of steps. Where ``MOST`` do not resolve a start, it begins
     with ``STIFF``, which is what the end gets at most.
@@ -304,29 +288,11 @@ def _starts(
         raise TooStiff(f"needs more than {MOST} steps a sample at every start")
     limit = max(_room(before), min(wanted))
     problems = {n: numerics.problem(model, split, n) for n in sorted(set(wanted)) if n <= limit}
-    found = {}
-    for k, (start, steps) in enumerate(zip(starts, wanted, strict=True)):
-        if steps <= limit:
-            found[k] = begin(problems[steps], model.values(start), before, numerics)
-            if wide and before is not None and before.widest is not None:
-                at_widest = _begin_widest(problems[steps], start, before, before.widest, numerics)
-                found[k] = replace(found[k], widest=at_widest)
-    return found
-
-
-def _begin_widest(
-    problem: Problem,
-    start: Mapping[str, float],
-    before: Refit,
-    widest: tuple[Mapping[str, float], Array],
-    numerics: Numerics,
-) -> tuple[Array, Array]:
-    """Parameters and initial states of ``start``, but those that the poorer model ``before`` has are as in
-    its ``widest`` optimum."""
-    values, x0 = widest
-    known = {q.name: values[q.name] for q in problem.model.parameters if q.name in values}
-    begun = begin(problem, problem.model.values({**start, **known}), replace(before, x0=x0), numerics)
-    return begun.p, begun.x0
+    return {
+        k: begin(problems[steps], model.values(start), before, numerics)
+        for k, (start, steps) in enumerate(zip(starts, wanted, strict=True))
+        if steps <= limit
+    }
 
 
 def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> Start:

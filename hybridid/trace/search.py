@@ -16,14 +16,7 @@ from hybridid.trace.law_curve import LawOverLearned
 from hybridid.trace.minor import may_be_minor, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.pair import PairTrial
-from hybridid.trace.refit import (
-    CONTINUATION,
-    Refit,
-    refit,
-    refit_if_possible,
-    values_without,
-    with_widest,
-)
+from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough
@@ -138,7 +131,6 @@ def continued(found: Search, context: Context) -> Search:
         if len(accepted) >= rules.most_effects:
             stopped = f"{rules.most_effects} effects accepted, the most allowed"
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
-        base = context.one(with_widest, base, context.split)
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:

@@ -6,14 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from hybridid.effects.library import effect_named
 from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
-from hybridid.trace.candidates import Candidate
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import CONTINUATION, STIFF, _room, refit, with_widest
-from hybridid.trace.trial import attempt
+from hybridid.trace.refit import STIFF, _room, refit
 
 
 def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
@@ -57,16 +54,3 @@ def test_a_refit_that_promises_little_ends_early_without_standard_errors(make_mo
     assert not surprise.ended_early
     assert surprise.values == whole.values
     assert surprise.std == whole.std
-
-
-def test_a_trial_that_begins_at_the_widest_optimum_of_its_base_ends_where_others_do(make_model, split_of):
-    split = split_of(df_v=80)
-    base = refit(make_model(), split, factors=CONTINUATION)
-    near = with_widest(base, split)
-    assert near.widest is not None
-    assert near.values == base.values
-    candidate = Candidate(effect_named("asymmetric_viscous"), "carriage")
-    far_off, nearer = (attempt(candidate, one, split).refit for one in (base, near))
-    assert nearer.cost == pytest.approx(far_off.cost, rel=1e-4)
-    name = "carriage.asymmetric_viscous.df_v"
-    assert nearer.values[name] == pytest.approx(far_off.values[name], rel=1e-3)
