@@ -12,30 +12,33 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+_SHIFT = 6755399441055744.0
+"""1.5 * 2^52: a float64 of this size has no digits behind the point."""
+_ONE = 1023 << 52
+"""The bits of 1.0."""
+
 
 @njit
 def _elu(x):  # pragma: no cover
-    """``x`` above 0, ``exp(x) - 1`` below, to 4e-16.
+    """``x`` above 0, ``exp(x) - 1`` below, to 2e-16 (absolute).
 
     Without a branch or a library's exponential: the compiler does several neurons at once, and every machine
-    gets the same bits. With ``e(y) = exp(y) - 1``, ``e(2 y) = e(y) (e(y) + 2)``; a series gives the first,
-    nine doublings the rest. Below -40, exp is less than the rounding of 1.
+    gets the same bits. ``exp(x) = 2^k exp(r)`` with the whole number k nearest to x / ln 2. To add
+    ``_SHIFT`` leaves k in the last bits; ``<< 52`` makes them an exponent. The series of exp(r) - 1, |r| at
+    most 0.35, ends where it is below the rounding; its parts do not wait for each other (Estrin's scheme).
+    Below -40, exp is less than the rounding of 1.
     """
     below = x if x < 0.0 else 0.0
-    y = (below if below > -40.0 else -40.0) * (1.0 / 512.0)
-    e = 1.0 / 5040.0 + y * (1.0 / 40320.0 + y * (1.0 / 362880.0))
-    e = 1.0 / 6.0 + y * (1.0 / 24.0 + y * (1.0 / 120.0 + y * (1.0 / 720.0 + y * e)))
-    e = y * (1.0 + y * (0.5 + y * e))
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    return (x - below) + e
+    y = (below if below > -40.0 else -40.0) * 1.4426950408889634  # 1 / ln 2
+    shifted = y + _SHIFT
+    r = (y - (shifted - _SHIFT)) * 0.6931471805599453
+    scale = np.int64((np.float64(shifted).view(np.int64) << 52) + _ONE).view(np.float64)
+    r2 = r * r
+    r4 = r2 * r2
+    e = 1.0 / 362880 + r * (1.0 / 3628800) + r2 * (1.0 / 39916800 + r * (1.0 / 479001600))
+    e = 1.0 / 120 + r * (1.0 / 720) + r2 * (1.0 / 5040 + r * (1.0 / 40320)) + r4 * e
+    e = r * (1.0 + r * 0.5 + r2 * (1.0 / 6 + r * (1.0 / 24)) + r4 * e)
+    return (x - below) + (scale * e + (scale - 1.0))
 
 
 @njit
@@ -46,20 +49,17 @@ def _slope(active):  # pragma: no cover
 
 @njit
 def _add(sums, matrix, given):  # pragma: no cover
-    """``sums += given @ matrix``: for a few neurons twice as fast as BLAS, whose every call costs."""
-    for k in range(matrix.shape[0]):
-        one = given[k]
+    """``sums += given @ matrix``, four rows at a time: the sums are read and written a quarter as often. For a
+    few neurons it is faster than BLAS, whose every call costs."""
+    whole = matrix.shape[0] // 4 * 4
+    for k in range(0, whole, 4):
+        a, b, c, d = given[k], given[k + 1], given[k + 2], given[k + 3]
         for i in range(matrix.shape[1]):
-            sums[i] += matrix[k, i] * one
-
-
-@njit
-def _add_layer(sums, matrices, layer, given):  # pragma: no cover
-    """``sums += given @ matrices[layer]``."""
-    for k in range(matrices.shape[1]):
-        one = given[k]
-        for i in range(matrices.shape[2]):
-            sums[i] += matrices[layer, k, i] * one
+            one = matrix[k, i] * a + matrix[k + 1, i] * b
+            sums[i] += one + (matrix[k + 2, i] * c + matrix[k + 3, i] * d)
+    for k in range(whole, matrix.shape[0]):
+        for i in range(matrix.shape[1]):
+            sums[i] += matrix[k, i] * given[k]
 
 
 @njit
@@ -92,7 +92,7 @@ def recur(first, by_past, hidden, biases, output, bias, past, carry, limit):  # 
         for layer in range(hidden.shape[0]):
             for i in range(width):
                 sums[i] = biases[layer, i]
-            _add_layer(sums, hidden, layer, active)
+            _add(sums, hidden[layer], active)
             for i in range(width):
                 active[i] = _elu(sums[i])
         value = bias
@@ -119,7 +119,7 @@ def _through(sums, now, hidden, biases, active, t):  # pragma: no cover
         if layer < hidden.shape[0]:
             for i in range(now.shape[0]):
                 sums[i] = biases[layer, i]
-            _add_layer(sums, hidden, layer, now)
+            _add(sums, hidden[layer], now)
 
 
 @njit(cache=True, nogil=True)
@@ -173,7 +173,7 @@ def _back(delta, below, turned, active, t, hidden, biases):  # pragma: no cover
         for i in range(delta.shape[0]):
             biases[layer, i] += delta[i]
             below[i] = 0.0
-        _add_layer(below, turned, layer, delta)
+        _add(below, turned[layer], delta)
         for i in range(delta.shape[0]):
             delta[i] = below[i] * _slope(active[t, layer, i])
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from hybridid.residuals.narx import NARX, Weights
+from hybridid.residuals.narx import NARX, Weights, scaled_run
 from hybridid.residuals.orders import Orders
 from hybridid.residuals.regressors import Scaling, exogenous, scaled_error
 from hybridid.residuals.settings import Architecture
@@ -57,6 +57,28 @@ def test_compiled_and_torch_agree_step_by_step(series, make_network, depth, incr
     assert found.diverged_at is None
     assert np.ptp(found.error) > 0.1
     np.testing.assert_allclose(found.error / network.scaling.error, expected[0, 0].numpy(), atol=1e-9)
+
+
+@pytest.mark.parametrize("width", [1, 3, 8, 17, 32])
+@pytest.mark.parametrize("lags", [1, 4, 7])
+def test_compiled_and_numpy_agree_to_rounding(width, lags):
+    """Widths and lags that are no multiple of what the compiled code does at once, and neurons of any size."""
+    dice = np.random.default_rng([width, lags])
+    shapes = [(width, lags + 5), (width, width), (width, width), (1, width)]
+    matrices = tuple(dice.normal(size=shape) * 0.8 / shape[1] ** 0.5 for shape in shapes)
+    biases = tuple(dice.normal(size=len(matrix)) for matrix in matrices)
+    rows, past = dice.normal(size=(300, 5)) * np.geomspace(1e-9, 60, 300)[:, None], dice.normal(size=lags)
+    found, stayed = scaled_run(Weights(matrices, biases), rows, past, 0.0, 1e6)
+    expected = []
+    for row in rows:
+        x = np.concatenate([past, row])
+        for matrix, bias in zip(matrices[:-1], biases[:-1], strict=True):
+            x = matrix @ x + bias
+            x = np.where(x > 0, x, np.expm1(np.minimum(x, 0)))
+        expected.append(float((matrices[-1] @ x + biases[-1])[0]))
+        past = np.array([expected[-1], *past[:-1]])
+    assert stayed == 300
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
 
 
 def test_a_network_without_past_errors(series, make_network):
