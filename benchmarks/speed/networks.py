@@ -77,11 +77,11 @@ def _samples(n: int) -> Samples:
 def _ours(samples: Samples, one: Architecture) -> tuple[float, int]:
     settings = Training((None,), optimiser="lbfgs", epochs=STEPS, patience=STEPS, weight_decay=DECAY)
     found = Descent(one, samples, settings, 1.0, 100.0).run(0, lambda *told: None)
-    weights = found.weights
+    (weights,) = found.members
     squares = sum(float((a**2).sum()) for a in (*weights.matrices, *weights.biases))
     counts = training(samples, one.orders.error, None).counts > 0
     error, rows = samples.doubles
-    run, _ = scaled_run(weights, rows, np.zeros(one.orders.error), 0.0, 100.0)
+    run, _ = scaled_run([weights], rows, np.zeros(one.orders.error), 0.0, 100.0)
     return float(np.mean((run - error)[counts] ** 2)) + 0.5 * DECAY * squares, STEPS
 
 
@@ -131,7 +131,7 @@ def _free_run(depth: int, width: int, repeats: int, say: Say) -> Iterator[Row]:
     say(what)
 
     def ours() -> str:
-        run, _ = scaled_run(weights, rows, np.zeros(shape.lags), 0.0, 1e6)
+        run, _ = scaled_run([weights], rows, np.zeros(shape.lags), 0.0, 1e6)
         return f"RMS {np.sqrt(np.mean(run**2)):.6f}"
 
     def bare() -> str:

@@ -49,8 +49,10 @@ def _slope(active):  # pragma: no cover
 
 @njit
 def _add(sums, matrix, given):  # pragma: no cover
-    """``sums += given @ matrix``, four rows at a time: the sums are read and written a quarter as often. For a
-    few neurons it is faster than BLAS, whose every call costs."""
+    """``sums += given @ matrix``, four rows at a time: the sums are read and written a quarter as often.
+
+    For a few neurons it is faster than BLAS, whose every call costs.
+    """
     whole = matrix.shape[0] // 4 * 4
     for k in range(0, whole, 4):
         a, b, c, d = given[k], given[k + 1], given[k + 2], given[k + 3]

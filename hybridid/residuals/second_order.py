@@ -8,7 +8,7 @@ steps stops somewhere on the way, each seed elsewhere. The method is SciPy's L-B
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -37,9 +37,9 @@ FAR = 1e10
 
 @dataclass(frozen=True, eq=False)
 class Descended:
-    """A network after its training: the weights to keep, and how they came about."""
+    """A network after its training: the members to keep, and how the first of them came about."""
 
-    weights: Weights
+    members: tuple[Weights, ...]
     history: tuple[Epoch, ...]
     stopped: tuple[str, ...]
 
@@ -65,17 +65,18 @@ class Descent:
         self._held_out = held_out(self.shape, samples, settings.criterion, settings.horizons, limit)
 
     def run(self, seed: int, tell: Tell) -> Descended:
-        """Train every start on the first horizon, the better half on the others; keep the best."""
+        """Train every start on the first horizon, and the half with the lower objective on the others. The
+        network is the mean of this half."""
         (first, *others), starts = self.settings.horizons, self.settings.starts
-        finalists = -(-starts // 2) if others else starts
-        steps = _Steps(self.settings, starts + finalists * len(others), tell)
+        half = -(-starts // 2)
+        steps = _Steps(self.settings, starts + half * len(others), tell)
         ways = [_Way(self.shape.start(np.random.default_rng([seed, k]))) for k in range(starts)]
         ways = [self._go_on(way, self._error(first), first, steps) for way in ways]
         for horizon in others:
-            ways = sorted(ways, key=lambda way: way.objective)[:finalists]
-            ways = [self._go_on(way, self._error(horizon), horizon, steps) for way in ways]
-        best = min(ways, key=lambda way: way.objective)
-        return Descended(self.shape.weights(best.flat), best.history, best.stopped)
+            ways = [self._go_on(way, self._error(horizon), horizon, steps) for way in _lower(ways, half)]
+        kept = _lower(ways, half)
+        members = tuple(self.shape.weights(way.flat) for way in kept)
+        return Descended(members, kept[0].history, kept[0].stopped)
 
     def _error(self, horizon: int | None) -> FreeRun:
         stretches = training(self.samples, self.shape.lags, horizon)
@@ -100,6 +101,11 @@ class Descent:
         steps.done += 1
         stopped = (*way.stopped, watch.why(found.nit, found.nit >= most))
         return _Way(flat, float(found.fun), (*way.history, *watch.history), stopped)
+
+
+def _lower(ways: Sequence[_Way], count: int) -> list[_Way]:
+    """Those with the lowest objectives, in this order."""
+    return sorted(ways, key=lambda way: way.objective)[:count]
 
 
 @dataclass

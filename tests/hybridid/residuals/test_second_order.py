@@ -76,6 +76,17 @@ def test_seeds_end_alike_where_those_of_adam_do_not(series, small):
     assert means[0] < means[1]
 
 
+def test_the_better_half_of_the_starts_are_members(series, small):
+    """Four starts give two members; the objective that is reported is the lower one's."""
+    one = series(300, 0)
+    found = train(Task((one,), small), replace(SETTINGS, starts=4))
+    assert len(found.network.members) == 2
+    mean = rms(found.network.free_run(one.seen).error - one.error)
+    alone = [replace(found.network, members=(member,)) for member in found.network.members]
+    assert mean <= np.mean([rms(each.free_run(one.seen).error - one.error) for each in alone])
+    assert len(train(Task((one,), small), replace(SETTINGS, starts=1)).network.members) == 1
+
+
 def test_a_rounding_error_moves_its_error_by_less_than_a_tenth(series, small):
     """Another machine rounds otherwise, and hundreds of steps enlarge that."""
     one = series(300, 0)
