@@ -8,13 +8,14 @@ steps stops somewhere on the way, each seed elsewhere. The method is SciPy's L-B
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.residuals.choice import NEAR
 from hybridid.residuals.narx import Weights
 from hybridid.residuals.objective import FreeRun, Shape, held_out
 from hybridid.residuals.samples import Samples
@@ -65,18 +66,17 @@ class Descent:
         self._held_out = held_out(self.shape, samples, settings.criterion, settings.horizons, limit)
 
     def run(self, seed: int, tell: Tell) -> Descended:
-        """Train every start on the first horizon, and the half with the lower objective on the others. The
-        network is the mean of this half."""
-        (first, *others), starts = self.settings.horizons, self.settings.starts
-        half = -(-starts // 2)
-        steps = _Steps(self.settings, starts + half * len(others), tell)
+        """Train every start on all horizons. The network is their mean, without those whose objective is not
+        ``NEAR`` below that of no network: they have vanished or diverged."""
+        horizons, starts = self.settings.horizons, self.settings.starts
+        steps, errors = _Steps(self.settings, starts * len(horizons), tell), list(map(self._error, horizons))
         ways = [_Way(self.shape.start(np.random.default_rng([seed, k]))) for k in range(starts)]
-        ways = [self._go_on(way, self._error(first), first, steps) for way in ways]
-        for horizon in others:
-            ways = [self._go_on(way, self._error(horizon), horizon, steps) for way in _lower(ways, half)]
-        kept = _lower(ways, half)
-        members = tuple(self.shape.weights(way.flat) for way in kept)
-        return Descended(members, kept[0].history, kept[0].stopped)
+        for horizon, error in zip(horizons, errors, strict=True):
+            ways = [self._go_on(way, error, horizon, steps) for way in ways]
+        nothing = errors[-1](np.zeros(self.shape.count))
+        best, *others = sorted(ways, key=lambda way: way.objective)
+        kept = (best, *(way for way in others if NEAR * way.objective < nothing))
+        return Descended(tuple(self.shape.weights(way.flat) for way in kept), best.history, best.stopped)
 
     def _error(self, horizon: int | None) -> FreeRun:
         stretches = training(self.samples, self.shape.lags, horizon)
@@ -101,11 +101,6 @@ class Descent:
         steps.done += 1
         stopped = (*way.stopped, watch.why(found.nit, found.nit >= most))
         return _Way(flat, float(found.fun), (*way.history, *watch.history), stopped)
-
-
-def _lower(ways: Sequence[_Way], count: int) -> list[_Way]:
-    """Those with the lowest objectives, in this order."""
-    return sorted(ways, key=lambda way: way.objective)[:count]
 
 
 @dataclass
