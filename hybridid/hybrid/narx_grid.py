@@ -138,4 +138,5 @@ def _row(one: Trained, chosen: bool, gray: GrayBox, runs: Sequence[GrayRun]) -> 
         stopped=one.stopped,
         chosen=chosen,
         hybrid=hybrid_scores(gray, runs, network),
+        members=len(network.members),
     )

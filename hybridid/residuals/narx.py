@@ -116,8 +116,8 @@ class NARX:
 
     @property
     def count(self) -> int:
-        """Number of weights and biases of all members."""
-        return sum(one.count for one in self.members)
+        """Number of weights and biases of each member."""
+        return self.members[0].count if self.members else 0
 
     def silent(self) -> NARX:
         """The same without members: its error is zero."""
