@@ -33,9 +33,9 @@ class RecordScore:
 class NetworkScore:
     """A NARX network of a grid: its RMSE on the held-out blocks, and ``without`` it that of the gray box.
 
-    ``members`` are the networks that it is the mean of, ``weights`` counts those of each. ``stopped`` says why
-    the training on each horizon ended, ``chosen`` whether the rule took this network. ``hybrid`` are the
-    scores of the gray box with this network, record by record.
+    It is the mean of ``members`` networks; ``weights`` counts those of each. ``stopped`` says why the
+    training on each horizon ended, ``chosen`` whether the rule took this network. ``hybrid`` are the scores
+    of the gray box with this network, record by record.
     """
 
     output: str
