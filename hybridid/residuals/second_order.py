@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.residuals.choice import NEAR
 from hybridid.residuals.narx import Weights
 from hybridid.residuals.objective import FreeRun, Shape, held_out
 from hybridid.residuals.samples import Samples
@@ -32,6 +31,8 @@ SETTLED = 1e-9
 """Relative decrease of the objective in one step that counts as none."""
 LOOK = 10
 """Epochs between two looks at the held-out error: each costs a third of an epoch."""
+VANISHED = 0.95
+"""A start whose objective is above this share of no network's has learned nothing."""
 FAR = 1e10
 """The objective where a network diverges: large, but finite, so that the line search can step back."""
 
@@ -66,8 +67,8 @@ class Descent:
         self._held_out = held_out(self.shape, samples, settings.criterion, settings.horizons, limit)
 
     def run(self, seed: int, tell: Tell) -> Descended:
-        """Train every start on all horizons. The network is their mean, without those whose objective is not
-        ``NEAR`` below that of no network: they have vanished or diverged."""
+        """Train every start on all horizons. The network is their mean, without those that have vanished or
+        diverged."""
         horizons, starts = self.settings.horizons, self.settings.starts
         steps, errors = _Steps(self.settings, starts * len(horizons), tell), list(map(self._error, horizons))
         ways = [_Way(self.shape.start(np.random.default_rng([seed, k]))) for k in range(starts)]
@@ -75,7 +76,7 @@ class Descent:
             ways = [self._go_on(way, error, horizon, steps) for way in ways]
         nothing = errors[-1](np.zeros(self.shape.count))
         best, *others = sorted(ways, key=lambda way: way.objective)
-        kept = (best, *(way for way in others if NEAR * way.objective < nothing))
+        kept = (best, *(way for way in others if way.objective < VANISHED * nothing))
         return Descended(tuple(self.shape.weights(way.flat) for way in kept), best.history, best.stopped)
 
     def _error(self, horizon: int | None) -> FreeRun:
