@@ -10,7 +10,7 @@ import os
 import uuid
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -40,12 +40,12 @@ def save_hybrid(hybrid: Hybrid, folder: Path | str) -> Path:
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     if isinstance(hybrid, PortHybrid):
-        description, arrays = _describe_rbf(hybrid)
+        description, arrays = _describe_rbf(hybrid), None
     elif isinstance(hybrid, OutputErrorHybrid):
         description, arrays = _describe_narx(hybrid)
     else:
         raise TypeError(f"no file format for a {type(hybrid).__name__}")
-    if arrays:
+    if arrays is not None:
         _replace(folder / WEIGHTS, lambda path: np.savez(path, **arrays))  # type: ignore[arg-type]
     text = json.dumps({"format": FORMAT, **description}, indent=1, ensure_ascii=False) + "\n"
     return _replace(folder / DESCRIPTION, lambda path: path.write_text(text, encoding="utf-8"))
@@ -91,15 +91,17 @@ def _as_written(path: Path, trouble: str) -> Iterator[None]:
 
 def _describe_narx(hybrid: OutputErrorHybrid) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     arrays = {}
-    for network in hybrid.networks:
-        for k, (matrix, bias) in enumerate(
-            zip(network.weights.matrices, network.weights.biases, strict=True)
-        ):
-            arrays[f"{network.output}.{k}.matrix"], arrays[f"{network.output}.{k}.bias"] = matrix, bias
+    for network in (one for one in hybrid.networks if one.members):
+        layers = [zip(one.matrices, one.biases, strict=True) for one in network.members]
+        for k, layer in enumerate(zip(*layers, strict=True)):
+            matrices, biases = zip(*layer, strict=True)
+            arrays[f"{network.output}.{k}.matrix"] = np.stack(matrices)
+            arrays[f"{network.output}.{k}.bias"] = np.stack(biases)
     plain = ("output", "unit", "dt", "input_names", "limit", "seed", "records", "provenance")
     networks = [
         {
             **{name: getattr(network, name) for name in plain},
+            "members": len(network.members),
             "architecture": asdict(network.architecture),
             "scaling": asdict(network.scaling),
         }
@@ -109,14 +111,14 @@ def _describe_narx(hybrid: OutputErrorHybrid) -> tuple[dict[str, Any], dict[str,
     return {"kind": "narx", "physics": physics, "values": dict(hybrid.values), "networks": networks}, arrays
 
 
-def _describe_rbf(hybrid: PortHybrid) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def _describe_rbf(hybrid: PortHybrid) -> dict[str, Any]:
     plain = {name: getattr(hybrid, name) for name in ("port", "records", "learned_from")}
     about = {
         "kind": "rbf",
         "physics": [p.name for p in hybrid.gray.parameters],
         "values": dict(hybrid.values),
     }
-    return {**about, **plain, "network": asdict(hybrid.network)}, {}
+    return {**about, **plain, "network": asdict(hybrid.network)}
 
 
 def _load_narx(description: Mapping[str, Any], folder: Path, gray: Model) -> Hybrid:
@@ -132,14 +134,22 @@ def _load_narx(description: Mapping[str, Any], folder: Path, gray: Model) -> Hyb
 def _network(about: Mapping[str, Any], arrays: Mapping[str, np.ndarray], folder: Path) -> NARX:
     where = folder / DESCRIPTION
     architecture = build(Architecture, about["architecture"], f"{where}: architecture", HybridFileError)
-    layers = range(architecture.depth + 1)
-    matrices, biases = (
-        tuple(arrays[f"{about['output']}.{k}.{what}"] for k in layers) for what in ("matrix", "bias")
-    )
     scaling = build(Scaling, about["scaling"], f"{where}: scaling", HybridFileError)
     names = {name: tuple(about[name]) for name in ("input_names", "records")}
-    made = {"architecture": architecture, "scaling": scaling, "weights": Weights(matrices, biases)}
-    return NARX(**{**about, **names, **made})
+    made = {"architecture": architecture, "scaling": scaling, "members": ()}
+    network = NARX(**{**about, **names, **made})
+    return replace(network, members=_members(network, arrays)) if about.get("members", 1) else network
+
+
+def _members(network: NARX, arrays: Mapping[str, np.ndarray]) -> tuple[Weights, ...]:
+    """From arrays with an axis of members, or without it, as an earlier version wrote them."""
+
+    def layers(what: str, axes: int) -> list[np.ndarray]:
+        stored = [arrays[f"{network.output}.{k}.{what}"] for k in range(network.architecture.depth + 1)]
+        return [one if one.ndim > axes else one[None] for one in stored]
+
+    pairs = zip(zip(*layers("matrix", 2), strict=True), zip(*layers("bias", 1), strict=True), strict=True)
+    return tuple(Weights(matrices, biases) for matrices, biases in pairs)
 
 
 def _load_rbf(description: Mapping[str, Any], folder: Path, gray: Model) -> Hybrid:

@@ -77,20 +77,33 @@ def narx_hybrid(
 ) -> FittedHybrid:
     """The hybrid of the networks to keep of ``trained``, one for each output, and the scores of all.
 
+    Where the rule prefers no network, the output keeps the gray box: its network has no members.
+
     ``runs`` are the gray box' on every record, ``seconds`` what the training took.
 
     Raises:
         ValueError: if every network of an output diverged on the held-out blocks.
     """
     outputs = list(dict.fromkeys(one.network.output for one in trained))
-    best = [chosen_network([one for one in trained if one.network.output == o]) for o in outputs]
-    hybrid = OutputErrorHybrid(gray.model, gray.estimate.values, tuple(b.network for b in best))
-    rows = tuple(_row(one, one in best, gray, runs) for one in trained)
-    history = {one.network.output: one.history for one in best}
+    own = {o: [one for one in trained if one.network.output == o] for o in outputs}
+    best = {o: chosen_network(own[o]) for o in outputs}
+    networks = (best[o] or replace(own[o][0], network=own[o][0].network.silent()) for o in outputs)
+    hybrid = OutputErrorHybrid(gray.model, gray.estimate.values, tuple(one.network for one in networks))
+    rows = tuple(_row(one, one is best[one.network.output], gray, runs) for one in trained)
+    history = {output: one.history for output, one in best.items() if one}
     report = NARXReport(rows, gray_scores(gray, runs, outputs), RULE, history, seconds)
-    useless = [one.warning for one in best if one.warning]
+    useless = [_useless(own[o]) for o in outputs if best[o] is None]
     lost = [one.remark for row in rows if row.chosen for one in row.hybrid if one.remark]
     return FittedHybrid(hybrid, report, (*useless, *lost))
+
+
+def _useless(trained: Sequence[Trained]) -> str:
+    lowest = min(trained, key=lambda one: one.held_out)
+    return (
+        f"no network for the error of {lowest.network.output} is better than no correction: running free, "
+        f"the best leaves {lowest.held_out:.3g} {lowest.unit} on the held-out blocks, without one they have "
+        f"{lowest.zero:.3g} {lowest.unit}; this output keeps the gray box"
+    )
 
 
 def held_out_of(trained: Sequence[Trained]) -> HeldOut:
@@ -102,7 +115,7 @@ def held_out_of(trained: Sequence[Trained]) -> HeldOut:
     }
     shares = [one.held_out / one.zero for one in trained]
     seeds = len(trained) // len(outputs)
-    weights = sum(one.network.weights.count for one in trained) // seeds
+    weights = sum(one.network.count for one in trained) // seeds
     return HeldOut(float(np.sqrt(np.mean(np.square(shares)))), weights, outputs)
 
 
@@ -118,11 +131,12 @@ def _row(one: Trained, chosen: bool, gray: GrayBox, runs: Sequence[GrayRun]) -> 
         depth=network.architecture.depth,
         width=network.architecture.width,
         seed=network.seed,
-        weights=network.weights.count,
+        weights=network.count,
         held_out=one.held_out,
         without=one.zero,
         unit=one.unit,
         stopped=one.stopped,
         chosen=chosen,
         hybrid=hybrid_scores(gray, runs, network),
+        members=len(network.members),
     )

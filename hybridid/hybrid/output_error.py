@@ -52,7 +52,9 @@ class OutputErrorHybrid(Hybrid):
 
     @property
     def name(self) -> str:
-        sizes = {f"{n.architecture.depth} x {n.architecture.width}" for n in self.networks}
+        sizes = {f"{n.architecture.depth} x {n.architecture.width}" for n in self.networks if n.members}
+        if not sizes:
+            return "gray box, no network kept"
         return f"hybrid, NARX {' and '.join(sorted(sizes))}"
 
     @property

@@ -33,8 +33,9 @@ class RecordScore:
 class NetworkScore:
     """A NARX network of a grid: its RMSE on the held-out blocks, and ``without`` it that of the gray box.
 
-    ``weights`` counts them, ``stopped`` says why the training on each horizon ended, ``chosen`` whether the
-    rule took this network. ``hybrid`` are the scores of the gray box with this network, record by record.
+    It is the mean of ``members`` networks; ``weights`` counts those of each. ``stopped`` says why the
+    training on each horizon ended, ``chosen`` whether the rule took this network. ``hybrid`` are the scores
+    of the gray box with this network, record by record.
     """
 
     output: str
@@ -48,6 +49,7 @@ class NetworkScore:
     stopped: tuple[str, ...]
     chosen: bool
     hybrid: tuple[RecordScore, ...]
+    members: int = 1
 
 
 @dataclass(frozen=True)

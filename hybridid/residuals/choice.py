@@ -17,14 +17,15 @@ NEAR = 1.05
 not worth more weights. A standard error over the blocks is no alternative: if one block holds most of the
 error (a bump, say), one standard error admits every network."""
 RULE = (
-    "the size with the fewest weights whose free-run RMSE on the held-out blocks, in the mean over its "
-    "seeds, is within one standard error of the lowest, or within "
+    "the size with the fewest weights (no network has none) whose free-run RMSE on the held-out blocks, in "
+    "the mean over its seeds, is within one standard error of the lowest, or within "
     f"{percent(NEAR - 1)} if that is more; of its seeds the lowest"
 )
 
 
-def chosen_network(trained: Sequence[Trained]) -> Trained:
-    """The network to keep of several for one output, judged on the same held-out blocks.
+def chosen_network(trained: Sequence[Trained]) -> Trained | None:
+    """The network to keep of several for one output, judged on the same held-out blocks; None if the rule
+    prefers no network.
 
     Raises:
         ValueError: if every one diverged on the held-out blocks.
@@ -33,19 +34,22 @@ def chosen_network(trained: Sequence[Trained]) -> Trained:
     for one in trained:
         sizes.setdefault(one.network.architecture, []).append(one)
     own = list(sizes.values())
-    best = chosen_by_size(
-        [[one.held_out for one in seeds] for seeds in own], [seeds[0].network.weights.count for seeds in own]
-    )
-    if best is None:
+    if not any(isfinite(one.held_out) for one in trained):
         raise ValueError(f"every network for {trained[0].network.output} diverged on the held-out blocks")
-    return own[best[0]][best[1]]
+    errors = [[one.held_out for one in seeds] for seeds in own]
+    best = chosen_by_size(errors, [seeds[0].network.count for seeds in own], trained[0].zero)
+    return None if best is None else own[best[0]][best[1]]
 
 
-def chosen_by_size(errors: Sequence[Sequence[float]], weights: Sequence[int]) -> tuple[int, int] | None:
-    """By ``RULE``, the index of the size and of the seed among its own; None if every network diverged.
+def chosen_by_size(
+    errors: Sequence[Sequence[float]], weights: Sequence[int], without: float = inf
+) -> tuple[int, int] | None:
+    """By ``RULE``, the index of the size and of the seed among its own; None if the rule prefers no network,
+    or every one diverged.
 
     ``errors`` are those of each size's seeds, infinite where one diverged, ``weights`` (one for each size)
-    what complexity is counted in. A size of which a seed diverged is only chosen if there is no other.
+    what complexity is counted in, ``without`` is the error without a network. A size of which a seed diverged
+    is only chosen if there is no other.
     """
     if not any(isfinite(one) for seeds in errors for one in seeds):
         return None
@@ -54,6 +58,8 @@ def chosen_by_size(errors: Sequence[Sequence[float]], weights: Sequence[int]) ->
         judged = [fmean([one for one in seeds if isfinite(one)] or [inf]) for seeds in errors]
     best = min(range(len(judged)), key=lambda k: judged[k])
     limit = max(NEAR * judged[best], judged[best] + _standard_error(errors[best]))
+    if without <= limit:
+        return None
     size = smallest_within(judged, weights, limit)
     return size, min(range(len(errors[size])), key=lambda k: errors[size][k])
 

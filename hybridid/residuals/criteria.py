@@ -55,13 +55,13 @@ class FreeRunError(Criterion):
     def __call__(self, stack: Stack, networks: Sequence[int]) -> Array:
         weights = stack.padded_weights()
         pairs = zip(weights, networks, strict=True)
-        return np.array([self.of(one, k, stack.lags, stack.carry) for one, k in pairs])
+        return np.array([self.of([one], k, stack.lags, stack.carry) for one, k in pairs])
 
-    def of(self, weights: Weights, network: int, lags: int, carry: float) -> float:
-        """Value of one network with these weights, which sees ``lags`` past errors; ``carry``: 0 or 1."""
+    def of(self, members: Sequence[Weights], network: int, lags: int, carry: float) -> float:
+        """Value of one network with these members, which sees ``lags`` past errors; ``carry``: 0 or 1."""
         sample, limit, begin = self.samples[network], self.limits[network], np.zeros(lags)
         error, rows = sample.doubles
-        runs = [scaled_run(weights, rows[a:b], begin, carry, limit)[0] for a, b in sample.pieces]
+        runs = [scaled_run(members, rows[a:b], begin, carry, limit)[0] for a, b in sample.pieces]
         square = float(np.mean((np.concatenate(runs) - error)[sample.held_out] ** 2))
         return square if np.isfinite(square) else np.inf
 

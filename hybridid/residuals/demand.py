@@ -74,9 +74,9 @@ class _Alone:
 
     @property
     def seconds(self) -> float:
-        """At least: a descent from each start, and of half of them on each further horizon."""
+        """At least: a descent from each start on each horizon."""
         training = self.training
-        descents = training.starts + max(1, training.starts // 2) * (len(training.horizons) - 1)
+        descents = training.starts * len(training.horizons)
         epochs = min(training.epochs, training.patience, _SETTLES)
         each = 6 * self.samples / self.network.every * self.weights / _FLOPS
         return self.copies * descents * epochs * each

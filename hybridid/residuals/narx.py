@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,9 +36,21 @@ class Weights:
         return Weights((first, *self.matrices[1:]), self.biases)
 
 
-def scaled_run(weights: Weights, rows: Array, past: Array, carry: float, limit: float) -> tuple[Array, int]:
-    """Scaled errors (m,) along exogenous regressors ``rows`` (m, d) from ``past`` ones, newest first; and
-    how many stayed within ``limit``: nan follows."""
+def scaled_run(
+    members: Sequence[Weights], rows: Array, past: Array, carry: float, limit: float
+) -> tuple[Array, int]:
+    """Scaled errors (m,) along exogenous regressors ``rows`` (m, d) from ``past`` ones, newest first.
+
+    They are the mean over ``members``, each in a free run of its own; without members zero. Also gives how
+    many samples all of them stayed within ``limit``: nan follows.
+    """
+    if not members:
+        return np.zeros(len(rows)), len(rows)
+    runs = [_run(weights, rows, past, carry, limit) for weights in members]
+    return np.mean([error for error, _ in runs], axis=0), min(stayed for _, stayed in runs)
+
+
+def _run(weights: Weights, rows: Array, past: Array, carry: float, limit: float) -> tuple[Array, int]:
     from hybridid.residuals.recursion import recur  # numba takes a quarter of a second
 
     first, *inner, last = weights.matrices
@@ -80,6 +93,11 @@ class ErrorRun:
 class NARX:
     """``e(t) = F[past e, past u, past y_gray]`` for one ``output``, in its ``unit``.
 
+    Of several ``members``, networks of one architecture from different random starts, each has its own past
+    e, and e is their mean. What they learned alike remains; what each made up averages out. Without members,
+    e is zero.
+    Source: Hansen, Salamon (1990), IEEE Trans. Pattern Anal. Mach. Intell. 12, 993-1001.
+
     A network with |e| above ``limit`` has diverged. ``dt`` (s), ``input_names``, ``records`` and
     ``provenance`` are those of its training.
     """
@@ -90,11 +108,20 @@ class NARX:
     input_names: tuple[str, ...]
     architecture: Architecture
     scaling: Scaling
-    weights: Weights
+    members: tuple[Weights, ...]
     limit: float
     seed: int
     records: tuple[str, ...]
     provenance: str
+
+    @property
+    def count(self) -> int:
+        """Number of weights and biases of each member."""
+        return self.members[0].count if self.members else 0
+
+    def silent(self) -> NARX:
+        """The same without members: its error is zero."""
+        return replace(self, members=())
 
     def free_run(self, seen: Surroundings) -> ErrorRun:
         """The error (n,) along a gray box' simulation from an error of zero; it uses no measured output.
@@ -134,7 +161,7 @@ class NARX:
 
     def _recur(self, rows: Array, past: Array) -> tuple[Array, int]:
         carry = float(self.architecture.increment)
-        return scaled_run(self.weights, rows, past, carry, self.limit / self.scaling.error)
+        return scaled_run(self.members, rows, past, carry, self.limit / self.scaling.error)
 
     def _between(self, found: Array, piece: slice) -> Array:
         """The errors at every sample in the output's unit, interpolated linearly from the grid."""

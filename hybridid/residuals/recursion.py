@@ -9,33 +9,55 @@ order on one thread, so the number of threads never changes a result.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numba import njit
+from numba import float64, njit
+from numba.extending import intrinsic
+
+_SHIFT = 6755399441055744.0
+"""1.5 * 2^52: a float64 of this size has no digits behind the point."""
+_ONE = 1023 << 52
+"""The bits of 1.0."""
+
+
+def _fused(context, a, b, c):  # pragma: no cover
+    return float64(float64, float64, float64), lambda _, builder, signature, given: builder.fma(*given)
+
+
+_fma: Any = intrinsic(_fused)
+"""``_fma(a, b, c)`` is ``a b + c``, rounded once: one instruction of today's processors, and the same bits on
+every other."""
 
 
 @njit
 def _elu(x):  # pragma: no cover
-    """``x`` above 0, ``exp(x) - 1`` below, to 4e-16.
+    """``x`` above 0, ``exp(x) - 1`` below, to 2e-16 (absolute).
 
     Without a branch or a library's exponential: the compiler does several neurons at once, and every machine
-    gets the same bits. With ``e(y) = exp(y) - 1``, ``e(2 y) = e(y) (e(y) + 2)``; a series gives the first,
-    nine doublings the rest. Below -40, exp is less than the rounding of 1.
+    gets the same bits. ``exp(x) = 2^k exp(r)`` with the whole number k nearest to x / ln 2. To add
+    ``_SHIFT`` leaves k in the last bits; ``<< 52`` makes them an exponent. The series of exp(r) - 1, |r| at
+    most 0.35, ends where it is below the rounding; its parts do not wait for each other (Estrin's scheme).
+    Below -40, exp is less than the rounding of 1.
     """
     below = x if x < 0.0 else 0.0
-    y = (below if below > -40.0 else -40.0) * (1.0 / 512.0)
-    e = 1.0 / 5040.0 + y * (1.0 / 40320.0 + y * (1.0 / 362880.0))
-    e = 1.0 / 6.0 + y * (1.0 / 24.0 + y * (1.0 / 120.0 + y * (1.0 / 720.0 + y * e)))
-    e = y * (1.0 + y * (0.5 + y * e))
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    e *= e + 2.0
-    return (x - below) + e
+    y = below if below > -40.0 else -40.0
+    shifted = _fma(y, 1.4426950408889634, _SHIFT)  # 1 / ln 2
+    r = _fma(_SHIFT - shifted, 0.6931471805599453, y)
+    scale = np.int64((np.float64(shifted).view(np.int64) << 52) + _ONE).view(np.float64)
+    r2 = r * r
+    r4 = r2 * r2
+    a = _fma(r2, _fma(r, 1.0 / 24, 1.0 / 6), _fma(r, 0.5, 1.0))
+    b = _fma(r2, _fma(r, 1.0 / 40320, 1.0 / 5040), _fma(r, 1.0 / 720, 1.0 / 120))
+    c = _fma(r2, _fma(r, 1.0 / 479001600, 1.0 / 39916800), _fma(r, 1.0 / 3628800, 1.0 / 362880))
+    e = r * _fma(r4, _fma(r4, c, b), a)
+    return (x - below) + _fma(scale, e, scale - 1.0)
+
+
+@njit
+def _activate(sums):  # pragma: no cover
+    for i in range(sums.shape[0]):
+        sums[i] = _elu(sums[i])
 
 
 @njit
@@ -46,20 +68,19 @@ def _slope(active):  # pragma: no cover
 
 @njit
 def _add(sums, matrix, given):  # pragma: no cover
-    """``sums += given @ matrix``: for a few neurons twice as fast as BLAS, whose every call costs."""
-    for k in range(matrix.shape[0]):
-        one = given[k]
+    """``sums += given @ matrix``, four rows at a time: the sums are read and written a quarter as often.
+
+    For a few neurons it is faster than BLAS, whose every call costs.
+    """
+    whole = matrix.shape[0] // 4 * 4
+    for k in range(0, whole, 4):
+        a, b, c, d = given[k], given[k + 1], given[k + 2], given[k + 3]
         for i in range(matrix.shape[1]):
-            sums[i] += matrix[k, i] * one
-
-
-@njit
-def _add_layer(sums, matrices, layer, given):  # pragma: no cover
-    """``sums += given @ matrices[layer]``."""
-    for k in range(matrices.shape[1]):
-        one = given[k]
-        for i in range(matrices.shape[2]):
-            sums[i] += matrices[layer, k, i] * one
+            one = _fma(matrix[k, i], a, matrix[k + 1, i] * b)
+            sums[i] += one + _fma(matrix[k + 2, i], c, matrix[k + 3, i] * d)
+    for k in range(whole, matrix.shape[0]):
+        for i in range(matrix.shape[1]):
+            sums[i] = _fma(matrix[k, i], given[k], sums[i])
 
 
 @njit
@@ -82,22 +103,21 @@ def recur(first, by_past, hidden, biases, output, bias, past, carry, limit):  # 
     samples, width = first.shape
     found = np.full(samples, np.nan)
     past = past.copy()
-    active, sums = np.empty(width), np.empty(width)
+    now, after = np.empty(width), np.empty(width)
     for t in range(samples):
         for i in range(width):
-            sums[i] = first[t, i]
-        _add(sums, by_past, past)
-        for i in range(width):
-            active[i] = _elu(sums[i])
+            now[i] = first[t, i]
+        _add(now, by_past, past)
+        _activate(now)
         for layer in range(hidden.shape[0]):
             for i in range(width):
-                sums[i] = biases[layer, i]
-            _add_layer(sums, hidden, layer, active)
-            for i in range(width):
-                active[i] = _elu(sums[i])
+                after[i] = biases[layer, i]
+            _add(after, hidden[layer], now)
+            _activate(after)
+            now, after = after, now
         value = bias
         for i in range(width):
-            value += output[i] * active[i]
+            value += output[i] * now[i]
         if past.shape[0]:
             value += carry * past[0]
         if not abs(value) <= limit:
@@ -119,7 +139,7 @@ def _through(sums, now, hidden, biases, active, t):  # pragma: no cover
         if layer < hidden.shape[0]:
             for i in range(now.shape[0]):
                 sums[i] = biases[layer, i]
-            _add_layer(sums, hidden, layer, now)
+            _add(sums, hidden[layer], now)
 
 
 @njit(cache=True, nogil=True)
@@ -159,7 +179,7 @@ def _outer(sums, given, delta):  # pragma: no cover
     for k in range(sums.shape[0]):
         one = given[k]
         for i in range(sums.shape[1]):
-            sums[k, i] += one * delta[i]
+            sums[k, i] = _fma(one, delta[i], sums[k, i])
 
 
 @njit
@@ -169,11 +189,11 @@ def _back(delta, below, turned, active, t, hidden, biases):  # pragma: no cover
         for k in range(delta.shape[0]):
             one = active[t, layer, k]
             for i in range(delta.shape[0]):
-                hidden[layer, k, i] += one * delta[i]
+                hidden[layer, k, i] = _fma(one, delta[i], hidden[layer, k, i])
         for i in range(delta.shape[0]):
             biases[layer, i] += delta[i]
             below[i] = 0.0
-        _add_layer(below, turned, layer, delta)
+        _add(below, turned[layer], delta)
         for i in range(delta.shape[0]):
             delta[i] = below[i] * _slope(active[t, layer, i])
 

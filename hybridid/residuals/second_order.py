@@ -31,15 +31,17 @@ SETTLED = 1e-9
 """Relative decrease of the objective in one step that counts as none."""
 LOOK = 10
 """Epochs between two looks at the held-out error: each costs a third of an epoch."""
+VANISHED = 0.95
+"""A start whose objective is above this share of no network's has learned nothing."""
 FAR = 1e10
 """The objective where a network diverges: large, but finite, so that the line search can step back."""
 
 
 @dataclass(frozen=True, eq=False)
 class Descended:
-    """A network after its training: the weights to keep, and how they came about."""
+    """A network after its training: the members to keep, and how the first of them came about."""
 
-    weights: Weights
+    members: tuple[Weights, ...]
     history: tuple[Epoch, ...]
     stopped: tuple[str, ...]
 
@@ -65,17 +67,17 @@ class Descent:
         self._held_out = held_out(self.shape, samples, settings.criterion, settings.horizons, limit)
 
     def run(self, seed: int, tell: Tell) -> Descended:
-        """Train every start on the first horizon, the better half on the others; keep the best."""
-        (first, *others), starts = self.settings.horizons, self.settings.starts
-        finalists = -(-starts // 2) if others else starts
-        steps = _Steps(self.settings, starts + finalists * len(others), tell)
+        """Train every start on all horizons. The network is their mean, without those that have vanished or
+        diverged."""
+        horizons, starts = self.settings.horizons, self.settings.starts
+        steps, errors = _Steps(self.settings, starts * len(horizons), tell), list(map(self._error, horizons))
         ways = [_Way(self.shape.start(np.random.default_rng([seed, k]))) for k in range(starts)]
-        ways = [self._go_on(way, self._error(first), first, steps) for way in ways]
-        for horizon in others:
-            ways = sorted(ways, key=lambda way: way.objective)[:finalists]
-            ways = [self._go_on(way, self._error(horizon), horizon, steps) for way in ways]
-        best = min(ways, key=lambda way: way.objective)
-        return Descended(self.shape.weights(best.flat), best.history, best.stopped)
+        for horizon, error in zip(horizons, errors, strict=True):
+            ways = [self._go_on(way, error, horizon, steps) for way in ways]
+        nothing = errors[-1](np.zeros(self.shape.count))
+        best, *others = sorted(ways, key=lambda way: way.objective)
+        kept = (best, *(way for way in others if way.objective < VANISHED * nothing))
+        return Descended(tuple(self.shape.weights(way.flat) for way in kept), best.history, best.stopped)
 
     def _error(self, horizon: int | None) -> FreeRun:
         stretches = training(self.samples, self.shape.lags, horizon)

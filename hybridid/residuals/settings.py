@@ -60,9 +60,8 @@ class Training:
     It suits long records and wide networks. "lbfgs" takes quasi-Newton steps on all samples at once, an epoch
     each, to the optimum of its objective. It suits networks of some hundred weights on records of some
     thousand samples. Its last horizon may be None: the whole record from an error of zero, as in use. For
-    each seed it begins ``starts`` random networks. The half with the lower objective goes on to further
-    horizons, and the one with the lowest objective at the end is kept, at its optimum. Only where the
-    held-out error ends the training, the weights of the lowest held-out error are kept.
+    each seed it trains ``starts`` random networks, each to its optimum, and the network is their mean. Only
+    where the held-out error ends the training, the weights of the lowest held-out error are kept.
 
     With the ``criterion`` "free_run", the held-out error is that on the held-out blocks in a simulation of
     the whole record from an error of zero, as in use. With "horizon", it is the error over windows of the
@@ -94,7 +93,7 @@ class Training:
     )
     starts: int = setting(
         1,
-        "random networks begun for each seed, of which the best go on; with optimiser=lbfgs",
+        "random networks trained for each seed, whose mean is the network; with optimiser=lbfgs",
         least=1,
     )
     criterion: Literal["free_run", "horizon"] = setting(

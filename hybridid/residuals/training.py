@@ -21,8 +21,6 @@ from hybridid.residuals.settings import Architecture, Epoch, Training
 from hybridid.residuals.stack import new_stack, one_thread, padded_orders
 
 Report = Callable[[Progress], None]
-WORTH = 0.95
-"""A network must reduce the error on the held-out blocks below this share of the uncorrected one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,17 +47,6 @@ class Trained:
     history: tuple[Epoch, ...]
     stopped: tuple[str, ...]
     seconds: float
-
-    @property
-    def warning(self) -> str | None:
-        """One line if the network hardly reduces the error, else None."""
-        if self.held_out < WORTH * self.zero:
-            return None
-        return (
-            f"the network for the error of {self.network.output} is no better than no correction: running "
-            f"free it leaves {self.held_out:.3g} {self.unit} on the held-out blocks, without it they have "
-            f"{self.zero:.3g} {self.unit}"
-        )
 
 
 def train(task: Task, settings: Training, report: Report | None = None) -> Trained:
@@ -98,7 +85,7 @@ def train_stack(tasks: Sequence[Task], settings: Training, report: Report | None
     seconds = time.perf_counter() - began
     return [
         _trained(
-            Descended(course.best.weights(k), tuple(course.history[k]), tuple(course.stopped[k])),
+            Descended((course.best.weights(k),), tuple(course.history[k]), tuple(course.stopped[k])),
             task,
             scalings[k],
             (held_out[k], without_correction(samples[k])),
@@ -121,7 +108,7 @@ def _one_by_one(tasks: Sequence[Task], settings: Training, report: Report | None
         descent = Descent(one, samples, settings, _gain(task, scaling), limit)
         done = descent.run(task.seed, _part_of(report, k, len(tasks)))
         free_run = FreeRunError([samples], [limit])
-        square = free_run.of(done.weights, 0, one.orders.error, float(one.increment))
+        square = free_run.of(done.members, 0, one.orders.error, float(one.increment))
         found.append((done, task, scaling, (square, without_correction(samples)), settings))
     seconds = time.perf_counter() - began
     return [_trained(*one, seconds) for one in found]
@@ -198,7 +185,7 @@ def _trained(
         input_names=seen.input_names,
         architecture=task.architecture,
         scaling=scaling,
-        weights=found.weights,
+        members=found.members,
         limit=settings.guard * _largest(task),
         seed=task.seed,
         records=tuple(s.record for s in task.series),

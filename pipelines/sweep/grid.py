@@ -117,11 +117,13 @@ def _at(row: Row, axes: Sequence[str]) -> dict[str, Any]:
 
 
 def chosen_of(cells: Sequence[Cell]) -> Row | None:
-    """The network to keep by ``RULES``; None if nothing was held out or every one diverged."""
+    """The network to keep by ``RULES``; None if nothing was held out, every one diverged, or the rule prefers
+    no network."""
     rows = [row for cell in cells for row in cell.rows]
     if rows[0].point.kind == "narx":
         errors = [[math.inf if r.held_out is None else r.held_out for r in cell.rows] for cell in cells]
-        found = chosen_by_size(errors, [cell.rows[0].size for cell in cells])
+        without = math.inf if rows[0].without is None else rows[0].without
+        found = chosen_by_size(errors, [cell.rows[0].size for cell in cells], without)
         return None if found is None else cells[found[0]].rows[found[1]]
     judged = [(row, row.merit, row.near) for row in rows if row.merit is not None and row.near is not None]
     if not judged:

@@ -58,6 +58,8 @@ def gray_note(group: Group) -> str:
 def choice(group: Group) -> str:
     """What was chosen for an output, in one sentence."""
     if group.chosen is None:
+        if group.without:
+            return f"{group.title}: no network; none is better than the gray box on the held-out blocks"
         return f"{group.title}: nothing is held out, nothing is chosen"
     row = group.chosen
     gray = "" if row.without is None else f", the gray box {quantity(row.without, row.unit)}"

@@ -79,8 +79,8 @@ def _blocks(rmse: Sequence[float], row: CandidateScore) -> str:
 
 
 def _chosen(report: NARXReport, output: str) -> str:
-    row = next(row for row in report.networks if row.output == output and row.chosen)
-    return f"{row.depth} × {row.width}"
+    kept = [row for row in report.networks if row.output == output and row.chosen]
+    return f"{kept[0].depth} × {kept[0].width}" if kept else "none"
 
 
 def _report(experiment: str, outcomes: Outcomes) -> NARXReport | RBFReport | None:

@@ -161,7 +161,36 @@ class TestFiles:
         save_hybrid(narx_hybrid, tmp_path)
         assert sorted(path.name for path in tmp_path.iterdir()) == ["hybrid.json", "weights.npz"]
         with np.load(tmp_path / "weights.npz", allow_pickle=False) as arrays:
-            assert arrays["position.0.matrix"].shape == (8, 5)
+            assert arrays["position.0.matrix"].shape == (1, 8, 5)
+
+    def test_members_come_back_and_so_does_a_file_of_one_without_their_axis(
+        self, narx_hybrid, gray, tmp_path
+    ):
+        (network,) = narx_hybrid.networks
+        (one,) = network.members
+        other = replace(one, matrices=tuple(0.5 * matrix for matrix in one.matrices))
+        two = replace(narx_hybrid, networks=(replace(network, members=(one, other)),))
+        save_hybrid(two, tmp_path)
+        (again,) = load_hybrid(tmp_path, gray).networks
+        assert len(again.members) == 2
+        assert again.count == network.count
+        np.testing.assert_array_equal(again.members[1].matrices[2], other.matrices[2])
+        save_hybrid(narx_hybrid, tmp_path)
+        with np.load(tmp_path / "weights.npz") as arrays:
+            earlier = {name: array[0] for name, array in arrays.items()}
+        np.savez(tmp_path / "weights.npz", **earlier)
+        (again,) = load_hybrid(tmp_path, gray).networks
+        np.testing.assert_array_equal(again.members[0].biases[1], one.biases[1])
+
+    def test_a_network_without_members_leaves_the_gray_box(self, narx_hybrid, gray, bent_sensor, tmp_path):
+        (network,) = narx_hybrid.networks
+        save_hybrid(replace(narx_hybrid, networks=(network.silent(),)), tmp_path)
+        again = load_hybrid(tmp_path, gray)
+        record = bent_sensor(600, 0)
+        expected = free_run(gray, narx_hybrid.values, record)
+        np.testing.assert_array_equal(again.free_run(record).predicted, expected.predicted)
+        assert (again.name, again.provenance) == ("gray box, no network kept", "simulated")
+        assert again.explained(record).share == 0.0
 
     def test_another_model_is_refused(self, rbf_hybrid, make_model, tmp_path):
         save_hybrid(rbf_hybrid, tmp_path)

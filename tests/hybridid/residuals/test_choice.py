@@ -18,8 +18,8 @@ def sized(trained):
     def make(weights, held_out):
         architecture = replace(trained.network.architecture, width=weights)
         own = Weights((np.zeros((1, weights)),), ())
-        network = replace(trained.network, weights=own, architecture=architecture)
-        return replace(trained, network=network, held_out=held_out)
+        network = replace(trained.network, members=(own,), architecture=architecture)
+        return replace(trained, network=network, held_out=held_out, zero=10.0)
 
     return make
 
@@ -50,6 +50,15 @@ def test_one_standard_error_of_the_best_counts_as_equal():
     assert np.std(spread, ddof=1) / 3**0.5 == pytest.approx(0.1)
     assert chosen_by_size([[1.09, 1.09, 1.08], spread], [100, 900]) == (0, 2)
     assert chosen_by_size([[1.11, 1.11, 1.11], spread], [100, 900]) == (1, 0)
+
+
+def test_no_network_is_the_smallest_size(sized):
+    """``sized`` networks have the error of ``trained.zero`` without correction."""
+    zero = sized(100, 1.0).zero
+    assert chosen_network([sized(100, zero / NEAR)]) is None
+    assert chosen_network([sized(100, 0.999 * zero / NEAR)]) is not None
+    loose = [sized(100, 0.7 * zero), sized(100, 0.9 * zero), sized(100, 1.3 * zero)]
+    assert chosen_network(loose) is None
 
 
 def test_one_that_ran_away_is_out(sized):

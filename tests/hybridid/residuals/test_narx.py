@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from hybridid.residuals.narx import NARX, Weights
+from hybridid.residuals.narx import NARX, Weights, scaled_run
 from hybridid.residuals.orders import Orders
 from hybridid.residuals.regressors import Scaling, exogenous, scaled_error
 from hybridid.residuals.settings import Architecture
@@ -33,7 +33,7 @@ def make_network(series):
             input_names=("u",),
             architecture=architecture,
             scaling=Scaling.of([one], architecture.every),
-            weights=stack.weights(0),
+            members=(stack.weights(0),),
             limit=1e6,
             seed=seed,
             records=("record 0",),
@@ -57,6 +57,28 @@ def test_compiled_and_torch_agree_step_by_step(series, make_network, depth, incr
     assert found.diverged_at is None
     assert np.ptp(found.error) > 0.1
     np.testing.assert_allclose(found.error / network.scaling.error, expected[0, 0].numpy(), atol=1e-9)
+
+
+@pytest.mark.parametrize("width", [1, 3, 8, 17, 32])
+@pytest.mark.parametrize("lags", [1, 4, 7])
+def test_compiled_and_numpy_agree_to_rounding(width, lags):
+    """Widths and lags that are no multiple of what the compiled code does at once; neurons of any size."""
+    dice = np.random.default_rng([width, lags])
+    shapes = [(width, lags + 5), (width, width), (width, width), (1, width)]
+    matrices = tuple(dice.normal(size=shape) * 0.8 / shape[1] ** 0.5 for shape in shapes)
+    biases = tuple(dice.normal(size=len(matrix)) for matrix in matrices)
+    rows, past = dice.normal(size=(300, 5)) * np.geomspace(1e-9, 60, 300)[:, None], dice.normal(size=lags)
+    found, stayed = scaled_run([Weights(matrices, biases)], rows, past, 0.0, 1e6)
+    expected = []
+    for row in rows:
+        x = np.concatenate([past, row])
+        for matrix, bias in zip(matrices[:-1], biases[:-1], strict=True):
+            x = matrix @ x + bias
+            x = np.where(x > 0, x, np.expm1(np.minimum(x, 0)))
+        expected.append(float((matrices[-1] @ x + biases[-1])[0]))
+        past = np.array([expected[-1], *past[:-1]])
+    assert stayed == 300
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
 
 
 def test_a_network_without_past_errors(series, make_network):
@@ -92,6 +114,18 @@ def test_a_coarse_grid_is_linear_in_between(series, make_network):
     np.testing.assert_allclose(error[12], 0.6 * error[10] + 0.4 * error[15])
 
 
+def test_of_several_members_the_mean_of_their_own_runs(series, make_network):
+    architecture = Architecture(Orders(2, (2,), 1), 2, 4)
+    (first, _), (second, _) = make_network(architecture, seed=1), make_network(architecture, seed=2)
+    both = replace(first, members=(*first.members, *second.members))
+    seen = series(100, 1).seen
+    alone = [one.free_run(seen).error for one in (first, second)]
+    assert np.ptp(alone[0] - alone[1]) > 0.1
+    np.testing.assert_allclose(both.free_run(seen).error, np.mean(alone, axis=0), rtol=1e-12)
+    assert both.count == first.count == both.members[1].count
+    assert both.silent().count == 0
+
+
 class TestRunningAway:
     @pytest.fixture
     def runaway(self, make_network):
@@ -99,7 +133,7 @@ class TestRunningAway:
         network, _ = make_network(Architecture(Orders(1, (0,), 0), 1, 1))
         weights = Weights((np.array([[1.5]]), np.array([[1.0]])), (np.array([1.0]), np.array([0.0])))
         scaling = replace(network.scaling, error=1.0)
-        return replace(network, weights=weights, scaling=scaling, limit=100.0)
+        return replace(network, members=(weights,), scaling=scaling, limit=100.0)
 
     def test_is_told_with_its_time_and_not_clipped(self, series, runaway):
         run = runaway.free_run(series(50, 0).seen)
@@ -112,8 +146,17 @@ class TestRunningAway:
         assert run.diverged_at == pytest.approx(stayed * 0.01)
         assert run.status == f"diverged at t = {stayed * 0.01:.4g} s: |error| above 100 m"
 
+    def test_one_member_is_enough(self, series, runaway):
+        calm = replace(runaway.members[0], matrices=(np.zeros((1, 1)), np.array([[1.0]])))
+        both = replace(runaway, members=(calm, *runaway.members))
+        run, alone = (one.free_run(series(50, 0).seen) for one in (both, runaway))
+        assert run.diverged_at == alone.diverged_at
+        assert np.isnan(run.error[-1])
+
     def test_what_is_not_a_number_counts_as_running_away(self, series, runaway):
-        broken = replace(runaway, weights=replace(runaway.weights, biases=(np.array([np.nan]), np.zeros(1))))
+        broken = replace(
+            runaway, members=(replace(runaway.members[0], biases=(np.array([np.nan]), np.zeros(1))),)
+        )
         assert broken.free_run(series(50, 0).seen).diverged_at == 0.0
 
 

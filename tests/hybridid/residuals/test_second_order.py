@@ -51,7 +51,7 @@ def test_the_gradient_is_that_of_the_error(series, horizon, orders, depth, incre
 
 def test_its_free_run_is_that_of_the_network(series, small):
     """The objective simulates what the network, read from its weights, simulates."""
-    found = train(Task((series(300, 0),), small, seed=1), SETTINGS)
+    found = train(Task((series(300, 0),), small, seed=1), replace(SETTINGS, starts=1))
     other = series(300, 0)
     error = found.network.free_run(other.seen).error - other.error
     trained = np.concatenate([np.arange(a, b) for a, b in samples(other, small, SETTINGS).split.train])
@@ -74,6 +74,23 @@ def test_seeds_end_alike_where_those_of_adam_do_not(series, small):
     assert spreads[0] < 0.15
     assert spreads[0] < spreads[1]
     assert means[0] < means[1]
+
+
+def test_the_starts_are_members_of_the_network(series, small):
+    one = series(300, 0)
+    found = train(Task((one,), small), replace(SETTINGS, starts=3))
+    assert len(found.network.members) == 3
+    mean = rms(found.network.free_run(one.seen).error - one.error)
+    alone = [replace(found.network, members=(member,)) for member in found.network.members]
+    assert mean <= np.mean([rms(each.free_run(one.seen).error - one.error) for each in alone])
+    assert len(train(Task((one,), small), replace(SETTINGS, starts=1)).network.members) == 1
+
+
+def test_starts_no_better_than_no_network_are_left_out(series, small):
+    """With so strong a prior, every start ends at zero; one stays, so that its error can be told."""
+    found = train(Task((series(300, 0),), small), replace(SETTINGS, weight_decay=30.0))
+    assert len(found.network.members) == 1
+    assert found.held_out == pytest.approx(found.zero, rel=0.05)
 
 
 def test_a_rounding_error_moves_its_error_by_less_than_a_tenth(series, small):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from hybridid.residuals.choice import chosen_network
 from hybridid.residuals.orders import Orders
 from hybridid.residuals.settings import Architecture, Training
 from hybridid.residuals.training import Task, train, train_stack
@@ -18,9 +19,7 @@ def rms(values):
 
 
 def weights_of(found):
-    return np.concatenate(
-        [a.ravel() for a in (*found.network.weights.matrices, *found.network.weights.biases)]
-    )
+    return np.concatenate([a.ravel() for one in found.network.members for a in (*one.matrices, *one.biases)])
 
 
 class TestLearning:
@@ -40,8 +39,8 @@ class TestLearning:
         white = replace(one, error=np.random.default_rng(1234).normal(size=1500))
         found = train(Task((white,), small), Training(horizons=(1, 10), epochs=15, patience=4))
         assert 0.9 < found.held_out / found.zero < 1.05
-        assert "no better than no correction" in found.warning
-        assert trained.warning is None
+        assert chosen_network([found]) is None
+        assert chosen_network([trained]) is trained
 
     @pytest.mark.parametrize("optimiser", ["adam", "lbfgs"])
     def test_what_was_not_measured_moves_nothing(self, series, small, trained, brief, optimiser):
@@ -128,7 +127,7 @@ class TestStacks:
             Task((second,), Architecture(Orders(1, (3,), 2), 2, 6)),
         ]
         for task, found in zip(tasks, train_stack(tasks, settings), strict=True):
-            assert found.network.weights.matrices[0].shape == (6, task.architecture.orders.regressors)
+            assert found.network.members[0].matrices[0].shape == (6, task.architecture.orders.regressors)
             assert found.network.output == task.series[0].seen.output
             np.testing.assert_allclose(weights_of(found), weights_of(train(task, settings)), atol=1e-9)
 
@@ -140,8 +139,8 @@ class TestStacks:
         tasks = [Task((one,), replace(small, depth=d, width=w), seed=k) for k, (d, w) in enumerate(sizes)]
         for task, found in zip(tasks, train_stack(tasks, settings), strict=True):
             alone = train(task, settings)
-            assert [m.shape for m in found.network.weights.matrices] == [
-                m.shape for m in alone.network.weights.matrices
+            assert [m.shape for m in found.network.members[0].matrices] == [
+                m.shape for m in alone.network.members[0].matrices
             ]
             np.testing.assert_allclose(weights_of(found), weights_of(alone), atol=1e-9)
             assert found.held_out == pytest.approx(alone.held_out, rel=1e-9)

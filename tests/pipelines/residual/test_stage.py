@@ -100,12 +100,20 @@ def test_one_number_is_a_grid_of_one(made, narx_grid):
 
 
 def test_a_network_that_does_not_help_says_so(made, narx_grid):
-    """One epoch at a vanishing rate: the network stays as it began, almost nothing."""
+    """One epoch at a vanishing rate: the network stays as it began, almost nothing; none is kept."""
     section = {**narx_grid, "depth": 1, "width": 4, "epochs": 1, "learning_rate": 1e-9, "seeds": [0]}
     tree = made(section)
-    (warning,) = [w for w in read_json(tree / "residual/residual.json")["warnings"] if "no correction" in w]
-    assert "is no better than no correction" in warning
+    found = read_json(tree / "residual/residual.json")
+    (warning,) = [w for w in found["warnings"] if "no correction" in w]
+    assert "is better than no correction: running free" in warning
+    assert "this output keeps the gray box" in warning
     assert warning in rendered(residual_results(tree))
+    (row,) = found["networks"]
+    assert (row["chosen"], found["model"]) == (False, "gray box, no network kept")
+    model, estimate = load(tree)
+    record = load_record(prepared_records(tree)[0].file)
+    run = hybrid_of(tree, model).free_run(record, "estimated", estimate.settings.integrator)
+    assert np.sqrt(np.mean(run.error**2)) == pytest.approx(found["gray"][0]["rmse"], rel=1e-6)
 
 
 def test_a_network_that_runs_away_is_caught_and_reported(made, narx_grid, heard, data):

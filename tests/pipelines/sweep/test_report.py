@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import pytest
 
@@ -90,8 +91,20 @@ def test_the_page_shows_the_maps_and_how_to_go_on(grid, tmp_path):
         assert "hybridid sweep case=short" in text
 
 
+def test_where_no_network_is_better_than_the_gray_box_it_says_so(grid):
+    swept, (group,) = grid
+    page = page_of(swept, [Group(group.title, group.cells, None, "none")], ())
+    said = section(page, "Chosen").paragraphs[0]
+    assert said == "position: no network; none is better than the gray box on the held-out blocks"
+
+
 def test_where_nothing_is_held_out_nothing_is_chosen(grid):
     swept, (group,) = grid
+    cells = tuple(
+        replace(cell, rows=tuple(replace(row, held_out=None, without=None) for row in cell.rows))
+        for cell in group.cells
+    )
+    group = replace(group, cells=cells)
     page = page_of(swept, [Group(group.title, group.cells, None, "none")], ())
     (table,) = section(page, "Grid").tables
     assert "held-out RMSE" not in table.header
