@@ -1,24 +1,29 @@
-"""A composed law: amplitude × f(one variable) × factor, f of ``hybridid.effects.shapes``.
+"""A composed law: amplitude × f(one variable) × factor × level, f of ``hybridid.effects.shapes``.
 
-    F = k f(x) g,   x of ``hybridid.effects.over``,   g = 1, v or sign(v);   or an inertia m = k f(x)
+    F = k f(x) factor g(y),   x of ``hybridid.effects.over``,   factor = 1, v or sign(v)
+
+or an inertia m = k f(x). The level g(y) is one, or a shape over another variable
+(``hybridid.effects.levels``).
 
 It is an effect like those of the library, but no physical name: a trace proposes one where no effect of the
-library explains what is missing. Its id says what it is, as ``modulus_of_velocity`` or
-``bump_of_position_times_sign_of_velocity``, and can be written wherever the id of an effect can.
+library explains what is missing. Its id says what it is, as ``modulus_of_velocity``,
+``bump_of_position_times_sign_of_velocity`` or ``sine_of_position_by_modulus_of_load``, and can be written
+wherever the id of an effect can.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import casadi as ca
 
 from hybridid.declarations import PortKind, Signal
-from hybridid.effects.dimension import Dimension
+from hybridid.effects.dimension import ONE, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
+from hybridid.effects.levels import Level, levels_over, overs_of_level
 from hybridid.effects.over import (
     BRISTLE,
     FLOW_FACTORS,
@@ -33,14 +38,13 @@ from hybridid.effects.over import (
     over_inputs,
     symbol_of,
 )
-from hybridid.effects.shapes import Seen, Shape, shapes_over
-from hybridid.effects.smooth import magnitude
+from hybridid.effects.shapes import Role, Shape, seen_at, shapes_over
 from hybridid.effects.variable import Variable
-from hybridid.naming import unknown
+from hybridid.naming import listed, unknown
 
 WIDE = 1e4
 """Times its scale, a shape parameter may be, up or down, where no record bounds it."""
-OF, TIMES = "_of_", "_times_"
+OF, TIMES, BY = "_of_", "_times_", "_by_"
 FORMS: Mapping[str, str] = {
     "proportional_of_velocity": "viscous",
     "sign_of_velocity": "coulomb",
@@ -59,6 +63,7 @@ FORMS: Mapping[str, str] = {
     "sine_of_position": "cogging",
     "bump_of_position": "detent",
     "modulus_of_load_times_sign_of_velocity": "load_friction",
+    "proportional_of_position_times_sign_of_velocity": "position_friction",
     "shifted_of_position_times_sign_of_velocity": "position_friction",
     "proportional_of_position_times_velocity": "position_damping",
     **{
@@ -92,10 +97,11 @@ class Bounded:
 
 @dataclass(frozen=True)
 class ComposedLaw:
-    """``amplitude × f(x) × factor``. Another process finds a class by its name, a shape by its."""
+    """``amplitude × f(x) × factor × level``. Another process finds a class by its name, a shape by its."""
 
     over: Over
     name: str
+    level: Level | None = None
 
     @property
     def shape(self) -> Shape:
@@ -103,13 +109,30 @@ class ComposedLaw:
         return next(shape for shape in shapes_over(self.over.variable) if shape.name == self.name)
 
     def __call__(self, at: Local) -> ca.SX:
-        return effort_of(self.over, at, lambda x: self.shape.function(_seen(self.over, at, x), at.p))
+        alone = effort_of(self.over, at, lambda x: self.shape.function(seen_at(self.over, at, x), at.p))
+        return alone if self.level is None else alone * self.level(at)
 
     @property
     def equation(self) -> str:
-        """``F = k |q| sign(v)``."""
+        """``F = k |q| sign(v)``; with a level ``F = k |q| sign(v) |L|, L = drive - load``."""
         text = self.shape.equation.format(x=symbol_of(self.over))
-        return equation_of(self.over, text) + _WHERE.get(self.over.variable, "")
+        if self.level and len(self.shape.amplitudes) > 1:
+            text = f"({text})"
+        text = equation_of(self.over, text)
+        level = f" {self.level.equation}" if self.level else ""
+        return text + level + "".join(_WHERE.get(one.variable, "") for one in self.overs)
+
+    @property
+    def overs(self) -> tuple[Over, ...]:
+        """The variables of its factors."""
+        return (self.over,) if self.level is None else (self.over, self.level.over)
+
+    @property
+    def id(self) -> str:
+        """What it is, as one word."""
+        times = f"{TIMES}{self.over.factor}" if self.over.factor else ""
+        by = f"{BY}{self.level.name}{OF}{self.level.over.name}" if self.level else ""
+        return f"{self.name}{OF}{self.over.name}{times}{by}".replace(" ", "_")
 
 
 def is_composed(effect: Effect) -> bool:
@@ -118,35 +141,41 @@ def is_composed(effect: Effect) -> bool:
 
 
 def composed(
-    over: Over, shape: Shape, kind: PortKind = "effort", starts: Mapping[str, Bounded] | None = None
+    over: Over,
+    shape: Shape,
+    kind: PortKind = "effort",
+    starts: Mapping[str, Bounded] | None = None,
+    level: Level | None = None,
 ) -> Effect:
-    """The law ``shape`` over ``over`` as an effect of ``kind``.
+    """The law ``shape`` over ``over`` as an effect of ``kind``, times a ``level`` if one is given.
 
     ``starts`` gives guesses and bounds of parameters in SI units, by name; the others are guessed by the
     port's scales.
     """
-    law, given = ComposedLaw(over, shape.name), starts or {}
-    x = over.dimension
-    amplitude, name = over.amplitude.times(x, -shape.power), _id(over, shape)
-    own = [_amplitude(key, amplitude, given) for key in shape.amplitudes]
-    own += [_further(key, x, _MEANINGS[role], given, role) for key, role in shape.roles.items()]
-    memory = MEMORIES.get(over.variable)
+    law, given = ComposedLaw(over, shape.name, level), starts or {}
+    amplitude = over.amplitude.times(over.dimension, -shape.power)
+    own = [_further(key, over.dimension, role, given) for key, role in shape.roles.items()]
+    if level is not None:
+        y = level.over.dimension
+        amplitude = amplitude.times(y, -level.shape.power)
+        own += [_further(key, y, role, given) for key, role in level.shape.roles.items()]
+    memory = next((MEMORIES[one.variable] for one in law.overs if one.variable in MEMORIES), None)
     if memory is not None:
-        own.append(_further(memory.name, memory.dimension, memory.meaning, given))
+        own.append(_with_bounds(memory.name, memory.dimension, memory.meaning, given))
     return Effect(
-        id=name,
+        id=law.id,
         kind=kind,
-        title=f"a law over {over}",
+        title=f"a law over {listed([str(one) for one in law.overs])}",
         equation=law.equation,
         law=law,
-        parameters=tuple(own),
+        parameters=(*(_amplitude(key, amplitude, given) for key in shape.amplitudes), *own),
         states=(memory.state,) if memory else (),
         dynamics=memory.dynamics if memory else None,
-        needs=over.needs,
-        channels=over.channels,
+        needs=tuple(dict.fromkeys(need for one in law.overs for need in one.needs)),
+        channels=tuple(name for one in law.overs for name in one.channels),
         source=SOURCE,
-        pattern=f"it has the form of {FORMS[name]}"
-        if name in FORMS
+        pattern=f"it has the form of {FORMS[law.id]}"
+        if law.id in FORMS
         else "no effect of the library has its form",
     )
 
@@ -156,11 +185,24 @@ def composed_named(
 ) -> Effect | None:
     """The composed law whose id is ``name``, over the variables of any port and over ``signals``; None if it
     is none. ``starts`` as ``composed`` has them."""
-    for kind, over in _all_overs(signals):
+    known = tuple(signals)
+    first, by, _ = name.partition(BY)
+    for kind, over in _all_overs(known):
         for shape in shapes_over(over.variable):
-            if _id(over, shape) == name:
+            if ComposedLaw(over, shape.name).id != first:
+                continue
+            if not by:
                 return composed(over, shape, kind, starts)
+            for level in levels_beside(over, kind, known):
+                if ComposedLaw(over, shape.name, level).id == name:
+                    return composed(over, shape, kind, starts, level)
     return None
+
+
+def levels_beside(over: Over, kind: PortKind, signals: Sequence[Signal]) -> Iterator[Level]:
+    """Every level that a law over ``over`` may have."""
+    for other in overs_of_level(over, kind, signals):
+        yield from (Level(other, shape.name) for shape in levels_over(other))
 
 
 def law(name: str, over: tuple[str, str] | None = None, **guesses: float) -> Effect:
@@ -195,19 +237,6 @@ def _all_overs(signals: Iterable[Signal]) -> Iterator[tuple[PortKind, Over]]:
     yield from (("flow", over) for over in (*OVERS_OF_A_FLOW, *over_inputs(known, FLOW_FACTORS)))
 
 
-def _id(over: Over, shape: Shape) -> str:
-    times = f"{TIMES}{over.factor}" if over.factor else ""
-    return f"{shape.name}{OF}{over.name}{times}".replace(" ", "_")
-
-
-def _seen(over: Over, at: Local, x: ca.SX) -> Seen:
-    if over.variable == "velocity":
-        return Seen(x, at.speed, at.sign)
-    if over.variable == "load":
-        return Seen(x, magnitude(x, at.load_width), ca.tanh(x / at.load_width))
-    return Seen(x, ca.fabs(x), ca.sign(x))
-
-
 def _amplitude(name: str, dimension: Dimension, given: Mapping[str, Bounded]) -> EffectParameter:
     if name not in given:
         return EffectParameter(name, dimension, "amplitude", guess=0.1, nests=True)
@@ -215,19 +244,43 @@ def _amplitude(name: str, dimension: Dimension, given: Mapping[str, Bounded]) ->
     return EffectParameter(name, dimension, "amplitude", guess=one.guess, absolute=True, nests=True)
 
 
-_MEANINGS = {"place": "where the shape lies", "width": "how wide the shape is", "period": "period"}
+_MEANINGS: Mapping[Role, str] = {
+    "place": "where the shape lies",
+    "width": "how wide the shape is",
+    "period": "period",
+    "share": "by which share the level rises",
+}
 
 
-def _further(
-    name: str, dimension: Dimension, meaning: str, given: Mapping[str, Bounded], role: str = ""
+def _further(name: str, x: Dimension, role: Role, given: Mapping[str, Bounded]) -> EffectParameter:
+    """A shape parameter over a variable of dimension ``x``."""
+    if role == "share":
+        return _with_bounds(name, ONE, _MEANINGS[role], given, unbounded=True)
+    return _with_bounds(
+        name,
+        x,
+        _MEANINGS[role],
+        given,
+        unbounded=role == "place",
+        sought="period" if role == "period" else "",
+    )
+
+
+def _with_bounds(
+    name: str,
+    dimension: Dimension,
+    meaning: str,
+    given: Mapping[str, Bounded],
+    unbounded: bool = False,
+    sought: Literal["", "period"] = "",
 ) -> EffectParameter:
-    """A parameter that is no amplitude: within bounds, if any are given."""
-    sought: Literal["", "period"] = "period" if role == "period" else ""
+    """A parameter that is no amplitude: within the bounds that are given, else any if it may be zero, or
+    any positive one."""
     if name in given:
         one = given[name]
         return EffectParameter(
             name, dimension, meaning, one.guess, one.lower, one.upper, absolute=True, sought=sought
         )
-    if role == "place":
+    if unbounded:
         return EffectParameter(name, dimension, meaning, guess=0.0)
     return EffectParameter(name, dimension, meaning, 0.3, 1 / WIDE, WIDE, sought=sought)

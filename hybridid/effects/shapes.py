@@ -9,17 +9,22 @@ Mechatronic Systems, ch. 6 (limits, backlash, saturation).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Literal
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
-from hybridid.effects.over import BRISTLE, RECENT, RECENT_LOAD
+from hybridid.effects.effect import Local
+from hybridid.effects.over import BRISTLE, RECENT, RECENT_LOAD, Over
+from hybridid.effects.smooth import magnitude
 from hybridid.effects.variable import Variable
 
-Role = Literal["place", "width", "period"]
+Array = NDArray[np.float64]
+Role = Literal["place", "width", "period", "share"]
 
 
 @dataclass(frozen=True)
@@ -31,13 +36,22 @@ class Seen:
     sign: ca.SX
 
 
+def seen_at(over: Over, at: Local, x: ca.SX) -> Seen:
+    """``x``, the variable of ``over`` at a port, as a shape sees it."""
+    if over.variable == "velocity":
+        return Seen(x, at.speed, at.sign)
+    if over.variable == "load":
+        return Seen(x, magnitude(x, at.load_width), ca.tanh(x / at.load_width))
+    return Seen(x, ca.fabs(x), ca.sign(x))
+
+
 @dataclass(frozen=True)
 class Shape:
     """One shape: ``amplitudes`` times functions of x; ``roles`` are those of its shape parameters, by name.
 
     ``equation`` holds ``{x}`` where the variable stands. An amplitude has the unit of the effort, or of what
-    the factor multiplies, over that of x to the ``power``; a shape parameter has the unit of x. ``suits``
-    names the variables over which textbooks use the shape.
+    the factor multiplies, over that of x to the ``power``; a shape parameter has the unit of x, but for a
+    ``share``, which has none. ``suits`` names the variables over which textbooks use the shape.
     """
 
     name: str
@@ -52,6 +66,12 @@ class Shape:
     def fine(self) -> bool:
         """Whether it may change faster over x than any learned effort can."""
         return "period" in self.roles.values()
+
+    def values(self, x: Array, point: Mapping[str, float]) -> Array:
+        """The shape at ``x`` (n,), its parameters as ``point`` has them."""
+        at = ca.DM(x)
+        found = self.function(Seen(at, ca.fabs(at), ca.sign(at)), SimpleNamespace(**point))
+        return np.asarray(ca.DM(found)).ravel() * np.ones(len(x))
 
     def __reduce__(self) -> tuple[Callable[[str], Shape], tuple[str]]:
         """Another process finds it by its name: its function cannot be pickled."""

@@ -36,6 +36,10 @@ from hybridid.trace.split import Split
 Array = NDArray[np.float64]
 TOLERANCE = 1e-4
 """Of the fits: the gain of a learned effort is needed to a few digits only."""
+MARGIN = 0.1
+"""Of the fitted range: a learned effort is known up to there, by its widths."""
+LEAST_WITHIN = 5
+"""Held-out horizons within the fitted range, from which its share there can be told."""
 BINS, LEAST_IN_BIN = 60, 20
 """Of the curve that is shown."""
 
@@ -48,6 +52,10 @@ class Ceiling:
     of the model's own terms in the refit: alone, bumps and viscous friction could trade any amount.
     ``refit`` is the model with it. If it could not be solved, ``failure`` says why. There is then no curve,
     and neither the gain of zero nor ``refit``, the model without it, claims anything.
+
+    ``beyond``: on some held-out horizons the variable leaves the range of the fitted ones, where nothing has
+    been learned. ``within`` is the share of the squared error that it takes from the other ones, or from the
+    fitted ones where fewer than ``LEAST_WITHIN`` are left.
     """
 
     port: str
@@ -59,6 +67,8 @@ class Ceiling:
     over_unit: str
     refit: Refit
     failure: str = ""
+    beyond: bool = False
+    within: float = 0.0
 
     @property
     def place(self) -> str:
@@ -78,6 +88,21 @@ class Ceiling:
     def passes(self, rules: Rules) -> bool:
         """Whether the learned effort's gain is worth having and significant."""
         return rules.passes(self.gain, self.p_value)
+
+    def untested(self, rules: Rules) -> bool:
+        """Whether it takes nearly all of the squared error within the range where it is fitted, and its
+        variable leaves that. There a law goes on; the learned effort stays as it is at the end."""
+        return self.beyond and self.within >= 1 - rules.stands_in
+
+    def taken(self, base: Refit) -> float:
+        """What it takes from the held-out squared error of ``base``."""
+        return base.score.loss**2 - self.refit.score.loss**2
+
+    def most(self, base: Refit, rules: Rules) -> float:
+        """What a law of this variable could take from the held-out squared error of ``base``: what the
+        learned effort takes, or where that is untested as large a share as it takes within its range."""
+        within = self.within * base.score.loss**2 if self.untested(rules) else 0.0
+        return max(self.taken(base), within)
 
 
 def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Ceiling, ...]:
@@ -125,7 +150,38 @@ def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEA
     )
     net = shown.effort(model, found.values, port) - path.effort(base.model, base.values, port)
     curve = _binned(path.seen(port, over), net)
-    return Ceiling(port, over, evidence.gain, evidence.p_value, curve, where.effort_unit, over_unit, found)
+    inside = _inside(base, split, port, over, fitted.seen(port, over))
+    return Ceiling(
+        port,
+        over,
+        evidence.gain,
+        evidence.p_value,
+        curve,
+        where.effort_unit,
+        over_unit,
+        found,
+        beyond=not inside.all(),
+        within=_taken_within(base, found, inside),
+    )
+
+
+def _inside(base: Refit, split: Split, port: str, over: Over, fitted: Array) -> NDArray[np.bool_]:
+    """On which held-out horizons (h,) the variable stays in the range of its ``fitted`` values (m,)."""
+    seen = Path.of(base, split, split.held_out).seen(port, over)
+    used = base.problem(split).on(split.held_out).windows.used
+    ends = np.cumsum(used.sum(axis=1))[:-1]
+    margin = MARGIN * np.ptp(fitted)
+    low, high = fitted.min() - margin, fitted.max() + margin
+    return np.array([low <= one.min() and one.max() <= high for one in np.split(seen, ends)])
+
+
+def _taken_within(base: Refit, found: Refit, inside: NDArray[np.bool_]) -> float:
+    """The share that ``found`` takes from the squared error of ``base`` on the held-out horizons ``inside``,
+    or on the fitted ones where these are too few."""
+    if inside.sum() < LEAST_WITHIN:
+        return 1.0 - found.cost / base.cost if base.cost > 0 else 0.0
+    before, after = (float((one.score.squares[inside] / one.score.scale**2).sum()) for one in (base, found))
+    return 1.0 - after / before if before > 0 else 0.0
 
 
 def _starts(model: Model, effect: Effect, port: str, base: Refit) -> list[dict[str, float]]:

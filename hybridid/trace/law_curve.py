@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,9 @@ class LawOverLearned:
     known up to what these can take over: a constant, inertia, damping, stiffness and each declared effect, as
     far as each is a curve over the same variable. It is shown where it comes nearest to the law, or as it was
     fitted if the variable takes few values only.
+
+    ``value`` says what is shown: an effort over the factor, or an amplitude
+    (``hybridid.trace.level_curve``).
     """
 
     port: str
@@ -50,6 +54,7 @@ class LawOverLearned:
     over_unit: str
     curve: LawCurve
     learned: LawCurve
+    value: Literal["effort", "amplitude"] = "effort"
 
 
 def law_over_learned(base: Refit, law: Refit, learned: Ceiling, split: Split) -> LawOverLearned:
@@ -71,7 +76,7 @@ def _law_curve(base: Refit, law: Refit, port: str, over: Over, split: Split) -> 
     path, own = _path(base, law, split)
     efforts = path.efforts(law.model, law.values, port)
     added = efforts[len(own.efforts(base.model, base.values, port)) :].sum(axis=0)
-    return _binned(_seen(path, own, port, over), added, own.factor(port, over))
+    return binned(_seen(path, own, port, over), added, own.factor(port, over))
 
 
 def is_curve_over(refitted: Refit, name: str, port: str, over: Over, split: Split) -> bool:
@@ -84,7 +89,7 @@ def is_curve_over(refitted: Refit, name: str, port: str, over: Over, split: Spli
     path = Path.of(refitted, split, (*split.fitted, *split.held_out))
     effort = path.effort_of(name, port)
     seen, factor = path.seen(port, over), path.factor(port, over)
-    return _is_curve(effort, _binned(seen, effort, factor), seen, factor)
+    return _is_curve(effort, binned(seen, effort, factor), seen, factor)
 
 
 def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -> LawCurve:
@@ -97,9 +102,9 @@ def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -
     if base.model.plant.port(port).kind == "effort":
         motion.append(own.factor(port, Over("position", "acceleration")))
     seen, factor = _seen(path, own, port, over), own.factor(port, over)
-    curve = _binned(seen, change, factor)
+    curve = binned(seen, change, factor)
     efforts = (np.ones_like(change), *motion, *terms)
-    own_curves = ((effort, _binned(seen, effort, factor)) for effort in efforts)
+    own_curves = ((effort, binned(seen, effort, factor)) for effort in efforts)
     kept = [one.value for effort, one in own_curves if _is_curve(effort, one, seen, factor)]
     columns = np.array(kept).reshape(-1, len(curve.at)).T
     if len(columns) < BINS_A_TERM * columns.shape[1]:
@@ -129,7 +134,7 @@ def _seen(path: Path, own: Path, port: str, over: Over) -> Array:
     return path.states[:, -1] if over.variable in MEMORIES else own.seen(port, over)
 
 
-def _binned(seen: Array, effort: Array, factor: Array) -> LawCurve:
+def binned(seen: Array, effort: Array, factor: Array) -> LawCurve:
     edges = np.linspace(seen.min(), seen.max(), BINS + 1)
     bins = np.clip(np.digitize(seen, edges) - 1, 0, BINS - 1)
     found = []

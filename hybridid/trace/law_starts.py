@@ -62,7 +62,7 @@ def law_starts(learned: Ceiling, shape: Shape, base: Refit, split: Split) -> dic
 
     nearest: dict[str, float] = {}
     least = np.inf
-    for point in _grid(shape, seen):
+    for point in grid(shape, seen):
         columns = with_amplitudes(point)
         columns = np.column_stack([*columns.T, *terms])
         if not np.isfinite(columns).all():
@@ -72,7 +72,7 @@ def law_starts(learned: Ceiling, shape: Shape, base: Refit, split: Split) -> dic
         if error < least:
             least = error
             nearest = {**point, **dict(zip(shape.amplitudes, share.tolist(), strict=False))}
-    return {name: _bounded(shape.roles.get(name), value, seen) for name, value in nearest.items()} | memory
+    return {name: bounded(shape.roles.get(name), value, seen) for name, value in nearest.items()} | memory
 
 
 def _memory(learned: Ceiling) -> dict[str, Bounded]:
@@ -85,10 +85,11 @@ def _memory(learned: Ceiling) -> dict[str, Bounded]:
     return {memory.name: Bounded(learned.refit.values[name], declared.lower, declared.upper)}
 
 
-def _grid(shape: Shape, seen: Array) -> Iterator[dict[str, float]]:
-    """Every combination of starting values of the shape parameters."""
-    values = [_values(role, seen) for role in shape.roles.values()]
-    yield from (dict(zip(shape.roles, point, strict=True)) for point in product(*values))
+def grid(shape: Shape, seen: Array) -> Iterator[dict[str, float]]:
+    """Every combination of starting values of the shape parameters; a share follows by regression."""
+    roles = {name: role for name, role in shape.roles.items() if role != "share"}
+    values = [_values(role, seen) for role in roles.values()]
+    yield from (dict(zip(roles, point, strict=True)) for point in product(*values))
 
 
 def _values(role: Role, seen: Array) -> list[float]:
@@ -98,7 +99,8 @@ def _values(role: Role, seen: Array) -> list[float]:
     return [share * span for share in WIDTHS] if role == "width" else [span / n for n in PERIODS]
 
 
-def _bounded(role: Role | None, value: float, seen: Array) -> Bounded:
+def bounded(role: Role | None, value: float, seen: Array) -> Bounded:
+    """A start and its bounds, by the range of what the variable takes in ``seen`` (n,)."""
     span = float(np.ptp(seen))
     if role is None:  # an amplitude
         return Bounded(value, -np.inf, np.inf)

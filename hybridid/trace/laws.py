@@ -6,18 +6,21 @@ those of the library: it joins the model, all parameters are refitted in simulat
 it. The learned efforts are held against the same horizons, so the p-values are adjusted for the whole family:
 every shape over every variable that the ports have, tried or not.
 
-The variables are taken in the order of what their learned efforts take. One is left out if its learned effort
-finds nothing, or takes less than ``1 - Rules.stands_in`` of what the best law takes already: no law of that
+The variables are taken in the order of what a law of each could take (``Ceiling.most``). One is left out if
+that is nothing, or less than ``1 - Rules.stands_in`` of what the best law takes already: no law of that
 variable can take more, up to the resolution of the learned effort's grid. A sine of short period is finer
 than the grid, and is tried all the same.
+
+Where the best law does not reach the noise, its amplitude may depend on another variable: such laws are tried
+as well, beside the same model (``hybridid.trace.law_levels``).
 
 Of laws that the held-out horizons cannot tell apart, the one with the fewest parameters is proposed; the
 others are told beside it. Effects that the law has made needless are removed again.
 
-Several effects, each of which resembles a part of an unknown law, may together leave little error.
-So where two or more were accepted, and a learned effort beside the declared model leaves less than all of
-them, laws are tried in their place as well. One that alone explains more, by more than ``Rules.tie`` and
-significantly, takes their place: as ``hybridid.trace.pairs`` does it with pairs.
+An effect may resemble an unknown law, and others may mend what it leaves. So where effects were accepted,
+and a learned effort beside the declared model leaves less than all of them, laws are tried in their place as
+well. One that alone explains more, by more than ``Rules.tie`` and significantly, takes their place: as
+``hybridid.trace.pairs`` does it with pairs.
 """
 
 from __future__ import annotations
@@ -26,15 +29,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
 
-from hybridid.effects.composed import ComposedLaw, composed, is_composed
+from hybridid.effects.composed import ComposedLaw, composed
 from hybridid.effects.shapes import Shape, shapes_over
 from hybridid.naming import counted, listed
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.law_curve import law_over_learned
+from hybridid.trace.law_curve import LawOverLearned, law_over_learned
+from hybridid.trace.law_levels import WithLevel, with_levels
 from hybridid.trace.law_starts import law_starts
+from hybridid.trace.level_curve import level_over_freed
 from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Search, decided, said_of, without_needless
@@ -45,18 +50,19 @@ from hybridid.trace.trial import Trial, attempt, judge
 def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search:
     """``found`` with the law that explains best what the learned efforts ``left`` still find; itself if none
     passes."""
-    base, rules, family = found.final, context.rules, family_of(left)
-    trials = _tried(base, left, context)
-    if not trials:
+    base, rules = found.final, context.rules
+    laws = _tried(base, left, context)
+    if not laws:
         return found
+    levelled, more = with_levels(base, laws, left, context)
+    trials, family = [*laws, *(one.trial for one in levelled)], family_of(left) + more
     step = decided(base, judge(trials, rules, family), context)
     context.say(f"of {family} laws, {len(trials)} tried: {said_of(step)}")
     law = step.accepted
     if law is None or law.trial.refit is None:
         return found
-    (explained,) = (one for one in left if _same_place(one, law.trial))
     with_it = law.trial.refit
-    law = replace(law, drawn=law_over_learned(base, with_it, explained, context.split))
+    law = replace(law, drawn=_drawn(base, law.trial, left, levelled, context.split))
     final, accepted, dropped = without_needless(with_it, [*found.accepted, law], context)
     return replace(
         found,
@@ -67,6 +73,18 @@ def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search
     )
 
 
+def _drawn(
+    base: Refit, law: Trial, left: Sequence[Ceiling], levelled: Sequence[WithLevel], split: Split
+) -> LawOverLearned:
+    """The law over what it explains: a learned effort, or the freed amplitude of a law of one variable."""
+    assert law.refit is not None
+    for one in levelled:
+        if one.trial.candidate == law.candidate:
+            return level_over_freed(law, one.law, one.freed, split)
+    (explained,) = (one for one in left if _same_place(one, law))
+    return law_over_learned(base, law.refit, explained, split)
+
+
 def _tried(base: Refit, left: Sequence[Ceiling], context: Context) -> list[Trial]:
     """The refits of the laws over the variables of ``left``, in the order of what these take.
 
@@ -74,7 +92,7 @@ def _tried(base: Refit, left: Sequence[Ceiling], context: Context) -> list[Trial
     are tried together.
     """
     rules, trials = context.rules, list[Trial]()
-    waiting = sorted((c for c in left if not c.failure), key=lambda c: -c.gain)
+    waiting = sorted((c for c in left if not c.failure), key=lambda c: -c.most(base, rules))
     while waiting:
         excluded = _left_out(waiting, base, max((t.taken for t in trials), default=0.0), rules)
         now = excluded or waiting[:1]
@@ -94,18 +112,21 @@ def _left_out(waiting: Sequence[Ceiling], base: Refit, most: float, rules: Rules
     """The first ones of ``waiting``, up to one that finds something, and no less than the best law, which
     takes ``most``."""
     enough = (1 - rules.stands_in) * most
-    return list(takewhile(lambda c: not c.passes(rules) or _taken(c, base) < enough, waiting))
+
+    def finds_too_little(one: Ceiling) -> bool:
+        found = one.passes(rules) or one.untested(rules)
+        return not found or one.most(base, rules) < enough
+
+    return list(takewhile(finds_too_little, waiting))
 
 
 def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> Search:
-    """The law that alone explains more than all accepted effects of ``found``, in their place; ``found``
-    itself if there is none. ``before`` are the learned efforts beside the declared model."""
-    rules, names = context.rules, listed([one.name for one in found.accepted])
-    several = len(found.accepted) > 1 and not any(
-        is_composed(one.trial.candidate.effect) for one in found.accepted
-    )
+    """The law that alone explains more than all that ``found`` accepted, in its place; ``found`` itself if
+    there is none. ``before`` are the learned efforts beside the declared model."""
+    rules = context.rules
+    names = listed([one.name for one in found.accepted])
     enough = (1 - rules.tie) * found.final.score.loss
-    if not several or all(one.refit.score.loss > enough for one in before):
+    if all(one.refit.score.loss > enough for one in before):
         return found
     context.say(f"laws in place of {names}")
     lawful = with_law(found.before_any, before, context)
@@ -123,11 +144,6 @@ def family_of(learned: Sequence[Ceiling]) -> int:
 def _same_place(learned: Ceiling, trial: Trial) -> bool:
     law = trial.candidate.effect.law
     return trial.candidate.port == learned.port and isinstance(law, ComposedLaw) and law.over == learned.over
-
-
-def _taken(learned: Ceiling, base: Refit) -> float:
-    """What the learned effort takes from the held-out squared error."""
-    return base.score.loss**2 - learned.refit.score.loss**2
 
 
 def try_law(learned: Ceiling, shape: Shape, base: Refit, split: Split, worth: float = Rules.worth) -> Trial:

@@ -7,7 +7,8 @@ did not end at the noise, the amplitude of each accepted effect at an effort or 
 
     F = law (1 + sum_j a_j b_j(s)),   s a variable of the port, b_j as in ``hybridid.trace.learned_effort``
 
-With all a_j at zero this is the accepted model. If it takes most of the squared error that is left
+With all a_j at zero this is the accepted model. The law's largest amplitude is held, as a constant is a
+function of s too. If it takes most of the squared error that is left
 (``Rules.majority``), significantly with all such trials counted, and under other numerics as well, the
 amplitude is no constant and the law is not that of the library: the name is withdrawn. (No
 model takes that much from noise alone, so this needs no estimate of the noise.)
@@ -22,8 +23,9 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
+from hybridid.effects.composed import ComposedLaw
 from hybridid.effects.dimension import ONE
-from hybridid.effects.effect import Effect, Local
+from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.over import MEMORIES, Over
 from hybridid.naming import listed
 from hybridid.plants.plant import TOGETHER
@@ -52,13 +54,13 @@ class VaryingLaw:
 
 @dataclass(frozen=True)
 class DynamicsOf:
-    """The dynamics of ``effect``; it pickles, as a lambda does not."""
+    """The dynamics of all ``effects``; it pickles, as a lambda does not."""
 
-    effect: Effect
+    effects: tuple[Effect, ...]
 
     def __call__(self, at: Local) -> Mapping[str, ca.SX]:
-        assert self.effect.dynamics is not None
-        return self.effect.dynamics(at)
+        own = [one.dynamics(at) for one in self.effects if one.dynamics is not None]
+        return {name: rate for rates in own for name, rate in rates.items()}
 
 
 @dataclass(frozen=True)
@@ -71,15 +73,18 @@ class Varied:
     p_value: float = 1.0
 
 
-def varying(effect: Effect, over: Over, seen: Array) -> Effect:
-    """``effect`` with an amplitude that varies over ``over``, on the range of ``seen`` (n,)."""
-    learned = learned_effort(effect.kind, over, seen)
+def varying(effect: Effect, over: Over, seen: Array, remembers: float = 1.0) -> Effect:
+    """``effect`` with an amplitude that varies over ``over``, on the range of ``seen`` (n,); ``remembers`` is
+    the guess of the variable's memory, if it has one."""
+    learned = learned_effort(effect.kind, over, seen, remembers=remembers)
     assert isinstance(learned.law, Bumps)
     shares = [replace(p, dimension=ONE, nests=False) if p.nests else p for p in learned.parameters]
+    states = (*effect.states, *learned.states)
     return replace(
         effect,
         law=VaryingLaw(effect, learned.law),
-        dynamics=effect.dynamics and DynamicsOf(effect),
+        states=states,
+        dynamics=DynamicsOf((effect, learned)) if states else None,
         parameters=(*effect.parameters, *shares),
         needs=tuple(dict.fromkeys((*effect.needs, *over.needs))),
         channels=tuple(dict.fromkeys((*effect.channels, *over.channels))),
@@ -114,9 +119,12 @@ def _overs(final: Refit, name: str, context: Context) -> list[Over]:
     port = final.model.plant.port(term.port.split(TOGETHER)[0])
     if port.kind not in ("effort", "flow"):
         return []
-    path = Path.of(final, context.split, context.split.fitted)
+    path, law = Path.of(final, context.split, context.split.fitted), term.effect.law
+    own = [over.variable for over in law.overs] if isinstance(law, ComposedLaw) else []
     plain = [
-        one for one in context.overs(port, final.model) if not one.factor and one.variable not in MEMORIES
+        one
+        for one in context.overs(port, final.model)
+        if not one.factor and one.variable not in MEMORIES and one.variable not in own
     ]
     return [
         one
@@ -125,16 +133,37 @@ def _overs(final: Refit, name: str, context: Context) -> list[Over]:
     ]
 
 
+def held_at(values: Mapping[str, float], free: Effect) -> Effect:
+    """``free``, an effect whose amplitude varies, with the largest of its amplitudes held at its value;
+    ``values`` are those of the effect, by short name."""
+    largest = max((p.name for p in free.parameters if p.nests), key=lambda name: abs(values[name]))
+
+    def held(p: EffectParameter) -> EffectParameter:
+        if p.name != largest:
+            return p
+        return EffectParameter(
+            p.name, p.dimension, p.meaning, values[p.name], nests=True, absolute=True, fixed=True
+        )
+
+    return replace(free, parameters=tuple(map(held, free.parameters)))
+
+
 def vary(final: Refit, split: Split, name: str, over: Over, least: float) -> Varied:
     """Refit ``final`` with the amplitude of the term ``name`` free over ``over``."""
     term = next(term for term in final.model.terms if term.name == name)
-    seen = Path.of(final, split, split.fitted).seen(term.port.split(TOGETHER)[0], over)
-    model = final.model.without(name).plus(varying(term.effect, over, seen), term.port)
+    path, port = Path.of(final, split, split.fitted), term.port.split(TOGETHER)[0]
+    own = {p.name: final.values[f"{name}.{p.name}"] for p in term.effect.parameters}
+    free = varying(term.effect, over, path.covered(port, over), path.memory(port, over.variable))
+    free = held_at(own, free)
+    model = final.model.without(name).plus(free, term.port)
+    memory, at = MEMORIES.get(over.variable), model.plant.port(port)
+    remembering = [p for p in free.parameters if memory is not None and p.name == memory.name]
+    others = [{f"{name}.{p.name}": value} for p in remembering for value in p.starts_at(at)]
     try:
         freed = refit_if_hopeful(
             model,
             split,
-            [final.values],
+            [{**final.values, **one} for one in ({}, *others)],
             final,
             final.numerics,
             final,

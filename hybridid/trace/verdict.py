@@ -171,16 +171,27 @@ def _beside_pairs(settled: _Settled, context: Context) -> _Settled:
 
 def _with_laws(settled: _Settled, context: Context) -> _Settled:
     """``settled`` with a composed law, and what is found beside it: beside what was accepted where something
-    is left, else in the place of several effects."""
+    is left, and in the place of effects that a law may outdo."""
+    if _is_left(settled, context.rules):
+        lawful = with_law(settled.found, settled.left, context)
+        if lawful is not settled.found:
+            settled = _settled(continued(lawful, context), context)
     found = settled.found
-    lawful = with_law(found, settled.left, context) if _is_left(settled, context.rules) else found
-    if lawful is not found:
-        return _settled(continued(lawful, context), context)
-    lawful = law_in_place(found, settled.before, context)
+    if not _may_be_outdone(settled):
+        return settled
+    lawful = law_in_place(found, settled.before or _learned_beside(found.first, found, context), context)
     if lawful is found:
         return settled
     other = _settled(continued(lawful, context), context)
     return other if other.found.accepted else settled
+
+
+def _may_be_outdone(settled: _Settled) -> bool:
+    """Whether names were accepted for which one law may stand: several, or one beside which structure
+    remains."""
+    accepted = settled.found.accepted
+    names = [one for one in accepted if not is_composed(one.trial.candidate.effect)]
+    return bool(names) and (len(accepted) > 1 or bool(settled.remains))
 
 
 def _settled(found: Search, context: Context) -> _Settled:

@@ -103,7 +103,8 @@ def _laws(found: Trace) -> Named:
                     (learned.at, learned.value, learned.samples),
                     (one.drawn.over_unit, one.drawn.unit),
                     one.drawn.over.name,
-                    f"effort over {one.drawn.over.factor}" if one.drawn.over.factor else "effort",
+                    one.drawn.value,
+                    one.drawn.over.factor,
                     found.provenance,
                 ),
             )

@@ -28,8 +28,8 @@ EPSILON = 3e-3
 @dataclass(frozen=True)
 class Carriage:
     """``M q'' = force - F`` from rest at ``centre``, ``F = (f_v -+ df_v/2 + damping_slope q) q' + (f_c +
-    warming (temperature - 25 °C)) tanh(q'/epsilon) + drag q' |q'| + offset + stiffness (q - centre) + ripple
-    sin(2 pi q / pitch)``."""
+    warming (temperature - 25 °C)) tanh(q'/epsilon) + drag q' |q'| + offset
+    + stiffness exp(-t / fade) (q - centre) + ripple sin(2 pi q / pitch)``."""
 
     M: float = 95.0
     f_v: float = 203.0
@@ -39,6 +39,7 @@ class Carriage:
     drag: float = 0.0  # N s²/m²: it grows with the square of the velocity
     damping_slope: float = 0.0  # N s/m^2: the viscous friction rises by it from place to place
     stiffness: float = 0.0  # N/m, of a spring
+    fade: float = math.inf  # s, in which the spring's stiffness falls to 1/e
     centre: float = 0.0  # m, where it rests
     ripple: float = 0.0  # N, a force that is periodic in position
     pitch: float = 0.02  # m, its period
@@ -95,16 +96,17 @@ def _states(carriage: Carriage, n: int, dt: float) -> Array:
     states = np.zeros((n, 2))
     states[0, 0] = carriage.centre
 
-    def rate(_: float, x: Array, u: float, f_c: float) -> list[float]:
+    def rate(t: float, x: Array, u: float, f_c: float, began: float) -> list[float]:
         resist = (carriage.f_v + carriage.damping_slope * x[0]) * x[1] - 0.5 * carriage.df_v * abs(x[1])
         resist += f_c * math.tanh(x[1] / carriage.epsilon) + carriage.offset
         resist += carriage.drag * x[1] * abs(x[1])
-        resist += carriage.stiffness * (x[0] - carriage.centre)
+        stiffness = carriage.stiffness * math.exp(-(began + t) / carriage.fade)
+        resist += stiffness * (x[0] - carriage.centre)
         resist += carriage.ripple * math.sin(2 * math.pi * x[0] / carriage.pitch)
         return [x[1], (u - resist) / carriage.M]
 
     for k in range(n - 1):
-        held = (force[k], carriage.f_c + carriage.warming * (temperature[k] - 25))
+        held = (force[k], carriage.f_c + carriage.warming * (temperature[k] - 25), k * dt)
         states[k + 1] = odeint(rate, states[k], (0, dt), held, tfirst=True, rtol=1e-10, atol=1e-13)[-1]
     states.flags.writeable = False
     return states

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hybridid.trace.law_curve import LEAST, _binned, _is_curve
+from hybridid.trace.law_curve import LEAST, _is_curve, binned
 
 GENERATOR = np.random.default_rng(7)
 VELOCITY, ACCELERATION = GENERATOR.standard_normal((2, 4000))
@@ -27,12 +27,12 @@ ONE = np.ones_like(VELOCITY)
     ids=["viscous", "coulomb", "constant", "none", "inertia", "inertia a", "v a", "viscous over a"],
 )
 def test_an_effort_is_a_curve_if_it_follows_from_the_variable_and_the_factor(effort, factor, curve):
-    assert _is_curve(effort, _binned(VELOCITY, effort, factor), VELOCITY, factor) == curve
+    assert _is_curve(effort, binned(VELOCITY, effort, factor), VELOCITY, factor) == curve
 
 
 def test_a_bin_with_few_samples_is_not_shown():
     seen = np.append(np.linspace(0.0, 1.0, 1000), 2.0)
-    curve = _binned(seen, 2.0 * seen, np.ones_like(seen))
+    curve = binned(seen, 2.0 * seen, np.ones_like(seen))
     assert curve.at.max() <= 1.0
     assert curve.samples.min() >= LEAST
     assert curve.value == pytest.approx(2.0 * curve.at)

@@ -19,7 +19,7 @@ from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import by_record
 from hybridid.trace.stand_in import unless_varying
 from hybridid.trace.trial import attempt
-from hybridid.trace.varying import _overs, not_constant, varying
+from hybridid.trace.varying import _overs, held_at, not_constant, varying
 
 TEMPERATURE = Signal("temperature", "°C")
 
@@ -57,6 +57,13 @@ def test_with_its_shares_at_zero_it_is_the_effect(base):
     point = [0.0, [0.01, 0.05], [20.0]]
     ours, theirs = (float(m.efforts(*point, m.values(values))[-1]) for m in (model, other))
     assert ours == theirs != 0.0
+
+
+def test_the_largest_amplitude_is_held_and_is_sent_to_other_processes():
+    """A constant is a function of the variable, too: both would be free."""
+    free = held_at({"df_c": 3.0}, varying(effect_named("asymmetric_coulomb"), Over("time"), np.arange(50.0)))
+    held = [p for p in pickle.loads(pickle.dumps(free)).parameters if p.nests]
+    assert [(p.name, p.guess, p.fixed) for p in held] == [("df_c", 3.0, True)]
 
 
 def test_an_effect_with_a_state_is_sent_to_other_processes_too():
