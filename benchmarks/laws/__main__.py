@@ -13,8 +13,10 @@ from benchmarks.laws.scenarios import CATEGORIES, scenarios
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Play what is missing, print what came out; 1 where a player failed."""
-    asked = parser("python -m benchmarks.laws", __doc__, PLAYERS, Path("outputs/laws")).parse_args(arguments)
-    found = [draw for draw in scenarios() if asked.match in draw.key]
+    words = parser("python -m benchmarks.laws", __doc__, PLAYERS, Path("outputs/laws"))
+    words.add_argument("--series", type=int, default=0, help="of draws: 0, 1, 2, ... (default: 0)")
+    asked = words.parse_args(arguments)
+    found = [draw for draw in scenarios(asked.series) if asked.match in draw.key]
     return LEAGUE.conduct(evenly(found, CATEGORIES, asked.limit), asked, write_report)
 
 

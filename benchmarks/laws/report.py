@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.answers import Line, beside_oracle
+from hybridid.effects.library import EFFECTS
 
 NEAR = 1.2
 """Times the oracle's held-out error."""
@@ -40,6 +41,11 @@ def report(lines: Sequence[Line]) -> str:
             "of those proposed: at least 60 % asked",
         ),
         ("a physical name is given", sum(bool(line["answer"]["names"]) for line, _ in hiding), "5 % at most"),
+        (
+            "of these, all names are declared look-alikes of the effect at its port, and explain as much",
+            sum(map(_resembles, hiding)),
+            "the records cannot tell them from the truth",
+        ),
         ("nothing is hidden", len(empty), ""),
         (
             "a name or a law is given all the same",
@@ -55,6 +61,20 @@ def report(lines: Sequence[Line]) -> str:
 def _near(pair: tuple[Line, dict]) -> bool:
     answer, told = pair[0]["answer"], pair[1]
     return bool(answer["after"] <= NEAR * answer["before"] * (1 - told["gain"]))
+
+
+def _resembles(pair: tuple[Line, dict]) -> bool:
+    """Whether each name is a look-alike of the hidden effect where that acts, and the error is near."""
+    line, _ = pair
+    wanted, names = line["scenario"]["wanted"], [one[0] for one in line["answer"]["names"]]
+    known = {effect.id: set(effect.look_alikes) for effect in EFFECTS}
+    what = wanted["what"]
+
+    def alike(name: str) -> bool:
+        port, _, effect = name.rpartition(".")
+        return port in wanted["ports"] and (effect in known[what] or what in known[effect])
+
+    return bool(names) and _near(pair) and all(map(alike, names))
 
 
 def _told(pair: tuple[Line, dict]) -> str:
