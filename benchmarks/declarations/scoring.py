@@ -124,6 +124,8 @@ class Round:
 
     def _is_alike(self, classes: Sequence[Class]) -> bool:
         names = [one[0] for one in classes]
+        if len(names) < len(self.truths):  # one look-alike of two truths has not told them
+            return False
         resembled = [{truth for truth in self.truths if _alike(name, truth)} for name in names]
         return bool(self.truths) and all(resembled) and set().union(*resembled) == self.truths
 
