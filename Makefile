@@ -11,14 +11,14 @@ TESTS ?= tests
 JOBS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-blunders study-rebuilt study-servo study-strangers study-sweep study-slurm study-fleet league league-drawn league-measured torture clean distclean FORCE
+.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-declarations study-blunders study-rebuilt study-servo study-strangers study-sweep study-slurm study-fleet league league-drawn league-measured torture clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
 	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
-	@echo "  ARGS=...         for make league, league-drawn, league-measured, study-laws, study-rebuilt, study-strangers, study-fleet and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
+	@echo "  ARGS=...         for make league, league-drawn, league-measured, study-laws, study-declarations, study-rebuilt, study-strangers, study-fleet and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
 
@@ -64,6 +64,9 @@ study-recovery: $(READY) ## do the gray boxes find the rigs' known parameters ag
 
 study-laws: $(READY) ## is the law proposed where the library lacks the effect, and none where nothing is missing? (simulated, hours; goes on)
 	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.laws $(ARGS)
+
+study-declarations: $(READY) ## is declared physics that is wrong told, and sound physics left in peace? (simulated, hours; goes on)
+	OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 $(BIN)/python -m benchmarks.declarations $(ARGS)
 
 study-blunders: $(READY) ## is a planted blunder (sign, unit, columns, physics, plant) told in words? (simulated, minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.blunders $(ARGS)

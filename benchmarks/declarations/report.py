@@ -1,0 +1,66 @@
+"""What came of the study in Markdown: the bars, the counts of each kind of scenario, every answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+
+from benchmarks.answers import Line
+from benchmarks.declarations.draw import CATEGORIES
+from benchmarks.declarations.scoring import Class, Round, asked, rounds
+from benchmarks.drawn.report import WORDS
+from hybridid.naming import listed
+from hybridid.quantities import percent
+
+COUNTED = ("told", "near", "other", "silent", "false", "misnamed")
+TITLES = {
+    "friction": "viscous friction declared, Coulomb friction and drag true",
+    "spring": "a spring declared, none there",
+    "sound_friction": "sound: the friction is true",
+    "sound_spring": "sound: the spring is true",
+}
+
+
+def write_report(lines: Sequence[Line], out: Path) -> str:
+    """Write ``report.md`` into ``out``; returns it."""
+    text = report(lines)
+    (out / "report.md").write_text(text, encoding="utf-8")
+    return text
+
+
+def report(lines: Sequence[Line]) -> str:
+    """The bars, the counts, then every scenario. All are simulated."""
+    found = sorted(rounds(lines), key=lambda r: r.key)
+    bars = ["| asked (simulated) | found | |", "| --- | --- | --- |"]
+    bars += [f"| {bar.what} | {bar.found} | {WORDS[bar.holds]} |" for bar in asked(found)]
+    head = ["", "of which", "not detectable", *COUNTED, "CPU s, median"]
+    counts = [f"| {' | '.join(head)} |", "|" + " --- |" * len(head)]
+    counts += [
+        _counts(TITLES[c], part) for c in CATEGORIES if (part := [r for r in found if r.category == c])
+    ]
+    return "\n".join([*bars, "", *counts, "", *map(_told, found)]) + "\n"
+
+
+def _counts(title: str, part: Sequence[Round]) -> str:
+    hidden = sum(r.detectable is False for r in part)
+    cells = [title, len(part), hidden, *(sum(getattr(r, word) for r in part) for word in COUNTED)]
+    return f"| {' | '.join(map(str, cells))} | {median(r.seconds for r in part):.0f} |"
+
+
+def _told(r: Round) -> str:
+    seen = {None: "", True: f" oracle {r.gain:.0%},", False: f" oracle {r.gain:.0%} (not detectable),"}
+    said = [f"{one.left_out} → {_named(one.classes)} ({percent(one.gain, 0)})" for one in r.replaced]
+    parts = [
+        f"{r.verdict}: {_named(r.classes)}",
+        f"ends at zero: {listed(list(r.idle))}" if r.idle else "",
+        f"replaced: {', '.join(said)}" if said else "",
+    ]
+    scored = r.said or "left in peace"
+    return (
+        f"- {r.key}:{seen[r.detectable]} {'; '.join(filter(None, parts))}. **{scored}** ({r.seconds:.0f} s)"
+    )
+
+
+def _named(classes: Sequence[Class]) -> str:
+    return " + ".join(" / ".join(one) for one in classes) or "nothing"
