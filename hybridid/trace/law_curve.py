@@ -135,6 +135,7 @@ def _seen(path: Path, own: Path, port: str, over: Over) -> Array:
 
 
 def binned(seen: Array, effort: Array, factor: Array) -> LawCurve:
+    """What ``effort`` (n,) is over ``factor`` (n,), by least squares in bins of ``seen`` (n,)."""
     edges = np.linspace(seen.min(), seen.max(), BINS + 1)
     bins = np.clip(np.digitize(seen, edges) - 1, 0, BINS - 1)
     found = []
