@@ -16,6 +16,7 @@ from hybridid.model import Model
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.noise import Noise
 from hybridid.trace.rules import PAIRS, Rules
+from hybridid.trace.score import Score
 from hybridid.trace.split import Split
 
 T = TypeVar("T")
@@ -54,6 +55,10 @@ class Context:
     def noise(self) -> Noise:
         """The noise of the sensors."""
         return Noise.of(self.split.records)
+
+    def meets_noise(self, score: Score) -> bool:
+        """Whether the held-out error of a model is that of the sensors' noise."""
+        return score.loss <= self.rules.near_floor * self.noise.loss(score)
 
     def equation_ports(self, model: Model) -> list[Port]:
         """The effort and flow ports of ``model`` where this trace tries something."""

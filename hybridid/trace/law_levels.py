@@ -55,18 +55,8 @@ def with_levels(
 ) -> tuple[list[WithLevel], int]:
     """The ``laws`` beside ``base`` times levels, where a freed amplitude explains more than the best of them;
     and the number of all products that could be formed over the variables of ``learned``."""
-    rules = context.rules
-    passed = [t for t in judge(laws, rules, len(laws)) if t.status == PASSED and t.refit is not None]
-    best = max(passed, key=lambda t: t.gain, default=None)
-    if best is None or best.refit is None or _meets_noise(best.refit, context):
-        return [], 0
-    freed = [
-        (law, one, one.refit)
-        for law, one in _freed(_best_of_each_variable(passed), context)
-        if one.refit is not None and _explains_more(best.refit, one.refit, rules)
-    ]
-    found: list[WithLevel] = []
-    for law, one, refitted in sorted(freed, key=lambda each: each[2].score.loss):
+    rules, found = context.rules, list[WithLevel]()
+    for law, one, refitted in _worth_a_level(laws, context):
         most = max((w.trial.taken for w in found), default=0.0)
         if base.score.loss**2 - refitted.score.loss**2 < (1 - rules.stands_in) * most:
             continue
@@ -76,7 +66,23 @@ def with_levels(
         ]
         trials = context.each(f"{law.candidate.name} by {one.over}", try_level, given, _name)
         found += [WithLevel(trial, law, one) for trial in trials]
-    return found, _family(learned, context) if found else 0
+    return found, products_over(learned, context) if found else 0
+
+
+def _worth_a_level(laws: Sequence[Trial], context: Context) -> list[tuple[Trial, Varied, Refit]]:
+    """The laws whose freed amplitude explains more than the best law, which does not reach the noise; the
+    amplitude that leaves least first."""
+    rules = context.rules
+    passed = [t for t in judge(laws, rules, len(laws)) if t.status == PASSED]
+    best = max(passed, key=lambda t: t.gain, default=None)
+    if best is None or best.refit is None or context.meets_noise(best.refit.score):
+        return []
+    freed = [
+        (law, one, one.refit)
+        for law, one in _freed(_best_of_each_variable(passed), context)
+        if one.refit is not None and _explains_more(best.refit, one.refit, rules)
+    ]
+    return sorted(freed, key=lambda each: each[2].score.loss)
 
 
 def try_level(
@@ -92,11 +98,6 @@ def try_level(
 
 def _name(trial: Trial) -> str:
     return trial.candidate.name
-
-
-def _meets_noise(refitted: Refit, context: Context) -> bool:
-    score = refitted.score
-    return score.loss <= context.rules.near_floor * context.noise.loss(score)
 
 
 def _explains_more(best: Refit, freed: Refit, rules: Rules) -> bool:
@@ -138,8 +139,8 @@ def _law(trial: Trial) -> ComposedLaw:
     return law
 
 
-def _family(learned: Sequence[Ceiling], context: Context) -> int:
-    """Every shape over every variable, times every level that it may have."""
+def products_over(learned: Sequence[Ceiling], context: Context) -> int:
+    """The number of laws over the variables of ``learned``, each with every level that it may have."""
     signals = learned[0].refit.model.signals
     wanted = context.variables
     return sum(

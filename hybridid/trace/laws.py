@@ -37,7 +37,7 @@ from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import LawOverLearned, law_over_learned
-from hybridid.trace.law_levels import WithLevel, with_levels
+from hybridid.trace.law_levels import WithLevel, products_over, with_levels
 from hybridid.trace.law_starts import law_starts
 from hybridid.trace.level_curve import level_over_freed
 from hybridid.trace.refit import Refit
@@ -131,7 +131,8 @@ def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> 
     context.say(f"laws in place of {names}")
     lawful = with_law(found.before_any, before, context)
     better = compare(found.final.score, lawful.final.score)
-    if better.gain < rules.tie or family_of(before) * better.p_value > rules.alpha:
+    family = family_of(before) + products_over(before, context)
+    if better.gain < rules.tie or family * better.p_value > rules.alpha:
         return found
     return lawful
 

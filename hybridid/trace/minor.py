@@ -30,9 +30,8 @@ from hybridid.trace.trial import Trial
 def may_be_minor(best: Trial, base: Refit, context: Context) -> bool:
     """Whether ``best`` leaves enough of the squared error, and more than the noise."""
     assert best.refit is not None
-    rules, score = context.rules, best.refit.score
-    noisy = score.loss <= rules.near_floor * context.noise.loss(score)
-    return not noisy and best.taken < rules.majority * base.score.loss**2
+    noisy = context.meets_noise(best.refit.score)
+    return not noisy and best.taken < context.rules.majority * base.score.loss**2
 
 
 def minor_beside(best: Trial, base: Refit, learned: Sequence[Ceiling], context: Context) -> Ceiling | None:

@@ -126,7 +126,7 @@ def continued(found: Search, context: Context) -> Search:
     steps, accepted = list(found.steps), list(found.accepted)
     while True:
         base = sharp_enough(base, context)
-        if base.score.loss <= context.noise.loss(base.score) * rules.near_floor:
+        if context.meets_noise(base.score):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=AT_FLOOR)
         if len(accepted) >= rules.most_effects:
             stopped = f"{rules.most_effects} effects accepted, the most allowed"

@@ -130,3 +130,22 @@ def bench() -> type[Bench]:
 def any_bench(request: pytest.FixtureRequest) -> Bench:
     """Every effect of the library in turn."""
     return Bench(request.param)
+
+
+@pytest.fixture(scope="session")
+def value_at() -> Callable[..., float]:
+    """``value_at(law, k=2.0)``: an effort at one point: q = 0.3 m, v = 0.2 m/s, a = 0.7 m/s², t = 1.5 s,
+    drive - load = 3 N, force = -4 N; parameters that are not given are one, states a quarter."""
+
+    def value(effect: Effect, **parameters: float) -> float:
+        p = {q.name: 1.0 for q in effect.parameters} | parameters
+        z = {state.name: 0.25 for state in effect.states}
+        at = Local(
+            p=SimpleNamespace(**p), z=SimpleNamespace(**z), time=ca.SX(1.5), epsilon=1e-6,
+            position=ca.SX(0.3), velocity=ca.SX(0.2), acceleration=ca.SX(0.7),
+            drive=ca.SX(5.0), load=ca.SX(2.0), load_width=1e-6,
+            channels=SimpleNamespace(force=ca.SX(-4.0)),
+        )  # fmt: skip
+        return float(effect.law(at))
+
+    return value

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import math
 import pickle
-from types import SimpleNamespace
 
-import casadi as ca
 import pytest
 
 from hybridid.declarations import Signal
-from hybridid.effects.composed import FORMS, composed, composed_named, is_composed, law
-from hybridid.effects.effect import Local
+from hybridid.effects.composed import FORMS, composed, composed_named, is_composed, law, levels_beside
 from hybridid.effects.library import EFFECTS, effect_named
-from hybridid.effects.over import MEMORIES, OVERS, OVERS_OF_A_FLOW, over_inputs
-from hybridid.effects.shapes import SHAPES, shapes_over
+from hybridid.effects.over import MEMORIES, OVERS, OVERS_OF_A_FLOW, Over, over_inputs
+from hybridid.effects.shapes import SHAPES, shape_named, shapes_over
 
 FORCE = Signal("force", "N")
 EVERY = [
@@ -22,23 +19,15 @@ EVERY = [
     for over in (*OVERS, *OVERS_OF_A_FLOW, *over_inputs([FORCE]))
     for shape in shapes_over(over.variable)
 ]
+WITH_LEVEL = [
+    composed(over, shape_named("sine"), level=level)
+    for over in (Over("position"),)
+    for level in levels_beside(over, "effort", [FORCE])
+]
 
 
-def value_at(effect, position=0.3, velocity=0.2, epsilon=1e-6, **parameters):
-    """The law at one point of an effort port, the time 1.5 s, the force -4 N."""
-    p = {q.name: 1.0 for q in effect.parameters} | parameters
-    z = {state.name: 0.25 for state in effect.states}
-    at = Local(
-        p=SimpleNamespace(**p), z=SimpleNamespace(**z), time=ca.SX(1.5), epsilon=epsilon,
-        position=ca.SX(position), velocity=ca.SX(velocity), acceleration=ca.SX(0.7),
-        drive=ca.SX(5.0), load=ca.SX(2.0), load_width=1e-6,
-        channels=SimpleNamespace(force=ca.SX(-4.0)),
-    )  # fmt: skip
-    return float(effect.law(at))
-
-
-@pytest.mark.parametrize("effect", EVERY, ids=lambda effect: effect.id)
-def test_each_vanishes_with_its_amplitudes_and_bears_its_name(effect):
+@pytest.mark.parametrize("effect", [*EVERY, *WITH_LEVEL], ids=lambda effect: effect.id)
+def test_each_vanishes_with_its_amplitudes_and_bears_its_name(effect, value_at):
     amplitudes = {p.name: 0.0 for p in effect.parameters if p.nests}
     assert value_at(effect, **amplitudes) == 0.0
     assert math.isfinite(value_at(effect))
@@ -74,7 +63,7 @@ def test_each_vanishes_with_its_amplitudes_and_bears_its_name(effect):
         ("cube_of_bristle_deflection", {"k": 64.0}, 1.0),
     ],
 )
-def test_a_law_is_what_its_equation_says(name, parameters, value):
+def test_a_law_is_what_its_equation_says(name, parameters, value, value_at):
     effect = effect_named(name, [FORCE])
     assert value_at(effect, **parameters) == pytest.approx(value, rel=1e-4, abs=1e-9)
 

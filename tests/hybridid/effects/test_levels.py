@@ -4,48 +4,19 @@ from __future__ import annotations
 
 import math
 import pickle
-from types import SimpleNamespace
 
-import casadi as ca
 import numpy as np
 import pytest
 
 from hybridid.declarations import Signal
-from hybridid.effects.composed import composed, composed_named, is_composed, law, levels_beside
-from hybridid.effects.effect import Local
+from hybridid.effects.composed import law
 from hybridid.effects.levels import LEVELS, Level, levels_over, overs_of_level
 from hybridid.effects.library import effect_named
 from hybridid.effects.over import RECENT, Over
-from hybridid.effects.shapes import SHAPES, shape_named
+from hybridid.effects.shapes import SHAPES
 
 FORCE = Signal("force", "N")
 RIPPLE = Over("position")
-EVERY = [
-    composed(RIPPLE, shape_named("sine"), "effort", None, level)
-    for level in levels_beside(RIPPLE, "effort", [FORCE])
-]
-
-
-def value_at(effect, **parameters):
-    """The law at one point: q = 0.3 m, v = 0.2 m/s, t = 1.5 s, drive - load = 3 N, force = -4 N."""
-    p = {q.name: 1.0 for q in effect.parameters} | parameters
-    z = {state.name: 0.25 for state in effect.states}
-    at = Local(
-        p=SimpleNamespace(**p), z=SimpleNamespace(**z), time=ca.SX(1.5), epsilon=1e-6,
-        position=ca.SX(0.3), velocity=ca.SX(0.2), acceleration=ca.SX(0.7),
-        drive=ca.SX(5.0), load=ca.SX(2.0), load_width=1e-6, channels=SimpleNamespace(force=ca.SX(-4.0)),
-    )  # fmt: skip
-    return float(effect.law(at))
-
-
-@pytest.mark.parametrize("effect", EVERY, ids=lambda effect: effect.id)
-def test_each_vanishes_with_its_amplitudes_and_bears_its_name(effect):
-    assert value_at(effect, k_s=0.0, k_c=0.0) == 0.0
-    assert math.isfinite(value_at(effect))
-    again = composed_named(effect.id, [FORCE])
-    assert again is not None
-    assert (again.equation, again.parameters) == (effect.equation, effect.parameters)
-    assert is_composed(pickle.loads(pickle.dumps(effect)))
 
 
 @pytest.mark.parametrize(
@@ -76,7 +47,7 @@ def test_each_vanishes_with_its_amplitudes_and_bears_its_name(effect):
         ),
     ],
 )
-def test_a_law_is_what_its_equation_says(name, parameters, value):
+def test_a_law_is_what_its_equation_says(name, parameters, value, value_at):
     assert value_at(effect_named(name, [FORCE]), **parameters) == pytest.approx(value, rel=1e-4, abs=1e-9)
 
 
