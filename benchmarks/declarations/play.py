@@ -58,12 +58,13 @@ def _answered(draw: Draw, player: str, most_effects: int) -> dict[str, Any] | No
     return consult(draw) if player == ORACLE else traced(draw, laws=player == WHOLE)
 
 
-def traced(draw: Draw, laws: bool, effects: Sequence[Effect] = EFFECTS) -> dict[str, Any]:
-    """What the trace over ``effects`` says of ``draw``."""
+def traced(
+    draw: Draw, laws: bool, effects: Sequence[Effect] = EFFECTS, ports: tuple[str, ...] | None = None
+) -> dict[str, Any]:
+    """What the trace over ``effects`` at ``ports`` (None: all) says of ``draw``."""
     began, case = time.process_time(), machines.declared(draw)
-    context = Context(
-        oracle.split_of(case, machines.records_of(draw)), tuple(effects), laws=laws, revise=True
-    )
+    split = oracle.split_of(case, machines.records_of(draw))
+    context = Context(split, tuple(effects), ports=ports, laws=laws, revise=True)
     found = conclude(case.model(), context)
     last = _refitted(found, context)
     return {

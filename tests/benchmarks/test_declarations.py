@@ -64,7 +64,7 @@ def test_laws_take_their_shares():
 
 
 def test_a_spring_that_is_not_there_ends_at_zero():
-    answer = traced(SPRING, laws=False, effects=())
+    answer = traced(SPRING, laws=False, effects=(), ports=())
     assert answer["idle"] == ["servo.linear_stiffness"]
     assert answer["classes"] == answer["replaced"] == []
     assert consult(SPRING) is None
