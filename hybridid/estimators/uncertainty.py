@@ -35,7 +35,7 @@ from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
 from hybridid.simulation.windows import PART, in_parts
 
-__all__ = ["Uncertainty", "autoregression", "jacobian_of", "uncertainty"]
+__all__ = ["Uncertainty", "autoregression", "jacobian_of", "orthogonal", "uncertainty"]
 
 Array = NDArray[np.float64]
 BLIND = 1e-3
@@ -91,7 +91,7 @@ def uncertainty(
     jacobian *= scale
     if not small(states, jacobian):
         return _none(len(scale), len(problem.scale))
-    q, spread, condition = _orthogonal(jacobian.reshape(-1, len(scale)))
+    q, spread, condition = orthogonal(jacobian.reshape(-1, len(scale)))
     residual = problem.residuals(shot) if residual is None else residual
     windows = problem.windows
     fitted = Absorbed(residual, windows.used, windows.cells, states, q.reshape(shape))
@@ -173,7 +173,7 @@ def _projected(problem: Problem, shot: Shot) -> tuple[Array, Array]:
     return basis.reshape(jx.shape), rest.reshape(jp.shape)
 
 
-def _orthogonal(jacobian: Array) -> tuple[Array, Array, float]:
+def orthogonal(jacobian: Array) -> tuple[Array, Array, float]:
     """``J = Q R``: Q (N, n), R^-1 (n, n) and the condition number of the column-scaled R.
 
     Working with R rather than J'J keeps the standard errors of nearly collinear

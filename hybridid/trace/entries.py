@@ -246,11 +246,13 @@ class LearnedGain:
 
 @dataclass(frozen=True)
 class Floor:
-    """The noise level ``value`` (standard deviation) of an output's sensor; RMS error of the simulation."""
+    """What a complete model would leave of an output: the noise level ``value`` (standard deviation) of its
+    sensor, the RMS error of the simulation, and that of the parameters, which the noise has moved."""
 
     value: float
     unit: str
     simulation: float = 0.0
+    parameters: float = 0.0
 
 
 @dataclass(frozen=True)

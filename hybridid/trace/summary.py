@@ -35,6 +35,7 @@ from hybridid.trace.robustness import Survival
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial
+from hybridid.trace.verdict import Conclusion
 
 
 def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: float) -> Trace:
@@ -49,9 +50,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         rejected=rejected_effects(found.search),
         before=(*first.rows, *(networks[0].rows if networks else ())),
         after=(*last.rows, *(networks[-1].rows if networks else ())),
-        noise_floor={
-            y.name: Floor(found.floor[y.name], y.unit, found.simulation[y.name]) for y in found.model.outputs
-        },
+        noise_floor=_floors(found),
         seconds=seconds,
         declared=tuple(term.name for term in first.model.terms),
         effects=tuple(term.name for term in found.model.terms),
@@ -73,6 +72,13 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         replacements=tuple(map(_replaced, found.replacements)),
         evidence=evidence,
     )
+
+
+def _floors(found: Conclusion) -> dict[str, Floor]:
+    """What a complete model would leave of each output."""
+    known = found.accuracy
+    by_output = zip(found.model.outputs, known.noise, known.simulation, known.parameters, strict=True)
+    return {y.name: Floor(float(n), y.unit, float(s), float(p)) for y, n, s, p in by_output}
 
 
 def _replaced(one: Replacement) -> ReplacedEffect:

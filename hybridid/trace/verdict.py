@@ -18,7 +18,7 @@ from hybridid.effects.composed import is_composed
 from hybridid.estimators.start import regression_start
 from hybridid.model import Model
 from hybridid.simulation.chosen import AUTO
-from hybridid.trace.accuracy import simulation_error, times_the_limit
+from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.constancy import fitted_to_held_out
 from hybridid.trace.context import Context
@@ -52,11 +52,10 @@ Verdict = Literal["effect_found", "ambiguous", "law_proposed", "nothing_missing"
 class Conclusion:
     """What the search found, by which path, and what remains.
 
-    ``floor`` is the noise level of each output, in its unit. ``ceilings`` hold the held-out gain that a
-    learned effort could still bring to the last model, by port and variable; ``ceilings_before`` to the
-    declared one (empty where it was not needed: fewer than two effects). ``remains`` names where structure
-    is left that no effect of the library explains. ``simulation`` is the error of the simulation of the last
-    model, as ``floor``; ``times`` the held-out error over what noise and simulation alone leave.
+    ``accuracy`` is what a complete model would leave of each output, and ``times`` the held-out error of the
+    last model over that. ``ceilings`` hold the held-out gain that a learned effort could still bring to the
+    last model, by port and variable; ``ceilings_before`` to the declared one (empty where it was not needed:
+    fewer than two effects). ``remains`` names where structure is left that no effect of the library explains.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
     ``replacements`` do better in the place of a declared effect, where that was asked. ``there`` is the last
     model, fitted to the held-out horizons alone, if effects were accepted.
@@ -64,11 +63,10 @@ class Conclusion:
 
     verdict: Verdict
     search: Search
-    floor: Mapping[str, float]
+    accuracy: Accuracy
     ceilings: Ceilings
     ceilings_before: Ceilings
     remains: tuple[str, ...]
-    simulation: Mapping[str, float]
     times: float
     refused: str = ""
     replacements: tuple[Replacement, ...] = ()
@@ -108,15 +106,13 @@ def conclude(
         settled = _with_laws(settled, context)
     refused = _refused(settled, rules)
     revised = replacements(model, settled.found, context) if context.revise else ()
-    names = [s.name for s in model.outputs]
     return Conclusion(
         verdict=_verdict(settled, refused, rules),
         search=settled.found,
-        floor=dict(zip(names, context.noise.beside(settled.found.final.score).tolist(), strict=True)),
+        accuracy=settled.accuracy,
         ceilings=settled.left,
         ceilings_before=settled.before,
         remains=settled.remains,
-        simulation=dict(zip(names, settled.simulation.tolist(), strict=True)),
         times=settled.times,
         refused=refused,
         replacements=revised,
@@ -131,7 +127,7 @@ class _Settled:
     found: Search
     left: Ceilings
     before: Ceilings
-    simulation: Array
+    accuracy: Accuracy
     times: float
     remains: tuple[str, ...]
 
@@ -197,7 +193,7 @@ def _may_be_outdone(settled: _Settled) -> bool:
 def _settled(found: Search, context: Context) -> _Settled:
     """``found`` with its classes looked at again, and without what stands in for something else."""
     found, left, before = _trusted(_with_sound_classes(found, context), context)
-    simulation, times = _error_left(found.final, context)
+    accuracy, times = _error_left(found.final, context)
     kept = unless_minor(found, times, context.rules)
     if kept is found:
         kept = unless_moved(found, context)
@@ -205,8 +201,8 @@ def _settled(found: Search, context: Context) -> _Settled:
         kept = unless_varying(found, context)
     if kept is not found:
         found, left = kept, _beside_last(kept, before, context)
-        simulation, times = _error_left(found.final, context)
-    return _Settled(found, left, before, simulation, times, _remaining(found, left, context))
+        accuracy, times = _error_left(found.final, context)
+    return _Settled(found, left, before, accuracy, times, _remaining(found, left, context))
 
 
 def _with_sound_classes(found: Search, context: Context) -> Search:
@@ -260,10 +256,10 @@ def _learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     return next(known, ()) or ceilings(model, context)
 
 
-def _error_left(final: Refit, context: Context) -> tuple[Array, float]:
-    """The error (n_y,) of the simulation of ``final``; the error left over what it and the noise leave."""
-    simulation = simulation_error(final, context)
-    return simulation, times_the_limit(final.score.rmse, context.noise.beside(final.score), simulation)
+def _error_left(final: Refit, context: Context) -> tuple[Accuracy, float]:
+    """What a complete model would leave in the place of ``final``, and the error of ``final`` over that."""
+    accuracy = Accuracy.of(final, context)
+    return accuracy, accuracy.times(final.score.rmse)
 
 
 def _telling(found: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:

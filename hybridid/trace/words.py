@@ -20,6 +20,8 @@ VERDICTS = {
     "undecided": "undecided",
     "unexplained": "unexplained",
 }
+WORTH_TELLING = 3.0
+"""The error of the parameters is told from the sensor's noise over this: it then counts by more than 5 %."""
 
 
 def sentence(found: Trace) -> str:
@@ -253,8 +255,11 @@ def error_left(found: Trace) -> str:
     each = []
     for name, one in found.noise_floor.items():
         rmse = quantity(found.path[-1].held_out_rmse[name], one.unit, 3)
-        noise, error = (quantity(value, one.unit, 2) for value in (one.value, one.simulation))
-        each.append(f"{rmse} of {name} (noise of the sensor {noise}, error of the simulation {error})")
+        parts = {"noise of the sensor": one.value, "error of the simulation": one.simulation}
+        if one.parameters > one.value / WORTH_TELLING:
+            parts["error of the parameters that the noise has moved"] = one.parameters
+        told = ", ".join(f"{what} {quantity(value, one.unit, 2)}" for what, value in parts.items())
+        each.append(f"{rmse} of {name} ({told})")
     return f"The error left is {listed(each)}: {_times(found)} what noise and simulation alone leave."
 
 

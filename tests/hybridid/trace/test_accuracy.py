@@ -8,15 +8,41 @@ import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
-from hybridid.trace.accuracy import simulation_error, times_the_limit
+from hybridid.trace.accuracy import Accuracy, parameter_error, simulation_error
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
+from hybridid.trace.split import by_record
 from hybridid.trace.verdict import conclude
 
 
-def test_times_the_limit_takes_the_worst_output():
-    rmse, noise, simulation = np.array([5.0, 30.0]), np.array([3.0, 2.0]), np.array([4.0, 0.0])
-    assert times_the_limit(rmse, noise, simulation) == pytest.approx(15.0)
+SEEDS, LARGER = 16, 20.0
+NOISE = 1e-4  # m
+
+
+def test_the_worst_output_counts():
+    noise, parameters, simulation = np.array([3.0, 2.0]), np.array([0.0, 0.0]), np.array([4.0, 0.0])
+    assert Accuracy(noise, parameters, simulation).times(np.array([5.0, 30.0])) == pytest.approx(15.0)
+
+
+def test_the_noise_in_the_parameters_errs_more_in_a_larger_motion(make_model, carriage_like, noise):
+    """A carriage without Coulomb friction, fitted with a noise anew each time, judged without noise where it
+    moves twenty times as far: the error there is as predicted, and more than the noise."""
+
+    class Larger(carriage_like):
+        def force(self, time):
+            return LARGER * super().force(time)
+
+    plain = {"f_c": 0.0, "offset": 0.0}
+    held_out = Larger(**plain).record(400, name="larger")
+    level, told, found = np.array([NOISE]), [], []
+    for seed in range(SEEDS):
+        fitted = carriage_like(**plain).record(400, noise=noise(400, NOISE, seed=seed))
+        split = by_record([fitted], [held_out], 50)
+        base = refit(make_model(("viscous",)), split)
+        told.append(parameter_error(base, level, Context(split)).item())
+        found.append(base.score.rmse.item())
+    assert np.sqrt(np.mean(np.square(found))) == pytest.approx(np.mean(told), rel=0.3)
+    assert np.mean(told) > NOISE
 
 
 @pytest.mark.parametrize("wider", [1.0, 4.0])
