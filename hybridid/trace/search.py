@@ -20,6 +20,7 @@ from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, 
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough
+from hybridid.trace.together import meets_noise_together
 from hybridid.trace.trial import (
     PASSED,
     REJECTED,
@@ -31,6 +32,7 @@ from hybridid.trace.trial import (
 )
 
 AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
+AT_FLOOR_TOGETHER = "fitted to all horizons together, the model leaves no more than the sensors' noise"
 Otherwise = dict[Numerics, Refit | None]
 """A model's refits under other numerics."""
 
@@ -100,6 +102,11 @@ class Search:
         return self.steps[0].base if self.steps else self.final
 
     @property
+    def at_noise(self) -> bool:
+        """Whether it ended at the sensors' noise."""
+        return self.stopped in (AT_FLOOR, AT_FLOOR_TOGETHER)
+
+    @property
     def before_any(self) -> Search:
         """The search as if its first step had accepted nothing."""
         first = replace(self.steps[0], accepted=None, together=None, dropped=())
@@ -126,10 +133,7 @@ def continued(found: Search, context: Context) -> Search:
     steps, accepted = list(found.steps), list(found.accepted)
     while True:
         base = sharp_enough(base, context)
-        if context.meets_noise(base.score):
-            return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=AT_FLOOR)
-        if len(accepted) >= rules.most_effects:
-            stopped = f"{rules.most_effects} effects accepted, the most allowed"
+        if stopped := _nothing_to_seek(base, accepted, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
@@ -146,6 +150,16 @@ def continued(found: Search, context: Context) -> Search:
             step.accepted.trial.refit, [*accepted, step.accepted], context
         )
         steps.append(replace(step, dropped=dropped))
+
+
+def _nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context) -> str:
+    """Why no effect is sought beside ``base``; empty if one is."""
+    if context.meets_noise(base.score):
+        return AT_FLOOR
+    if meets_noise_together(base, context):
+        return AT_FLOOR_TOGETHER
+    most = context.rules.most_effects
+    return f"{most} effects accepted, the most allowed" if len(accepted) >= most else ""
 
 
 def _step(base: Refit, context: Context, number: int) -> Step:

@@ -46,7 +46,7 @@ from hybridid.trace.law_curve import is_curve_over
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import AT_FLOOR, Accepted, Search, Step
+from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import Split
 from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE, related
 from hybridid.trace.varying import not_constant
@@ -172,7 +172,7 @@ def unless_varying(found: Search, context: Context) -> Search:
 
     See ``hybridid.trace.varying``. Where the search ended at the noise, nothing is left to explain.
     """
-    if not found.accepted or found.stopped == AT_FLOOR:
+    if not found.accepted or found.at_noise:
         return found
     accused = not_constant(found.final, [one.name for one in found.accepted], context)
     if accused is None:
@@ -188,7 +188,7 @@ def unless_moved(found: Search, context: Context) -> Search:
 
     See ``hybridid.trace.constancy``. Where the search ended at the noise, nothing is left to explain.
     """
-    if not found.accepted or found.stopped == AT_FLOOR:
+    if not found.accepted or found.at_noise:
         return found
     (there,) = fitted_to_held_out([found.final], context)
     kept = {one.name for one in found.accepted}

@@ -30,7 +30,7 @@ from hybridid.trace.refit import Refit
 from hybridid.trace.revision import Replacement, replacements
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, continued, search
+from hybridid.trace.search import AT_FLOOR_TOGETHER, Accepted, Search, continued, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import (
     unless_minor,
@@ -251,7 +251,13 @@ def _beside_last(found: Search, before: Ceilings, context: Context) -> Ceilings:
 
 
 def _learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
-    """The learned efforts beside ``model``, those of a step of ``found`` if it was held against them."""
+    """The learned efforts beside ``model``, those of a step of ``found`` if it was held against them.
+
+    None where the last model meets the noise on all horizons together: only its parameters are uncertain, and
+    a learned effort could take what they err by.
+    """
+    if model is found.final and found.stopped == AT_FLOOR_TOGETHER:
+        return ()
     known = (step.learned for step in found.steps if step.base is model and step.learned)
     return next(known, ()) or ceilings(model, context)
 

@@ -202,6 +202,8 @@ def structure_in_words(found: Trace) -> str:
             "not keep that gain when the equations are solved another way (epsilon, step, integrator): no "
             "evidence that the machine lacks something."
         )
+    if not found.ceilings.after:
+        return f"No {learned(found)} was tried."
     return f"No {learned(found)} takes {worth} or more from the held-out error."
 
 

@@ -15,6 +15,7 @@ from hybridid.trace.split import Split, by_record
 Array = NDArray[np.float64]
 HORIZON = 50  # samples, 0.25 s
 NOISE = 2e-6  # m
+LOUD = 1e-4  # m
 
 
 @pytest.fixture(scope="session")
@@ -44,6 +45,24 @@ def split_of(two_records) -> Callable[..., Split]:
 
     def make(**given: float) -> Split:
         first, second = two_records(**given)
+        return by_record([first], [second], HORIZON)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def larger_than_fitted(carriage_like, noise) -> Callable[..., Split]:
+    """``larger_than_fitted(seed, df_v=60)``: fitted on a noisy run of a carriage without Coulomb friction,
+    judged on one that moves twenty times as far, with a noise of ``judged`` m."""
+
+    class Larger(carriage_like):
+        def force(self, time: Array) -> Array:
+            return 20.0 * super().force(time)
+
+    def make(seed: int = 0, judged: float = 0.0, **truth: float) -> Split:
+        given = {"f_c": 0.0, "offset": 0.0, **truth}
+        first = carriage_like(**given).record(400, noise=noise(400, LOUD, seed=seed), name="first")
+        second = Larger(**given).record(400, noise=noise(400, judged, seed=99), name="larger")
         return by_record([first], [second], HORIZON)
 
     return make

@@ -11,11 +11,10 @@ from hybridid.effects.library import effect_named
 from hybridid.trace.accuracy import Accuracy, parameter_error, simulation_error
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
-from hybridid.trace.split import by_record
 from hybridid.trace.verdict import conclude
 
-SEEDS, LARGER = 16, 20.0
-NOISE = 1e-4  # m
+SEEDS = 16
+LOUD = 1e-4  # m, as in larger_than_fitted
 
 
 def test_the_worst_output_counts():
@@ -23,25 +22,16 @@ def test_the_worst_output_counts():
     assert Accuracy(noise, parameters, simulation).times(np.array([5.0, 30.0])) == pytest.approx(15.0)
 
 
-def test_the_noise_in_the_parameters_errs_more_in_a_larger_motion(make_model, carriage_like, noise):
-    """A carriage without Coulomb friction, fitted with a noise anew each time, judged without noise where it
-    moves twenty times as far: the error there is as predicted, and more than the noise."""
-
-    class Larger(carriage_like):
-        def force(self, time):
-            return LARGER * super().force(time)
-
-    plain = {"f_c": 0.0, "offset": 0.0}
-    held_out = Larger(**plain).record(400, name="larger")
-    level, told, found = np.array([NOISE]), [], []
+def test_the_noise_in_the_parameters_errs_more_in_a_larger_motion(make_model, larger_than_fitted):
+    """Fitted with a noise anew each time: the error on a larger motion without noise is as predicted."""
+    told, found = [], []
     for seed in range(SEEDS):
-        fitted = carriage_like(**plain).record(400, noise=noise(400, NOISE, seed=seed))
-        split = by_record([fitted], [held_out], 50)
+        split = larger_than_fitted(seed)
         base = refit(make_model(("viscous",)), split)
-        told.append(parameter_error(base, level, Context(split)).item())
+        told.append(parameter_error(base, np.array([LOUD]), Context(split)).item())
         found.append(base.score.rmse.item())
     assert np.sqrt(np.mean(np.square(found))) == pytest.approx(np.mean(told), rel=0.3)
-    assert np.mean(told) > NOISE
+    assert np.mean(told) > LOUD
 
 
 @pytest.mark.parametrize("wider", [1.0, 4.0])

@@ -72,7 +72,7 @@ def test_its_gain_survives_every_variation(worn, split_of):
 def test_the_search_ends_at_the_noise(worn):
     assert worn.search.stopped == "the residual meets the noise floor"
     assert worn.search.final.score.rmse == pytest.approx(2e-6, rel=0.1)
-    assert worn.floor["position"] == pytest.approx(2e-6, rel=0.2)
+    assert worn.accuracy.noise.item() == pytest.approx(2e-6, rel=0.2)
     assert worn.remains == ()
 
 
