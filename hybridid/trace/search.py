@@ -129,7 +129,7 @@ def search(
 
 def continued(found: Search, context: Context) -> Search:
     """Add effects to the last model of ``found``, as ``search`` does."""
-    rules, base = context.rules, found.final
+    base = found.final
     steps, accepted = list(found.steps), list(found.accepted)
     while True:
         base = sharp_enough(base, context)

@@ -5,9 +5,9 @@ is the same error in all of them. Where the held-out motion is much larger, it e
 horizons are not independent evidence of it: an effect that happens to bend the parameters nearer to the truth
 lowers the error in most of them.
 
-So where a model meets the noise on the horizons it is fitted to, and not on the held-out ones, it is fitted to
-all of them. If it then meets the noise on both, one set of parameters explains every horizon, and nothing is
-missing in either. A few parameters cannot hide an effect so among thousands of samples.
+So where a model meets the noise on the horizons it is fitted to, and not on the held-out ones, it is fitted
+to all of them. If it then meets the noise on both, one set of parameters explains every horizon, and nothing
+is missing in either. A few parameters cannot hide an effect among thousands of samples.
 
 Source: Chow (1960), Econometrica 28(3), 591-605: whether two samples obey one regression is judged by what
 one fit to both leaves.
