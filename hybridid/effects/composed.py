@@ -154,7 +154,8 @@ def composed(
     """
     law, given = ComposedLaw(over, shape.name, level), starts or {}
     amplitude = over.amplitude.times(over.dimension, -shape.power)
-    own = [_further(key, over.dimension, role, given) for key, role in shape.roles.items()]
+    fine = shape.finer(over)
+    own = [_further(key, over.dimension, role, given, fine) for key, role in shape.roles.items()]
     if level is not None:
         y = level.over.dimension
         amplitude = amplitude.times(y, -level.shape.power)
@@ -252,8 +253,14 @@ _MEANINGS: Mapping[Role, str] = {
 }
 
 
-def _further(name: str, x: Dimension, role: Role, given: Mapping[str, Bounded]) -> EffectParameter:
-    """A shape parameter over a variable of dimension ``x``."""
+_SOUGHT: Mapping[Role, Literal["period", "place"]] = {"period": "period", "place": "place"}
+
+
+def _further(
+    name: str, x: Dimension, role: Role, given: Mapping[str, Bounded], fine: bool = False
+) -> EffectParameter:
+    """A shape parameter over a variable of dimension ``x``. The period or place of a ``fine`` shape is sought
+    in the record: no learned effort shows where to start."""
     if role == "share":
         return _with_bounds(name, ONE, _MEANINGS[role], given, unbounded=True)
     return _with_bounds(
@@ -262,7 +269,7 @@ def _further(name: str, x: Dimension, role: Role, given: Mapping[str, Bounded]) 
         _MEANINGS[role],
         given,
         unbounded=role == "place",
-        sought="period" if role == "period" else "",
+        sought=_SOUGHT.get(role, "") if fine else "",
     )
 
 
@@ -272,7 +279,7 @@ def _with_bounds(
     meaning: str,
     given: Mapping[str, Bounded],
     unbounded: bool = False,
-    sought: Literal["", "period"] = "",
+    sought: Literal["", "period", "place"] = "",
 ) -> EffectParameter:
     """A parameter that is no amplitude: within the bounds that are given, else any if it may be zero, or
     any positive one."""

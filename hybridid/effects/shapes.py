@@ -62,10 +62,11 @@ class Shape:
     suits: tuple[Variable, ...]
     amplitudes: tuple[str, ...] = ("k",)
 
-    @property
-    def fine(self) -> bool:
-        """Whether it may change faster over x than any learned effort can."""
-        return "period" in self.roles.values()
+    def finer(self, over: Over) -> bool:
+        """Whether it may change faster over ``over`` than any learned effort can: a period may be short; and
+        a contact may press so hard that the machine hardly goes beyond the place where it begins."""
+        contact = self.name in CONTACTS and over.variable in PLACES and not over.factor
+        return contact or "period" in self.roles.values()
 
     def values(self, x: Array, point: Mapping[str, float]) -> Array:
         """The shape at ``x`` (n,), its parameters as ``point`` has them."""
@@ -78,6 +79,8 @@ class Shape:
         return shape_named, (self.name,)
 
 
+CONTACTS = ("above", "below", "beyond_gap")
+"""Shapes that are zero up to a place, and rise from there: the force of a contact, over the position."""
 PLACES: tuple[Variable, ...] = ("position", "level")
 SPEEDS: tuple[Variable, ...] = ("velocity", RECENT)
 EFFORTS: tuple[Variable, ...] = ("load", "input")

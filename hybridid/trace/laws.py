@@ -9,7 +9,7 @@ every shape over every variable that the ports have, tried or not.
 The variables are taken in the order of what a law of each could take (``Ceiling.most``). One is left out if
 that is nothing, or less than ``1 - Rules.stands_in`` of what the best law takes already: no law of that
 variable can take more, up to the resolution of the learned effort's grid. A sine of short period is finer
-than the grid, and is tried all the same.
+than the grid, and so is a contact that the machine hardly presses in: these are tried all the same.
 
 Where the best law does not reach the noise, its amplitude may depend on another variable: such laws are tried
 as well, beside the same model (``hybridid.trace.law_levels``).
@@ -18,9 +18,9 @@ Of laws that the held-out horizons cannot tell apart, the one with the fewest pa
 others are told beside it. Effects that the law has made needless are removed again.
 
 An effect may resemble an unknown law, and others may mend what it leaves. So where effects were accepted,
-and a learned effort beside the declared model leaves less than all of them, laws are tried in their place as
-well. One that alone explains more, by more than ``Rules.tie`` and significantly, takes their place: as
-``hybridid.trace.pairs`` does it with pairs.
+laws are tried in their place as well: those of every variable where a learned effort beside the declared
+model leaves less than all of them, else those that may be finer than it. One that alone explains more, by
+more than ``Rules.tie`` and significantly, takes their place: as ``hybridid.trace.pairs`` does it with pairs.
 """
 
 from __future__ import annotations
@@ -47,11 +47,14 @@ from hybridid.trace.split import Split
 from hybridid.trace.trial import Trial, attempt, judge
 
 
-def with_law(found: Search, left: Sequence[Ceiling], context: Context) -> Search:
+def with_law(
+    found: Search, left: Sequence[Ceiling], context: Context, rival: Refit | None = None, finer: bool = False
+) -> Search:
     """``found`` with the law that explains best what the learned efforts ``left`` still find; itself if none
-    passes."""
+    passes. Refits end early that do not beat the ``rival``, if there is one; with ``finer`` only laws are
+    tried that may be finer than a learned effort."""
     base, rules = found.final, context.rules
-    laws = _tried(base, left, context)
+    laws = _tried(base, left, context, rival, finer)
     if not laws:
         return found
     levelled, more = with_levels(base, laws, left, context)
@@ -85,7 +88,9 @@ def _drawn(
     return law_over_learned(base, law.refit, explained, split)
 
 
-def _tried(base: Refit, left: Sequence[Ceiling], context: Context) -> list[Trial]:
+def _tried(
+    base: Refit, left: Sequence[Ceiling], context: Context, rival: Refit | None, finer: bool
+) -> list[Trial]:
     """The refits of the laws over the variables of ``left``, in the order of what these take.
 
     A variable that is left out stays so, as the best law can only take more. So neighbours that are left out
@@ -94,14 +99,15 @@ def _tried(base: Refit, left: Sequence[Ceiling], context: Context) -> list[Trial
     rules, trials = context.rules, list[Trial]()
     waiting = sorted((c for c in left if not c.failure), key=lambda c: -c.most(base, rules))
     while waiting:
-        excluded = _left_out(waiting, base, max((t.taken for t in trials), default=0.0), rules)
+        most = max((t.taken for t in trials), default=0.0)
+        excluded = waiting if finer else _left_out(waiting, base, most, rules)
         now = excluded or waiting[:1]
         waiting = waiting[len(now) :]
         given = [
-            (learned, shape, base, context.split, rules.worth)
+            (learned, shape, base, context.split, rules.worth, rival)
             for learned in now
             for shape in shapes_over(learned.over.variable)
-            if shape.fine or not excluded
+            if shape.finer(learned.over) or not excluded
         ]
         more = f" and {counted(len(now) - 1, 'other place')}" if len(now) > 1 else ""
         trials += context.each(f"laws at {now[0].place}{more}", try_law, given, lambda t: t.candidate.name)
@@ -122,14 +128,14 @@ def _left_out(waiting: Sequence[Ceiling], base: Refit, most: float, rules: Rules
 
 def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> Search:
     """The law that alone explains more than all that ``found`` accepted, in its place; ``found`` itself if
-    there is none. ``before`` are the learned efforts beside the declared model."""
+    there is none. ``before`` are the learned efforts beside the declared model: where each of them explains
+    less, only laws are tried that may be finer."""
     rules = context.rules
     names = listed([one.name for one in found.accepted])
     enough = (1 - rules.tie) * found.final.score.loss
-    if all(one.refit.score.loss > enough for one in before):
-        return found
+    finer = all(one.refit.score.loss > enough for one in before)
     context.say(f"laws in place of {names}")
-    lawful = with_law(found.before_any, before, context)
+    lawful = with_law(found.before_any, before, context, found.final, finer)
     better = compare(found.final.score, lawful.final.score)
     family = family_of(before) + products_over(before, context)
     if better.gain < rules.tie or family * better.p_value > rules.alpha:
@@ -147,7 +153,15 @@ def _same_place(learned: Ceiling, trial: Trial) -> bool:
     return trial.candidate.port == learned.port and isinstance(law, ComposedLaw) and law.over == learned.over
 
 
-def try_law(learned: Ceiling, shape: Shape, base: Refit, split: Split, worth: float = Rules.worth) -> Trial:
-    """Refit ``base`` with ``shape`` over the variable of a learned effort, in whose likeness it starts."""
+def try_law(
+    learned: Ceiling,
+    shape: Shape,
+    base: Refit,
+    split: Split,
+    worth: float = Rules.worth,
+    rival: Refit | None = None,
+) -> Trial:
+    """Refit ``base`` with ``shape`` over the variable of a learned effort, in whose likeness it starts; see
+    ``attempt`` for ``worth`` and ``rival``."""
     effect = composed(learned.over, shape, learned.kind, law_starts(learned, shape, base, split))
-    return attempt(Candidate(effect, learned.port), base, split, worth)
+    return attempt(Candidate(effect, learned.port), base, split, worth, rival)

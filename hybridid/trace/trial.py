@@ -66,26 +66,34 @@ class Trial:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start may diverge
-def attempt(candidate: Candidate, base: Refit, split: Split, worth: float = Rules.worth) -> Trial:
+def attempt(
+    candidate: Candidate,
+    base: Refit,
+    split: Split,
+    worth: float = Rules.worth,
+    rival: Refit | None = None,
+) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons.
 
     A refit that promises little ends early: less than ``LEAST_DECREASE``, and than half of ``worth``, of the
-    fitted cost and of the held-out RMSE. One that takes so little of the latter has no standard errors.
+    fitted cost and of the held-out RMSE of ``base``, or of a ``rival`` that it is to replace. One that takes
+    so little of the RMSE of ``base`` has no standard errors.
 
     What is too stiff for the integrator of ``base`` is tried again with the implicit one: the starts that it
     could not solve, or all if the end is too stiff. That trial counts if it explains more: else everything
     that follows would be solved the slow way for nothing.
     """
     began = time.perf_counter()
-    trial = _solved(candidate, base, split, least_of(worth))
+    trial = _solved(candidate, base, split, least_of(worth), rival)
     return replace(trial, seconds=time.perf_counter() - began)
 
 
-def _solved(candidate: Candidate, base: Refit, split: Split, least: float) -> Trial:
+def _solved(candidate: Candidate, base: Refit, split: Split, least: float, rival: Refit | None) -> Trial:
     """The trial by the integrator of ``base``, or by the implicit one where that is needed and better."""
 
     def solve(numerics: Numerics, to_beat: Refit, chosen: Sequence[int] | None) -> Trial:
-        return _attempt(candidate, base, split, numerics, to_beat, least, chosen)
+        lowest = min(filter(None, (to_beat, rival)), key=lambda one: one.cost)
+        return _attempt(candidate, base, split, numerics, lowest, least, chosen)
 
     return by_either_integrator(solve, base)
 
@@ -143,6 +151,10 @@ def _decided(trial: Trial, rules: Rules) -> Trial:
             trial,
             status=REJECTED,
             reason=f"held-out RMSE changes by {-gain:+.1%}; {rules.worth:.0%} less is asked" + ended,
+        )
+    if ended:
+        return replace(
+            trial, status=REJECTED, reason="it promised less than what it was to replace, and ended early"
         )
     if p > rules.alpha:
         return replace(

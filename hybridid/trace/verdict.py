@@ -173,7 +173,7 @@ def _with_laws(settled: _Settled, context: Context) -> _Settled:
         if lawful is not settled.found:
             settled = _settled(continued(lawful, context), context)
     found = settled.found
-    if not _may_be_outdone(settled):
+    if not _may_be_outdone(settled, context.rules):
         return settled
     lawful = law_in_place(found, settled.before or _learned_beside(found.first, found, context), context)
     if lawful is found:
@@ -182,12 +182,12 @@ def _with_laws(settled: _Settled, context: Context) -> _Settled:
     return other if other.found.accepted else settled
 
 
-def _may_be_outdone(settled: _Settled) -> bool:
-    """Whether names were accepted for which one law may stand: several, or one beside which structure
-    remains."""
+def _may_be_outdone(settled: _Settled, rules: Rules) -> bool:
+    """Whether names were accepted for which one law may stand: several, or one beside which something is
+    left."""
     accepted = settled.found.accepted
     names = [one for one in accepted if not is_composed(one.trial.candidate.effect)]
-    return bool(names) and (len(accepted) > 1 or bool(settled.remains))
+    return bool(names) and (len(accepted) > 1 or _is_left(settled, rules))
 
 
 def _settled(found: Search, context: Context) -> _Settled:
