@@ -39,6 +39,26 @@ class Split:
         """The same horizons: what was held out is fitted, and what was fitted is held out."""
         return replace(self, fitted=self.held_out, held_out=self.fitted)
 
+    def shorter(self, samples: int) -> Split:
+        """The same records in horizons of ``samples``: fitted and held out are those within one that was."""
+        before, now = (cut(self.records, length, 1).origin for length in (self.horizon, samples))
+
+        def within(chosen: Sequence[int]) -> tuple[int, ...]:
+            stretches = [before[k] for k in chosen]
+            return tuple(
+                number
+                for number, (record, start, stop) in enumerate(now)
+                if any(r == record and a <= start and stop <= b - self.gap for r, a, b in stretches)
+            )
+
+        return replace(
+            self,
+            horizon=samples,
+            fitted=within(self.fitted),
+            held_out=within(self.held_out),
+            gap=0,
+        )
+
     def __post_init__(self) -> None:
         if min(len(self.fitted), len(self.held_out)) < FEWEST:
             raise ValueError(

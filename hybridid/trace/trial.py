@@ -16,8 +16,9 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
-from hybridid.trace.refit import Refit, least_of, refit_beside
+from hybridid.trace.refit import FAILURES, LEAST_DECREASE, Refit, least_of, refit, refit_beside
 from hybridid.trace.rules import Rules
+from hybridid.trace.shorter import from_shorter, same_valley
 from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
@@ -115,6 +116,7 @@ def _attempt(
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
         starts = [{**starts[k], **known} for k in (range(len(starts)) if chosen is None else chosen)]
         found = refit_beside(base, model, split, starts, numerics, to_beat, least)
+        found = _unless_better_from_shorter(found, candidate, base, split, least)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):
@@ -122,6 +124,24 @@ def _attempt(
     evidence = compare(base.score, found.score)
     fitted_gain = max(0.0, 1.0 - found.cost / base.cost) if base.cost > 0 else 0.0
     return Trial(candidate, found, evidence, fitted_gain, not_shown=not_shown(candidate, found, split))
+
+
+def _unless_better_from_shorter(
+    found: Refit, candidate: Candidate, base: Refit, split: Split, least: float
+) -> Refit:
+    """``found``, or the refit from where shorter horizons end, if that explains more. That start is fitted as
+    sharply as the model is declared, so it is not led there through wider smoothings."""
+    shorter = from_shorter(candidate, found.model, base, split)
+    if shorter is None or same_valley(candidate, shorter[0], found.values):
+        return found
+    start, begun = shorter
+    try:
+        again = refit(
+            found.model, split, [start], begun, found.numerics, std_up_to=(1 - least) * base.score.loss
+        )
+    except FAILURES:
+        return found
+    return again if again.cost < (1 - LEAST_DECREASE) * found.cost else found
 
 
 def judge(trials: Sequence[Trial], rules: Rules, family: int = 0) -> list[Trial]:
