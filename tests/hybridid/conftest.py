@@ -29,7 +29,7 @@ EPSILON = 3e-3
 class Carriage:
     """``M q'' = force - F`` from rest at ``centre``, ``F = (f_v -+ df_v/2 + damping_slope q) q' + (f_c +
     warming (temperature - 25 °C)) tanh(q'/epsilon) + drag q' |q'| + offset
-    + stiffness exp(-t / fade) (q - centre) + ripple sin(2 pi q / pitch)``."""
+    + stiffness exp(-t / fade) (q - centre) + ripple sin(2 pi q / pitch) + hardness max(q - wall, 0)``."""
 
     M: float = 95.0
     f_v: float = 203.0
@@ -43,6 +43,8 @@ class Carriage:
     centre: float = 0.0  # m, where it rests
     ripple: float = 0.0  # N, a force that is periodic in position
     pitch: float = 0.02  # m, its period
+    wall: float = math.inf  # m, where a stop begins
+    hardness: float = 0.0  # N/m, its stiffness
     epsilon: float = EPSILON
     warming: float = 0.0  # N/K: the Coulomb friction rises by it with the temperature
 
@@ -103,6 +105,7 @@ def _states(carriage: Carriage, n: int, dt: float) -> Array:
         stiffness = carriage.stiffness * math.exp(-(began + t) / carriage.fade)
         resist += stiffness * (x[0] - carriage.centre)
         resist += carriage.ripple * math.sin(2 * math.pi * x[0] / carriage.pitch)
+        resist += carriage.hardness * max(x[0] - carriage.wall, 0.0) if carriage.hardness else 0.0
         return [x[1], (u - resist) / carriage.M]
 
     for k in range(n - 1):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,8 @@ from hybridid.trace.law_starts import law_starts
 from hybridid.trace.laws import law_in_place, with_law
 from hybridid.trace.refit import refit
 from hybridid.trace.search import Accepted, Search, Step
-from hybridid.trace.trial import Trial
+from hybridid.trace.split import by_blocks
+from hybridid.trace.trial import Trial, attempt
 from hybridid.trace.verdict import conclude
 
 DF_V = 80.0
@@ -87,6 +90,34 @@ def test_a_sine_finer_than_any_learned_effort_is_found(make_model, split_of):
     values = one.trial.own("values")
     assert np.hypot(values["k_s"], values["k_c"]) == pytest.approx(4.0, rel=0.05)
     assert abs(values["T"]) == pytest.approx(0.009, rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def stopped(make_model, two_records):
+    """The symmetric model, fitted to a carriage that runs against a stop, and a learned effort over the
+    position that finds nothing, as if the stop were too hard for its grid."""
+    split = by_blocks(two_records(wall=0.02, hardness=2e4)[:1], 50)
+    base = refit(make_model(), split)
+    blind = replace(ceiling(base, split, "carriage", Over("position")), gain=0.0, p_value=1.0, refit=base)
+    return base, blind, Context(split, TRIED)
+
+
+def test_a_contact_is_tried_whatever_a_learned_effort_finds(stopped):
+    base, blind, context = stopped
+    (one,) = with_law(Search((), base, (), ""), [blind], context).accepted
+    assert one.name == "carriage.above_of_position"
+    assert one.trial.own("values") == pytest.approx({"k": 2e4, "c": 0.02}, rel=0.02)
+
+
+def test_in_the_place_of_names_that_do_better_than_any_learned_effort_finer_laws_are_tried(stopped):
+    base, blind, context = stopped
+    spring = attempt(Candidate(effect_named("cubic_stiffness"), "carriage"), base, context.split)
+    accepted = Accepted(spring, (spring,), ())
+    found = Search((Step(base, (spring,), accepted),), spring.refit, (accepted,), "")
+    lawful = law_in_place(found, [blind], context)
+    assert [one.name for one in lawful.accepted] == ["carriage.above_of_position"]
+    tried = {t.candidate.effect.law.name for t in lawful.steps[-1].trials}
+    assert tried == {"above", "below", "beyond_gap", "sine"}
 
 
 @pytest.fixture(scope="module")
