@@ -20,6 +20,11 @@ Where the effect is itself a curve over the learned variable, the learned effort
 else there is over that variable. It always replaces it. So it counts against the effect only if it takes
 more than the effect does: a share above ``1 - Rules.majority``.
 
+An effect that the records do not determine is refused as a name. Yet it may show that something else explains
+more: how well a model explains the records does not depend on how well they tell its parameters. So every
+such effect that still takes a significant share beside the last model is held against the accepted ones as a
+learned effort is, but for those to which it is declared to look alike.
+
 Several effects together may take so much of an unknown effort that a learned effort beside them finds little.
 So one learned effort is also put in place of them all. If it alone takes more from the squared error, by a
 share above ``Rules.stands_in``, they are withdrawn. A periodic effect that shows less than three periods is
@@ -68,6 +73,26 @@ def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Conte
     return found
 
 
+def unless_rivalled(found: Search, context: Context) -> Search:
+    """``found`` without the first effect in whose place an undetermined one explains more, and without those
+    after it."""
+    rules, split = context.rules, context.split
+    last = found.steps[-1] if found.steps else None
+    if last is None or last.base is not found.final:
+        return found
+    rivals = [t for t in last.trials if t.status == UNIDENTIFIABLE and not t.not_shown]
+    kept = {one.name for one in found.accepted}
+    for rival in sorted(rivals, key=lambda t: -t.gain):
+        both = rival.refit
+        assert both is not None
+        for number, step in enumerate(found.steps):
+            for one in (one for one in step.taken if one.name in kept and not related(one.trial, rival)):
+                share = rival.taken / (one.trial.taken + rival.taken)
+                if share > rules.stands_in and not _needed(found, one, both, split, rules):
+                    return _ended_at(found, number, f"{rival.candidate.name} in its place explains more")
+    return found
+
+
 def without_mixed_classes(found: Search) -> Search:
     """``found`` without the first effect whose class shares nothing physical, and without those after it.
 
@@ -108,7 +133,7 @@ def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tup
         for one in (one for one in step.taken if one.name in kept):
             share = takes / (one.trial.taken + takes)
             most = _most_beside(found.final, one, learned, split, rules) if share > rules.stands_in else 1.0
-            if share > most and not _needed(found, one, learned, split, rules):
+            if share > most and not _needed(found, one, learned.refit, split, rules):
                 it = one.name if len(step.taken) > 1 else "it"
                 return number, (
                     f"beside {it} {learned.described} still takes {share:.0%} of what both take "
@@ -199,9 +224,8 @@ def unless_moved(found: Search, context: Context) -> Search:
     return found
 
 
-def _needed(found: Search, one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> bool:
-    """Whether the effect takes its part beside the learned effort, or does more than it in its place."""
-    both = learned.refit
+def _needed(found: Search, one: Accepted, both: Refit, split: Split, rules: Rules) -> bool:
+    """Whether the effect takes its part beside another one, as in ``both``, or does more in its place."""
     alone = refit_if_possible(
         both.model.without(one.name), split, [values_without(both, one.name)], both, both.numerics
     )

@@ -36,6 +36,7 @@ from hybridid.trace.stand_in import (
     unless_minor,
     unless_moved,
     unless_outdone,
+    unless_rivalled,
     unless_varying,
     without_mixed_classes,
     without_stand_ins,
@@ -242,6 +243,8 @@ def _trusted(found: Search, context: Context) -> tuple[Search, Ceilings, Ceiling
         return kept, _beside_last(kept, before, context), before
     after = _learned_beside(found.final, found, context)
     kept = without_stand_ins(found, after, context)
+    if kept is found:
+        kept = unless_rivalled(found, context)
     return kept, (after if kept is found else _learned_beside(kept.final, kept, context)), before
 
 

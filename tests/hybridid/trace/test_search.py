@@ -13,6 +13,7 @@ from hybridid.effects.over import OVERS, OVERS_OF_A_FLOW, Over
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace import ceiling as ceiling_module
 from hybridid.trace import stand_in
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.learned_effort import learned_effort
@@ -20,7 +21,8 @@ from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import search
+from hybridid.trace.search import Accepted, Search, Step, search
+from hybridid.trace.trial import attempt
 from hybridid.trace.verdict import conclude
 
 DF_V = 80.0
@@ -219,6 +221,30 @@ def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
         assert refused.status == "rejected"
         assert refused.reason.startswith("stands in for something else")
         assert found.final is step.base
+
+
+@pytest.mark.parametrize(
+    ("accepted", "refused_as", "trusted"),
+    [
+        ("linear_stiffness", "unidentifiable", False),
+        ("linear_stiffness", "rejected", True),
+        ("asymmetric_coulomb", "unidentifiable", True),  # a look-alike of the rival
+    ],
+)
+def test_an_undetermined_effect_that_explains_more_withdraws_the_name(
+    worn, split_of, accepted, refused_as, trusted
+):
+    """As if another effect had been accepted, and the true one were not determined."""
+    context = Context(split_of(df_v=DF_V), TRIED)
+    base = worn.search.first
+    named = attempt(Candidate(effect_named(accepted), "carriage"), base, context.split)
+    true = attempt(Candidate(effect_named("asymmetric_viscous"), "carriage"), named.refit, context.split)
+    one = Accepted(named, (named,), ())
+    steps = (Step(base, (named,), one), Step(named.refit, (replace(true, status=refused_as),), None))
+    found = stand_in.unless_rivalled(Search(steps, named.refit, (one,), ""), context)
+    assert bool(found.accepted) is trusted
+    if not trusted:
+        assert "carriage.asymmetric_viscous in its place explains more" in found.withdrawn
 
 
 def test_a_class_that_shares_nothing_physical_is_no_finding(worn):
