@@ -10,7 +10,8 @@ The states are the terms of the denominator, ``ζ_k = d_k W^k w^(k)`` with ``Σ 
 magnitude of u for any window. For a constant u only ζ_0 is not zero.
 
 For 0 ≤ delay ≤ W the error is below 0.7 % of the amplitude up to 3 / W rad/s (48 Hz for 10 ms) and below
-9 % up to 5 / W. Choose W larger than the delay, at five to ten sampling times.
+9 % up to 5 / W. So W is best a little larger than the delay. A trace tries ``WINDOW``, its half and its
+quarter, and keeps the one that explains most.
 """
 
 from __future__ import annotations
@@ -69,8 +70,9 @@ INPUT_DELAY = Effect(
         EffectParameter(
             "window",
             TIME,
-            "largest delay, fixed: five to ten sampling times",
+            "largest delay, fixed: a little larger than the delay",
             guess=WINDOW,
+            starts=(WINDOW / 2, WINDOW / 4),
             lower=1e-9,
             fixed=True,
             absolute=True,
