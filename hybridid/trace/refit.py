@@ -60,7 +60,8 @@ class Refit:
     ``unsolved`` are the numbers of the starts that were left out as too stiff, or that diverged with a new
     inner state, whose stiffness no path of the poorer model shows. It is ``too_stiff`` if the end would need
     more steps than there is room for (``_room``). In either case the integrator may have decided, not the
-    records. It ``ended_early`` if no start was hopeful.
+    records. It ``ended_early`` if no start was hopeful. ``shorter`` is the fit over shorter horizons, if that
+    was made and differs (``hybridid.trace.shorter``).
     """
 
     model: Model
@@ -79,6 +80,7 @@ class Refit:
     unsolved: tuple[int, ...] = ()
     too_stiff: bool = False
     ended_early: bool = False
+    shorter: Refit | None = None
 
     def problem(self, split: Split) -> Problem:
         """Every horizon of ``split`` as the problem that was solved."""

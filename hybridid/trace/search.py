@@ -20,6 +20,7 @@ from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, 
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough
+from hybridid.trace.shorter import with_shorter
 from hybridid.trace.together import meets_noise_together
 from hybridid.trace.trial import (
     PASSED,
@@ -135,6 +136,7 @@ def continued(found: Search, context: Context) -> Search:
         base = sharp_enough(base, context)
         if stopped := _nothing_to_seek(base, accepted, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
+        base = context.one(with_shorter, base, context.split)
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:

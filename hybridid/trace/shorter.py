@@ -1,11 +1,11 @@
 """Where a refit starts if short horizons show it: a pitch or a place that long ones hide.
 
 Where a strong effect is missing, the simulated path soon leaves the measured one, and the fit of the poorer
-model bends every parameter to it. What is sought along that path (``hybridid.trace.sought``) is sought in the
-wrong places, and the cost over a long horizon has many local minima. Over horizons ``SHARE`` times as short,
-each of which begins where the record is, the path stays near the measured one. So the poorer model and the
-augmented one are fitted over such horizons first. Where that ends is one more start over the long ones, with
-the initial states that the record shows.
+model bends its parameters to that. What is sought along that path (``hybridid.trace.sought``) is sought in
+the wrong places, and the cost over a long horizon has many local minima. Over horizons ``SHARE`` times as
+short, each of which begins where the record is, the path stays near the measured one. So the poorer model is
+fitted over such horizons as well. If a parameter then differs, the augmented model is fitted over them, too,
+and where that ends is one more start over the long ones, with the initial states that the record shows.
 
 Source: Ribeiro, Tiels, Umenberger, Schön, Aguirre (2020), On the smoothness of nonlinear system
 identification, Automatica 121, 109158.
@@ -24,10 +24,31 @@ from hybridid.trace.split import Split
 
 SHARE, LEAST = 10, 8
 """By which share a horizon is divided, and the samples that it then has at least."""
+BENT, SURE = 0.1, 3.0
+"""A parameter differs by more than this share of its value, and by more than so many standard errors."""
 ALIKE = 0.02
 """Relative difference up to which two values of a pitch or a place are in one valley of the cost."""
 SOUGHT = ("period", "place")
 """What long horizons may hide."""
+
+
+def with_shorter(base: Refit, split: Split) -> Refit:
+    """``base`` with its fit over shorter horizons (``Refit.shorter``), if a parameter differs there; without
+    one where the horizons are too short to be divided, or the model cannot be simulated."""
+    samples = split.horizon // SHARE
+    if samples < LEAST:
+        return base
+    try:
+        found = refit(base.model, split.shorter(samples), [base.values], numerics=base.numerics)
+    except (ValueError, *FAILURES):
+        return base
+    return replace(base, shorter=found) if _differ(base, found) else base
+
+
+def _differ(base: Refit, found: Refit) -> bool:
+    """Whether a free parameter of ``found`` differs from that of ``base`` by much, and not by chance."""
+    apart = {name: abs(base.values[name] - found.values[name]) for name in found.std}
+    return any(apart[n] > BENT * abs(base.values[n]) and apart[n] > SURE * found.std[n] for n in apart)
 
 
 def from_shorter(
@@ -35,23 +56,21 @@ def from_shorter(
 ) -> tuple[Mapping[str, float], Refit] | None:
     """Values to start the augmented ``model`` from, and ``base`` with the initial states that go with them.
 
-    None for effects that seek neither a period nor a place, where horizons are too short to be divided, and
-    where a fit over shorter ones fails.
+    None where short horizons show nothing that long ones hide, for effects that seek neither a period nor a
+    place, and where no fit over short ones succeeds.
     """
-    samples = split.horizon // SHARE
-    if samples < LEAST or not any(p.sought in SOUGHT for p in candidate.effect.parameters):
+    poorer = base.shorter
+    if poorer is None or not any(p.sought in SOUGHT for p in candidate.effect.parameters):
         return None
-    shorter = split.shorter(samples)
+    shorter = split.shorter(split.horizon // SHARE)
     try:
-        poorer = refit(base.model, shorter, [base.values], numerics=base.numerics, std_up_to=WITHOUT_STD)
         starts = sought(candidate, model, poorer, shorter)
         if not starts:
             return None
         found = refit(model, shorter, starts, poorer, base.numerics, std_up_to=WITHOUT_STD)
     except (ValueError, *FAILURES):
         return None
-    problem = base.problem(split)
-    begun = begin(problem, base.model.values(poorer.values), None, base.numerics)
+    begun = begin(base.problem(split), base.model.values(poorer.values), None, base.numerics)
     return found.values, replace(base, x0=begun.x0)
 
 

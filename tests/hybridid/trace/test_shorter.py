@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.shorter import from_shorter, same_valley
+from hybridid.trace.shorter import from_shorter, same_valley, with_shorter
 from hybridid.trace.split import Split, by_blocks, by_record
 from hybridid.trace.trial import attempt
 
@@ -20,7 +22,7 @@ def strong(make_model, two_records):
     """The symmetric model over horizons of 1 s, fitted to a carriage with a cogging of half its drive."""
     first, second = two_records(ripple=40.0, pitch=0.01)
     split = by_record([first], [second], LONG)
-    return split, refit(make_model(), split, factors=CONTINUATION)
+    return split, with_shorter(refit(make_model(), split, factors=CONTINUATION), split)
 
 
 def test_the_ripple_is_found_that_long_horizons_hide(strong, monkeypatch):
@@ -44,14 +46,27 @@ def test_short_horizons_lie_in_the_long_ones(two_records):
     assert shorter.held_out[:9] == tuple(range(10, 19))
 
 
-@pytest.mark.parametrize(("name", "samples"), [("asymmetric_viscous", LONG), ("cogging", 50)])
-def test_no_start_where_nothing_is_sought_or_horizons_are_short(strong, name, samples):
+def test_over_short_horizons_another_fit_results_where_much_is_missing(strong):
+    _, base = strong
+    assert base.shorter.values["M"] != pytest.approx(base.values["M"], rel=0.1)
+
+
+def test_where_nothing_is_missing_they_show_nothing_else(make_model, split_of):
+    split = split_of()
+    long = by_record(split.records[:1], split.records[1:], LONG)
+    assert with_shorter(refit(make_model(), long), long).shorter is None
+
+
+def test_horizons_that_are_too_short_are_not_divided(strong):
     split, base = strong
-    candidate = Candidate(effect_named(name), "carriage")
-    model = candidate.added_to(base.model)
-    assert (
-        from_shorter(candidate, model, base, by_record(split.records[:1], split.records[1:], samples)) is None
-    )
+    short = by_record(split.records[:1], split.records[1:], 50)
+    assert with_shorter(replace(base, shorter=None), short).shorter is None
+
+
+def test_no_start_for_an_effect_that_seeks_nothing(strong):
+    split, base = strong
+    candidate = Candidate(effect_named("asymmetric_viscous"), "carriage")
+    assert from_shorter(candidate, candidate.added_to(base.model), base, split) is None
 
 
 @pytest.mark.parametrize(("pitch", "same"), [(0.0101, True), (0.0105, False)])
