@@ -1,0 +1,47 @@
+"""Whether what was accepted makes a free run worse.
+
+Effects are judged over horizons of about a second. In free run an error adds up over the whole record. An
+effect that truly acts lowers it there, too, or leaves it. Where the free run becomes much worse, the effect
+mends the start of each horizon, and what it does in the long run is wrong: a lag of two seconds in a sensor
+can pass for a brake that acts at rest.
+
+A free run of an unstable or integrating machine also adds up what little its parameters err by. So this
+withdraws no effect: the engineer is told, and decides.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from hybridid.quantities import quantity
+from hybridid.trace.before_after import ScoreRow
+from hybridid.trace.result import Trace
+
+
+def worse_in_free_run(found: Trace) -> str:
+    """Where the free run becomes worse by more than ``Rules.refuted`` times with what was accepted, in words;
+    empty where it does not, or nothing was accepted."""
+    if not found.accepted:
+        return ""
+    before = _free_runs(found.before)
+    times = {
+        place: row.rmse / before[place].rmse if not row.remark else math.inf
+        for place, row in _free_runs(found.after).items()
+        if place in before and before[place].rmse > 0
+    }
+    worst = max(times, key=times.__getitem__, default=None)
+    if worst is None or times[worst] <= found.rules.refuted:
+        return ""
+    first, last = before[worst], _free_runs(found.after)[worst]
+    grows = f"grows from {quantity(first.rmse, first.unit, 3)} to {quantity(last.rmse, last.unit, 3)}"
+    change = f"diverges (without them {quantity(first.rmse, first.unit, 3)})" if last.remark else grows
+    return (
+        f" Beware: in free run of {last.record} the error of {last.output} {change}. In the long run what "
+        "was accepted predicts worse than the declared model."
+    )
+
+
+def _free_runs(rows: Sequence[ScoreRow]) -> dict[tuple[str, str], ScoreRow]:
+    """The scores in free run, without a network, by record and output."""
+    return {(r.record, r.output): r for r in rows if r.view == "free_run" and not r.network}

@@ -1,0 +1,46 @@
+"""An effect that makes the free run worse is told beside its name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from hybridid.trace.before_after import ScoreRow
+from hybridid.trace.free_run import worse_in_free_run
+from hybridid.trace.rules import Rules
+
+
+def row(rmse, record="first", view="free_run", **more):
+    horizon = None if view == "free_run" else 1.0
+    made = ScoreRow(
+        "m", record, "position", view, rmse**2, rmse, 0.9, 90.0, 100, "m", "simulated", horizon,
+        role="fitted", network=False,
+    )  # fmt: skip
+    return replace(made, **more)
+
+
+def told(before, after, accepted=("coulomb",)):
+    return worse_in_free_run(SimpleNamespace(accepted=accepted, before=before, after=after, rules=Rules()))
+
+
+def test_the_worst_record_is_told():
+    said = told((row(0.002), row(0.001, "second")), (row(0.004), row(0.009, "second")))
+    assert said.startswith(" Beware: in free run of second the error of position grows from 1 mm to 9 mm.")
+
+
+@pytest.mark.parametrize(
+    "after", [row(0.0029), row(0.001), row(0.009, view="horizon"), row(0.009, network=True)]
+)
+def test_nothing_is_told_of_a_free_run_about_as_good(after):
+    assert told((row(0.002), row(0.002, view="horizon")), (after,)) == ""
+
+
+def test_nothing_is_told_where_nothing_was_accepted():
+    assert told((row(0.002),), (row(0.2),), accepted=()) == ""
+
+
+def test_a_free_run_that_diverges_is_told():
+    said = told((row(0.002),), (row(float("nan"), remark="it diverges"),))
+    assert "the error of position diverges (without them 2 mm)" in said
