@@ -22,12 +22,12 @@ import csv
 import os
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from benchmarks.studies import OUT
 from hybridid.trace.evidence import compare, holm
 from hybridid.trace.rules import Rules
 from hybridid.trace.score import BLOCKS, Score, score_of
@@ -41,7 +41,6 @@ SECONDS = (6, 12, 30, 60)
 SHARES = (0.0, 0.1, 0.2)
 """By how much the RMSE falls without what the first candidate explains; 0: nothing is missing."""
 UNITS: Mapping[str, int] = {"horizons": 1, "blocks": BLOCKS}
-OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies"
 
 
 def _coloured(n: int, generator: Generator, memory: float) -> Array:

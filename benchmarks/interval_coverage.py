@@ -24,7 +24,6 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from multiprocessing import get_context
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +31,7 @@ from scipy import stats
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
+from benchmarks.studies import OUT, write
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
@@ -45,7 +45,6 @@ EPSILON = EMPS().port("carriage").epsilon
 DT = 1e-3
 HORIZON = 1000
 Z95 = 1.96
-OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies"
 
 
 @dataclass(frozen=True)
@@ -194,14 +193,6 @@ def table(found: Sequence[Row], draws: int) -> str:
     return "\n".join(lines)
 
 
-def write(name: str, text: str) -> None:
-    """Whole or not at all."""
-    OUT.mkdir(parents=True, exist_ok=True)
-    part = OUT / f"{name}.part"
-    part.write_text(text + "\n", encoding="utf-8")
-    os.replace(part, OUT / name)
-
-
 def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = print) -> list[Row]:
     """Run the study from the command line's ``arguments`` and write it to ``outputs/studies``."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -225,8 +216,8 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
             say(f"{case.name}: {count} simulated draws, {failed} not converged, {took:.0f} s")
     say(table(found, count))
     about = {"draws": count, "seed": given.seed, "duration_s": duration, "provenance": "simulated"}
-    write("coverage.json", json.dumps({**about, "rows": [asdict(row) for row in found]}, indent=1))
-    write("coverage.md", table(found, count))
+    write(OUT / "coverage.json", json.dumps({**about, "rows": [asdict(row) for row in found]}, indent=1))
+    write(OUT / "coverage.md", table(found, count))
     say(f"written: {OUT / 'coverage.json'}, {OUT / 'coverage.md'}")
     return found
 

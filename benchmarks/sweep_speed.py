@@ -33,7 +33,9 @@ from statistics import fmean, stdev
 from tempfile import TemporaryFile
 from typing import Any
 
-OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies" / "sweep_speed"
+from benchmarks import studies
+
+OUT = studies.OUT / "sweep_speed"
 OUTPUT = "vertical_velocity"
 CORES = 2
 GRID = {"depth": (3, 4, 5), "width": (8, 16, 32)}
@@ -94,8 +96,8 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
     found |= {"ratio": _ratios(timed), "ratio_together": _ratios(timed, together)}
     text = _report(timed, together, small, given)
     say(text)
-    (OUT / "sweep_speed.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    (OUT / "sweep_speed.md").write_text(text + "\n", encoding="utf-8")
+    studies.write(OUT / "sweep_speed.json", json.dumps(found, indent=1))
+    studies.write(OUT / "sweep_speed.md", text)
     _draw(timed)
     return found
 
@@ -165,22 +167,17 @@ def _size(depth: int, width: int) -> str:
 
 def _bare_loop(seed: int, epochs: int) -> dict[str, float]:
     """Network after network by the very code that a stack trains with."""
-    from hydra import compose, initialize_config_dir
-    from omegaconf import OmegaConf
-
     from hybridid.hybrid import errors_of, gray_runs
     from hybridid.residuals import training
-    from hybridid_cli.config_files import conf_folder
+    from hybridid_cli.composing import settings_of
     from pipelines.residual.narx import NARXRequest
     from pipelines.residual.stage import gray_box
-    from pipelines.shared.config import Settings
 
     own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seed}]", f"residual.epochs={epochs}"]
-    with initialize_config_dir(str(conf_folder()), version_base="1.3"):
-        plain: Any = OmegaConf.to_container(compose("run", [*WORDS, *own]), resolve=True)
-    request = NARXRequest.of(plain["residual"])
+    settings = settings_of([*WORDS, *own], "run")
+    request = NARXRequest.of(settings["residual"])
     (tree,) = {path.resolve().parent.parent for path in _out("bare loop").glob("vehicle/*/fit/stage.json")}
-    gray = gray_box(Settings("vehicle", plain), tree)
+    gray = gray_box(settings, tree)
     tasks = request.tasks(gray.model, errors_of(gray_runs(gray, request.initial_state)))
     found = {}
     for task in tasks:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from benchmarks import studies
 from benchmarks.blunders.draw import KINDS, SOUND
 from benchmarks.blunders.play import Outcome
-
-OUT = Path(__file__).resolve().parents[2] / "outputs" / "studies"
 
 
 def table(rows: Sequence[Outcome]) -> str:
@@ -39,10 +37,6 @@ def table(rows: Sequence[Outcome]) -> str:
 
 def write(rows: Sequence[Outcome], seed: int) -> Path:
     """``blunders.md`` and ``blunders.json``, each whole or not at all."""
-    OUT.mkdir(parents=True, exist_ok=True)
     data = {"provenance": "simulated", "seed": seed, "rows": [asdict(r) for r in rows]}
-    for name, text in (("blunders.json", json.dumps(data, indent=1)), ("blunders.md", table(rows))):
-        part = OUT / f"{name}.part"
-        part.write_text(text + "\n", encoding="utf-8")
-        os.replace(part, OUT / name)
-    return OUT / "blunders.md"
+    studies.write(studies.OUT / "blunders.json", json.dumps(data, indent=1))
+    return studies.write(studies.OUT / "blunders.md", table(rows))

@@ -12,6 +12,7 @@ from pathlib import Path
 from benchmarks.strangers import killed, report, servo
 from benchmarks.strangers.asked import Answer, of_killed, of_rigs, of_servo, of_templates
 from benchmarks.strangers.play import Machine, Outcome, machines, played
+from benchmarks.studies import OUT, write
 from hybridid.naming import unknown
 
 TEMPLATES, SERVO, RIGS, KILLS = PARTS = ("templates", "servo", "rigs", "kills")
@@ -27,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sections.append(section)
         print(section, flush=True)
     print(report.answers(found))
-    print(f"written: {report.write(report.page(found, sections))}")
+    print(f"written: {write(OUT / 'strangers.md', report.page(found, sections))}")
     return 0
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 
 from benchmarks.strangers.asked import COMMANDS, LONGEST, Answer
 from benchmarks.strangers.killed import Killed
@@ -12,7 +10,6 @@ from benchmarks.strangers.play import SECONDS, Outcome, Value
 from benchmarks.strangers.servo import ALLOWED, Servo
 from hybridid.quantities import estimated, fixed, number, percent, quantity
 
-OUT = Path(__file__).resolve().parents[2] / "outputs" / "studies"
 HEAD = ("machine", "template", "commands", "lines of Python", "new, run, trace [s]", "CPU [s]")
 
 
@@ -151,16 +148,7 @@ def answers(found: Sequence[Answer]) -> str:
 def page(found: Sequence[Answer], sections: Sequence[str]) -> str:
     """The page: the answers, then all ``sections``."""
     head = "# A stranger's machine: from a recording to a traced model"
-    return "\n\n".join([head, answers(found), *sections]) + "\n"
-
-
-def write(text: str) -> Path:
-    """``strangers.md``, whole or not at all."""
-    OUT.mkdir(parents=True, exist_ok=True)
-    part = OUT / "strangers.md.part"
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, OUT / "strangers.md")
-    return OUT / "strangers.md"
+    return "\n\n".join([head, answers(found), *sections])
 
 
 def _table(head: Sequence[str], rows: Iterable[str]) -> list[str]:

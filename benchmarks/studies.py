@@ -1,0 +1,16 @@
+"""Where the studies write, and how: each file whole or not at all."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pipelines.shared.tree import write_text
+
+OUT = Path(__file__).resolve().parents[1] / "outputs" / "studies"
+
+
+def write(path: Path, text: str) -> Path:
+    """Write ``text`` and a line's end to ``path``, whose folder is made; returns ``path``."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_text(path, f"{text}\n")
+    return path
