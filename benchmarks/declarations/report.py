@@ -7,13 +7,12 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks.answers import Line
+from benchmarks.bars import WORDS
 from benchmarks.declarations.draw import CATEGORIES
-from benchmarks.declarations.scoring import Class, Round, asked, rounds
-from benchmarks.drawn.report import WORDS
+from benchmarks.declarations.scoring import COUNTED, Class, Round, asked, rounds
 from hybridid.naming import listed
 from hybridid.quantities import percent
 
-COUNTED = ("told", "near", "other", "silent", "false", "misnamed")
 TITLES = {
     "friction": "viscous friction declared, Coulomb friction and drag true",
     "spring": "a spring declared, none there",
