@@ -102,4 +102,4 @@ def _class(one: Accepted) -> list[str]:
     return [one.name, *(name for name in others if name != one.name)]
 
 
-LEAGUE = League("study of declarations", PLAYERS, version, Draw.described, alone(_answered))
+LEAGUE = League("study of declarations", PLAYERS, version, alone(_answered))

@@ -62,4 +62,4 @@ def _class(one: Accepted) -> list[str]:
     return [one.name, *(name for name in others if name != one.name)]
 
 
-LEAGUE = League("laws beyond the library", PLAYERS, version, Draw.described, alone(answered))
+LEAGUE = League("laws beyond the library", PLAYERS, version, alone(answered))

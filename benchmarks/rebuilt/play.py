@@ -40,4 +40,4 @@ def _answered(draw: Draw, player: str, most_effects: int) -> dict[str, Any]:
     return replace(answer, notes={**answer.notes, "times": found.times}).described()
 
 
-LEAGUE = League("rebuilt rows", PLAYERS, version, Draw.described, alone(_answered))
+LEAGUE = League("rebuilt rows", PLAYERS, version, alone(_answered))
