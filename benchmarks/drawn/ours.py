@@ -16,6 +16,7 @@ from hybridid.effects.library import EFFECTS
 from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
+from hybridid.trace.search import Accepted
 from hybridid.trace.verdict import Conclusion, conclude
 
 
@@ -50,7 +51,7 @@ def traced(
     context = Context(split_of(case, records), effects, Rules(most_effects=most_effects), laws=laws)
     found = conclude(case.model(), context)
     named = [one for one in found.accepted if not is_composed(one.trial.candidate.effect)]
-    classes = [[one.name, *_others(one)] for one in named]
+    classes = list(map(class_of, named))
     first = named[0] if named else None
     answer = Answer(
         player=NAME,
@@ -66,9 +67,9 @@ def traced(
     return answer, found
 
 
-def _others(one) -> list[str]:
-    names = [trial.candidate.name for trial in one.alike]
-    return [name for name in names if name != one.name]
+def class_of(one: Accepted) -> list[str]:
+    """An accepted effect, and those that the records cannot tell from it."""
+    return list(dict.fromkeys([one.name, *(trial.candidate.name for trial in one.alike)]))
 
 
 def _notes(noise: float, found: Conclusion, classes: list[list[str]]) -> dict[str, Any]:

@@ -21,8 +21,7 @@ def version(player: str) -> str:
 
 def _answered(draw: Draw, player: str, most_effects: int) -> dict[str, Any]:
     if player == ORACLE:
-        found = oracle.consult(draw)
-        return {**vars(found), "detectable": found.detectable}
+        return vars(oracle.consult(draw))
     records = amount.records_of(draw)
     if player == WHOLE:
         return ours.play(draw, records, Rules().most_effects, laws=True).described()
