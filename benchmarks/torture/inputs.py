@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.torture.bench import HALF, HANGS, TRACEBACK, UNCLEAR, WRONG, Fault, Found, Part
-from benchmarks.torture.case import BORNE, REFUSED, Case, faults
+from benchmarks.torture.case import BORNE, REFUSED, Case, Said, faults
 from benchmarks.torture.lab import csv, fit, lab, swing
 from benchmarks.torture.play import load, play
 from benchmarks.torture.tables import case_files, own_code, places, recordings, requests
@@ -61,10 +61,7 @@ class Input:
         """Give it to a command in a folder of its own."""
         load()
         said = play(self.case, lab)
-        wrong = tuple(
-            Fault(kind_of(what), f"{what}: {said.complaint[:200]}") for what in faults(self.case, said)
-        )
-        return Found(f"exit code {said.code}: {said.complaint[:120]}", wrong, {"bad inputs": 1})
+        return Found(str(said), tuple(wrong_in(self.case, said)), {"bad inputs": 1})
 
 
 def trials(seed: int) -> list[Input]:
@@ -83,8 +80,12 @@ PART = Part(
 )
 
 
-def kind_of(what: str) -> str:
-    """The kind of a fault that ``case.faults`` has put in words."""
+def wrong_in(case: Case, said: Said) -> list[Fault]:
+    """What is wrong with an answer, each with its kind."""
+    return [Fault(_kind_of(what), f"{what}: {said.complaint[:200]}") for what in faults(case, said)]
+
+
+def _kind_of(what: str) -> str:
     return next((kind for begin, kind in _KINDS.items() if what.startswith(begin)), UNCLEAR)
 
 

@@ -45,29 +45,12 @@ def _twice(outside: str) -> bytes:
     return held.getvalue()
 
 
-def _bomb(outside: str) -> bytes:
-    return zipped({**contents(), "DATA_EMPS.mat": bytes(1_000_000_000)})
-
-
-def _locked(outside: str) -> bytes:
-    """Members that say that they are encrypted."""
-    return _flagged(0x1)
-
-
-def _strange_method(outside: str) -> bytes:
-    """A way to compress that there is not."""
+def _changed(place: int, change: Callable[[int], int]) -> bytes:
+    """Each member with another byte at this ``place`` of its header, which the archive's list repeats."""
     content = bytearray(zipped(contents()))
-    for mark, place in ((b"PK\x03\x04", 8), (b"PK\x01\x02", 10)):
+    for mark, first in ((b"PK\x03\x04", place), (b"PK\x01\x02", place + 2)):
         for at in _places(bytes(content), mark):
-            content[at + place] = 99
-    return bytes(content)
-
-
-def _flagged(flag: int) -> bytes:
-    content = bytearray(zipped(contents()))
-    for mark, place in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
-        for at in _places(bytes(content), mark):
-            content[at + place] |= flag
+            content[at + first] = change(content[at + first])
     return bytes(content)
 
 
@@ -94,9 +77,9 @@ ARCHIVES: Mapping[str, Archive] = {
     },
     "a member that is a link": _link,
     "a member twice": _twice,
-    "a bomb of 1 GB": _bomb,
-    "members that are locked": _locked,
-    "an unknown compression": _strange_method,
+    "a bomb of 1 GB": lambda outside: zipped({**contents(), "DATA_EMPS.mat": bytes(1_000_000_000)}),
+    "members that are locked": lambda outside: _changed(6, lambda flags: flags | 0x1),
+    "an unknown compression": lambda outside: _changed(8, lambda method: 99),
     "a byte that is wrong": _damaged,
     "half of it": lambda outside: zipped(contents())[: len(zipped(contents())) // 2],
     "a member that is missing": lambda outside: zipped(dict([*contents().items()][:1])),
