@@ -31,7 +31,7 @@ from scipy import stats
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
-from benchmarks.studies import OUT, write
+from benchmarks import studies
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
@@ -178,19 +178,22 @@ def rows(case: Case, draws: Sequence[Draw]) -> list[Row]:
 def table(found: Sequence[Row], draws: int) -> str:
     """Markdown."""
     low, high = (stats.binom.ppf(q, draws, 0.95) / draws for q in (0.025, 0.975))
-    lines = [
+    lead = (
         f"Share of {draws} draws whose stated 95 % interval holds the truth (simulated). "
-        f"If it is 95 %, 95 % of such shares lie in {low:.0%} to {high:.0%}.",
-        "",
-        "| noise | parameter | stated | noise alone | mean error | scatter | mean std | noise part | unit |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    for row in found:
-        numbers = (row.bias, row.scatter, row.mean_std, row.median_noise_std)
-        middle = " | ".join(f"{value:.3g}" for value in numbers)
-        shares = f"{row.held:.0%} | {row.held_by_noise_alone:.0%}"
-        lines.append(f"| {row.case} | {row.parameter} | {shares} | {middle} | {row.unit} |")
-    return "\n".join(lines)
+        f"If it is 95 %, 95 % of such shares lie in {low:.0%} to {high:.0%}."
+    )
+    header = (
+        "noise", "parameter", "stated", "noise alone", "mean error", "scatter", "mean std", "noise part",
+        "unit",
+    )  # fmt: skip
+    cells = [
+        (
+            row.case, row.parameter, f"{row.held:.0%}", f"{row.held_by_noise_alone:.0%}", f"{row.bias:.3g}",
+            f"{row.scatter:.3g}", f"{row.mean_std:.3g}", f"{row.median_noise_std:.3g}", row.unit,
+        )
+        for row in found
+    ]  # fmt: skip
+    return "\n".join([lead, "", *studies.table(header, cells)])
 
 
 def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = print) -> list[Row]:
@@ -216,9 +219,9 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
             say(f"{case.name}: {count} simulated draws, {failed} not converged, {took:.0f} s")
     say(table(found, count))
     about = {"draws": count, "seed": given.seed, "duration_s": duration, "provenance": "simulated"}
-    write(OUT / "coverage.json", json.dumps({**about, "rows": [asdict(row) for row in found]}, indent=1))
-    write(OUT / "coverage.md", table(found, count))
-    say(f"written: {OUT / 'coverage.json'}, {OUT / 'coverage.md'}")
+    data = json.dumps({**about, "rows": [asdict(row) for row in found]}, indent=1)
+    file = studies.write(studies.OUT / "coverage.json", data)
+    say(f"written: {file}, {studies.write(studies.OUT / 'coverage.md', table(found, count))}")
     return found
 
 

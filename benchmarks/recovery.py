@@ -19,7 +19,7 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from benchmarks.studies import OUT, write
+from benchmarks import studies
 from hybridid.estimators import fit
 from hybridid.model import Model
 from hybridid.rigs.esea import F_C, F_S, F_V, SIGMA_0, SIGMA_1, V_S
@@ -130,25 +130,25 @@ def study(case: Case, seed: int) -> list[Row]:
 
 def table(rows: Sequence[Row]) -> str:
     """Markdown: every draw, then the share of each case and parameter."""
-    lines = [
-        "Simulated: the truth is the declared model, the sensors are the rig's.",
-        "",
-        "| case | seed | parameter | true | estimate | 95 % interval | inside | unit |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for r in rows:
-        shown = f"{r.true:.5g} | {r.estimate:.5g} | ± {Z95 * r.std:.2g} ({r.width:.1%})"
-        lines.append(
-            f"| {r.case} | {r.seed} | {r.parameter} | {shown} | {'yes' if r.inside else 'NO'} | {r.unit} |"
+    header = ("case", "seed", "parameter", "true", "estimate", "95 % interval", "inside", "unit")
+    draws = [
+        (
+            r.case, r.seed, r.parameter, f"{r.true:.5g}", f"{r.estimate:.5g}",
+            f"± {Z95 * r.std:.2g} ({r.width:.1%})", "yes" if r.inside else "NO", r.unit,
         )
-    lines += ["", "| case | inside | widest half width | CPU s a fit |", "|---|---|---|---|"]
+        for r in rows
+    ]  # fmt: skip
+    shares = []
     for name in dict.fromkeys(r.case for r in rows):
         own = [r for r in rows if r.case == name]
         widest = max(own, key=lambda r: r.width)
         seconds = np.median([r.seconds for r in own])
         inside = f"{sum(r.inside for r in own)} of {len(own)}"
-        lines.append(f"| {name} | {inside} | {widest.width:.1%} ({widest.parameter}) | {seconds:.1f} |")
-    return "\n".join([*lines, f"| all | {sum(r.inside for r in rows)} of {len(rows)} | | |"])
+        shares.append((name, inside, f"{widest.width:.1%} ({widest.parameter})", f"{seconds:.1f}"))
+    shares.append(("all", f"{sum(r.inside for r in rows)} of {len(rows)}", "", ""))
+    lead = "Simulated: the truth is the declared model, the sensors are the rig's."
+    columns = ("case", "inside", "widest half width", "CPU s a fit")
+    return "\n".join([lead, "", *studies.table(header, draws), "", *studies.table(columns, shares)])
 
 
 def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = print) -> list[Row]:
@@ -171,9 +171,10 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
                 f"{made[0].status}, {made[0].seconds:.1f} s CPU"
             )
     say(table(rows))
-    write(OUT / "recovery.md", table(rows))
+    studies.write(studies.OUT / "recovery.md", table(rows))
     plain = [{**asdict(r), "inside": r.inside} for r in rows]
-    write(OUT / "recovery.json", json.dumps({"provenance": "simulated", "rows": plain}, indent=1))
+    data = {"provenance": "simulated", "rows": plain}
+    studies.write(studies.OUT / "recovery.json", json.dumps(data, indent=1))
     return rows
 
 

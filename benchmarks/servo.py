@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.studies import OUT, write
+from benchmarks import studies
 from hybridid.estimators import Estimate, fit
 from hybridid.model import Model
 from hybridid.records.record import Record
@@ -117,13 +117,13 @@ def chosen(left: str, records: Records, forms: Sequence[str], say: Say) -> str:
     return min(errors, key=errors.__getitem__)
 
 
-def row_of(name: str, whole: float | None, left: Mapping[str, float]) -> str:
-    """One line of the table: all twelve, each kind left out, the mean of these."""
+def row_of(name: str, whole: float | None, left: Mapping[str, float]) -> list[str]:
+    """One row of the table: all twelve, each kind left out, the mean of these."""
     parts = [name, "" if whole is None else f"{whole:.1f}", *(f"{left[kind]:.1f}" for kind in KINDS)]
-    return f"| {' | '.join([*parts, f'{np.mean([left[kind] for kind in KINDS]):.1f}'])} |"
+    return [*parts, f"{np.mean([left[kind] for kind in KINDS]):.1f}"]
 
 
-def rivals() -> list[str]:
+def rivals() -> list[list[str]]:
     """The rows of the rivals, from the file beside this one."""
     with (HERE / "servo_rivals.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
@@ -152,17 +152,18 @@ def main(arguments: Sequence[str] | None = None, say: Say = print) -> dict[str, 
         result[form] = {"all": whole, **left, "not_converged": unfinished}
         remark = f" (not converged: {', '.join(unfinished)})" if unfinished else ""
         table.append(row_of(form + remark, whole, left))
-        say(table[-1])
+        say(" | ".join(table[-1]))
     if not given.not_chosen:
         taken = {kind: chosen(kind, records, given.only, say) for kind in KINDS}
         left = {kind: result[form][kind] for kind, form in taken.items()}
         table.append(row_of(f"chosen without the kind left out: {', '.join(taken.values())}", None, left))
     head = ["form", "all twelve", *(f"without {kind}" for kind in KINDS), "mean"]
-    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head), *table, *rivals()]
+    lines = studies.table(head, [*table, *rivals()])
     text = "\n".join([f"Mean absolute error [mrad] in free run ({provenance}).", "", *lines])
     say(text)
-    write(OUT / "servo.md", text)
-    write(OUT / "servo.json", json.dumps({"provenance": provenance, "forms": result}, indent=1))
+    studies.write(studies.OUT / "servo.md", text)
+    data = {"provenance": provenance, "forms": result}
+    studies.write(studies.OUT / "servo.json", json.dumps(data, indent=1))
     return result
 
 

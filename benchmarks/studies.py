@@ -1,7 +1,8 @@
-"""Where the studies write, and how: each file whole or not at all."""
+"""Where the studies write, and how: each file whole or not at all, tables as Markdown."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from pipelines.shared.tree import write_text
@@ -14,3 +15,8 @@ def write(path: Path, text: str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text(path, f"{text}\n")
     return path
+
+
+def table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> list[str]:
+    """The lines of a table in Markdown."""
+    return [f"| {' | '.join(map(str, cells))} |" for cells in (header, ["---"] * len(header), *rows)]

@@ -220,12 +220,11 @@ def _report(
     timed: Sequence[Timed], together: dict[str, float], small: dict[str, float], given: argparse.Namespace
 ) -> str:
     lines = [f"Nine networks of Table 4.4, {given.epochs} epochs at most, simulated, {CORES} cores", ""]
-    lines += ["| way | wall s, by seed | CPU s, by seed |", "|---|---|---|"]
+    rows = []
     for way in WAYS:
         own = [t for t in timed if t.way == way]
-        cells = (", ".join(f"{getattr(t, kind):.1f}" for t in own) for kind in ("wall", "cpu"))
-        lines.append(f"| {way} | {' | '.join(cells)} |")
-    lines += [""]
+        rows.append([way, *(", ".join(f"{getattr(t, kind):.1f}" for t in own) for kind in ("wall", "cpu"))])
+    lines += [*studies.table(("way", "wall s, by seed", "CPU s, by seed"), rows), ""]
     cost = f"{together['wall']:.1f} s wall, {together['cpu']:.1f} s CPU"
     for what, ratios in (
         ("a sweep of one seed", _ratios(timed)),
@@ -235,21 +234,15 @@ def _report(
             f"the {way} {r['wall']:.2f} times by wall, {r['cpu']:.2f} by CPU" for way, r in ratios.items()
         )
         lines.append(f"{what} is faster than {'; '.join(parts)}")
-    lines += [
-        "",
-        "| size | held-out RMSE, plain loop | sweep | largest difference of one seed |",
-        "|---|---|---|---|",
-    ]
+    sizes = []
     for size in timed[0].held_out:
         loop, swept = (_errors(timed, way, size) for way in ("plain loop", "sweep"))
         largest = max(abs(a - b) for a, b in zip(loop, swept, strict=True))
-        lines.append(f"| {size} | {_spread(loop)} | {_spread(swept)} | {1e3 * largest:.3f} mm/s |")
-    wall = f"{small['wall']:.0f} s ({small['wall'] / 60:.1f} min)"
-    lines += [
-        "",
-        f"{small['networks']:.0f} small networks in one command: {wall} wall, {small['cpu']:.0f} s CPU",
-    ]
-    return "\n".join(lines)
+        sizes.append((size, _spread(loop), _spread(swept), f"{1e3 * largest:.3f} mm/s"))
+    header = ("size", "held-out RMSE, plain loop", "sweep", "largest difference of one seed")
+    wall = f"{small['wall']:.0f} s ({small['wall'] / 60:.1f} min) wall, {small['cpu']:.0f} s CPU"
+    said = f"{small['networks']:.0f} small networks in one command: {wall}"
+    return "\n".join([*lines, "", *studies.table(header, sizes), "", said])
 
 
 def _errors(timed: Sequence[Timed], way: str, size: str) -> list[float]:

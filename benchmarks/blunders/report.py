@@ -14,16 +14,16 @@ from benchmarks.blunders.play import Outcome
 
 def table(rows: Sequence[Outcome]) -> str:
     """The shares by kind, then every draw that was not told, or accused."""
+    cells = []
+    for kind in (*KINDS, SOUND):
+        own = [r for r in rows if r.kind == kind]
+        cause = "" if kind in ("plant", SOUND) else sum(r.cause for r in own)
+        cells.append((kind, len(own), sum(r.told for r in own), cause))
     lines = [
         "Planted blunders and sound records (simulated): what was told before a parameter was shown.",
         "",
-        "| kind | draws | told | right cause |",
-        "|---|---|---|---|",
     ]
-    for kind in (*KINDS, SOUND):
-        own = [r for r in rows if r.kind == kind]
-        cause = "" if kind in ("plant", SOUND) else str(sum(r.cause for r in own))
-        lines.append(f"| {kind} | {len(own)} | {sum(r.told for r in own)} | {cause} |")
+    lines += studies.table(("kind", "draws", "told", "right cause"), cells)
     planted, sound = [r for r in rows if r.kind != SOUND], [r for r in rows if r.kind == SOUND]
     lines += ["", f"told: {sum(r.told for r in planted)} of {len(planted)} (asked: 95 %)"]
     lines += [f"false alarms: {sum(r.told for r in sound)} of {len(sound)} (asked: at most 3 %)", ""]

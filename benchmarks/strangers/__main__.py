@@ -65,7 +65,7 @@ def _played(part: str, chosen: Sequence[Machine], asked: argparse.Namespace) -> 
     for machine in chosen:
         with _folder(asked.keep, part, machine.name) as folder:
             found = played(machine, folder, more)
-        print(report.row(found), flush=True)
+        print(*report.row(found), sep=" | ", flush=True)
         yield found
 
 
