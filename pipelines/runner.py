@@ -14,11 +14,10 @@ from pipelines.fit import FIT
 from pipelines.plot.stage import PLOT
 from pipelines.preprocess import PREPROCESS
 from pipelines.residual.stage import RESIDUAL
-from pipelines.shared.config import Settings
+from pipelines.shared.config import Settings, digest_of
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.freshness import (
     Fingerprint,
-    digest_of,
     fingerprint,
     folder_digest,
     why_stale,
@@ -164,7 +163,7 @@ def _changed_by(
     before = folder_digest(folder)
     began = time.perf_counter()
     with replacing(folder, root) as new:
-        stage.run(Job(settings, root, new, folder, watcher, digest_of(folder, made_from)))
+        stage.run(Job(settings, root, new, folder, watcher, digest_of([str(folder.resolve()), made_from])))
         watcher.carry_on()  # on Ctrl-C IPOPT returns as if it had ended early
         write_receipt(new, stage.name, made_from, time.perf_counter() - began)
     return folder_digest(folder) != before

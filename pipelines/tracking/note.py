@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -11,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from hybridid.plain import plain
+from pipelines.shared.config import digest_of
 from pipelines.shared.secrets import masked
 
 Status = Literal["RUNNING", "FINISHED", "FAILED", "KILLED"]
@@ -69,8 +68,7 @@ class Note:
         """Equal for two notes of one result, wherever its files lie and by whatever code it is logged."""
         tags = {name: tag for name, tag in self.tags.items() if name not in (COMMIT, CHANGED)}
         files = sorted(a.into for a in self.artifacts)
-        said = {**plain(self), "tags": tags, "artifacts": files, "uri": None}
-        return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:16]
+        return digest_of({**plain(self), "tags": tags, "artifacts": files, "uri": None})[:16]
 
 
 def short(text: object) -> str:
