@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybridid.quantities import DIVERGES, NONE, mean_and_deviation, quantity
+from pipelines.shared.page import Section, Table
+from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.grid import Cell, Group, Spread
 from pipelines.sweep.point import Point, spelt
 
@@ -67,6 +69,12 @@ def choice(group: Group) -> str:
         f"{group.title}: {row.point.name} ({row.size} {counted(row.point)}), held-out RMSE "
         f"{quantity(row.held_out, row.unit)}{gray} ({group.provenance})"
     )
+
+
+def failed_section(swept: SweepOutcome, caption: str) -> list[Section]:
+    """The section of the page that says which points have no result, and why; none if each has one."""
+    lost = tuple((point.name, reason) for point, reason in swept.failures.items())
+    return [Section("Failed", (), (Table(caption, ("", ""), lost, words=(0, 1)),))] if lost else []
 
 
 def counted(point: Point) -> str:
