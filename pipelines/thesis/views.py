@@ -211,14 +211,10 @@ def spectra_of(record: Record, names: tuple[str, ...]) -> list[Panel]:
 
 
 def _signal(record: Record, name: str) -> tuple[Array, str]:
-    groups = [(record.input_channels, record.inputs), (record.output_channels, record.outputs)]
-    if record.auxiliary is not None:
-        groups.append((record.auxiliary_channels, record.auxiliary))
-    for channels, values in groups:
-        for column, channel in enumerate(channels):
-            if channel.name == name:
-                return values[:, column], channel.unit
-    raise Missing(f"record {record.name} holds no {name}")
+    units = {channel.name: channel.unit for channel in record.channels}
+    if name not in units:
+        raise Missing(f"record {record.name} holds no {name}")
+    return record.signal(name), units[name]
 
 
 def _scores(shown: Mapping[str, Response]) -> str:
