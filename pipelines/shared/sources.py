@@ -126,8 +126,8 @@ def sources_of(settings: Settings) -> Sources:
     parameters_by_record(settings)
     if choice == "simulated":
         return Sources(_simulated(settings, records), ("simulated records, as data=simulated asks",))
-    roots = roots_of(_data_folder(settings), settings.folders)
-    if not roots[0].path.is_dir() and _data_folder(settings):
+    roots = roots_of(settings.paths.data, settings.folders)
+    if not roots[0].path.is_dir() and settings.paths.data:
         raise ConfigError(f"paths.data is {roots[0].path}: no such folder")
     found, missing = [], []
     for name, entry in records.items():
@@ -147,10 +147,6 @@ def sources_of(settings: Settings) -> Sources:
 def roots_of(data: str | None, folders: Sequence[Path]) -> tuple[DataRoot, ...]:
     """The folders searched for records: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, the user's own."""
     return (*data_roots(data), *(DataRoot(folder, "--config-dir") for folder in folders))
-
-
-def _data_folder(settings: Settings) -> str | None:
-    return settings.paths.data
 
 
 def digests(settings: Settings) -> dict[str, str]:
