@@ -173,9 +173,9 @@ def chosen(records: Sequence[Named], wanted: Sequence[str] | None, key: str) -> 
     return [r for r in records if any(fnmatchcase(word, e) for e in wanted for word in (r.name, r.role))]
 
 
-def fitted_records(settings: Settings) -> tuple[str, ...] | None:
-    """The key ``fit.records``: names or roles of the records that the model is fitted to; None for all."""
-    return settings.section("fit", FitSection).records
+def fitted_records(records: Sequence[Named], settings: Settings) -> list[Named]:
+    """The records that the model is fitted to, as ``chosen`` by the key ``fit.records``."""
+    return chosen(records, settings.section("fit", FitSection).records, "fit.records")
 
 
 def _records(settings: Settings) -> dict[str, dict[str, Any]]:
