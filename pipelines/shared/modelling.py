@@ -13,7 +13,6 @@ from hybridid.plants.plant import Plant
 from hybridid.settings.fit import FitSettings
 from pipelines.shared.by_group import Grouping, groupings
 from pipelines.shared.by_record import MARK, parameters_by_record
-from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import code_digests, made, named
@@ -30,6 +29,18 @@ def plant_of(settings: Settings) -> Plant:
     """
     plant: Plant = made(settings["plant"], "plant", Plant)
     return plant
+
+
+def channels_of(settings: Settings) -> tuple[Signal, ...]:
+    """``channels``: which auxiliary signals of the records the effects may see, in the order of the config.
+
+    Raises:
+        ConfigError: if ``channels`` is anything else than names with units.
+    """
+    given = settings.get("channels", {})
+    if not isinstance(given, Mapping) or not all(isinstance(unit, str) for unit in given.values()):
+        raise ConfigError(f"channels is {given!r}: give names with units, as in {{temperature: °C}}")
+    return tuple(Signal(str(name), unit) for name, unit in given.items())
 
 
 def model_of(settings: Settings) -> Model:
