@@ -63,11 +63,11 @@ class Run:
         """Every prediction of the experiment."""
         return predictions_in(self.tree)
 
-    def of(self, role: str, output: str, view: str = "free_run") -> dict[str, Response]:
-        """The responses to a record by ``gray box`` and, where there is one, ``hybrid``.
+    def both(self, role: str, output: str, view: str = "free_run") -> dict[str, Response]:
+        """The responses to a record by ``gray box`` and ``hybrid``.
 
         Raises:
-            Missing: if the gray box has no prediction in this view.
+            Missing: if one of them has no prediction in this view.
         """
         record = self.record(role).name
         found: dict[str, Response] = {}
@@ -78,15 +78,6 @@ class Run:
                 found[kind] = Response.of(stored.model, stored.prediction, output)
         if "gray box" not in found:
             raise Missing("no prediction in free run")
-        return found
-
-    def both(self, role: str, output: str, view: str = "free_run") -> dict[str, Response]:
-        """The responses to a record by gray box and hybrid.
-
-        Raises:
-            Missing: if one of them has no prediction.
-        """
-        found = self.of(role, output, view)
         if "hybrid" not in found:
             raise Missing("no prediction of the hybrid")
         return found
