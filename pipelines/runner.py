@@ -127,7 +127,8 @@ def _bring_up_to_date(
     checked = False
     for stage in stages:
         if stage.name != PREPROCESS.name and not checked:
-            _check_records(stages, settings, root)  # reports what no fit would mend, before the fit
+            for one in stages:
+                one.check_records(settings, root)  # reports what no fit would mend, before the fit
             checked = True
         now, folder = _made_from(stage, settings, root), results_folder(stage, settings, root)
         reasons = why_stale(folder, now)
@@ -148,11 +149,6 @@ def _bring_up_to_date(
             f"{name}: removed, it was made from results that have changed; hybridid {name} makes it anew"
         )
     return ran
-
-
-def _check_records(stages: tuple[Stage, ...], settings: Settings, root: Path) -> None:
-    for stage in stages:
-        stage.check_records(settings, root)
 
 
 def _changed_by(
