@@ -20,7 +20,8 @@ from pipelines.shared.trust import admit, paths_in
 from pipelines.shared.watch import Watcher
 from pipelines.sweep.job_runner import ONCE_MORE, JobRunner, LocalProcesses, OnJobEnd, log_job, lost_reason
 from pipelines.sweep.point import spelt
-from pipelines.sweep.work import Failures, SweepJob, one_line
+from pipelines.sweep.work import Failures, SweepJob
+from pipelines.tracking.note import one_line
 
 BEGUN, OUTCOME = ".begun", ".outcome"
 

@@ -10,6 +10,7 @@ from typing import Literal
 
 from hybridid.plain import plain
 from pipelines.shared.config import digest_of
+from pipelines.shared.errors import ConfigError, Incomplete
 from pipelines.shared.secrets import masked
 
 Status = Literal["RUNNING", "FINISHED", "FAILED", "KILLED"]
@@ -74,3 +75,13 @@ class Note:
 def short(text: object) -> str:
     """Text as one line that MLflow takes, without secrets."""
     return " ".join(masked(text).split())[:LONGEST]
+
+
+def raised(error: BaseException, most: int = LONGEST) -> str:
+    """An exception in one line, its class first."""
+    return short(f"{type(error).__name__}: {error}")[:most]
+
+
+def one_line(error: Exception, most: int = 300) -> str:
+    """The same, without the class where the message is complete."""
+    return short(error)[:most] if isinstance(error, (ConfigError, Incomplete)) else raised(error, most)
