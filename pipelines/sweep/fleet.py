@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import io
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from hybridid.naming import counted, listed
@@ -24,7 +24,7 @@ from pipelines.shared.tree import write_text
 from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.point import Point, axes_of, spelt
 from pipelines.sweep.results import Coordinates, FailedPoint, failed_points, place_of
-from pipelines.sweep.words import axis_name, failed_section
+from pipelines.sweep.words import axis_name, failed_section, quoted
 from pipelines.trace.stage import TRACE
 
 NAME = "fleet"
@@ -148,7 +148,8 @@ def page_of(found: Fleet, swept: SweepOutcome) -> Page:
         Section("In words", said),
     ]
     sections += failed_section(swept, "Machines without a trace")
-    sections.append(Section("Again", commands=(f"hybridid trace -m {' '.join(_typed(found.words))}",)))
+    again = [quoted(word.lstrip("+")) for word in found.words if not word.startswith("sweep.stage=")]
+    sections.append(Section("Again", commands=(f"hybridid trace -m {' '.join(again)}",)))
     lead = f"{len(found.machines)} of {counted(len(swept.sweep.points), 'machine')} traced."
     return Page(f"Fleet: {found.name}", lead, tuple(sections), marks)
 
@@ -192,11 +193,6 @@ def _most_first(names: Iterable[str]) -> dict[str, int]:
 
 def _named(one: Machine, found: Fleet) -> str:
     return ", ".join(f"{axis_name(key)}={spelt(one.at.get(key))}" for key in found.axes) or found.name
-
-
-def _typed(words: Sequence[str]) -> list[str]:
-    kept = [word.lstrip("+") for word in words if not word.startswith("sweep.stage=")]
-    return [f"'{word}'" if set("[]{}()*, ") & set(word) else word for word in kept]
 
 
 def _csv(found: Fleet) -> str:

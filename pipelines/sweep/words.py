@@ -86,4 +86,9 @@ def run_words(point: Point, words: Sequence[str]) -> str:
     """The command that takes a point's result up: ``words`` are those that no point differs in."""
     kept = [word for word in words if word.partition("=")[0].lstrip("+~") not in point.at]
     said = [*kept, *(f"{key}={spelt(value)}" for key, value in point.at.items())]
-    return "hybridid run " + " ".join(f"'{w}'" if set("[]{}, ") & set(w) else w for w in said)
+    return "hybridid run " + " ".join(map(quoted, said))
+
+
+def quoted(word: str) -> str:
+    """A word as one types it into a shell."""
+    return f"'{word}'" if set("[]{}()*, ") & set(word) else word
