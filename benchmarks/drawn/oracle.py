@@ -21,9 +21,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from scipy.stats import norm
@@ -31,23 +30,13 @@ from scipy.stats import norm
 from benchmarks.drawn.amount import made, records_of
 from benchmarks.drawn.draw import Draw
 from benchmarks.drawn.machines import case_of
+from benchmarks.league.machines import Declared
 from benchmarks.league.ours import DETECTABLE
-from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.score import Score
 from hybridid.trace.split import Split, by_record
 from hybridid.trace.verdict import regressed
-
-
-class Declared(Protocol):
-    """What is declared of a machine: its model, the samples of a horizon, the parameters' true values."""
-
-    @property
-    def horizon(self) -> int: ...
-    @property
-    def truth(self) -> Mapping[str, float]: ...
-    def model(self) -> Model: ...
 
 
 @dataclass(frozen=True)

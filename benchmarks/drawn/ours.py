@@ -8,8 +8,9 @@ from typing import Any
 
 from benchmarks.drawn.draw import Draw
 from benchmarks.drawn.machines import case_of
-from benchmarks.drawn.oracle import Declared, split_of
+from benchmarks.drawn.oracle import split_of
 from benchmarks.league.answer import Answer
+from benchmarks.league.machines import Declared
 from benchmarks.league.ours import NAME, _step_notes
 from hybridid.effects.composed import is_composed
 from hybridid.effects.library import EFFECTS

@@ -44,8 +44,8 @@ RUNS = ("identification", "validation")
 
 
 @dataclass(frozen=True)
-class Case:
-    """A plant, what is declared of it, its records by scenario and run; horizons of ``horizon`` samples.
+class Declared:
+    """A plant and the effects that are ``declared`` of it; horizons of ``horizon`` samples.
 
     ``truth`` holds the true values of the declared model's parameters, for the oracle.
     """
@@ -53,12 +53,18 @@ class Case:
     plant: Plant
     declared: tuple[str, ...]
     horizon: int
-    record: Callable[[Scenario, str], Record]
     truth: Mapping[str, float]
     adjustments: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def model(self, declared: tuple[str | Effect, ...] | None = None) -> Model:
         return compose(self.plant, self.declared if declared is None else declared, self.adjustments)
+
+
+@dataclass(frozen=True)
+class Case(Declared):
+    """The same with its records, by scenario and run."""
+
+    record: Callable[[Scenario, str], Record] = field(kw_only=True)
 
 
 def records_of(scenario: Scenario) -> tuple[Record, Record]:
@@ -272,27 +278,32 @@ FLEXING = {
 }
 ROLLING = {name: getattr(HalfCarTruth(), name) for name in ("I_yy", "k_f", "k_r", "c_f", "c_r", "k_t")}
 CASES: Mapping[str, Case] = {
-    "carriage": Case(EMPS(), SYMMETRIC, 160, _on_bench(_carriage(CLOSED)), MOVING),
-    "carriage_open": Case(EMPS(), SYMMETRIC, 160, _on_bench(PUSHED), MOVING),
+    "carriage": Case(EMPS(), SYMMETRIC, 160, MOVING, record=_on_bench(_carriage(CLOSED))),
+    "carriage_open": Case(EMPS(), SYMMETRIC, 160, MOVING, record=_on_bench(PUSHED)),
     # nobody declared an offset, and there is none
-    "carriage_level": Case(EMPS(), SYMMETRIC[:2], 160, _on_bench(_carriage(CLOSED, offset=0.0)), LEVEL),
-    "oscillator": Case(Duffing(), (), 150, _on_bench(OSCILLATOR), SPRUNG),
+    "carriage_level": Case(
+        EMPS(), SYMMETRIC[:2], 160, LEVEL, record=_on_bench(_carriage(CLOSED, offset=0.0))
+    ),
+    "oscillator": Case(Duffing(), (), 150, SPRUNG, record=_on_bench(OSCILLATOR)),
     "flexible_link": Case(
-        FlexibleLink(), ("viscous@servo", "viscous@link"), 100, _on_bench(LINK, {"tip_angle": 1.0}), FLEXING
+        FlexibleLink(),
+        ("viscous@servo", "viscous@link"),
+        100,
+        FLEXING,
+        record=_on_bench(LINK, {"tip_angle": 1.0}),
     ),
     "esea": Case(
         ESEA(),
         ("viscous@motor",),
         150,
-        _esea,
         {"motor.viscous.f_v": 0.01},
         {"motor.epsilon": {"fixed": 0.1}, "motor.viscous.f_v": {"guess": 0.01, "lower": 0.0, "upper": 0.1}},
+        record=_esea,
     ),
     "half_car": Case(
         HalfCar(),
         (),
         50,
-        _half_car,
         ROLLING,
         {
             "I_yy": {"guess": 2000.0, "lower": 500.0, "upper": 1e4},
@@ -300,5 +311,6 @@ CASES: Mapping[str, Case] = {
             **{name: {"guess": 2e3, "lower": 200.0, "upper": 1e4} for name in ("c_f", "c_r")},
             "k_t": {"guess": 5e5, "lower": 2e5, "upper": 1e7},
         },
+        record=_half_car,
     ),
 }
