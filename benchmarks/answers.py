@@ -12,6 +12,7 @@ import json
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -93,14 +94,10 @@ class League(Generic[S]):
     def known(
         self, file: Path, scenarios: Iterable[S], players: Sequence[str]
     ) -> dict[tuple[str, str], Line]:
-        """Lines of ``file`` that still hold, by (key, player); an unfinished last line is passed over."""
+        """Lines of ``file`` that still hold, by (key, player)."""
         wanted = {(s.key, p): digest(s, self.version(p)) for s in scenarios for p in players}
         found: dict[tuple[str, str], Line] = {}
-        for text in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
-            try:
-                line = json.loads(text)
-            except json.JSONDecodeError:
-                continue
+        for line in lines_of(file):
             key = (line["key"], line["player"])
             if wanted.get(key) == line["digest"] and "failure" not in line:
                 found[key] = line
@@ -162,6 +159,13 @@ class League(Generic[S]):
             said = " | ".join([str(lines[0]["key"]), *map(_said, lines)])
             print(f"  {done}/{total} after {time.perf_counter() - began:.0f} s: {said}", flush=True)
         return failures
+
+
+def lines_of(file: Path) -> Iterator[Line]:
+    """The lines that ``append`` wrote, if any; one that was cut off, by a kill, is passed over."""
+    for text in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
+        with suppress(json.JSONDecodeError):
+            yield json.loads(text)
 
 
 def append(file: Path, lines: Iterable[Line]) -> None:
