@@ -37,41 +37,30 @@ def _found(name: str, value: Value) -> str:
 
 def templates(rows: Sequence[Outcome]) -> str:
     """The templates' own machines, and how many keep what issue 19 asks."""
-    return "\n".join(
-        [
-            "## Each template, from the recording to the traced report (simulated)",
-            f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz, as many samples. Nothing is missing in these.",
-            "",
-            *table((*HEAD, "largest error of a planted parameter", "verdict"), map(row, rows)),
-            "",
-            _kept(rows),
-        ]
+    title = (
+        "## Each template, from the recording to the traced report (simulated)\n"
+        f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz, as many samples. Nothing is missing in these."
     )
+    return _machines(title, "largest error of a planted parameter", rows)
 
 
 def rigs(rows: Sequence[Outcome]) -> str:
     """The machines that hold more than their template declares."""
-    return "\n".join(
-        [
-            "## Machines that hold more than their template declares (simulated)",
-            "",
-            *table((*HEAD, "found, and planted", "verdict"), map(row, rows)),
-            "",
-            _kept(rows),
-        ]
-    )
+    title = "## Machines that hold more than their template declares (simulated)"
+    return _machines(title, "found, and planted", rows)
 
 
-def _kept(rows: Sequence[Outcome]) -> str:
-    """How many of the machines keep each limit."""
+def _machines(title: str, parameters: str, rows: Sequence[Outcome]) -> str:
+    """Each machine, and how many of them keep each limit."""
     quick = sum(sum(one.wall) <= LONGEST for one in rows)
     few = sum(len(one.wall) <= COMMANDS for one in rows)
     without = sum(one.python == 0 for one in rows)
     written = sum(one.report for one in rows)
-    return (
+    kept = (
         f"Of {len(rows)} machines (simulated): at most {LONGEST:g} s {quick}, at most {COMMANDS} commands "
         f"{few}, no line of Python {without}, a page of the trace {written}."
     )
+    return "\n".join([title, "", *table((*HEAD, parameters, "verdict"), map(row, rows)), "", kept])
 
 
 def servo(found: Servo | None) -> str:
