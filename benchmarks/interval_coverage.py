@@ -104,8 +104,8 @@ def measure(case: Case, duration: float, seed: int) -> Record:
     generator = np.random.default_rng(seed)
     n = round(duration / DT) + 1
     if case.truth == "loop":
-        return _smooth(duration, tuple(noise(case, n, generator)))
-    clean = _dry(duration) if case.truth == "dry" else _smooth(duration, None)
+        return _smooth(duration, noise(case, n, generator))
+    clean = _dry(duration) if case.truth == "dry" else _without_noise(duration)
     return replace(clean, outputs=clean.outputs + noise(case, n, generator)[:, None], warnings=())
 
 
@@ -114,17 +114,14 @@ def _dry(duration: float) -> Record:
     return EMPSRig(EMPSConfig(truth=TRUTH)).record("identification", 0, duration)
 
 
-def _smooth(duration: float, in_loop: tuple[float, ...] | None) -> Record:
-    """The rig's experiment on a carriage whose friction is tanh(v/epsilon), by SciPy's LSODA."""
-    return _simulated(duration) if in_loop is None else _simulate(duration, np.array(in_loop))
-
-
 @cache
-def _simulated(duration: float) -> Record:
-    return _simulate(duration, np.zeros(round(duration / DT) + 1))
+def _without_noise(duration: float) -> Record:
+    return _smooth(duration, np.zeros(round(duration / DT) + 1))
 
 
-def _simulate(duration: float, sensed: Array) -> Record:
+def _smooth(duration: float, sensed: Array) -> Record:
+    """The rig's experiment on a carriage whose friction is tanh(v/epsilon), by SciPy's LSODA; the control
+    sees the noise ``sensed``."""
     config, clean = EMPSConfig(truth=TRUTH), _dry(duration)
     reference, n = config.reference.position(clean.time), clean.n
     state, measured, force = np.zeros(2), np.zeros(n), np.zeros(n)

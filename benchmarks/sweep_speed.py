@@ -102,6 +102,10 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
     return found
 
 
+def _words(seeds: str, epochs: int) -> list[str]:
+    return [*WORDS, f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seeds}]", f"residual.epochs={epochs}"]
+
+
 def _hybridid(command: str, out: Path) -> list[str]:
     return [sys.executable, "-m", "hybridid_cli", command, f"paths.outputs={out}", "mlflow.enabled=false"]
 
@@ -113,7 +117,7 @@ def _out(way: str) -> Path:
 def _one(way: str, seed: int, epochs: int) -> Timed:
     """The nine networks of one seed."""
     out = _out(way)
-    own = [*WORDS, f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seed}]", f"residual.epochs={epochs}"]
+    own = _words(str(seed), epochs)
     if way == "sweep":
         wall, cpu, _ = _timed([*_hybridid("sweep", out), *own, f"sweep.processes={CORES}"])
         return Timed(
@@ -173,8 +177,7 @@ def _bare_loop(seed: int, epochs: int) -> dict[str, float]:
     from pipelines.residual.narx import NARXRequest
     from pipelines.residual.stage import gray_box
 
-    own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seed}]", f"residual.epochs={epochs}"]
-    settings = settings_of([*WORDS, *own], "run")
+    settings = settings_of(_words(str(seed), epochs), "run")
     request = NARXRequest.of(settings["residual"])
     (tree,) = {path.resolve().parent.parent for path in _out("bare loop").glob("vehicle/*/fit/stage.json")}
     gray = gray_box(settings, tree)
@@ -190,18 +193,16 @@ def _together(seeds: int, epochs: int) -> dict[str, float]:
     """The grid with every seed in one command, in a folder where none of it is there yet."""
     out = OUT / "together"
     _timed([*_hybridid("fit", out), "case=vehicle", "data=simulated"])
-    listed = ",".join(map(str, range(seeds)))
-    own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{listed}]", f"residual.epochs={epochs}"]
-    wall, cpu, _ = _timed([*_hybridid("sweep", out), *WORDS, *own, f"sweep.processes={CORES}"])
+    own = _words(",".join(map(str, range(seeds))), epochs)
+    wall, cpu, _ = _timed([*_hybridid("sweep", out), *own, f"sweep.processes={CORES}"])
     return {"wall": wall, "cpu": cpu}
 
 
 def _small(networks: int, epochs: int) -> dict[str, float]:
     """Ten sizes of at most 16 neurons a layer, as many seeds as it takes."""
-    own = [f"residual.outputs=[{OUTPUT}]", "residual.depth=[1,2,3,4,5]", "residual.width=[8,16]"]
     seeds = ",".join(str(100 + k) for k in range(networks // 10))  # other seeds than those of (a)
-    words = [*own, f"residual.seeds=[{seeds}]", f"residual.epochs={epochs}", f"sweep.processes={CORES}"]
-    wall, cpu, said = _timed([*_hybridid("sweep", _out("sweep")), *WORDS, *words])
+    sizes = ("residual.depth=[1,2,3,4,5]", "residual.width=[8,16]", f"sweep.processes={CORES}")
+    wall, cpu, said = _timed([*_hybridid("sweep", _out("sweep")), *_words(seeds, epochs), *sizes])
     assert f"{networks} of {networks} points have results, 0 of them from before" in said, said
     return {"networks": networks, "wall": wall, "cpu": cpu}
 

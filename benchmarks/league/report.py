@@ -97,17 +97,13 @@ def _category_table(category: str, by: dict[str, Tally]) -> Table:
 
 
 def _failures(found: Sequence[Round]) -> Table:
-    rows = []
-    for r in found:
-        if r.player != NAME or not r.counts or r.covered:
-            continue
-        rows.append((r.key, ", ".join(r.answer["named"]) or "nothing", _why(r)))
-    return Table(
-        "Ours, wrong (simulated)",
-        ("scenario", "named", "what became of the truth"),
-        tuple(rows),
-        words=(0, 1, 2),
+    rows = tuple(
+        (r.key, ", ".join(r.answer["named"]) or "nothing", _why(r))
+        for r in found
+        if r.player == NAME and r.counts and not r.covered
     )
+    header = ("scenario", "named", "what became of the truth")
+    return Table("Ours, wrong (simulated)", header, rows, words=(0, 1, 2))
 
 
 def _why(r: Round) -> str:
@@ -129,13 +125,9 @@ def _all(found: Sequence[Round], oracle: dict) -> Table:
         said = oracle.get(key)
         seen = NONE if said is None else f"p {probability(said['p_value'], '= ')}, {percent(said['gain'], 0)}"
         rows.append((key, seen, *(_mark(answers.get(p)) for p in players)))
-    words = tuple(range(2 + len(players)))
-    return Table(
-        "Answers (simulated); ✓ right, (✓) in the class",
-        ("scenario", "oracle", *players),
-        tuple(rows),
-        words=words,
-    )
+    header = ("scenario", "oracle", *players)
+    title = "Answers (simulated); ✓ right, (✓) in the class"
+    return Table(title, header, tuple(rows), words=tuple(range(len(header))))
 
 
 def _mark(r: Round | None) -> str:
