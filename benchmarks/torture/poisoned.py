@@ -40,24 +40,12 @@ def _put(path: Path, code: bytes) -> None:
     path.chmod(0o600)
 
 
-def _closed_to_none(path: Path, code: bytes) -> None:
-    _put(path, code)
-    path.parent.chmod(0o777)
+def _put_and(change: Callable[[Path], object]) -> Poison:
+    def poison(path: Path, code: bytes) -> None:
+        _put(path, code)
+        change(path)
 
-
-def _of_another(path: Path, code: bytes) -> None:
-    _put(path, code)
-    os.chown(path, OTHER, OTHER)
-
-
-def _in_a_folder_of_another(path: Path, code: bytes) -> None:
-    _put(path, code)
-    os.chown(path.parent, OTHER, OTHER)
-
-
-def _open_to_all(path: Path, code: bytes) -> None:
-    _put(path, code)
-    path.chmod(0o666)
+    return poison
 
 
 def _link(path: Path, code: bytes) -> None:
@@ -76,10 +64,10 @@ def _pipe(path: Path, code: bytes) -> None:
 POISONS: Mapping[str, Poison] = {
     "without a seal": Path.write_bytes,
     "with the seal of another": lambda path, code: path.write_bytes(sealed(f"x{path.name}", code)),
-    "in a folder that others may write to": _closed_to_none,
-    "in a file of another user": _of_another,
-    "in a folder of another user": _in_a_folder_of_another,
-    "in a file that others may write to": _open_to_all,
+    "in a folder that others may write to": _put_and(lambda path: path.parent.chmod(0o777)),
+    "in a file of another user": _put_and(lambda path: os.chown(path, OTHER, OTHER)),
+    "in a folder of another user": _put_and(lambda path: os.chown(path.parent, OTHER, OTHER)),
+    "in a file that others may write to": _put_and(lambda path: path.chmod(0o666)),
     "behind a link": _link,
     "a file cut off": lambda path, code: path.write_bytes(path.read_bytes()[:8000]),
     "a file of random bytes": lambda path, code: path.write_bytes(os.urandom(len(path.read_bytes()))),
