@@ -12,6 +12,7 @@ import json
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -42,25 +43,30 @@ class AnyScenario(Protocol):
     def key(self) -> str: ...
     @property
     def category(self) -> str: ...
-    def digest(self, version: str) -> str: ...
+    def described(self) -> Mapping[str, Any]: ...
 
 
 S = TypeVar("S", bound=AnyScenario)
+
+
+def digest(scenario: AnyScenario, version: str) -> str:
+    """SHA-256 of the scenario and of ``version``, whatever decides its outcome besides."""
+    said = json.dumps([scenario.described(), version], sort_keys=True)
+    return hashlib.sha256(said.encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True)
 class League(Generic[S]):
     """``players`` before scenarios of one kind; its functions must pickle.
 
-    ``version(player)`` is the digest of the code that decides what the player answers. A line holds what
-    ``described(scenario)`` gives. ``begun(scenario)`` makes once what all players need. It returns
-    ``answered(player, most_effects)``, which gives one player's answer.
+    ``version(player)`` is the digest of the code that decides what the player answers. ``begun(scenario)``
+    makes once what all players need. It returns ``answered(player, most_effects)``, which gives one player's
+    answer.
     """
 
     name: str
     players: tuple[str, ...]
     version: Callable[[str], str]
-    described: Callable[[S], Mapping[str, Any]]
     begun: Callable[[S], Answered]
 
     def line(self, scenario: S, player: str) -> dict[str, Any]:
@@ -68,8 +74,8 @@ class League(Generic[S]):
         return {
             "key": scenario.key,
             "player": player,
-            "digest": scenario.digest(self.version(player)),
-            "scenario": self.described(scenario),
+            "digest": digest(scenario, self.version(player)),
+            "scenario": scenario.described(),
         }
 
     def answer(self, scenario: S, players: Sequence[str], most_effects: int = 2) -> list[dict[str, Any]]:
@@ -88,14 +94,10 @@ class League(Generic[S]):
     def known(
         self, file: Path, scenarios: Iterable[S], players: Sequence[str]
     ) -> dict[tuple[str, str], Line]:
-        """Lines of ``file`` that still hold, by (key, player); an unfinished last line is passed over."""
-        wanted = {(s.key, p): s.digest(self.version(p)) for s in scenarios for p in players}
+        """Lines of ``file`` that still hold, by (key, player)."""
+        wanted = {(s.key, p): digest(s, self.version(p)) for s in scenarios for p in players}
         found: dict[tuple[str, str], Line] = {}
-        for text in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
-            try:
-                line = json.loads(text)
-            except json.JSONDecodeError:
-                continue
+        for line in lines_of(file):
             key = (line["key"], line["player"])
             if wanted.get(key) == line["digest"] and "failure" not in line:
                 found[key] = line
@@ -159,6 +161,13 @@ class League(Generic[S]):
         return failures
 
 
+def lines_of(file: Path) -> Iterator[Line]:
+    """The lines that ``append`` wrote, if any; one that was cut off, by a kill, is passed over."""
+    for text in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
+        with suppress(json.JSONDecodeError):
+            yield json.loads(text)
+
+
 def append(file: Path, lines: Iterable[Line]) -> None:
     """Append ``lines`` as JSON; a last line that was cut off, by a kill, stays a line of its own."""
     cut_off = file.exists() and not file.read_bytes().endswith(b"\n")
@@ -217,11 +226,13 @@ def parser(
     return made
 
 
-def evenly(scenarios: Sequence[S], categories: Iterable[str], limit: int | None) -> list[S]:
-    """At most ``limit`` of ``scenarios`` in all: the first of each of ``categories`` in turn."""
-    if limit is None or limit >= len(scenarios):
-        return list(scenarios)
-    parts = [[s for s in scenarios if s.category == category] for category in categories]
+def evenly(scenarios: Iterable[S], categories: Iterable[str], limit: int | None, match: str = "") -> list[S]:
+    """Of the ``scenarios`` whose key contains ``match`` at most ``limit`` in all: the first of each of
+    ``categories`` in turn."""
+    found = [s for s in scenarios if match in s.key]
+    if limit is None or limit >= len(found):
+        return found
+    parts = [[s for s in found if s.category == category] for category in categories]
     kept: list[S] = []
     while len(kept) < limit:
         kept += [part.pop(0) for part in parts if part]

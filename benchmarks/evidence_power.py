@@ -22,12 +22,12 @@ import csv
 import os
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from benchmarks.studies import OUT
 from hybridid.trace.evidence import compare, holm
 from hybridid.trace.rules import Rules
 from hybridid.trace.score import BLOCKS, Score, score_of
@@ -41,7 +41,6 @@ SECONDS = (6, 12, 30, 60)
 SHARES = (0.0, 0.1, 0.2)
 """By how much the RMSE falls without what the first candidate explains; 0: nothing is missing."""
 UNITS: Mapping[str, int] = {"horizons": 1, "blocks": BLOCKS}
-OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies"
 
 
 def _coloured(n: int, generator: Generator, memory: float) -> Array:
@@ -85,11 +84,6 @@ def _score(rows: Array, blocks: int) -> Score:
     return score_of(list(rows[::2]), list(rows[1::2]), np.ones(1), blocks)
 
 
-def _always(n: int, generator: Generator) -> Array:
-    """Ones, (n,)."""
-    return np.ones(n)
-
-
 def _now_and_then(n: int, generator: Generator) -> Array:
     """Ones in three stretches, (n,), else zeros."""
     made, length = np.zeros(n), n // 15
@@ -98,7 +92,10 @@ def _now_and_then(n: int, generator: Generator) -> Array:
     return made
 
 
-ACTS: Mapping[str, Callable[[int, Generator], Array]] = {"always": _always, "now and then": _now_and_then}
+ACTS: Mapping[str, Callable[[int, Generator], Array]] = {
+    "always": lambda n, generator: np.ones(n),
+    "now and then": _now_and_then,
+}
 
 
 def drawn(
@@ -131,7 +128,11 @@ def main(
     arguments: Sequence[str] | None = None, say: Callable[[str], None] = print
 ) -> list[dict[str, object]]:
     """Count, print the table and write it to ``outputs/studies``."""
-    given = _parser().parse_args(arguments)
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--draws", type=int, default=200)
+    words.add_argument("--candidates", type=int, default=100)
+    words.add_argument("--seed", type=int, default=0)
+    given = words.parse_args(arguments)
     say(f"share of records on which a candidate passes (simulated, {given.draws} draws, seed {given.seed})")
     table = []
     for noise, acts, seconds, share in product(NOISES, ACTS, SECONDS, SHARES):
@@ -148,16 +149,6 @@ def main(
         writer.writerows(table)
     say(f"written to {os.path.relpath(file)}")
     return table
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--draws", type=int, default=200)
-    parser.add_argument("--candidates", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=0)
-    return parser
 
 
 if __name__ == "__main__":

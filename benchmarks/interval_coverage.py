@@ -24,7 +24,6 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from multiprocessing import get_context
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +31,7 @@ from scipy import stats
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
+from benchmarks import studies
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
@@ -45,7 +45,6 @@ EPSILON = EMPS().port("carriage").epsilon
 DT = 1e-3
 HORIZON = 1000
 Z95 = 1.96
-OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies"
 
 
 @dataclass(frozen=True)
@@ -105,8 +104,8 @@ def measure(case: Case, duration: float, seed: int) -> Record:
     generator = np.random.default_rng(seed)
     n = round(duration / DT) + 1
     if case.truth == "loop":
-        return _smooth(duration, tuple(noise(case, n, generator)))
-    clean = _dry(duration) if case.truth == "dry" else _smooth(duration, None)
+        return _smooth(duration, noise(case, n, generator))
+    clean = _dry(duration) if case.truth == "dry" else _without_noise(duration)
     return replace(clean, outputs=clean.outputs + noise(case, n, generator)[:, None], warnings=())
 
 
@@ -115,17 +114,14 @@ def _dry(duration: float) -> Record:
     return EMPSRig(EMPSConfig(truth=TRUTH)).record("identification", 0, duration)
 
 
-def _smooth(duration: float, in_loop: tuple[float, ...] | None) -> Record:
-    """The rig's experiment on a carriage whose friction is tanh(v/epsilon), by SciPy's LSODA."""
-    return _simulated(duration) if in_loop is None else _simulate(duration, np.array(in_loop))
-
-
 @cache
-def _simulated(duration: float) -> Record:
-    return _simulate(duration, np.zeros(round(duration / DT) + 1))
+def _without_noise(duration: float) -> Record:
+    return _smooth(duration, np.zeros(round(duration / DT) + 1))
 
 
-def _simulate(duration: float, sensed: Array) -> Record:
+def _smooth(duration: float, sensed: Array) -> Record:
+    """The rig's experiment on a carriage whose friction is tanh(v/epsilon), by SciPy's LSODA; the control
+    sees the noise ``sensed``."""
     config, clean = EMPSConfig(truth=TRUTH), _dry(duration)
     reference, n = config.reference.position(clean.time), clean.n
     state, measured, force = np.zeros(2), np.zeros(n), np.zeros(n)
@@ -179,27 +175,22 @@ def rows(case: Case, draws: Sequence[Draw]) -> list[Row]:
 def table(found: Sequence[Row], draws: int) -> str:
     """Markdown."""
     low, high = (stats.binom.ppf(q, draws, 0.95) / draws for q in (0.025, 0.975))
-    lines = [
+    lead = (
         f"Share of {draws} draws whose stated 95 % interval holds the truth (simulated). "
-        f"If it is 95 %, 95 % of such shares lie in {low:.0%} to {high:.0%}.",
-        "",
-        "| noise | parameter | stated | noise alone | mean error | scatter | mean std | noise part | unit |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    for row in found:
-        numbers = (row.bias, row.scatter, row.mean_std, row.median_noise_std)
-        middle = " | ".join(f"{value:.3g}" for value in numbers)
-        shares = f"{row.held:.0%} | {row.held_by_noise_alone:.0%}"
-        lines.append(f"| {row.case} | {row.parameter} | {shares} | {middle} | {row.unit} |")
-    return "\n".join(lines)
-
-
-def write(name: str, text: str) -> None:
-    """Whole or not at all."""
-    OUT.mkdir(parents=True, exist_ok=True)
-    part = OUT / f"{name}.part"
-    part.write_text(text + "\n", encoding="utf-8")
-    os.replace(part, OUT / name)
+        f"If it is 95 %, 95 % of such shares lie in {low:.0%} to {high:.0%}."
+    )
+    header = (
+        "noise", "parameter", "stated", "noise alone", "mean error", "scatter", "mean std", "noise part",
+        "unit",
+    )  # fmt: skip
+    cells = [
+        (
+            row.case, row.parameter, f"{row.held:.0%}", f"{row.held_by_noise_alone:.0%}", f"{row.bias:.3g}",
+            f"{row.scatter:.3g}", f"{row.mean_std:.3g}", f"{row.median_noise_std:.3g}", row.unit,
+        )
+        for row in found
+    ]  # fmt: skip
+    return "\n".join([lead, "", *studies.table(header, cells)])
 
 
 def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = print) -> list[Row]:
@@ -225,9 +216,9 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
             say(f"{case.name}: {count} simulated draws, {failed} not converged, {took:.0f} s")
     say(table(found, count))
     about = {"draws": count, "seed": given.seed, "duration_s": duration, "provenance": "simulated"}
-    write("coverage.json", json.dumps({**about, "rows": [asdict(row) for row in found]}, indent=1))
-    write("coverage.md", table(found, count))
-    say(f"written: {OUT / 'coverage.json'}, {OUT / 'coverage.md'}")
+    data = json.dumps({**about, "rows": [asdict(row) for row in found]}, indent=1)
+    file = studies.write(studies.OUT / "coverage.json", data)
+    say(f"written: {file}, {studies.write(studies.OUT / 'coverage.md', table(found, count))}")
     return found
 
 

@@ -13,28 +13,25 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from benchmarks import studies
 from hybridid.estimators import fit
 from hybridid.model import Model
 from hybridid.rigs.esea import F_C, F_S, F_V, SIGMA_0, SIGMA_1, V_S
 from hybridid.rigs.half_car_truth import HalfCarTruth
 from hybridid.signals.steps import apply_steps
-from hybridid_cli.config_files import conf_folder
+from hybridid_cli.composing import settings_of
 from pipelines.shared.config import Settings
 from pipelines.shared.modelling import fit_settings, model_of
 from pipelines.shared.sources import sources_of
 
 Z95 = 1.96
 SCATTER = 1.5
-OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies"
 CAR = HalfCarTruth()
 
 
@@ -102,15 +99,9 @@ class Row:
         return Z95 * self.std / abs(self.true)
 
 
-def settings_of(case: Case, seed: int) -> Settings:
+def configured(case: Case, seed: int) -> Settings:
     """The case's own config, its rig as declared, noise from ``seed``."""
-    from hydra import compose, initialize_config_dir
-    from omegaconf import OmegaConf
-
-    words = [*case.words, "data=simulated", f"rig.seed={seed}"]
-    with initialize_config_dir(str(conf_folder()), version_base="1.3"):
-        config: Any = OmegaConf.to_container(compose("fit", overrides=words), resolve=True)
-    return Settings(case.name, config)
+    return settings_of([*case.words, "data=simulated", f"rig.seed={seed}"])
 
 
 def scattered(model: Model, seed: int) -> Model:
@@ -125,7 +116,7 @@ def scattered(model: Model, seed: int) -> Model:
 
 def study(case: Case, seed: int) -> list[Row]:
     """One draw: record, prepare, fit, compare."""
-    settings = settings_of(case, seed)
+    settings = configured(case, seed)
     source = next(s for s in sources_of(settings).found if s.role == "identification")
     record = apply_steps(source.record(), settings["preprocess.steps"])
     began = time.process_time()
@@ -139,25 +130,25 @@ def study(case: Case, seed: int) -> list[Row]:
 
 def table(rows: Sequence[Row]) -> str:
     """Markdown: every draw, then the share of each case and parameter."""
-    lines = [
-        "Simulated: the truth is the declared model, the sensors are the rig's.",
-        "",
-        "| case | seed | parameter | true | estimate | 95 % interval | inside | unit |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for r in rows:
-        shown = f"{r.true:.5g} | {r.estimate:.5g} | ± {Z95 * r.std:.2g} ({r.width:.1%})"
-        lines.append(
-            f"| {r.case} | {r.seed} | {r.parameter} | {shown} | {'yes' if r.inside else 'NO'} | {r.unit} |"
+    header = ("case", "seed", "parameter", "true", "estimate", "95 % interval", "inside", "unit")
+    draws = [
+        (
+            r.case, r.seed, r.parameter, f"{r.true:.5g}", f"{r.estimate:.5g}",
+            f"± {Z95 * r.std:.2g} ({r.width:.1%})", "yes" if r.inside else "NO", r.unit,
         )
-    lines += ["", "| case | inside | widest half width | CPU s a fit |", "|---|---|---|---|"]
+        for r in rows
+    ]  # fmt: skip
+    shares = []
     for name in dict.fromkeys(r.case for r in rows):
         own = [r for r in rows if r.case == name]
         widest = max(own, key=lambda r: r.width)
         seconds = np.median([r.seconds for r in own])
         inside = f"{sum(r.inside for r in own)} of {len(own)}"
-        lines.append(f"| {name} | {inside} | {widest.width:.1%} ({widest.parameter}) | {seconds:.1f} |")
-    return "\n".join([*lines, f"| all | {sum(r.inside for r in rows)} of {len(rows)} | | |"])
+        shares.append((name, inside, f"{widest.width:.1%} ({widest.parameter})", f"{seconds:.1f}"))
+    shares.append(("all", f"{sum(r.inside for r in rows)} of {len(rows)}", "", ""))
+    lead = "Simulated: the truth is the declared model, the sensors are the rig's."
+    columns = ("case", "inside", "widest half width", "CPU s a fit")
+    return "\n".join([lead, "", *studies.table(header, draws), "", *studies.table(columns, shares)])
 
 
 def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = print) -> list[Row]:
@@ -180,17 +171,11 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
                 f"{made[0].status}, {made[0].seconds:.1f} s CPU"
             )
     say(table(rows))
-    OUT.mkdir(parents=True, exist_ok=True)
-    for name, text in (("recovery.md", table(rows)), ("recovery.json", _as_json(rows))):
-        part = OUT / f"{name}.part"
-        part.write_text(text + "\n", encoding="utf-8")
-        os.replace(part, OUT / name)
-    return rows
-
-
-def _as_json(rows: Sequence[Row]) -> str:
+    studies.write(studies.OUT / "recovery.md", table(rows))
     plain = [{**asdict(r), "inside": r.inside} for r in rows]
-    return json.dumps({"provenance": "simulated", "rows": plain}, indent=1)
+    data = {"provenance": "simulated", "rows": plain}
+    studies.write(studies.OUT / "recovery.json", json.dumps(data, indent=1))
+    return rows
 
 
 if __name__ == "__main__":

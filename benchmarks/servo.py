@@ -16,7 +16,6 @@ from __future__ import annotations
 import argparse
 import csv
 import json
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
@@ -25,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import studies
 from hybridid.estimators import Estimate, fit
 from hybridid.model import Model
 from hybridid.records.record import Record
@@ -32,7 +32,7 @@ from hybridid.signals.steps import apply_steps
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import TooStiff
 from hybridid.validation.predict import free_run
-from hybridid_cli.config_files import conf_folder
+from hybridid_cli.composing import settings_of
 from pipelines.shared.config import Settings
 from pipelines.shared.modelling import fit_settings, model_of
 from pipelines.shared.sources import sources_of
@@ -49,29 +49,22 @@ FORMS: Mapping[str, tuple[str, ...]] = {
 }
 """Effects at the joint; ``R_s=0`` fixes that parameter: a torque in proportion to the duty."""
 HERE = Path(__file__).resolve().parent
-OUT = HERE.parent / "outputs" / "studies"
 Records = Mapping[str, Record]
 Fitted = tuple[Model, Estimate]
 Say = Callable[[str], None]
 
 
 @cache
-def settings_of(form: str) -> Settings:
+def configured(form: str) -> Settings:
     """The case's own config with the form's effects."""
-    from hydra import compose, initialize_config_dir
-    from omegaconf import OmegaConf
-
     fixed = [f"+parameters.{entry.replace('=', '.fixed=')}" for entry in FORMS[form] if "=" in entry]
     effects = ",".join(entry for entry in FORMS[form] if "=" not in entry)
-    words = ["case=servo", f"effects=[{effects}]", *fixed]
-    with initialize_config_dir(str(conf_folder()), version_base="1.3"):
-        config: Any = OmegaConf.to_container(compose("fit", overrides=words), resolve=True)
-    return Settings("servo", config)
+    return settings_of(["case=servo", f"effects=[{effects}]", *fixed])
 
 
 def records_of() -> dict[str, Record]:
     """The case's records by name: measured where they are found, else simulated."""
-    settings = settings_of("M1")
+    settings = configured("M1")
     return {
         source.name: apply_steps(source.record(), settings["preprocess.steps"])
         for source in sources_of(settings).found
@@ -85,7 +78,7 @@ def of_kind(records: Records, *kinds: str) -> dict[str, Record]:
 
 def fitted(form: str, records: Records) -> Fitted | None:
     """The form, fitted in free run to ``records`` by RK4; None where it is too stiff for that."""
-    settings = settings_of(form)
+    settings = configured(form)
     model = model_of(settings)
     try:
         return model, fit(model, list(records.values()), replace(fit_settings(settings), integrator="rk4"))
@@ -124,13 +117,13 @@ def chosen(left: str, records: Records, forms: Sequence[str], say: Say) -> str:
     return min(errors, key=errors.__getitem__)
 
 
-def row_of(name: str, whole: float | None, left: Mapping[str, float]) -> str:
-    """One line of the table: all twelve, each kind left out, the mean of these."""
+def row_of(name: str, whole: float | None, left: Mapping[str, float]) -> list[str]:
+    """One row of the table: all twelve, each kind left out, the mean of these."""
     parts = [name, "" if whole is None else f"{whole:.1f}", *(f"{left[kind]:.1f}" for kind in KINDS)]
-    return f"| {' | '.join([*parts, f'{np.mean([left[kind] for kind in KINDS]):.1f}'])} |"
+    return [*parts, f"{np.mean([left[kind] for kind in KINDS]):.1f}"]
 
 
-def rivals() -> list[str]:
+def rivals() -> list[list[str]]:
     """The rows of the rivals, from the file beside this one."""
     with (HERE / "servo_rivals.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
@@ -159,17 +152,18 @@ def main(arguments: Sequence[str] | None = None, say: Say = print) -> dict[str, 
         result[form] = {"all": whole, **left, "not_converged": unfinished}
         remark = f" (not converged: {', '.join(unfinished)})" if unfinished else ""
         table.append(row_of(form + remark, whole, left))
-        say(table[-1])
+        say(" | ".join(table[-1]))
     if not given.not_chosen:
         taken = {kind: chosen(kind, records, given.only, say) for kind in KINDS}
         left = {kind: result[form][kind] for kind, form in taken.items()}
         table.append(row_of(f"chosen without the kind left out: {', '.join(taken.values())}", None, left))
     head = ["form", "all twelve", *(f"without {kind}" for kind in KINDS), "mean"]
-    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head), *table, *rivals()]
+    lines = studies.table(head, [*table, *rivals()])
     text = "\n".join([f"Mean absolute error [mrad] in free run ({provenance}).", "", *lines])
     say(text)
-    write("servo.md", text)
-    write("servo.json", json.dumps({"provenance": provenance, "forms": result}, indent=1))
+    studies.write(studies.OUT / "servo.md", text)
+    data = {"provenance": provenance, "forms": result}
+    studies.write(studies.OUT / "servo.json", json.dumps(data, indent=1))
     return result
 
 
@@ -184,14 +178,6 @@ def outcome_of(form: Fitted | None) -> str:
         return "too stiff to fit"
     _, estimate = form
     return ", ".join([estimate.status, *(f"{p.name} {p.value:.4g} {p.unit}" for p in estimate.parameters)])
-
-
-def write(name: str, text: str) -> None:
-    """A file of ``outputs/studies``, whole or not at all."""
-    OUT.mkdir(parents=True, exist_ok=True)
-    part = OUT / f"{name}.part"
-    part.write_text(text + "\n", encoding="utf-8")
-    os.replace(part, OUT / name)
 
 
 if __name__ == "__main__":

@@ -33,7 +33,9 @@ from statistics import fmean, stdev
 from tempfile import TemporaryFile
 from typing import Any
 
-OUT = Path(__file__).resolve().parent.parent / "outputs" / "studies" / "sweep_speed"
+from benchmarks import studies
+
+OUT = studies.OUT / "sweep_speed"
 OUTPUT = "vertical_velocity"
 CORES = 2
 GRID = {"depth": (3, 4, 5), "width": (8, 16, 32)}
@@ -94,10 +96,14 @@ def main(arguments: Sequence[str] | None = None, say: Callable[[str], None] = pr
     found |= {"ratio": _ratios(timed), "ratio_together": _ratios(timed, together)}
     text = _report(timed, together, small, given)
     say(text)
-    (OUT / "sweep_speed.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    (OUT / "sweep_speed.md").write_text(text + "\n", encoding="utf-8")
+    studies.write(OUT / "sweep_speed.json", json.dumps(found, indent=1))
+    studies.write(OUT / "sweep_speed.md", text)
     _draw(timed)
     return found
+
+
+def _words(seeds: str, epochs: int) -> list[str]:
+    return [*WORDS, f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seeds}]", f"residual.epochs={epochs}"]
 
 
 def _hybridid(command: str, out: Path) -> list[str]:
@@ -111,7 +117,7 @@ def _out(way: str) -> Path:
 def _one(way: str, seed: int, epochs: int) -> Timed:
     """The nine networks of one seed."""
     out = _out(way)
-    own = [*WORDS, f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seed}]", f"residual.epochs={epochs}"]
+    own = _words(str(seed), epochs)
     if way == "sweep":
         wall, cpu, _ = _timed([*_hybridid("sweep", out), *own, f"sweep.processes={CORES}"])
         return Timed(
@@ -165,22 +171,16 @@ def _size(depth: int, width: int) -> str:
 
 def _bare_loop(seed: int, epochs: int) -> dict[str, float]:
     """Network after network by the very code that a stack trains with."""
-    from hydra import compose, initialize_config_dir
-    from omegaconf import OmegaConf
-
     from hybridid.hybrid import errors_of, gray_runs
     from hybridid.residuals import training
-    from hybridid_cli.config_files import conf_folder
+    from hybridid_cli.composing import settings_of
     from pipelines.residual.narx import NARXRequest
     from pipelines.residual.stage import gray_box
-    from pipelines.shared.config import Settings
 
-    own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{seed}]", f"residual.epochs={epochs}"]
-    with initialize_config_dir(str(conf_folder()), version_base="1.3"):
-        plain: Any = OmegaConf.to_container(compose("run", [*WORDS, *own]), resolve=True)
-    request = NARXRequest.of(plain["residual"])
+    settings = settings_of(_words(str(seed), epochs), "run")
+    request = NARXRequest.of(settings["residual"])
     (tree,) = {path.resolve().parent.parent for path in _out("bare loop").glob("vehicle/*/fit/stage.json")}
-    gray = gray_box(Settings("vehicle", plain), tree)
+    gray = gray_box(settings, tree)
     tasks = request.tasks(gray.model, errors_of(gray_runs(gray, request.initial_state)))
     found = {}
     for task in tasks:
@@ -193,18 +193,16 @@ def _together(seeds: int, epochs: int) -> dict[str, float]:
     """The grid with every seed in one command, in a folder where none of it is there yet."""
     out = OUT / "together"
     _timed([*_hybridid("fit", out), "case=vehicle", "data=simulated"])
-    listed = ",".join(map(str, range(seeds)))
-    own = [f"residual.outputs=[{OUTPUT}]", f"residual.seeds=[{listed}]", f"residual.epochs={epochs}"]
-    wall, cpu, _ = _timed([*_hybridid("sweep", out), *WORDS, *own, f"sweep.processes={CORES}"])
+    own = _words(",".join(map(str, range(seeds))), epochs)
+    wall, cpu, _ = _timed([*_hybridid("sweep", out), *own, f"sweep.processes={CORES}"])
     return {"wall": wall, "cpu": cpu}
 
 
 def _small(networks: int, epochs: int) -> dict[str, float]:
     """Ten sizes of at most 16 neurons a layer, as many seeds as it takes."""
-    own = [f"residual.outputs=[{OUTPUT}]", "residual.depth=[1,2,3,4,5]", "residual.width=[8,16]"]
     seeds = ",".join(str(100 + k) for k in range(networks // 10))  # other seeds than those of (a)
-    words = [*own, f"residual.seeds=[{seeds}]", f"residual.epochs={epochs}", f"sweep.processes={CORES}"]
-    wall, cpu, said = _timed([*_hybridid("sweep", _out("sweep")), *WORDS, *words])
+    sizes = ("residual.depth=[1,2,3,4,5]", "residual.width=[8,16]", f"sweep.processes={CORES}")
+    wall, cpu, said = _timed([*_hybridid("sweep", _out("sweep")), *_words(seeds, epochs), *sizes])
     assert f"{networks} of {networks} points have results, 0 of them from before" in said, said
     return {"networks": networks, "wall": wall, "cpu": cpu}
 
@@ -223,12 +221,11 @@ def _report(
     timed: Sequence[Timed], together: dict[str, float], small: dict[str, float], given: argparse.Namespace
 ) -> str:
     lines = [f"Nine networks of Table 4.4, {given.epochs} epochs at most, simulated, {CORES} cores", ""]
-    lines += ["| way | wall s, by seed | CPU s, by seed |", "|---|---|---|"]
+    rows = []
     for way in WAYS:
         own = [t for t in timed if t.way == way]
-        cells = (", ".join(f"{getattr(t, kind):.1f}" for t in own) for kind in ("wall", "cpu"))
-        lines.append(f"| {way} | {' | '.join(cells)} |")
-    lines += [""]
+        rows.append([way, *(", ".join(f"{getattr(t, kind):.1f}" for t in own) for kind in ("wall", "cpu"))])
+    lines += [*studies.table(("way", "wall s, by seed", "CPU s, by seed"), rows), ""]
     cost = f"{together['wall']:.1f} s wall, {together['cpu']:.1f} s CPU"
     for what, ratios in (
         ("a sweep of one seed", _ratios(timed)),
@@ -238,21 +235,15 @@ def _report(
             f"the {way} {r['wall']:.2f} times by wall, {r['cpu']:.2f} by CPU" for way, r in ratios.items()
         )
         lines.append(f"{what} is faster than {'; '.join(parts)}")
-    lines += [
-        "",
-        "| size | held-out RMSE, plain loop | sweep | largest difference of one seed |",
-        "|---|---|---|---|",
-    ]
+    sizes = []
     for size in timed[0].held_out:
         loop, swept = (_errors(timed, way, size) for way in ("plain loop", "sweep"))
         largest = max(abs(a - b) for a, b in zip(loop, swept, strict=True))
-        lines.append(f"| {size} | {_spread(loop)} | {_spread(swept)} | {1e3 * largest:.3f} mm/s |")
-    wall = f"{small['wall']:.0f} s ({small['wall'] / 60:.1f} min)"
-    lines += [
-        "",
-        f"{small['networks']:.0f} small networks in one command: {wall} wall, {small['cpu']:.0f} s CPU",
-    ]
-    return "\n".join(lines)
+        sizes.append((size, _spread(loop), _spread(swept), f"{1e3 * largest:.3f} mm/s"))
+    header = ("size", "held-out RMSE, plain loop", "sweep", "largest difference of one seed")
+    wall = f"{small['wall']:.0f} s ({small['wall'] / 60:.1f} min) wall, {small['cpu']:.0f} s CPU"
+    said = f"{small['networks']:.0f} small networks in one command: {wall}"
+    return "\n".join([*lines, "", *studies.table(header, sizes), "", said])
 
 
 def _errors(timed: Sequence[Timed], way: str, size: str) -> list[float]:

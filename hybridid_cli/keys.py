@@ -79,7 +79,8 @@ def choices() -> dict[str, tuple[str, ...]]:
     everything = [one for name, cls in SECTIONS.items() for one in _below(name, cls)]
     everything += [one for cls in KINDS.values() for one in _below("residual", cls)]
     everything += [one for cls in LONE for one in declared(cls)]
-    return {one.name: (*words_of(one.hint), *_null(one)) for one in everything if words_of(one.hint)}
+    null = {one.name: ("null",) * (type(None) in options(one.hint)) for one in everything}
+    return {one.name: (*words_of(one.hint), *null[one.name]) for one in everything if words_of(one.hint)}
 
 
 def value_of(one: Declared) -> str:
@@ -120,10 +121,6 @@ def _below(name: str, cls: type) -> Iterator[Declared]:
 def _chosen(key: str) -> Iterator[Declared]:
     section, dot, _ = key.partition(".")
     yield from (one for one in _below(section, SECTIONS[section]) if not dot or one.name == key)
-
-
-def _null(one: Declared) -> tuple[str, ...]:
-    return ("null",) if type(None) in options(one.hint) else ()
 
 
 def _shown(hint: Any, unit: str) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hydra._internal.core_plugins.basic_launcher import BasicLauncher
-from hydra.core.utils import JobReturn, JobStatus
+from hydra.core.utils import JobStatus
 
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, LostJob
@@ -20,7 +20,8 @@ from pipelines.shared.trust import admit, paths_in
 from pipelines.shared.watch import Watcher
 from pipelines.sweep.job_runner import ONCE_MORE, JobRunner, LocalProcesses, OnJobEnd, log_job, lost_reason
 from pipelines.sweep.point import spelt
-from pipelines.sweep.work import Failures, SweepJob, one_line
+from pipelines.sweep.work import Failures, SweepJob
+from pipelines.tracking.note import one_line
 
 BEGUN, OUTCOME = ".begun", ".outcome"
 
@@ -114,7 +115,11 @@ class LauncherProcesses:
         except Exception as error:
             watcher.carry_on()
             return dict.fromkeys(sweep_jobs, error), True
-        lost = {path: given for path, given in zip(sweep_jobs, returns, strict=True) if _failed(given)}
+        lost = {
+            path: given
+            for path, given in zip(sweep_jobs, returns, strict=True)
+            if given.status == JobStatus.FAILED
+        }
         return {path: given._return_value for path, given in lost.items()}, False
 
 
@@ -125,10 +130,6 @@ def _coordinates(sweep_job: SweepJob, added: frozenset[str]) -> list[str]:
     """
     at = sweep_job.points[0].at.items()
     return [f"{'++' if '.' in key else '+' * (key in added)}{key}={spelt(value)}" for key, value in at]
-
-
-def _failed(given: JobReturn) -> bool:
-    return given.status == JobStatus.FAILED
 
 
 def _again(sweep_job: SweepJob, error: Exception) -> bool:

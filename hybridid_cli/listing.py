@@ -15,7 +15,7 @@ from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
 from hybridid.model import Model
 from hybridid.quantities import number
-from hybridid_cli.config_files import conf_folder, options, user_folders
+from hybridid_cli.config_files import options, user_folders
 from hybridid_cli.tables import rendered
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
@@ -159,25 +159,16 @@ def _records(settings: Settings) -> list[RenderableType]:
 
 
 def _settings(name: str, folders: Sequence[Path], overrides: Sequence[str]) -> Settings:
-    """A case's config, composed by Hydra but without its application."""
-    from hydra import compose, initialize_config_dir
+    """What a case would run with."""
     from hydra.errors import HydraException
-    from omegaconf import OmegaConf
 
+    from hybridid_cli.composing import settings_of
     from hybridid_cli.explain import explained
 
-    make_importable(folder.resolve() for folder in folders)
-    path = ",".join(f"file://{folder.resolve()}" for folder in folders)
-    words = [f"case={name}", f"hydra.searchpath=[{path}]", *overrides]
     try:
-        with initialize_config_dir(str(conf_folder()), job_name="cases", version_base="1.3"):
-            config = OmegaConf.to_container(compose("run", overrides=words), resolve=True)
+        return settings_of([f"case={name}", *overrides], "run", folders)
     except HydraException as error:
         raise ConfigError(explained(error, "run", overrides)[0]) from error
-    assert isinstance(config, dict)
-    return Settings(
-        name, {str(k): v for k, v in config.items()}, tuple(folder.resolve() for folder in folders)
-    )
 
 
 def _described(effect: Effect) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.console import RenderableType
 from rich.text import Text
 
-from hybridid.hybrid.report import CandidateScore, NARXReport, NetworkScore, RBFReport
+from hybridid.hybrid.report import CandidateScore, NARXReport, NetworkScore
 from hybridid.quantities import percent, quantity
 from hybridid.residuals.explained import Explained
 from hybridid_cli.tables import table, warnings
@@ -27,17 +27,13 @@ def residual_results(tree: Path) -> list[RenderableType]:
         parts.append(_networks(report, fitted))
     else:
         parts += [_candidates(report.candidates, fitted)] if report.candidates else []
-        line += _how(report)
+        span = "the whole record" if report.horizon is None else f"horizons of {report.horizon} samples"
+        line += f" over {span}, physics {report.physics}"
     if report.rule:
         parts.append(Text(f"rule: {report.rule}"))
     parts.append(Text(line))
     parts += [_explained(one) for one in found.explained]
     return parts + warnings(found.warnings)
-
-
-def _how(report: RBFReport) -> str:
-    span = "the whole record" if report.horizon is None else f"horizons of {report.horizon} samples"
-    return f" over {span}, physics {report.physics}"
 
 
 def _candidates(candidates: Sequence[CandidateScore], fitted: str) -> RenderableType:

@@ -18,7 +18,6 @@ from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 
 from hybridid.plain import build
-from hybridid.records.sources import DataRoot
 from hybridid_cli.file_globs import with_files
 from hybridid_cli.fleet_results import fleet_summary
 from hybridid_cli.launching import runner_of
@@ -54,7 +53,8 @@ def sweep(words: Sequence[str], context: HydraContext, task: TaskFunction, confi
         Incomplete: if points have no result; names them.
     """
     parser = OverridesParser.create(config_loader=context.config_loader)
-    overrides = parser.parse_overrides(with_files(words, _roots(config)))
+    roots = roots_of(config.paths.get("data"), own_folders(config.hydra))
+    overrides = parser.parse_overrides(with_files(words, roots))
     with Terminal() as terminal:
         points = expanded(list(Configs(overrides, parser, context.config_loader, config)))
         settings = points[0].settings
@@ -132,11 +132,6 @@ class Configs:
             for key, value in values.items():
                 OmegaConf.update(config, key, value, merge=True)
         return settings_from(config, hydra, in_sweep=True), {**options, **values}
-
-
-def _roots(config: DictConfig) -> tuple[DataRoot, ...]:
-    """The folders in which recordings are looked for."""
-    return roots_of(config.paths.get("data"), own_folders(config.hydra))
 
 
 def _launcher(folder: Path, context: HydraContext, task: TaskFunction, config: DictConfig) -> Any:

@@ -8,14 +8,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hydra import compose
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf, open_dict
+from omegaconf import DictConfig
 
 from hybridid.plain import build
 from hybridid.settings import keys
 from hybridid_cli import interrupt
+from hybridid_cli.composing import composed, plain_config
 from hybridid_cli.terminal import Terminal
 from hybridid_cli.trusting import trusted_when_asked
 from pipelines.shared.config import Settings
@@ -46,7 +46,7 @@ def settings_from(cfg: DictConfig, hydra: Any, in_sweep: bool) -> Settings:
         raise ConfigError("no case: give case=NAME; hybridid cases lists them")
     folders = own_folders(hydra)
     make_importable(folders)
-    plain = _plain(cfg)
+    plain = plain_config(cfg)
     if plain.get("model") is not None:
         plain = _taken_up(plain)
     return Settings(case, plain, folders, in_sweep)
@@ -152,28 +152,12 @@ def reproduce(cfg: DictConfig) -> None:
 
     own = ("experiments=", "processes=", "experiment=", "case=")
     words = [word for word in HydraConfig.get().overrides.task if not word.lstrip("+~").startswith(own)]
-    config = _plain(cfg)
+    config = plain_config(cfg)
     asked = build(ReproduceKeys, {key: config[key] for key in keys(ReproduceKeys)}, "", ConfigError)
-    experiments = {name: _composed(name, words) for name in asked.experiments}
+    experiments = {name: composed([f"experiment={name}", *words], "run") for name in asked.experiments}
     with Terminal() as terminal:
         page = run(experiments, Path(str(cfg.paths.outputs)), terminal, asked.processes)
         terminal.show(f"page: {page}")
-
-
-def _composed(experiment: str, words: list[str]) -> Settings:
-    """The settings with which ``hybridid run experiment=NAME`` would run."""
-    cfg = compose("run", [f"experiment={experiment}", *words], return_hydra_config=True)
-    case = str(cfg.hydra.runtime.choices["case"])
-    with open_dict(cfg):
-        del cfg["hydra"]
-    return Settings(case, _plain(cfg))
-
-
-def _plain(cfg: DictConfig) -> dict[str, Any]:
-    """A config as plain containers, with what its values refer to in their place."""
-    config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
-    assert isinstance(config, dict)
-    return {str(key): value for key, value in config.items()}
 
 
 @_raises_past_hydra

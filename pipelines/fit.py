@@ -14,10 +14,9 @@ from pipelines.shared.fitted import Fit, describe_model
 from pipelines.shared.limits import check_and_tell, check_demand
 from pipelines.shared.modelling import fit_settings, model_of
 from pipelines.shared.prepared import prepared_records
-from pipelines.shared.sources import chosen, fitted_records, sources_of
+from pipelines.shared.sources import fitted_records, sources_of
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
-from pipelines.shared.watch import Watcher
 
 MODEL_NAME = "gray box"
 KEYS = (*modelling.KEYS, "estimator", "fit.records")
@@ -25,11 +24,16 @@ KEYS = (*modelling.KEYS, "estimator", "fit.records")
 
 def run(job: Job) -> None:
     """Estimate the model's parameters on the records of ``fit.records``, and judge the fit."""
-    fitted = chosen(prepared_records(job.tree), fitted_records(job.settings), "fit.records")
+    fitted = fitted_records(prepared_records(job.tree), job.settings)
     records = [load_record(record.file) for record in fitted]
     model = model_of(job.settings)
     check_and_tell(fit_demand(model, records, fit_settings(job.settings)), job.settings, job.watcher)
-    estimate = fit(model, records, fit_settings(job.settings), lambda report: _show(report, job.watcher))
+
+    def show(report: Progress) -> None:
+        state = f"iteration {report.iteration}, cost {report.cost:.6g}"
+        job.watcher.progress(report.stage, state, report.fraction)
+
+    estimate = fit(model, records, fit_settings(job.settings), show)
     names = {record.name for record in fitted}
     others = [load_record(one.file) for one in prepared_records(job.tree) if one.name not in names]
     quality = judge(model, records, estimate, others)
@@ -58,14 +62,10 @@ def check(settings: Settings) -> None:
     check_demand(fit_demand(model, (), fit_settings(settings)), settings)  # more is known with the records
     sources = sources_of(settings)
     try:
-        chosen(sources.found, fitted_records(settings), "fit.records")
+        fitted_records(sources.found, settings)
     except ConfigError as error:  # it may be the record whose file is not there
         missing = "" if sources.simulated else "; ".join(["", *sources.remarks])
         raise ConfigError(f"{error}{missing}") from error
-
-
-def _show(report: Progress, watcher: Watcher) -> None:
-    watcher.progress(report.stage, f"iteration {report.iteration}, cost {report.cost:.6g}", report.fraction)
 
 
 FIT = Stage(

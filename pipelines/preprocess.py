@@ -12,11 +12,10 @@ from hybridid.records.store import save_record
 from hybridid.signals.step import StepError, as_steps
 from hybridid.signals.steps import apply_steps, parse_steps
 from pipelines.shared import sources
-from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.limits import check_demand
-from pipelines.shared.modelling import given_of, weights_of
+from pipelines.shared.modelling import channels_of, given_of, weights_of
 from pipelines.shared.prepared import NamedUnit, Prepared
 from pipelines.shared.remarks import together
 from pipelines.shared.sources import Simulated, Source, sources_of

@@ -23,12 +23,11 @@ from pipelines.shared.secrets import masked
 from pipelines.shared.tree import replacing, write_text
 from pipelines.shared.watch import Watcher
 from pipelines.thesis.look_up import Failed
-from pipelines.tracking.note import short
+from pipelines.tracking.note import one_line
 from pipelines.tracking.runs import tracked
 
 LAST_STAGE = "validate"
 """The last stage of an experiment. Plots are not needed: the page draws the thesis' figures itself."""
-_LONGEST = 300
 
 
 @dataclass(frozen=True)
@@ -77,9 +76,7 @@ def attempt(settings: Settings, watcher: Watcher) -> Done | Failed:
             outcome = run_stages(settings, LAST_STAGE, watcher)
             logged.finish(outcome)
     except Exception as error:
-        kind = "" if isinstance(error, ConfigError) else f"{type(error).__name__}: "
-        reason = short(f"{kind}{error}")[:_LONGEST]
-        return Failed(reason, masked(traceback.format_exc()))
+        return Failed(one_line(error), masked(traceback.format_exc()))
     return Done(outcome.tree, time.monotonic() - began)
 
 

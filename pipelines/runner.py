@@ -14,11 +14,10 @@ from pipelines.fit import FIT
 from pipelines.plot.stage import PLOT
 from pipelines.preprocess import PREPROCESS
 from pipelines.residual.stage import RESIDUAL
-from pipelines.shared.config import Settings
+from pipelines.shared.config import Settings, digest_of
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.freshness import (
     Fingerprint,
-    digest_of,
     fingerprint,
     folder_digest,
     why_stale,
@@ -128,7 +127,8 @@ def _bring_up_to_date(
     checked = False
     for stage in stages:
         if stage.name != PREPROCESS.name and not checked:
-            _check_records(stages, settings, root)  # reports what no fit would mend, before the fit
+            for one in stages:
+                one.check_records(settings, root)  # reports what no fit would mend, before the fit
             checked = True
         now, folder = _made_from(stage, settings, root), results_folder(stage, settings, root)
         reasons = why_stale(folder, now)
@@ -151,11 +151,6 @@ def _bring_up_to_date(
     return ran
 
 
-def _check_records(stages: tuple[Stage, ...], settings: Settings, root: Path) -> None:
-    for stage in stages:
-        stage.check_records(settings, root)
-
-
 def _changed_by(
     stage: Stage, made_from: Fingerprint, settings: Settings, root: Path, watcher: Watcher
 ) -> bool:
@@ -164,7 +159,7 @@ def _changed_by(
     before = folder_digest(folder)
     began = time.perf_counter()
     with replacing(folder, root) as new:
-        stage.run(Job(settings, root, new, folder, watcher, digest_of(folder, made_from)))
+        stage.run(Job(settings, root, new, folder, watcher, digest_of([str(folder.resolve()), made_from])))
         watcher.carry_on()  # on Ctrl-C IPOPT returns as if it had ended early
         write_receipt(new, stage.name, made_from, time.perf_counter() - began)
     return folder_digest(folder) != before

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from hybridid.rigs.servo import ServoConfig, ServoRig, ServoTruth
 from hybridid.rigs.truth import PlantedAt, at
 from hybridid.settings.fit import FitSettings
 from hybridid.signals.steps import apply_steps
-from hybridid_cli.config_files import conf_folder
+from hybridid_cli.composing import settings_of
 from pipelines.shared.config import Settings
 from pipelines.shared.modelling import fit_settings, model_of
 
@@ -73,14 +72,7 @@ class Bench:
 
 @cache
 def _settings(words: tuple[str, ...]) -> Settings:
-    from hydra import compose, initialize_config_dir
-    from omegaconf import OmegaConf
-
-    with initialize_config_dir(str(conf_folder()), version_base="1.3"):
-        config: Any = OmegaConf.to_container(
-            compose("fit", overrides=[*words, "data=simulated"]), resolve=True
-        )
-    return Settings(words[0].partition("=")[2], config)
+    return settings_of([*words, "data=simulated"])
 
 
 def carriage(generator: Generator) -> Bench:

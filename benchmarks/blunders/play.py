@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from benchmarks.blunders.draw import SOUND, drawn
+from benchmarks.blunders.draw import drawn
 from hybridid.estimators import fit
 from hybridid.quality import judge
 
@@ -45,6 +45,3 @@ def played(kind: str, number: int, seed: int) -> Outcome:
         return Outcome(*about, REFUSED, (str(refused),))
     quality = judge(case.model, case.records, estimate)
     return Outcome(*about, quality.verdict, tuple(f.kind for f in quality.findings))
-
-
-__all__ = ["SOUND", "Outcome", "played"]

@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from benchmarks import studies
 from benchmarks.blunders.draw import KINDS, SOUND
 from benchmarks.blunders.play import Outcome
-
-OUT = Path(__file__).resolve().parents[2] / "outputs" / "studies"
 
 
 def table(rows: Sequence[Outcome]) -> str:
     """The shares by kind, then every draw that was not told, or accused."""
+    cells = []
+    for kind in (*KINDS, SOUND):
+        own = [r for r in rows if r.kind == kind]
+        cause = "" if kind in ("plant", SOUND) else sum(r.cause for r in own)
+        cells.append((kind, len(own), sum(r.told for r in own), cause))
     lines = [
         "Planted blunders and sound records (simulated): what was told before a parameter was shown.",
         "",
-        "| kind | draws | told | right cause |",
-        "|---|---|---|---|",
     ]
-    for kind in (*KINDS, SOUND):
-        own = [r for r in rows if r.kind == kind]
-        cause = "" if kind in ("plant", SOUND) else str(sum(r.cause for r in own))
-        lines.append(f"| {kind} | {len(own)} | {sum(r.told for r in own)} | {cause} |")
+    lines += studies.table(("kind", "draws", "told", "right cause"), cells)
     planted, sound = [r for r in rows if r.kind != SOUND], [r for r in rows if r.kind == SOUND]
     lines += ["", f"told: {sum(r.told for r in planted)} of {len(planted)} (asked: 95 %)"]
     lines += [f"false alarms: {sum(r.told for r in sound)} of {len(sound)} (asked: at most 3 %)", ""]
@@ -39,10 +37,6 @@ def table(rows: Sequence[Outcome]) -> str:
 
 def write(rows: Sequence[Outcome], seed: int) -> Path:
     """``blunders.md`` and ``blunders.json``, each whole or not at all."""
-    OUT.mkdir(parents=True, exist_ok=True)
     data = {"provenance": "simulated", "seed": seed, "rows": [asdict(r) for r in rows]}
-    for name, text in (("blunders.json", json.dumps(data, indent=1)), ("blunders.md", table(rows))):
-        part = OUT / f"{name}.part"
-        part.write_text(text + "\n", encoding="utf-8")
-        os.replace(part, OUT / name)
-    return OUT / "blunders.md"
+    studies.write(studies.OUT / "blunders.json", json.dumps(data, indent=1))
+    return studies.write(studies.OUT / "blunders.md", table(rows))

@@ -16,8 +16,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = parser("python -m benchmarks.declarations", __doc__, PLAYERS, Path("outputs/declarations"))
     words.set_defaults(players=[ORACLE, NAME])
     asked = words.parse_args(arguments)
-    found = [draw for draw in all_draws() if asked.match in draw.key]
-    return LEAGUE.conduct(evenly(found, CATEGORIES, asked.limit), asked, write_report)
+    draws = evenly(all_draws(), CATEGORIES, asked.limit, asked.match)
+    return LEAGUE.conduct(draws, asked, write_report)
 
 
 if __name__ == "__main__":

@@ -19,8 +19,6 @@ All is drawn before anything is simulated. ``machines`` finds the amounts that g
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -91,11 +89,6 @@ class Draw:
 
     def described(self) -> dict[str, Any]:
         return {**asdict(self), "port": self.port}
-
-    def digest(self, version: str) -> str:
-        """SHA-256 of the scenario and of ``version``, whatever decides its outcome besides."""
-        said = json.dumps([self.described(), version], sort_keys=True)
-        return hashlib.sha256(said.encode()).hexdigest()[:16]
 
 
 @cache

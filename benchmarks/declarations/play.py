@@ -15,7 +15,7 @@ from benchmarks.answers import ORACLE, League, alone, version_of
 from benchmarks.declarations import machines
 from benchmarks.declarations.draw import FRICTION, Draw
 from benchmarks.drawn import oracle
-from benchmarks.league.ours import DETECTABLE
+from benchmarks.drawn.ours import class_of
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS
 from hybridid.estimators import Estimate, FitSettings
@@ -24,7 +24,6 @@ from hybridid.trace import run
 from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.context import Context
 from hybridid.trace.revision import Replacement, idle_terms
-from hybridid.trace.search import Accepted
 from hybridid.trace.verdict import Conclusion, conclude
 
 NAME, WHOLE = "ours", "whole"
@@ -50,8 +49,7 @@ def consult(draw: Draw) -> dict[str, Any] | None:
         oracle.declared_score(case, records) for case in (machines.true_case(draw), machines.declared(draw))
     )
     shown = oracle.shown(true, declared, draw.noise)
-    detectable = shown["p_value"] < DETECTABLE
-    return {**shown, "detectable": detectable, "seconds": time.process_time() - began}
+    return {**shown, "seconds": time.process_time() - began}
 
 
 def _answered(draw: Draw, player: str, most_effects: int) -> dict[str, Any] | None:
@@ -69,7 +67,7 @@ def traced(
     last = _refitted(found, context)
     return {
         "named": [one.name for one in found.accepted],
-        "classes": list(map(_class, found.accepted)),
+        "classes": list(map(class_of, found.accepted)),
         "replaced": list(map(_replaced, found.replacements)),
         "idle": list(idle_terms(found.search.first.model, last)),
         "values": {p.name: [p.value, p.std] for p in last.parameters},
@@ -91,15 +89,10 @@ def _refitted(found: Conclusion, context: Context) -> Estimate:
 def _replaced(one: Replacement) -> dict[str, Any]:
     return {
         "left_out": one.left_out,
-        "classes": list(map(_class, one.accepted)),
+        "classes": list(map(class_of, one.accepted)),
         "gain": one.gain,
         "p_value": one.p_value,
     }
 
 
-def _class(one: Accepted) -> list[str]:
-    others = [trial.candidate.name for trial in one.alike]
-    return [one.name, *(name for name in others if name != one.name)]
-
-
-LEAGUE = League("study of declarations", PLAYERS, version, Draw.described, alone(_answered))
+LEAGUE = League("study of declarations", PLAYERS, version, alone(_answered))

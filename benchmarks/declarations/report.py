@@ -7,13 +7,13 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks.answers import Line
+from benchmarks.bars import WORDS
 from benchmarks.declarations.draw import CATEGORIES
-from benchmarks.declarations.scoring import Class, Round, asked, rounds
-from benchmarks.drawn.report import WORDS
+from benchmarks.declarations.scoring import COUNTED, Class, Round, asked, rounds
+from benchmarks.studies import table
 from hybridid.naming import listed
 from hybridid.quantities import percent
 
-COUNTED = ("told", "near", "other", "silent", "false", "misnamed")
 TITLES = {
     "friction": "viscous friction declared, Coulomb friction and drag true",
     "spring": "a spring declared, none there",
@@ -32,20 +32,18 @@ def write_report(lines: Sequence[Line], out: Path) -> str:
 def report(lines: Sequence[Line]) -> str:
     """The bars, the counts, then every scenario. All are simulated."""
     found = sorted(rounds(lines), key=lambda r: r.key)
-    bars = ["| asked (simulated) | found | |", "| --- | --- | --- |"]
-    bars += [f"| {bar.what} | {bar.found} | {WORDS[bar.holds]} |" for bar in asked(found)]
-    head = ["", "of which", "not detectable", *COUNTED, "CPU s, median"]
-    counts = [f"| {' | '.join(head)} |", "|" + " --- |" * len(head)]
-    counts += [
-        _counts(TITLES[c], part) for c in CATEGORIES if (part := [r for r in found if r.category == c])
-    ]
+    cells = [(bar.what, bar.found, WORDS[bar.holds]) for bar in asked(found)]
+    bars = table(("asked (simulated)", "found", ""), cells)
+    head = ("", "of which", "not detectable", *COUNTED, "CPU s, median")
+    parts = {c: [r for r in found if r.category == c] for c in CATEGORIES}
+    counts = table(head, [_counts(TITLES[c], part) for c, part in parts.items() if part])
     return "\n".join([*bars, "", *counts, "", *map(_told, found)]) + "\n"
 
 
-def _counts(title: str, part: Sequence[Round]) -> str:
+def _counts(title: str, part: Sequence[Round]) -> tuple[object, ...]:
     hidden = sum(r.detectable is False for r in part)
-    cells = [title, len(part), hidden, *(sum(getattr(r, word) for r in part) for word in COUNTED)]
-    return f"| {' | '.join(map(str, cells))} | {median(r.seconds for r in part):.0f} |"
+    said = (sum(getattr(r, word) for r in part) for word in COUNTED)
+    return (title, len(part), hidden, *said, f"{median(r.seconds for r in part):.0f}")
 
 
 def _told(r: Round) -> str:

@@ -35,11 +35,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from benchmarks.answers import Line, beside_oracle
+from benchmarks.bars import Bar, in_words, least, most
 from benchmarks.declarations.draw import COULOMB, DRAG, FRICTION, STIFFNESS, WRONG
-from benchmarks.league.scoring import Asked
 from hybridid.effects.library import EFFECTS
 
 MOST_ALIKE, LEAST_TOLD = 3, 16 / 20
+COUNTED = ("told", "near", "other", "silent", "false", "misnamed")
 Class = tuple[str, ...]
 ALIKE = {effect.id: {effect.id, *effect.look_alikes} for effect in EFFECTS}
 
@@ -110,8 +111,7 @@ class Round:
     @property
     def said(self) -> str:
         """What it comes to, in words."""
-        words = ("told", "near", "other", "silent", "false", "misnamed")
-        return ", ".join(word for word in words if getattr(self, word))
+        return in_words(self, COUNTED)
 
     def _held(self, one: Class) -> frozenset[str]:
         """The truths that a class holds."""
@@ -174,19 +174,17 @@ def _classes(given: Iterable[Sequence[str]]) -> tuple[Class, ...]:
     return tuple(map(tuple, given))
 
 
-def asked(found: Sequence[Round]) -> list[Asked]:
+def asked(found: Sequence[Round]) -> list[Bar]:
     """The bars; one without scenarios holds neither way."""
-    wrong, sound = [r for r in found if r.wrong], [r for r in found if not r.wrong]
-    told, false = sum(r.told for r in wrong), sum(r.false for r in sound)
     return [
-        Asked(
+        least(
             "wrong declarations: told, with what is true in their place, at least 16 of 20",
-            f"{told} of {len(wrong)}",
-            told >= LEAST_TOLD * len(wrong) if wrong else None,
+            [r.told for r in found if r.wrong],
+            LEAST_TOLD,
         ),
-        Asked(
+        most(
             "sound declarations: a replacement, or a declared effect said to end at zero, none",
-            f"{false} of {len(sound)}",
-            false == 0 if sound else None,
+            [r.false for r in found if not r.wrong],
+            0.0,
         ),
     ]

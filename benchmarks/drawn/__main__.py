@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.answers import ORACLE, parser
-from benchmarks.drawn.draw import all_draws
+from benchmarks.answers import ORACLE, evenly, parser
+from benchmarks.drawn.draw import CATEGORIES, all_draws
 from benchmarks.drawn.ours import NAME
-from benchmarks.drawn.play import LEAGUE, PLAYERS, chosen
+from benchmarks.drawn.play import LEAGUE, PLAYERS
 from benchmarks.drawn.report import write_report
 
 
@@ -18,7 +18,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words.add_argument("--series", type=int, default=0, help="of draws: 0, 1, 2, ... (default: 0)")
     words.set_defaults(players=[ORACLE, NAME])
     asked = words.parse_args(arguments)
-    return LEAGUE.conduct(chosen(all_draws(asked.series), asked.match, asked.limit), asked, write_report)
+    draws = evenly(all_draws(asked.series), CATEGORIES, asked.limit, asked.match)
+    return LEAGUE.conduct(draws, asked, write_report)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,7 @@ import numpy as np
 from benchmarks.drawn.draw import Draw
 from benchmarks.drawn.excitation import log_uniform, track
 from benchmarks.drawn.told import Seen
-from benchmarks.league.machines import RUNS
-from hybridid.records.record import Channel, Record
+from benchmarks.league.machines import RUNS, driven
 from hybridid.rigs.half_car import HalfCarConfig, HalfCarRig
 from hybridid.rigs.half_car_truth import HalfCarTruth
 from hybridid.rigs.rig import Experiment
@@ -42,9 +41,9 @@ def perform(draw: Draw, run: str, noise: float, laws: Sequence[PlantedAt]) -> Se
     motion = {port: _strut(made, *LEVERS[port][:2]) for port in LEVERS}
     efforts = [_effort(made.time, motion[one.port], one) for one in laws]
     port = laws[0].port if laws else next(iter(LEVERS))
-    return Seen(
-        _record(draw, run, made, noise, rig), strut_effort(draw, motion, port), motion, tuple(efforts)
-    )
+    source = f"drawn league, half-car over a track of bumps, {run} run, seed {draw.seed} (simulated)"
+    record = driven(rig, made, run, noise, draw.seed, source)
+    return Seen(record, strut_effort(draw, motion, port), motion, tuple(efforts))
 
 
 def strut_effort(draw: Draw, motion, port: str):
@@ -68,19 +67,4 @@ def _effort(time, motion, one: PlantedAt):
     law = one.what.law.function
     return np.array(
         [law(t, q, v, np.sign(v), none, p, np.zeros(2)) for t, q, v in zip(time, *motion, strict=True)]
-    )
-
-
-def _record(draw: Draw, run: str, made: Experiment, noise: float, rig: HalfCarRig) -> Record:
-    generator = np.random.default_rng([draw.seed, RUNS.index(run)])
-    true = np.column_stack([made.truth["vertical_velocity"], made.truth["pitch_rate"]])
-    return Record(
-        name=run,
-        time=made.time,
-        inputs=np.column_stack([made.inputs["u_f"], made.inputs["u_r"]]),
-        outputs=true + noise * generator.standard_normal(true.shape),
-        input_channels=rig.input_channels,
-        output_channels=(Channel("vertical_velocity", "m/s"), Channel("pitch_rate", "rad/s")),
-        simulated=True,
-        source=f"drawn league, half-car over a track of bumps, {run} run, seed {draw.seed} (simulated)",
     )

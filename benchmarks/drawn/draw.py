@@ -12,8 +12,6 @@ All is drawn before anything is simulated; the amplitude that gives the share is
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -106,11 +104,6 @@ class Draw:
 
     def described(self) -> dict[str, Any]:
         return asdict(self)
-
-    def digest(self, version: str) -> str:
-        """SHA-256 of the scenario and of ``version``, whatever decides its outcome besides."""
-        said = json.dumps([self.described(), version], sort_keys=True)
-        return hashlib.sha256(said.encode()).hexdigest()[:16]
 
 
 @cache

@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.drawn.draw import Draw
 from benchmarks.drawn.excitation import moves, sines
 from benchmarks.league.bench import Bench, Loop
-from benchmarks.league.machines import CASES, LINK, OSCILLATOR, RUNS, VOLTS_TO_TORQUE, Case
+from benchmarks.league.machines import CASES, CLOSED, LINK, OSCILLATOR, PUSHED, RUNS, VOLTS_TO_TORQUE, Case
 from hybridid.records.record import Channel
 from hybridid.rigs.law_library import COULOMB, OFFSET, STIFFNESS, VISCOUS
 from hybridid.rigs.loop import CascadedPD
@@ -48,19 +48,8 @@ def _excitation(draw: Draw, run: int):
 
 def _carriage(p: Mapping[str, float]) -> Bench:
     own = VISCOUS(f_v=p["f_v"]), COULOMB(f_c=p["f_c"]), OFFSET(offset=p["offset"])
-    return Bench(
-        name="carriage",
-        mass=((p["M"],),),
-        input_matrix=((1.0,),),
-        contacts={"carriage": (1.0,)},
-        own={"carriage": own},
-        input=Channel("force", "N", "zoh"),
-        outputs={"position": ((1.0,), False, "m")},
-        runs={},
-        dt=2.5e-3,
-        duration=8.0,
-        loop=Loop(CascadedPD(kp=p["kp"], kv=p["kv"]), gain=35.15, limit=351.5) if "kp" in p else None,
-    )
+    loop = replace(CLOSED, controller=CascadedPD(kp=p["kp"], kv=p["kv"])) if "kp" in p else None
+    return replace(PUSHED, mass=((p["M"],),), own={"carriage": own}, loop=loop)
 
 
 def _oscillator(p: Mapping[str, float]) -> Bench:

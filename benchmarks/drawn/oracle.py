@@ -21,9 +21,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from scipy.stats import norm
@@ -31,8 +30,8 @@ from scipy.stats import norm
 from benchmarks.drawn.amount import made, records_of
 from benchmarks.drawn.draw import Draw
 from benchmarks.drawn.machines import case_of
+from benchmarks.league.machines import Declared
 from benchmarks.league.ours import DETECTABLE
-from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.score import Score
@@ -40,34 +39,21 @@ from hybridid.trace.split import Split, by_record
 from hybridid.trace.verdict import regressed
 
 
-class Declared(Protocol):
-    """What is declared of a machine: its model, the samples of a horizon, the parameters' true values."""
-
-    @property
-    def horizon(self) -> int: ...
-    @property
-    def truth(self) -> Mapping[str, float]: ...
-    def model(self) -> Model: ...
-
-
 @dataclass(frozen=True)
 class Oracle:
-    """``numerics``: the declared model's own error with nothing hidden, over the noise, of each output;
-    ``left``: the same with the law at work. ``share`` is what the law takes of the drive's effort."""
+    """``detectable``: whether the records can show what is hidden; False where nothing is. ``numerics``: the
+    declared model's own error with nothing hidden, over the noise, of each output; ``left``: the same with
+    the law at work. ``share`` is what the law takes of the drive's effort."""
 
     noncentrality: float
     p_value: float
+    detectable: bool
     gain: float
     numerics: tuple[float, ...]
     left: tuple[float, ...]
     share: float
     hidden: tuple[dict, ...]
     seconds: float
-
-    @property
-    def detectable(self) -> bool:
-        """Whether the records can show what is hidden; False where nothing is."""
-        return self.p_value < DETECTABLE
 
 
 def consult(draw: Draw) -> Oracle:
@@ -87,15 +73,17 @@ def consult(draw: Draw) -> Oracle:
 
 def shown(empty: Score, worked: Score, noise: float) -> dict[str, Any]:
     """What records show of a law, by the declared model's score on noise-free records without it and with it;
-    ``noise`` is the sensor's standard deviation. The first five fields of ``Oracle``, by name."""
+    ``noise`` is the sensor's standard deviation. The first six fields of ``Oracle``, by name."""
     samples = worked.samples.sum(axis=0)
     floor = noise**2 + empty.squares.sum(axis=0) / samples
     more = np.maximum(worked.squares.sum(axis=0) - empty.squares.sum(axis=0), 0.0)
     noncentrality = float((more / floor).sum())
+    p_value = float(norm.sf(math.sqrt(noncentrality) / 2))
     before, after = (float(np.mean(x / worked.scale**2)) for x in (floor + more / samples, floor))
     return {
         "noncentrality": noncentrality,
-        "p_value": float(norm.sf(math.sqrt(noncentrality) / 2)),
+        "p_value": p_value,
+        "detectable": p_value < DETECTABLE,
         "gain": 1 - math.sqrt(after / before),
         "numerics": tuple((empty.rmse / noise).tolist()),
         "left": tuple((worked.rmse / noise).tolist()),

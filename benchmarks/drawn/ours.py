@@ -8,14 +8,16 @@ from typing import Any
 
 from benchmarks.drawn.draw import Draw
 from benchmarks.drawn.machines import case_of
-from benchmarks.drawn.oracle import Declared, split_of
+from benchmarks.drawn.oracle import split_of
 from benchmarks.league.answer import Answer
+from benchmarks.league.machines import Declared
 from benchmarks.league.ours import NAME, _step_notes
 from hybridid.effects.composed import is_composed
 from hybridid.effects.library import EFFECTS
 from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
+from hybridid.trace.search import Accepted
 from hybridid.trace.verdict import Conclusion, conclude
 
 
@@ -50,7 +52,7 @@ def traced(
     context = Context(split_of(case, records), effects, Rules(most_effects=most_effects), laws=laws)
     found = conclude(case.model(), context)
     named = [one for one in found.accepted if not is_composed(one.trial.candidate.effect)]
-    classes = [[one.name, *_others(one)] for one in named]
+    classes = list(map(class_of, named))
     first = named[0] if named else None
     answer = Answer(
         player=NAME,
@@ -66,9 +68,9 @@ def traced(
     return answer, found
 
 
-def _others(one) -> list[str]:
-    names = [trial.candidate.name for trial in one.alike]
-    return [name for name in names if name != one.name]
+def class_of(one: Accepted) -> list[str]:
+    """An accepted effect, and those that the records cannot tell from it."""
+    return list(dict.fromkeys([one.name, *(trial.candidate.name for trial in one.alike)]))
 
 
 def _notes(noise: float, found: Conclusion, classes: list[list[str]]) -> dict[str, Any]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
-from benchmarks.answers import ORACLE, League, alone, evenly, version_of
+from benchmarks.answers import ORACLE, League, alone, version_of
 from benchmarks.drawn import amount, oracle, ours
-from benchmarks.drawn.draw import CATEGORIES, Draw
+from benchmarks.drawn.draw import Draw
 from hybridid.trace.rules import Rules
 
 WHOLE = "whole"
@@ -20,20 +19,14 @@ def version(player: str) -> str:
     return version_of(amount, oracle if player == ORACLE else ours)
 
 
-def chosen(draws: Iterable[Draw], match: str = "", limit: int | None = None) -> list[Draw]:
-    """Those whose key contains ``match``; at most ``limit``, evenly spread over the categories."""
-    return evenly([draw for draw in draws if match in draw.key], CATEGORIES, limit)
-
-
 def _answered(draw: Draw, player: str, most_effects: int) -> dict[str, Any]:
     if player == ORACLE:
-        found = oracle.consult(draw)
-        return {**vars(found), "detectable": found.detectable}
+        return vars(oracle.consult(draw))
     records = amount.records_of(draw)
     if player == WHOLE:
         return ours.play(draw, records, Rules().most_effects, laws=True).described()
     return ours.play(draw, records, most_effects).described()
 
 
-LEAGUE = League("drawn league", PLAYERS, version, Draw.described, alone(_answered))
+LEAGUE = League("drawn league", PLAYERS, version, alone(_answered))
 line, known = LEAGUE.line, LEAGUE.known

@@ -9,13 +9,10 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks.answers import Line
-from benchmarks.drawn.scoring import Round, asked, groups, rounds
-from benchmarks.league.scoring import Asked
+from benchmarks.bars import Bar, bars_table, counts
+from benchmarks.drawn.scoring import COUNTED, Round, asked, groups, rounds
 from hybridid.quantities import NONE, number, percent
 from pipelines.shared.page import Page, Section, Table
-
-WORDS = {True: "holds", False: "MISSED", None: "no scenario"}
-COUNTED = ("right", "wide", "wrong", "false_discovery", "honest", "silent", "all_clear")
 
 
 def write_report(lines: Sequence[Line], folder: Path) -> str:
@@ -28,23 +25,19 @@ def write_report(lines: Sequence[Line], folder: Path) -> str:
     data = {
         "provenance": "simulated",
         "asked": [asdict(bar) for bar in bars],
-        "groups": {name: _counts(part) for name, part in parts.items()},
-        "machines": {name: _counts(part) for name, part in _by_machine(found).items()},
+        "groups": {name: counts(part, COUNTED) for name, part in parts.items()},
+        "machines": {name: counts(part, COUNTED) for name, part in _by_machine(found).items()},
         "rounds": [{**asdict(r), "truths": sorted(r.truths), "said": r.said} for r in found],
     }
     (folder / "league.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     return f"{_printed(bars, parts)}\n{page}"
 
 
-def _counts(part: Sequence[Round]) -> dict[str, int]:
-    return {"scenarios": len(part), **{what: sum(getattr(r, what) for r in part) for what in COUNTED}}
-
-
 def _by_machine(found: Sequence[Round]) -> dict[str, list[Round]]:
     return {name: [r for r in found if r.machine == name] for name in sorted({r.machine for r in found})}
 
 
-def _page(found: Sequence[Round], bars: Sequence[Asked], parts: dict[str, list[Round]]) -> Page:
+def _page(found: Sequence[Round], bars: Sequence[Bar], parts: dict[str, list[Round]]) -> Page:
     lead = (
         f"{len(found)} simulated experiments, drawn at random from fixed seeds before any trace was run on "
         "them, hide an effect or nothing; our trace gets two records and the declared model."
@@ -71,15 +64,10 @@ def _page(found: Sequence[Round], bars: Sequence[Asked], parts: dict[str, list[R
     )
 
 
-def bars_table(bars: Sequence[Asked]) -> Table:
-    rows = tuple((bar.what, bar.found, WORDS[bar.holds]) for bar in bars)
-    return Table("Bars (simulated)", ("asked", "found", ""), rows, words=(0, 1, 2))
-
-
 def _table(caption: str, parts: dict[str, list[Round]]) -> Table:
     header = ("", "scenarios", *(what.replace("_", " ") for what in COUNTED), "CPU s")
     rows = tuple(
-        (name, *(str(count) for count in _counts(part).values()), _seconds(part))
+        (name, *(str(count) for count in counts(part, COUNTED).values()), _seconds(part))
         for name, part in parts.items()
     )
     return Table(f"{caption} (simulated)", header, rows, ("CPU s: of our trace, median",))
@@ -109,9 +97,10 @@ def _all(found: Sequence[Round]) -> Table:
     return Table("Answers (simulated)", header, rows, words=(0, 1, 2, 3, 4, 6))
 
 
-def _printed(bars: Sequence[Asked], parts: dict[str, list[Round]]) -> str:
+def _printed(bars: Sequence[Bar], parts: dict[str, list[Round]]) -> str:
     lines = ["drawn league (simulated)"]
     for name, part in parts.items():
-        counts = ", ".join(f"{what.replace('_', ' ')} {n}" for what, n in _counts(part).items() if n)
-        lines.append(f"  {name}: {counts or 'no scenario'}")
-    return "\n".join([*lines, *(f"  {WORDS[bar.holds]:11} {bar.what}: {bar.found}" for bar in bars)])
+        found = counts(part, COUNTED).items()
+        said = ", ".join(f"{what.replace('_', ' ')} {n}" for what, n in found if n)
+        lines.append(f"  {name}: {said or 'no scenario'}")
+    return "\n".join([*lines, *(bar.line for bar in bars)])

@@ -33,8 +33,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from benchmarks.answers import Line, beside_oracle
+from benchmarks.bars import Bar, in_words, least, most
 from benchmarks.league.machines import CASES
-from benchmarks.league.scoring import Asked
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.plants.plant import Plant
 
@@ -51,6 +51,7 @@ has them. An id is entered here only where its equation is that very law, whatev
 MOST_ALIKE, MOST_OVER = 3, 3.0
 LAW = "law_proposed"
 HONEST = ("unexplained", "undecided", LAW)
+COUNTED = ("right", "wide", "wrong", "false_discovery", "honest", "silent", "all_clear")
 
 
 def truths_of(
@@ -125,8 +126,7 @@ class Round:
     @property
     def said(self) -> str:
         """What it comes to, in words."""
-        words = ("right", "wide", "wrong", "false_discovery", "honest", "silent", "all_clear")
-        return ", ".join(word.replace("_", " ") for word in words if getattr(self, word))
+        return in_words(self, COUNTED)
 
 
 def rounds(lines: Iterable[Line]) -> list[Round]:
@@ -163,28 +163,18 @@ def groups(found: Sequence[Round]) -> dict[str, list[Round]]:
     }
 
 
-def asked(found: Sequence[Round]) -> list[Asked]:
+def asked(found: Sequence[Round]) -> list[Bar]:
     """The bars; one without scenarios holds neither way."""
     parts = groups(found)
     inside, empty = parts["in the library, detectable"], parts["nothing hidden"]
     hiding = [r for r in found if r.hidden is not None]
     return [
-        _least("in the library and detectable: right, at least 85 %", inside, "right", 0.85),
-        _most("wrong names where something is hidden, at most 5 %", hiding, "wrong", 0.05),
-        _most("false discoveries where nothing is hidden, at most 5 %", empty, "false_discovery", 0.05),
-        _most("nothing_missing above three times the noise, never", list(found), "all_clear", 0.0),
+        least("in the library and detectable: right, at least 85 %", [r.right for r in inside], 0.85),
+        most("wrong names where something is hidden, at most 5 %", [r.wrong for r in hiding], 0.05),
+        most(
+            "false discoveries where nothing is hidden, at most 5 %",
+            [r.false_discovery for r in empty],
+            0.05,
+        ),
+        most("nothing_missing above three times the noise, never", [r.all_clear for r in found], 0.0),
     ]
-
-
-def _count(part: Sequence[Round], what: str) -> int:
-    return sum(getattr(r, what) for r in part)
-
-
-def _least(words: str, part: Sequence[Round], what: str, share: float) -> Asked:
-    count = _count(part, what)
-    return Asked(words, f"{count} of {len(part)}", count >= share * len(part) if part else None)
-
-
-def _most(words: str, part: Sequence[Round], what: str, share: float) -> Asked:
-    count = _count(part, what)
-    return Asked(words, f"{count} of {len(part)}", count <= share * len(part) if part else None)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.league.bench import Bench, Sensor, _Path
-from hybridid.records.record import Channel, Record
+from hybridid.records.record import Record
 from hybridid.rigs.laws import Planted
 from hybridid.rigs.machine import Machine, Motion
 
@@ -100,21 +100,8 @@ def perform(
     generator = np.random.default_rng([seed, list(bench.runs).index(run)])
     y += np.column_stack([sensor.disturbance(n, generator) for sensor in sensors.values()])
     return Seen(
-        record=_record(bench, run, seed, time, u, y),
+        record=bench.recorded(run, time, u, y, f"drawn league, bench {bench.name}, {run} run, seed {seed}"),
         drive=bench.input_matrix[0][0] * u,
         motion={port: (motion[:, c, 0], motion[:, c, 1]) for c, port in enumerate(bench.contacts)},
         efforts=tuple(efforts.T),
-    )
-
-
-def _record(bench: Bench, run: str, seed: int, time: Array, u: Array, y: Array) -> Record:
-    return Record(
-        name=run,
-        time=time,
-        inputs=u[:, None],
-        outputs=y,
-        input_channels=(bench.input,),
-        output_channels=tuple(Channel(name, unit) for name, (_, _, unit) in bench.outputs.items()),
-        simulated=True,
-        source=f"drawn league, bench {bench.name}, {run} run, seed {seed} (simulated)",
     )

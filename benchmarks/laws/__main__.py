@@ -16,8 +16,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = parser("python -m benchmarks.laws", __doc__, PLAYERS, Path("outputs/laws"))
     words.add_argument("--series", type=int, default=0, help="of draws: 0, 1, 2, ... (default: 0)")
     asked = words.parse_args(arguments)
-    found = [draw for draw in scenarios(asked.series) if asked.match in draw.key]
-    return LEAGUE.conduct(evenly(found, CATEGORIES, asked.limit), asked, write_report)
+    draws = evenly(scenarios(asked.series), CATEGORIES, asked.limit, asked.match)
+    return LEAGUE.conduct(draws, asked, write_report)
 
 
 if __name__ == "__main__":

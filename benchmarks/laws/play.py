@@ -10,12 +10,12 @@ from benchmarks.drawn import amount, oracle
 from benchmarks.drawn.draw import Draw
 from benchmarks.drawn.machines import case_of
 from benchmarks.drawn.oracle import split_of
+from benchmarks.drawn.ours import class_of
 from hybridid.effects.composed import FORMS, is_composed
 from hybridid.effects.library import EFFECTS
 from hybridid.trace import verdict
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted
 
 NAME = "ours"
 PLAYERS = (ORACLE, NAME)
@@ -29,8 +29,7 @@ def version(player: str) -> str:
 def answered(draw: Draw, player: str, most_effects: int) -> dict[str, Any]:
     """What ``player`` says of a scenario."""
     if player == ORACLE:
-        found = oracle.consult(draw)
-        return {**vars(found), "detectable": found.detectable}
+        return vars(oracle.consult(draw))
     return _ours(draw, most_effects)
 
 
@@ -46,9 +45,9 @@ def _ours(draw: Draw, most_effects: int) -> dict[str, Any]:
     names = [one for one in found.accepted if one not in laws]
     return {
         "named": [one.name for one in found.accepted],
-        "names": [_class(one) for one in names],
-        "laws": [_class(one) for one in laws],
-        "forms": sorted({FORMS.get(law.rpartition(".")[2], "") for one in laws for law in _class(one)}),
+        "names": [class_of(one) for one in names],
+        "laws": [class_of(one) for one in laws],
+        "forms": sorted({FORMS.get(law.rpartition(".")[2], "") for one in laws for law in class_of(one)}),
         "values": laws[0].trial.own("values") if laws else {},
         "before": found.search.first.score.loss,
         "after": found.search.final.score.loss,
@@ -57,9 +56,4 @@ def _ours(draw: Draw, most_effects: int) -> dict[str, Any]:
     }
 
 
-def _class(one: Accepted) -> list[str]:
-    others = [trial.candidate.name for trial in one.alike]
-    return [one.name, *(name for name in others if name != one.name)]
-
-
-LEAGUE = League("laws beyond the library", PLAYERS, version, Draw.described, alone(answered))
+LEAGUE = League("laws beyond the library", PLAYERS, version, alone(answered))

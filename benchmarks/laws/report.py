@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.answers import Line, beside_oracle
+from benchmarks.studies import table
 from hybridid.effects.library import EFFECTS
 
 NEAR = 1.2
@@ -53,9 +54,8 @@ def report(lines: Sequence[Line]) -> str:
             "3 % at most",
         ),
     ]
-    table = ["| of the scenarios (simulated) | number | |", "| --- | --- | --- |"]
-    table += [f"| {what} | {n} | {asked} |" for what, n, asked in rows]
-    return "\n".join([*table, "", *map(_told, pairs)]) + "\n"
+    counted = table(("of the scenarios (simulated)", "number", ""), rows)
+    return "\n".join([*counted, "", *map(_told, pairs)]) + "\n"
 
 
 def _near(pair: tuple[Line, dict]) -> bool:

@@ -111,16 +111,20 @@ class Bench:
             measured.append(y[next(iter(y))][k] if self.loop and self.loop.recorded else path.true_position)
             u[k] = asked[k] if self.loop is None else self._command(self.loop, asked[k], measured)
             path.advance(u[k], {name: sensor.lag for name, sensor in sensors.items()})
-        channels = tuple(Channel(name, unit) for name, (_, _, unit) in self.outputs.items())
+        outputs = np.column_stack([y[name] for name in self.outputs])
+        return self.recorded(run, time, u, outputs, f"league bench {self.name}, {run} run, seed {seed}")
+
+    def recorded(self, run: str, time: Array, u: Array, y: Array, source: str) -> Record:
+        """Input ``u`` (n,) and outputs ``y`` (n, n_y) as a record."""
         return Record(
             name=run,
             time=time,
             inputs=u[:, None],
-            outputs=np.column_stack([y[name] for name in self.outputs]),
+            outputs=y,
             input_channels=(self.input,),
-            output_channels=channels,
+            output_channels=tuple(Channel(name, unit) for name, (_, _, unit) in self.outputs.items()),
             simulated=True,
-            source=f"league bench {self.name}, {run} run, seed {seed} (simulated)",
+            source=f"{source} (simulated)",
         )
 
     def _command(self, loop: Loop, reference: float, measured: list[float]) -> float:

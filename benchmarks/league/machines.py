@@ -34,6 +34,7 @@ from hybridid.rigs.half_car import HalfCarConfig, HalfCarRig
 from hybridid.rigs.half_car_truth import HalfCarTruth
 from hybridid.rigs.law_library import COULOMB, OFFSET, STIFFNESS, VISCOUS
 from hybridid.rigs.loop import CascadedPD, Encoder
+from hybridid.rigs.rig import Experiment
 from hybridid.rigs.road import Bump
 from hybridid.rigs.sweep import LinearSweep
 from hybridid.rigs.trajectory import BangBang, Move
@@ -43,8 +44,8 @@ RUNS = ("identification", "validation")
 
 
 @dataclass(frozen=True)
-class Case:
-    """A plant, what is declared of it, its records by scenario and run; horizons of ``horizon`` samples.
+class Declared:
+    """A plant and the effects that are ``declared`` of it; horizons of ``horizon`` samples.
 
     ``truth`` holds the true values of the declared model's parameters, for the oracle.
     """
@@ -52,12 +53,18 @@ class Case:
     plant: Plant
     declared: tuple[str, ...]
     horizon: int
-    record: Callable[[Scenario, str], Record]
     truth: Mapping[str, float]
     adjustments: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def model(self, declared: tuple[str | Effect, ...] | None = None) -> Model:
         return compose(self.plant, self.declared if declared is None else declared, self.adjustments)
+
+
+@dataclass(frozen=True)
+class Case(Declared):
+    """The same with its records, by scenario and run."""
+
+    record: Callable[[Scenario, str], Record] = field(kw_only=True)
 
 
 def records_of(scenario: Scenario) -> tuple[Record, Record]:
@@ -148,6 +155,7 @@ def _carriage(loop: Loop | None, offset: float = CARRIAGE["offset"]) -> Bench:
 
 
 CLOSED = Loop(CascadedPD(kp=40.0, kv=120.0), gain=35.15, limit=351.5)
+PUSHED = _carriage(None)
 
 K_V, D_V = 0.96, 2.4e-4  # 1, s
 M_V = K_V / (2 * math.pi * 68.0) ** 2  # s², resonance at 68 Hz
@@ -232,17 +240,23 @@ def _half_car(scenario: Scenario, run: str) -> Record:
     laws = tuple(one.planted for one in scenario.hidden)
     rig = HalfCarRig(HalfCarConfig(truth=HalfCarTruth(planted=laws), bump=TRACK))  # type: ignore[arg-type]
     made = rig.experiment(run, scenario.seed, 10.0)
-    generator = np.random.default_rng([scenario.seed, RUNS.index(run)])
+    source = f"virtual rig half_car over a track of bumps, {run} run, seed {scenario.seed} (simulated)"
+    return driven(rig, made, run, scenario.noise, scenario.seed, source)
+
+
+def driven(rig: HalfCarRig, made: Experiment, run: str, noise: float, seed: int, source: str) -> Record:
+    """A drive of the half-car as its sensors recorded it, with white ``noise`` [m/s, rad/s]."""
+    generator = np.random.default_rng([seed, RUNS.index(run)])
     true = np.column_stack([made.truth["vertical_velocity"], made.truth["pitch_rate"]])
     return Record(
         name=run,
         time=made.time,
         inputs=np.column_stack([made.inputs["u_f"], made.inputs["u_r"]]),
-        outputs=true + scenario.noise * generator.standard_normal(true.shape),
+        outputs=true + noise * generator.standard_normal(true.shape),
         input_channels=rig.input_channels,
         output_channels=(Channel("vertical_velocity", "m/s"), Channel("pitch_rate", "rad/s")),
         simulated=True,
-        source=f"virtual rig half_car over a track of bumps, {run} run, seed {scenario.seed} (simulated)",
+        source=source,
     )
 
 
@@ -264,27 +278,32 @@ FLEXING = {
 }
 ROLLING = {name: getattr(HalfCarTruth(), name) for name in ("I_yy", "k_f", "k_r", "c_f", "c_r", "k_t")}
 CASES: Mapping[str, Case] = {
-    "carriage": Case(EMPS(), SYMMETRIC, 160, _on_bench(_carriage(CLOSED)), MOVING),
-    "carriage_open": Case(EMPS(), SYMMETRIC, 160, _on_bench(_carriage(None)), MOVING),
+    "carriage": Case(EMPS(), SYMMETRIC, 160, MOVING, record=_on_bench(_carriage(CLOSED))),
+    "carriage_open": Case(EMPS(), SYMMETRIC, 160, MOVING, record=_on_bench(PUSHED)),
     # nobody declared an offset, and there is none
-    "carriage_level": Case(EMPS(), SYMMETRIC[:2], 160, _on_bench(_carriage(CLOSED, offset=0.0)), LEVEL),
-    "oscillator": Case(Duffing(), (), 150, _on_bench(OSCILLATOR), SPRUNG),
+    "carriage_level": Case(
+        EMPS(), SYMMETRIC[:2], 160, LEVEL, record=_on_bench(_carriage(CLOSED, offset=0.0))
+    ),
+    "oscillator": Case(Duffing(), (), 150, SPRUNG, record=_on_bench(OSCILLATOR)),
     "flexible_link": Case(
-        FlexibleLink(), ("viscous@servo", "viscous@link"), 100, _on_bench(LINK, {"tip_angle": 1.0}), FLEXING
+        FlexibleLink(),
+        ("viscous@servo", "viscous@link"),
+        100,
+        FLEXING,
+        record=_on_bench(LINK, {"tip_angle": 1.0}),
     ),
     "esea": Case(
         ESEA(),
         ("viscous@motor",),
         150,
-        _esea,
         {"motor.viscous.f_v": 0.01},
         {"motor.epsilon": {"fixed": 0.1}, "motor.viscous.f_v": {"guess": 0.01, "lower": 0.0, "upper": 0.1}},
+        record=_esea,
     ),
     "half_car": Case(
         HalfCar(),
         (),
         50,
-        _half_car,
         ROLLING,
         {
             "I_yy": {"guess": 2000.0, "lower": 500.0, "upper": 1e4},
@@ -292,5 +311,6 @@ CASES: Mapping[str, Case] = {
             **{name: {"guess": 2e3, "lower": 200.0, "upper": 1e4} for name in ("c_f", "c_r")},
             "k_t": {"guess": 5e5, "lower": 2e5, "upper": 1e7},
         },
+        record=_half_car,
     ),
 }

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from benchmarks.league.laws import OUTSIDE, OWN_LAWS
 from hybridid.effects.effect import Effect
-from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.effects.library import effect_named
 from hybridid.rigs.law_library import law_named
 from hybridid.rigs.laws import Law, Planted
 from hybridid.rigs.truth import PlantedAt
@@ -16,7 +16,6 @@ from hybridid.rigs.truth import PlantedAt
 Values = Mapping[str, float]
 PATHS = ("input_gain", "input_delay", "input_lag", "input_saturation", "input_dead_zone", "sensor_lag")
 """Effects of a drive or a sensor: a rig has them as its own, without a law."""
-LIBRARY = {effect.id for effect in EFFECTS}
 
 # from a law's values to those of the library's effect; by default they have the same names
 TRANSLATED: Mapping[str, Callable[[Values], dict[str, float]]] = {
@@ -67,10 +66,6 @@ class Hidden:
     def name(self) -> str:
         """As the trace names a term: ``port.effect``."""
         return f"{self.port}.{self.what}"
-
-    @property
-    def in_library(self) -> bool:
-        return self.what in LIBRARY
 
     @property
     def on_path(self) -> bool:

@@ -35,10 +35,6 @@ def chosen(
     return kept
 
 
-def _described(scenario: Scenario) -> dict[str, Any]:
-    return {**scenario.described(), "truth": scenario.truth}
-
-
 def _begun(scenario: Scenario):
     return partial(_answered, scenario, records_of(scenario))
 
@@ -58,5 +54,5 @@ def _answered(scenario: Scenario, records, player: str, most_effects: int) -> di
     return plays[player](scenario, records).described()
 
 
-LEAGUE = League("league", PLAYERS, version, _described, _begun)
+LEAGUE = League("league", PLAYERS, version, _begun)
 answer, known = LEAGUE.answer, LEAGUE.known

@@ -8,9 +8,10 @@ from dataclasses import asdict
 from pathlib import Path
 
 from benchmarks.answers import ORACLE, Line
+from benchmarks.bars import Bar, bars_table
 from benchmarks.league.figures import confusion, gains
 from benchmarks.league.ours import NAME
-from benchmarks.league.scoring import EMPTY, Asked, Round, Tally, asked, rounds, tallies
+from benchmarks.league.scoring import EMPTY, Round, Tally, asked, rounds, tallies
 from hybridid.plotting.style import save
 from hybridid.quantities import NONE, number, percent, probability
 from pipelines.shared.page import Page, Picture, Section, Table
@@ -43,7 +44,7 @@ def write_report(lines: Sequence[Line], folder: Path) -> str:
 def _page(
     found: Sequence[Round],
     oracle: dict,
-    targets: Sequence[Asked],
+    targets: Sequence[Bar],
     table: dict[str, dict[str, Tally]],
     pictures: Sequence[Picture],
 ) -> Page:
@@ -65,7 +66,7 @@ def _page(
         "The league",
         lead,
         (
-            Section("What was asked", rules, (_asked_table(targets),)),
+            Section("What was asked", rules, (bars_table(targets, "Targets (simulated)"),)),
             Section("By category", (), tuple(_category_table(c, by) for c, by in table.items())),
             Section("Planted and named", (), (), tuple(pictures)),
             Section("Where ours failed", (), (_failures(found),)),
@@ -73,12 +74,6 @@ def _page(
         ),
         marks=("simulated",),
     )
-
-
-def _asked_table(targets: Sequence[Asked]) -> Table:
-    words = {True: "holds", False: "MISSED", None: "no scenario"}
-    rows = tuple((a.what, a.found, words[a.holds]) for a in targets)
-    return Table("Targets (simulated)", ("asked", "found", ""), rows, words=(0, 1, 2))
 
 
 def _category_table(category: str, by: dict[str, Tally]) -> Table:
@@ -102,17 +97,13 @@ def _category_table(category: str, by: dict[str, Tally]) -> Table:
 
 
 def _failures(found: Sequence[Round]) -> Table:
-    rows = []
-    for r in found:
-        if r.player != NAME or not r.counts or r.covered:
-            continue
-        rows.append((r.key, ", ".join(r.answer["named"]) or "nothing", _why(r)))
-    return Table(
-        "Ours, wrong (simulated)",
-        ("scenario", "named", "what became of the truth"),
-        tuple(rows),
-        words=(0, 1, 2),
+    rows = tuple(
+        (r.key, ", ".join(r.answer["named"]) or "nothing", _why(r))
+        for r in found
+        if r.player == NAME and r.counts and not r.covered
     )
+    header = ("scenario", "named", "what became of the truth")
+    return Table("Ours, wrong (simulated)", header, rows, words=(0, 1, 2))
 
 
 def _why(r: Round) -> str:
@@ -134,13 +125,9 @@ def _all(found: Sequence[Round], oracle: dict) -> Table:
         said = oracle.get(key)
         seen = NONE if said is None else f"p {probability(said['p_value'], '= ')}, {percent(said['gain'], 0)}"
         rows.append((key, seen, *(_mark(answers.get(p)) for p in players)))
-    words = tuple(range(2 + len(players)))
-    return Table(
-        "Answers (simulated); ✓ right, (✓) in the class",
-        ("scenario", "oracle", *players),
-        tuple(rows),
-        words=words,
-    )
+    header = ("scenario", "oracle", *players)
+    title = "Answers (simulated); ✓ right, (✓) in the class"
+    return Table(title, header, tuple(rows), words=tuple(range(len(header))))
 
 
 def _mark(r: Round | None) -> str:
@@ -150,13 +137,11 @@ def _mark(r: Round | None) -> str:
     return f"{mark} {', '.join(r.answer['named'][:3]) or 'nothing'}"
 
 
-def _printed(targets: Sequence[Asked], table: dict[str, dict[str, Tally]]) -> str:
+def _printed(targets: Sequence[Bar], table: dict[str, dict[str, Tally]]) -> str:
     lines = ["league (simulated): right answers, first or in the class, of those that count"]
     players = sorted({p for by in table.values() for p in by})
     lines.append(f"  {'':16}" + "".join(f"{p:>24}" for p in players))
     for category, by in table.items():
         cells = "".join(f"{f'{by[p].covered} of {by[p].scenarios} ({by[p].top} first)':>24}" for p in players)
         lines.append(f"  {category:16}{cells}")
-    words = {True: "holds ", False: "MISSED", None: "no run"}
-    lines += [f"  {words[a.holds]}  {a.what}: {a.found}" for a in targets]
-    return "\n".join(lines)
+    return "\n".join([*lines, *(bar.line for bar in targets)])

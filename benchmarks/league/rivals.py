@@ -20,7 +20,6 @@ from __future__ import annotations
 import functools
 import time
 import warnings
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -290,11 +289,3 @@ def _thresholded(first: Data, second: Data) -> Array:
         found.append((left, int(np.count_nonzero(coefficients)), coefficients))
     best = min(left for left, _, _ in found)
     return min((one for one in found if one[0] <= NEAR * best), key=lambda one: one[1])[2]
-
-
-RIVALS: Sequence[Callable[[Scenario, tuple[Record, Record]], Answer]] = (
-    regression,
-    own_cutoff,
-    with_memory,
-    pysindy,
-)

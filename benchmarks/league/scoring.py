@@ -9,6 +9,7 @@ from statistics import median
 from typing import Any
 
 from benchmarks.answers import Line, beside_oracle
+from benchmarks.bars import Bar, least, most
 from benchmarks.league.planting import Hidden
 from benchmarks.league.scenario import CATEGORIES
 
@@ -110,10 +111,6 @@ class Tally:
             seconds=middle(r.answer["seconds"] for r in part),
         )
 
-    @property
-    def share(self) -> float:
-        return self.covered / self.scenarios if self.scenarios else math.nan
-
 
 def tallies(found: Sequence[Round]) -> dict[str, dict[str, Tally]]:
     """Category -> player -> tally, over scenarios that every player has answered and that count."""
@@ -131,30 +128,22 @@ def tallies(found: Sequence[Round]) -> dict[str, dict[str, Tally]]:
     }
 
 
-@dataclass(frozen=True)
-class Asked:
-    """One line of what the league must show: what is asked, what came out, and whether it holds."""
-
-    what: str
-    found: str
-    holds: bool | None
-
-
-def asked(found: Sequence[Round], mine: str) -> list[Asked]:
+def asked(found: Sequence[Round], mine: str) -> list[Bar]:
     """The league's targets, from what ``mine`` answered; a target without scenarios holds neither way."""
     own = [r for r in found if r.player == mine]
     planted = [r for r in own if r.category not in EMPTY and r.counts]
     sizes = [len(r.answer["alike"]) for r in planted if r.first]
-    nothing, outside = ([r for r in own if r.category == c] for c in ("nothing", "outside"))
+    covered = [r.covered for r in planted]
+    nothing, outside = ([r.first is not None for r in own if r.category == c] for c in ("nothing", "outside"))
     lines = [
-        _share("planted and detectable: named first or in the class, at least 90 %", planted, "covered", 0.9),
-        Asked(
+        least("planted and detectable: named first or in the class, at least 90 %", covered, 0.9),
+        Bar(
             "size of the class, at most 3 in the median",
             f"{median(sizes):g}" if sizes else "no class",
             median(sizes) <= 3 if sizes else None,
         ),
-        _wrong("false discoveries where nothing is missing, at most 5 %", nothing, 0.05),
-        _wrong("names where the effect is outside the library, at most 10 %", outside, 0.10),
+        most("false discoveries where nothing is missing, at most 5 %", nothing, 0.05),
+        most("names where the effect is outside the library, at most 10 %", outside, 0.10),
     ]
     for category, by_player in tallies(found).items():
         if mine in by_player and category != "nothing" and len(by_player) > 1:
@@ -162,26 +151,11 @@ def asked(found: Sequence[Round], mine: str) -> list[Asked]:
     return lines
 
 
-def _share(what: str, part: Sequence[Round], attribute: str, least: float) -> Asked:
-    good = sum(bool(getattr(r, attribute)) for r in part)
-    return Asked(what, f"{good} of {len(part)}", good >= least * len(part) if part else None)
-
-
-def _wrong(what: str, part: Sequence[Round], most: float) -> Asked:
-    bad = sum(r.first is not None for r in part)
-    return Asked(what, f"{bad} of {len(part)}", bad <= most * len(part) if part else None)
-
-
-def _against(category: str, by_player: Mapping[str, Tally], mine: str) -> Asked:
+def _against(category: str, by_player: Mapping[str, Tally], mine: str) -> Bar:
     own = by_player[mine]
     others = {name: tally for name, tally in by_player.items() if name != mine}
     said = ", ".join(f"{name} {tally.covered}" for name, tally in others.items())
-    best = max(tally.covered for tally in others.values())
+    found, best = f"{own.covered} of {own.scenarios}; {said}", max(t.covered for t in others.values())
     if category == "clean":
-        return Asked(
-            "clean: not worse than any rival",
-            f"{own.covered} of {own.scenarios}; {said}",
-            own.covered >= best,
-        )
-    what = f"{category.replace('_', ' ')}: better than every rival"
-    return Asked(what, f"{own.covered} of {own.scenarios}; {said}", own.covered > best)
+        return Bar("clean: not worse than any rival", found, own.covered >= best)
+    return Bar(f"{category.replace('_', ' ')}: better than every rival", found, own.covered > best)

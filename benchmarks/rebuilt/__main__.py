@@ -16,7 +16,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = parser("python -m benchmarks.rebuilt", __doc__, PLAYERS, Path("outputs/study-rebuilt"))
     words.add_argument("--series", type=int, default=0, help="of draws: 0, 1, 2, ... (default: 0)")
     asked = words.parse_args(arguments)
-    draws = evenly([d for d in all_draws(asked.series) if asked.match in d.key], CATEGORIES, asked.limit)
+    draws = evenly(all_draws(asked.series), CATEGORIES, asked.limit, asked.match)
     return LEAGUE.conduct(draws, asked, write_report)
 
 

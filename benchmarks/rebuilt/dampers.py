@@ -28,13 +28,13 @@ from scipy.signal import lfilter
 
 from benchmarks.drawn.excitation import sines
 from benchmarks.drawn.recipes import rms
+from benchmarks.league.machines import RUNS
 from benchmarks.rebuilt.draw import Draw
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.plants.plant import Load, Motion, Plant
 from hybridid.records.record import Channel, Record
 
 Array = NDArray[np.float64]
-RUNS = ("identification", "validation")
 DT, SAMPLES, PIECES = 5e-3, 2001, 40
 TAU = 8e-3
 SLOW, TURN = 0.004, 1.25

@@ -17,8 +17,6 @@ next one is as new as the first was.
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -147,11 +145,6 @@ class Draw:
 
     def described(self) -> dict[str, Any]:
         return {**asdict(self), "category": self.category, "machine": self.machine}
-
-    def digest(self, version: str) -> str:
-        """SHA-256 of the scenario and of ``version``, whatever decides its outcome besides."""
-        said = json.dumps([self.described(), version], sort_keys=True)
-        return hashlib.sha256(said.encode()).hexdigest()[:16]
 
 
 @cache

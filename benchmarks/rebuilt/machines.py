@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import replace
 
-from benchmarks.league.machines import RUNS, Case
+from benchmarks.league.machines import RUNS, Declared
 from benchmarks.rebuilt import benches, dampers, rigs, tanks
 from benchmarks.rebuilt.draw import Draw
-from hybridid.model import Model
-from hybridid.model.compose import compose
 from hybridid.plants.emps import EMPS
-from hybridid.plants.plant import Plant
 from hybridid.plants.servo import Servo
 from hybridid.records.record import Record
 from hybridid.rigs.servo import ServoTruth
@@ -25,20 +21,6 @@ RECORDERS = {
     "servo_rig": rigs.record,
 }
 """Of the machines that are not those of the drawn league."""
-
-
-@dataclass(frozen=True)
-class Declared:
-    """``plant`` with the effects that are declared, horizons of ``horizon`` samples, and the true values."""
-
-    plant: Plant
-    effects: tuple[str, ...]
-    horizon: int
-    truth: Mapping[str, float]
-    adjustments: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-
-    def model(self) -> Model:
-        return compose(self.plant, self.effects, self.adjustments)
 
 
 def declared(draw: Draw) -> Declared:
@@ -56,10 +38,10 @@ def declared(draw: Draw) -> Declared:
         return Declared(plant, effects, 200, {"k": p["k"], **truth})
     if draw.machine.endswith("_rig"):
         return _of_rig(draw)
-    case: Case = benches.case(draw)
+    case = benches.case(draw)
     # 0.8 s, as a trace chooses for 8 s: over less, a start that is free hides a play
     horizon = 320 if draw.machine == "carriage" else case.horizon
-    return Declared(case.plant, case.declared, horizon, case.truth, case.adjustments)
+    return replace(case, horizon=horizon)
 
 
 def _of_rig(draw: Draw) -> Declared:

@@ -9,13 +9,11 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks.answers import Line
-from benchmarks.drawn.report import WORDS, bars_table
-from benchmarks.league.scoring import Asked
-from benchmarks.rebuilt.scoring import Round, asked, rounds
+from benchmarks.bars import Bar, bars_table, counts
+from benchmarks.rebuilt.scoring import COUNTED, Round, asked, rounds
 from hybridid.quantities import NONE, number, percent
 from pipelines.shared.page import Page, Section, Table
 
-COUNTED = ("right", "wrong", "all_clear", "good", "speaks")
 RULES = (
     "All data are simulated. The truth is integrated by other code than the trace's.",
     "Right: the truth is first, or in a first class of at most three. Wrong: some class is not right "
@@ -35,12 +33,11 @@ def write_report(lines: Sequence[Line], folder: Path) -> str:
     data = {
         "provenance": "simulated",
         "asked": [asdict(bar) for bar in bars],
-        "rows": {" ".join(name): _counts(part) for name, part in _by_row(found).items()},
+        "rows": {" ".join(name): counts(part, COUNTED) for name, part in _by_row(found).items()},
         "rounds": [{**asdict(r), "truths": sorted(r.truths), "said": r.said} for r in found],
     }
     (folder / "rebuilt.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-    told = (f"  {WORDS[bar.holds]:11} {bar.what}: {bar.found}" for bar in bars)
-    return "\n".join(["rebuilt rows (simulated)", *told, str(page)])
+    return "\n".join(["rebuilt rows (simulated)", *(bar.line for bar in bars), str(page)])
 
 
 def _by_row(found: Sequence[Round]) -> dict[tuple[str, str], list[Round]]:
@@ -49,11 +46,7 @@ def _by_row(found: Sequence[Round]) -> dict[tuple[str, str], list[Round]]:
     return {name: [r for r in found if (r.row, r.category) == name] for name in names}
 
 
-def _counts(part: Sequence[Round]) -> dict[str, int]:
-    return {"scenarios": len(part), **{what: sum(getattr(r, what) for r in part) for what in COUNTED}}
-
-
-def _page(found: Sequence[Round], bars: Sequence[Asked]) -> Page:
+def _page(found: Sequence[Round], bars: Sequence[Bar]) -> Page:
     lead = (
         f"{len(found)} simulated experiments, drawn from a fixed seed before any trace was run on them: "
         "rows of a table of wrong verdicts, each rebuilt on a rig of its kind, with the physics or without; "
@@ -78,7 +71,7 @@ def _rows(found: Sequence[Round]) -> Table:
         (
             row.replace("_", " "),
             category,
-            *map(str, _counts(part).values()),
+            *map(str, counts(part, COUNTED).values()),
             number(median(r.left for r in part), 3, NONE),
             number(median(r.seconds for r in part), 3, NONE),
         )

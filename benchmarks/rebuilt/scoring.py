@@ -26,10 +26,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from benchmarks.answers import Line, beside_oracle
-from benchmarks.league.scoring import Asked
+from benchmarks.bars import Bar, in_words, least, most
 
 MOST_ALIKE, MOST_OVER = 3, 3.0
 LEAST_GOOD, MOST_SPEAK, LEAST_RIGHT = 57 / 60, 2 / 60, 0.9
+COUNTED = ("right", "wrong", "all_clear", "good", "speaks")
 AXLES = ("front_suspension", "rear_suspension", "front_suspension+rear_suspension")
 TRUTHS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "overflow": (("upper",), ("overflow",)),
@@ -116,8 +117,7 @@ class Round:
     @property
     def said(self) -> str:
         """What it comes to, in words."""
-        words = ("right", "wrong", "all_clear", "good", "speaks")
-        return ", ".join(word.replace("_", " ") for word in words if getattr(self, word))
+        return in_words(self, COUNTED)
 
 
 def rounds(lines: Iterable[Line]) -> list[Round]:
@@ -146,32 +146,24 @@ def _round(line: Line, told: Mapping[str, Any]) -> Round:
     )
 
 
-def asked(found: Sequence[Round]) -> list[Asked]:
+def asked(found: Sequence[Round]) -> list[Bar]:
     """The bars; one without scenarios holds neither way."""
-    missing = [r for r in found if r.category == "missing"]
-    nothing = [r for r in found if r.category == "nothing"]
-    good, speak = sum(r.good for r in missing), sum(r.speaks for r in nothing)
     return [
-        Asked(
+        least(
             "something missing: no wrong name and no nothing_missing above three times the noise, 57 of 60",
-            f"{good} of {len(missing)}",
-            good >= LEAST_GOOD * len(missing) if missing else None,
+            [r.good for r in found if r.category == "missing"],
+            LEAST_GOOD,
         ),
-        Asked(
+        most(
             "nothing missing: a name, or a verdict other than nothing_missing, at most 2 of 60",
-            f"{speak} of {len(nothing)}",
-            speak <= MOST_SPEAK * len(nothing) if nothing else None,
+            [r.speaks for r in found if r.category == "nothing"],
+            MOST_SPEAK,
         ),
         *(_planted(found, category) for category in ("load_friction", "saturation")),
     ]
 
 
-def _planted(found: Sequence[Round], category: str) -> Asked:
+def _planted(found: Sequence[Round], category: str) -> Bar:
     """Of what the oracle detects, named first or in a class of at most three."""
-    shown = [r for r in found if r.category == category and r.detectable]
-    right = sum(r.right for r in shown)
-    return Asked(
-        f"planted {category.replace('_', ' ')} that the oracle detects: right, at least 90 %",
-        f"{right} of {len(shown)}",
-        right >= LEAST_RIGHT * len(shown) if shown else None,
-    )
+    what = f"planted {category.replace('_', ' ')} that the oracle detects: right, at least 90 %"
+    return least(what, [r.right for r in found if r.category == category and r.detectable], LEAST_RIGHT)

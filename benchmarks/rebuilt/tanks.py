@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from benchmarks.drawn.excitation import sines
+from benchmarks.league.machines import RUNS
 from benchmarks.rebuilt.draw import Draw
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.plants.plant import Motion, Plant
 from hybridid.records.record import Channel, Record
 
 Array = NDArray[np.float64]
-RUNS = ("identification", "validation")
 DT, SAMPLES = 4.0, 1024
 WEIR = 2.0
 """Of the overflow [V/s over V^1.5]: some tenths of a volt over the edge carry all that the pump gives."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import sys
 import time
 from collections import Counter
@@ -20,7 +19,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from benchmarks.slurm.jobs import Kill, cluster, kill_one
+from benchmarks.slurm.jobs import Kill, again, cluster, struck
 
 HIDDEN: tuple[dict[str, Any] | None, ...] = (
     None,
@@ -76,26 +75,16 @@ def study(
     """Trace all, kill one worker; ask again; whether both did what they must."""
     command = [sys.executable, "-m", "hybridid_cli", "trace", "-m", "--config-dir", "lab", *ASKED]
     command += [f"hydra.launcher.array_parallelism={at_once}"] if at_once else []
-    began = time.monotonic()
-    log = folder / "first.log"
-    with log.open("w") as stream:
-        first = subprocess.Popen(command, cwd=folder, env=environment, stdout=stream, stderr=stream)
-        ended = min(len(hidden) // 2, 10)
-        killed = kill_one(first, log, environment, Kill(ended=ended, youngest=YOUNGEST, at_once=True))
-        print(f"killed on purpose after {time.monotonic() - began:.0f} s: job {killed or 'none'}", flush=True)
-        code = first.wait()
-    print(f"first: {time.monotonic() - began:.0f} s, exit code {code}")
-    noted = [line for line in log.read_text().splitlines() if "once more" in line]
+    kill = Kill(ended=min(len(hidden) // 2, 10), youngest=YOUNGEST, at_once=True)
+    killed, code, said = struck(command, folder, environment, kill)
+    noted = [line for line in said.splitlines() if "once more" in line]
     print("\n".join(f"  {line}" for line in noted) or "  the killed trace is NOT named")
     sound = bool(killed and noted) and code == 0 and _complete(hidden, folder)
 
-    began = time.monotonic()
-    again = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
-    (folder / "again.log").write_text(again.stderr + again.stdout)
-    print(f"again: {time.monotonic() - began:.0f} s, exit code {again.returncode}")
-    fresh = f"{len(hidden)} of them fresh, 0 to do" in again.stderr
+    code, said = again(command, folder, environment)
+    fresh = f"{len(hidden)} of them fresh, 0 to do" in said
     print(f"  all machines are done already: {fresh}")
-    return sound and fresh and again.returncode == 0 and _complete(hidden, folder)
+    return sound and fresh and code == 0 and _complete(hidden, folder)
 
 
 def _complete(hidden: Mapping[str, str], folder: Path) -> bool:

@@ -8,7 +8,7 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,6 +37,30 @@ def cluster() -> dict[str, str]:
     subprocess.run([str(ONE_NODE), "up"], check=True)
     found = {"SLURM_CONF": f"{root}/slurm.conf", "MLFLOW_DISABLE_TELEMETRY": "true"}
     return {**os.environ, **found, "PYTHONPATH": str(Path(__file__).parents[2])}
+
+
+def struck(
+    command: Sequence[str], folder: Path, environment: Mapping[str, str], kill: Kill
+) -> tuple[str, int, str]:
+    """Start a sweep in ``folder`` and kill a job of it; that job, the exit code, and what the sweep said."""
+    began, log = time.monotonic(), folder / "first.log"
+    with log.open("w") as stream:
+        sweep = subprocess.Popen(command, cwd=folder, env=environment, stdout=stream, stderr=stream)
+        killed = kill_one(sweep, log, environment, kill)
+        print(f"killed on purpose after {time.monotonic() - began:.0f} s: job {killed or 'none'}", flush=True)
+        code = sweep.wait()
+    print(f"first: {time.monotonic() - began:.0f} s, exit code {code}")
+    return killed, code, log.read_text()
+
+
+def again(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> tuple[int, str]:
+    """Give the command again; its exit code, and what it said."""
+    began = time.monotonic()
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    said = done.stderr + done.stdout
+    (folder / "again.log").write_text(said)
+    print(f"again: {time.monotonic() - began:.0f} s, exit code {done.returncode}")
+    return done.returncode, said
 
 
 def kill_one(sweep: subprocess.Popen[bytes], log: Path, environment: Mapping[str, str], kill: Kill) -> str:

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from benchmarks.slurm.jobs import Kill, cluster, kill_one
+from benchmarks.slurm.jobs import Kill, again, cluster, struck
 
 NETWORK = (
     "case=emps", "data=simulated", "rig.duration=1.2", "residual=narx", "residual.orders.error=2",
@@ -56,13 +56,7 @@ def study(jobs: int, folder: Path, environment: dict[str, str]) -> bool:
     """Sweep, kill one, sweep again; whether both did what they must."""
     command = [sys.executable, "-m", "hybridid_cli", "sweep", *NETWORK, "launcher=slurm", "sweep.stack=1"]
     command += [f"residual.seeds=range(0,{jobs})"]
-    began = time.monotonic()
-    with (folder / "first.log").open("w") as log:
-        first = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=log)
-        killed = kill_one(first, folder / "first.log", environment, Kill(array=GRAY, oldest=1.0))
-        code = first.wait()
-    said = (folder / "first.log").read_text()
-    print(f"first: {time.monotonic() - began:.0f} s, exit code {code}; killed on purpose: job {killed}")
+    _, code, said = struck(command, folder, environment, Kill(array=GRAY, oldest=1.0))
     named = [
         line for line in said.splitlines() if f"1 of {jobs} points have no result: residual.seeds=" in line
     ]
@@ -71,14 +65,10 @@ def study(jobs: int, folder: Path, environment: dict[str, str]) -> bool:
     sound = code != 0 and bool(named) and logged["children"] == {"FINISHED": jobs - 1, "FAILED": 1}
     sound = sound and logged["parents"] == ["FAILED"] and logged["nested"] and logged["different"]
 
-    began = time.monotonic()
-    again = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
-    (folder / "again.log").write_text(again.stderr + again.stdout)
-    print(f"again: {time.monotonic() - began:.0f} s, exit code {again.returncode}")
-    lines = (again.stderr + again.stdout).splitlines()
-    print("\n".join(f"  {line}" for line in lines if "fresh" in line or "have results" in line))
+    code, said = again(command, folder, environment)
+    print("\n".join(f"  {line}" for line in said.splitlines() if "fresh" in line or "have results" in line))
     logged = logged_runs(folder, environment)
-    sound = sound and again.returncode == 0 and logged["children"] == {"FINISHED": jobs}
+    sound = sound and code == 0 and logged["children"] == {"FINISHED": jobs}
     return bool(sound and logged["parents"] == ["FINISHED"] and logged["nested"] and logged["different"])
 
 

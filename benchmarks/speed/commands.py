@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import subprocess
 import sys
 import time
@@ -15,6 +14,7 @@ from tempfile import TemporaryDirectory
 import yaml
 
 from benchmarks.speed.row import OURS, Row
+from benchmarks.studies import cpu_seconds
 from hybridid_cli.config_files import conf_folder
 
 COMMANDS = "commands"
@@ -77,9 +77,9 @@ def _timed(
     more: Callable[[int], Sequence[str]] = lambda k: (),
 ) -> Row:
     """``more`` are the words of each repeat that differ from those of the last one: without, all is fresh."""
-    before = _processor()
+    before = cpu_seconds()
     seconds = tuple(_seconds([*words, *more(k)]) for k in range(repeats))
-    busy = (_processor() - before) / repeats
+    busy = (cpu_seconds() - before) / repeats
     row = Row(
         COMMANDS, what, OURS, seconds, "exit code 0", "simulated" if "data=simulated" in words else "none"
     )
@@ -102,12 +102,6 @@ def _seconds(words: Sequence[str]) -> float:
     if done.returncode:
         raise RuntimeError(f"hybridid {' '.join(words)}: {done.stderr.strip()[-500:]}")
     return time.perf_counter() - began
-
-
-def _processor() -> float:
-    """Seconds that the processor has worked for the processes that this one started and that have ended."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def _kept(file: Path, key: str) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numba
 import numpy as np
@@ -18,7 +17,7 @@ from hybridid.estimators.stop import Stop
 from hybridid.model import Model
 from hybridid.records.record import Channel, Record
 from hybridid.signals.steps import apply_steps
-from pipelines.shared.config import Settings
+from hybridid_cli.composing import settings_of
 from pipelines.shared.modelling import model_of
 from pipelines.shared.sources import sources_of
 
@@ -82,7 +81,7 @@ class Contested:
 
 def contested(horizon: int | None, *words: str) -> Contested:
     """The case's own identification record and model; ``words`` as on the command line."""
-    settings = case("emps", *words)
+    settings = settings_of(["case=emps", *words])
     source = next(s for s in sources_of(settings).found if s.role == "identification")
     record = apply_steps(source.record(), settings["preprocess.steps"])
     return Contested(model_of(settings), (record,), horizon)
@@ -124,15 +123,3 @@ def _controlled(reference: Array) -> tuple[Array, Array]:
             v += h * (force[k] - 200 * v - 20 * np.tanh(v / 3e-4) + 3) / 95
             q += h * v
     return force, position
-
-
-def case(name: str, *words: str, command: str = "fit") -> Settings:
-    """The config of a case, as ``command`` has it."""
-    from hydra import compose, initialize_config_dir
-    from omegaconf import OmegaConf
-
-    from hybridid_cli.config_files import conf_folder
-
-    with initialize_config_dir(str(conf_folder()), version_base="1.3"):
-        config: Any = OmegaConf.to_container(compose(command, [f"case={name}", *words]), resolve=True)
-    return Settings(name, config)

@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from benchmarks.speed.emps import case
 from benchmarks.speed.row import OURS, Row
 from hybridid.records.record import Record
 from hybridid.signals.steps import apply_steps
 from hybridid.trace.result import Trace
+from hybridid_cli.composing import settings_of
 from pipelines.shared.sources import sources_of
 from pipelines.trace.request import division, request_of
 from pipelines.trace.stage import traced
@@ -62,7 +62,7 @@ def traces(repeats: int, say: Callable[[str], None], quick: bool) -> Iterator[Ro
 
 
 def _traced(name: str, *words: str) -> tuple[Trace, _Clock, list[Record]]:
-    settings = case(name, *words, command="trace")
+    settings = settings_of([f"case={name}", *words], "trace")
     steps = settings["preprocess.steps"]
     fitted, held_out = (
         [apply_steps(source.record(), steps) for source in part]

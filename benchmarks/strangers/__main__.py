@@ -12,6 +12,7 @@ from pathlib import Path
 from benchmarks.strangers import killed, report, servo
 from benchmarks.strangers.asked import Answer, of_killed, of_rigs, of_servo, of_templates
 from benchmarks.strangers.play import Machine, Outcome, machines, played
+from benchmarks.studies import OUT, write
 from hybridid.naming import unknown
 
 TEMPLATES, SERVO, RIGS, KILLS = PARTS = ("templates", "servo", "rigs", "kills")
@@ -27,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sections.append(section)
         print(section, flush=True)
     print(report.answers(found))
-    print(f"written: {report.write(report.page(found, sections))}")
+    print(f"written: {write(OUT / 'strangers.md', report.page(found, sections))}")
     return 0
 
 
@@ -47,10 +48,14 @@ def _parts_of(names: Sequence[str]) -> list[str]:
 def _shown(part: str, asked: argparse.Namespace) -> tuple[Answer, str]:
     """What the page says of a part, once it was played: the answer, and the section."""
     if part == SERVO:
-        told = _servo(asked.keep)
+        measured, told = servo.records(), None
+        if measured is not None:
+            with _folder(asked.keep, SERVO) as folder:
+                told = servo.played(measured, folder)
         return of_servo(told), report.servo(told)
     if part == KILLS:
-        ended = _killed(asked.keep, asked.kills)
+        with _folder(asked.keep, KILLS) as folder:
+            ended = killed.played(folder, asked.kills)
         return of_killed(ended), report.killed(ended)
     chosen = [one for one in machines() if asked.only is None or one.name in asked.only]
     planted = part == RIGS
@@ -64,21 +69,8 @@ def _played(part: str, chosen: Sequence[Machine], asked: argparse.Namespace) -> 
     for machine in chosen:
         with _folder(asked.keep, part, machine.name) as folder:
             found = played(machine, folder, more)
-        print(report.row(found), flush=True)
+        print(*report.row(found), sep=" | ", flush=True)
         yield found
-
-
-def _servo(keep: Path | None) -> servo.Servo | None:
-    measured = servo.records()
-    if measured is None:
-        return None
-    with _folder(keep, SERVO) as folder:
-        return servo.played(measured, folder)
-
-
-def _killed(keep: Path | None, kills: int) -> killed.Killed:
-    with _folder(keep, KILLS) as folder:
-        return killed.played(folder, kills)
 
 
 @contextmanager

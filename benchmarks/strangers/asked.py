@@ -33,8 +33,9 @@ def of_templates(rows: Sequence[Outcome]) -> Answer:
     left = [kind for kind in kinds() if kind not in {one.machine.template for one in rows}]
     slowest = max(rows, key=lambda one: sum(one.wall))
     bad = [one.machine.name for one in rows if not kept(one)]
+    most = max(len(one.wall) for one in rows)
     found = (
-        f"{len(rows) - len(bad)} of {len(rows)} machines keep all limits: at most {_most(rows)} commands, "
+        f"{len(rows) - len(bad)} of {len(rows)} machines keep all limits: at most {most} commands, "
         f"{max(one.python for one in rows)} lines of Python; the slowest, {slowest.machine.name}, took "
         f"{sum(slowest.wall):.0f} s, {sum(slowest.cpu):.0f} s of CPU"
     )
@@ -51,10 +52,6 @@ def of_templates(rows: Sequence[Outcome]) -> Answer:
 def kept(one: Outcome) -> bool:
     """Whether a machine keeps every limit, and its report was written."""
     return sum(one.wall) <= LONGEST and len(one.wall) <= COMMANDS and one.python == 0 and one.report
-
-
-def _most(rows: Sequence[Outcome]) -> int:
-    return max(len(one.wall) for one in rows)
 
 
 def of_servo(found: Servo | None) -> Answer:

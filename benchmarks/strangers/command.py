@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import difflib
 import os
-import resource
 import subprocess
 import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+
+from benchmarks.studies import cpu_seconds
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = "HYBRIDID_DATA"
@@ -34,14 +35,14 @@ def commanded(words: tuple[str, ...], folder: Path) -> Took:
     Raises:
         RuntimeError: if it fails, with what it said.
     """
-    begun, used = time.monotonic(), _used()
+    begun, used = time.monotonic(), cpu_seconds()
     done = subprocess.run(
         [sys.executable, "-m", "hybridid_cli", *words],
         cwd=folder, env=environment(), capture_output=True, text=True, stdin=subprocess.DEVNULL,
     )  # fmt: skip
     if done.returncode not in DONE:
         raise RuntimeError(f"hybridid {' '.join(words)}: {done.stderr}")
-    return Took(time.monotonic() - begun, _used() - used, done.stdout)
+    return Took(time.monotonic() - begun, cpu_seconds() - used, done.stdout)
 
 
 def environment(more: Mapping[str, str] | None = None) -> dict[str, str]:
@@ -63,9 +64,3 @@ def beyond(before: Mapping[str, list[str]], after: Mapping[str, list[str]]) -> i
         for line in difflib.unified_diff(before.get(name, []), lines, n=0, lineterm="")
     )
     return sum(line.startswith("+") and not line.startswith("+++") for line in changed)
-
-
-def _used() -> float:
-    """CPU time in s of all processes that this one has started and seen end."""
-    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return ended.ru_utime + ended.ru_stime

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 from benchmarks.strangers.asked import COMMANDS, LONGEST, Answer
 from benchmarks.strangers.killed import Killed
 from benchmarks.strangers.play import SECONDS, Outcome, Value
 from benchmarks.strangers.servo import ALLOWED, Servo
+from benchmarks.studies import table
 from hybridid.quantities import estimated, fixed, number, percent, quantity
 
-OUT = Path(__file__).resolve().parents[2] / "outputs" / "studies"
 HEAD = ("machine", "template", "commands", "lines of Python", "new, run, trace [s]", "CPU [s]")
 
 
-def row(one: Outcome) -> str:
+def row(one: Outcome) -> tuple[str, ...]:
     """One machine as a row of its table."""
     wall = ", ".join(f"{seconds:.0f}" for seconds in one.wall)
-    cells = [one.machine.name, one.machine.template, str(len(one.wall)), str(one.python), wall]
+    cells = (one.machine.name, one.machine.template, str(len(one.wall)), str(one.python), wall)
     sentence = one.sentence if one.report else f"{one.sentence} (no page)"
-    return _cells(*cells, f"{sum(one.cpu):.0f}", _parameters(one), sentence)
+    return (*cells, f"{sum(one.cpu):.0f}", _parameters(one), sentence)
 
 
 def _parameters(one: Outcome) -> str:
@@ -39,41 +37,30 @@ def _found(name: str, value: Value) -> str:
 
 def templates(rows: Sequence[Outcome]) -> str:
     """The templates' own machines, and how many keep what issue 19 asks."""
-    return "\n".join(
-        [
-            "## Each template, from the recording to the traced report (simulated)",
-            f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz, as many samples. Nothing is missing in these.",
-            "",
-            *_table((*HEAD, "largest error of a planted parameter", "verdict"), map(row, rows)),
-            "",
-            _kept(rows),
-        ]
+    title = (
+        "## Each template, from the recording to the traced report (simulated)\n"
+        f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz, as many samples. Nothing is missing in these."
     )
+    return _machines(title, "largest error of a planted parameter", rows)
 
 
 def rigs(rows: Sequence[Outcome]) -> str:
     """The machines that hold more than their template declares."""
-    return "\n".join(
-        [
-            "## Machines that hold more than their template declares (simulated)",
-            "",
-            *_table((*HEAD, "found, and planted", "verdict"), map(row, rows)),
-            "",
-            _kept(rows),
-        ]
-    )
+    title = "## Machines that hold more than their template declares (simulated)"
+    return _machines(title, "found, and planted", rows)
 
 
-def _kept(rows: Sequence[Outcome]) -> str:
-    """How many of the machines keep each limit."""
+def _machines(title: str, parameters: str, rows: Sequence[Outcome]) -> str:
+    """Each machine, and how many of them keep each limit."""
     quick = sum(sum(one.wall) <= LONGEST for one in rows)
     few = sum(len(one.wall) <= COMMANDS for one in rows)
     without = sum(one.python == 0 for one in rows)
     written = sum(one.report for one in rows)
-    return (
+    kept = (
         f"Of {len(rows)} machines (simulated): at most {LONGEST:g} s {quick}, at most {COMMANDS} commands "
         f"{few}, no line of Python {without}, a page of the trace {written}."
     )
+    return "\n".join([title, "", *table((*HEAD, parameters, "verdict"), map(row, rows)), "", kept])
 
 
 def servo(found: Servo | None) -> str:
@@ -90,12 +77,12 @@ def servo(found: Servo | None) -> str:
             f"of the case. {found.commands} commands: {wall} s, {cpu} s of CPU. k_p and U are constants of "
             f"each recording. Largest difference from the packaged case: {percent(found.apart, 4)}.",
             "",
-            *_table(
+            *table(
                 ("measured", "by `new`", "packaged"),
                 [
-                    *(_cells(name, *map(number, pair)) for name, pair in found.parameters.items()),
+                    *((name, *map(number, pair)) for name, pair in found.parameters.items()),
                     *(
-                        _cells(f"free run of {record}", *(quantity(one, "rad") for one in pair))
+                        (f"free run of {record}", *(quantity(one, "rad") for one in pair))
                         for record, pair in found.rmse.items()
                     ),
                 ],
@@ -114,20 +101,14 @@ def killed(found: Killed) -> str:
             "## A trace that is killed at a random moment and started again (simulated)",
             f"In peace: {found.refits} refits in {found.seconds:.0f} s, one process. {found.sentence}",
             "",
-            *_table(
-                (
-                    "killed after",
-                    "refits begun",
-                    "after the new start",
-                    "done twice",
-                    "verdict and numbers",
-                ),
+            *table(
+                ("killed after", "refits begun", "after the new start", "done twice", "verdict and numbers"),
                 [
-                    _cells(
+                    (
                         percent(one.share, 0),
-                        str(one.before),
-                        str(one.after),
-                        str(found.twice(one)),
+                        one.before,
+                        one.after,
+                        found.twice(one),
                         "the same" if one.same_verdict and one.same_numbers else "**differ**",
                     )
                     for one in struck
@@ -142,30 +123,12 @@ def killed(found: Killed) -> str:
 
 def answers(found: Sequence[Answer]) -> str:
     """Each line that must be shown, with what was found."""
-    rows = [_cells(one.asked, "yes" if one.holds else "**no**", one.found, one.data) for one in found]
-    return "\n".join(
-        ["## What must be shown", "", *_table(("asked (issue 19)", "holds", "found", "data"), rows)]
-    )
+    rows = [(one.asked, "yes" if one.holds else "**no**", one.found, one.data) for one in found]
+    shown = table(("asked (issue 19)", "holds", "found", "data"), rows)
+    return "\n".join(["## What must be shown", "", *shown])
 
 
 def page(found: Sequence[Answer], sections: Sequence[str]) -> str:
     """The page: the answers, then all ``sections``."""
     head = "# A stranger's machine: from a recording to a traced model"
-    return "\n\n".join([head, answers(found), *sections]) + "\n"
-
-
-def write(text: str) -> Path:
-    """``strangers.md``, whole or not at all."""
-    OUT.mkdir(parents=True, exist_ok=True)
-    part = OUT / "strangers.md.part"
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, OUT / "strangers.md")
-    return OUT / "strangers.md"
-
-
-def _table(head: Sequence[str], rows: Iterable[str]) -> list[str]:
-    return [_cells(*head), "|" + "---|" * len(head), *rows]
-
-
-def _cells(*cells: str) -> str:
-    return f"| {' | '.join(cells)} |"
+    return "\n\n".join([head, answers(found), *sections])

@@ -11,10 +11,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.answers import evenly
+from benchmarks.torture import disks, endurance, inputs, kills, properties, received, secrets, stores
 from benchmarks.torture.bench import Line, Part, Trial, conducted, known, undone
-from benchmarks.torture.parts import PARTS
 from benchmarks.torture.report import write_report
 
+MODULES = (inputs, properties, received, kills, disks, stores, endurance, secrets)
+PARTS: tuple[Part, ...] = tuple(module.PART for module in MODULES)
+"""The parts in the order of the page."""
 NAMES = [part.name for part in PARTS]
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from benchmarks.torture.bench import HALF, RAN, Fault, Found
-from benchmarks.torture.case import Case, faults
-from benchmarks.torture.inputs import kind_of
+from benchmarks.torture.case import Case
+from benchmarks.torture.inputs import wrong_in
 from benchmarks.torture.mirror import Answer, mirror, zipped
 from benchmarks.torture.play import answer, load, new_folder
 from benchmarks.torture.tables.archives import ARCHIVES, MOST, SERVERS, Archive
@@ -42,14 +42,14 @@ class Fetched:
             written = [path for path in folder.rglob("*") if path.is_file() or path.is_symlink()]
         case = Case(self.key, WORDS, seconds=SECONDS)
         said = replace(said, left=())  # what is left is looked at below
-        wrong = [Fault(kind_of(what), f"{what}: {said.complaint[:200]}") for what in faults(case, said)]
+        wrong = wrong_in(case, said)
         for path in written:
             home = folder / "data" / "raw" / "emps"
             if not path.is_relative_to(home) and "outputs" not in path.parts:
                 wrong.append(Fault(RAN, f"{path.relative_to(folder)} was written"))
             elif path.is_relative_to(home) and path.name not in OWN:
                 wrong.append(Fault(HALF, f"{path.relative_to(folder)} was left"))
-        return Found(f"exit code {said.code}: {said.complaint[:120]}", tuple(wrong), {"received files": 1.0})
+        return Found(str(said), tuple(wrong), {"received files": 1.0})
 
 
 def trials(seed: int) -> list[Fetched]:

@@ -16,7 +16,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, Protocol
 
-from benchmarks.answers import append
+from benchmarks.answers import append, lines_of
 
 ROOT = Path(__file__).parents[2]
 CODE = ("hybridid", "pipelines", "hybridid_cli", "hydra_plugins", "conf", "benchmarks/torture")
@@ -99,11 +99,7 @@ def known(file: Path, trials: Iterable[Trial]) -> dict[str, Line]:
     are the faults of the lines before it."""
     keys = [trial.key for trial in trials]
     found: dict[str, Line] = {}
-    for text in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
-        try:
-            line = json.loads(text)
-        except json.JSONDecodeError:
-            continue  # cut off when its run was killed
+    for line in lines_of(file):
         before = found.get(line["key"], {"earlier": [], "faults": []})
         found[line["key"]] = {**line, "earlier": [*before["earlier"], *before["faults"]]}
     return {key: found[key] for key in keys if key in found}

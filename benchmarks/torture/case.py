@@ -55,6 +55,9 @@ class Said:
         """The last line on stderr."""
         return self.err.strip().splitlines()[-1] if self.err.strip() else ""
 
+    def __str__(self) -> str:
+        return f"exit code {self.code}: {self.complaint[:120]}"
+
 
 def faults(case: Case, said: Said) -> Iterator[str]:
     """What is wrong with the answer; nothing if all is well."""

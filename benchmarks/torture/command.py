@@ -92,6 +92,10 @@ class Running:
         """All that it said on stderr."""
         return self.err.read_text(encoding="utf-8", errors="replace")
 
+    def last(self) -> str:
+        """The last line of it."""
+        return "".join(self.complaint().strip().splitlines()[-1:])
+
 
 def _environment(process: Path) -> bytes:
     """What stands in its ``environ``, read again for one second while it is empty: a process that executes a

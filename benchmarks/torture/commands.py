@@ -95,3 +95,5 @@ COMMANDS: tuple[Command, ...] = (
     Command("effects", ("effects",), kills=LESS),
     Command("completion", ("completion", "bash"), kills=LESS),
 )
+WITH_CONFIG = tuple(c for c in COMMANDS if c.name not in ("ui", "new", "cases", "effects", "completion"))
+"""Those that read a config and make results."""

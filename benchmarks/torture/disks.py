@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 import zlib
@@ -18,7 +17,7 @@ from benchmarks.torture import whole
 from benchmarks.torture.bench import HALF, HANGS, LOST, TRACEBACK, UNCLEAR, WRONG, Fault, Found, Part
 from benchmarks.torture.command import Running, load
 from benchmarks.torture.commands import COMMANDS, Command
-from benchmarks.torture.reference import LONGEST, Reference, reference, started
+from benchmarks.torture.reference import Reference, ended, reference, started
 
 EACH = 3
 """Full disks of each command, of different sizes; and one that cannot be written."""
@@ -84,41 +83,30 @@ def _filled(disk: Disk, done: Reference, before: int, after: int) -> Found:
     _remount(done.lab, "ro" if disk.number is None else f"size={room * BLOCK}")
     running = started(done.words, done.lab)
     faults = list(_said(disk, running))
-    complaint = running.complaint()  # the next command says what it says to the same file
+    complaint, last = running.complaint(), running.last()  # the next command says it to the same file
     faults += done.lost(there)
     _remount(done.lab, f"rw,{AMPLE}")
     faults += done.again()
-    last = complaint.strip().splitlines()[-1:]
     said = (
         f"room for {room * BLOCK / 1e6:.2f} of {after / 1e6:.2f} MB" if disk.number is not None else "no room"
     )
     said += f": exit code {running.code}: "
-    said += complaint[-3000:] if faults else "".join(last)[:400]
+    said += complaint[-3000:] if faults else last[:400]
     return Found(said, tuple(faults), {"disks": 1.0})
 
 
 def _said(disk: Disk, running: Running) -> Iterator[Fault]:
-    """What is wrong with the answer."""
-    if not running.waited(LONGEST):
-        yield Fault(HANGS, f"still runs after {LONGEST:g} s")
-        running.strike(signal.SIGKILL)
-        running.waited(LONGEST)
-    text = running.complaint()
-    last = text.strip().splitlines()[-1] if text.strip() else ""
-    if "Traceback (most recent call last)" in text:
-        yield Fault(TRACEBACK, last)
+    """What is wrong with the answer. A command may end well with a warning: what it could not do was not its
+    work."""
+    yield from ended(running)
+    last = running.last()
     if running.code == 0:
-        yield from _done_all_the_same(disk, text)
+        if disk.number is None and "WARNING" not in running.complaint():
+            yield Fault(WRONG, "exit code 0 without a warning, though nothing can be written")
     elif not last.startswith("hybridid: ") or not any(word in last.lower() for word in SAYS):
         yield Fault(UNCLEAR, f"exit code {running.code}: {last[:300]!r}")
     elif "--debug" in last:
         yield Fault(UNCLEAR, f"a raw exception: {last[:300]!r}")
-
-
-def _done_all_the_same(disk: Disk, text: str) -> Iterator[Fault]:
-    """A command may end well with a warning: what it could not do was not its work."""
-    if disk.number is None and "WARNING" not in text:
-        yield Fault(WRONG, "exit code 0 without a warning, though nothing can be written")
 
 
 def _bytes(folder: Path) -> int:

@@ -23,9 +23,9 @@ from scipy.signal import cont2discrete, lfilter, ss2tf
 from benchmarks.torture.bench import GROWS, LOST, WRONG, Fault, Found, Part
 from benchmarks.torture.command import load, start
 from benchmarks.torture.commands import QUICK
+from hybridid_cli.composing import settings_of
 from hybridid_cli.terminal import Terminal
 from pipelines.runner import run_stages
-from pipelines.shared.config import Settings
 from pipelines.shared.pool import mapper_of
 from pipelines.shared.storage import read_json, write_table
 
@@ -191,7 +191,7 @@ def _fit(number: int) -> None:
     """A fit of a record of another seed, logged to MLflow; thousands of them say nothing new."""
     from pipelines.tracking.runs import tracked
 
-    settings = _settings(number)
+    settings = settings_of([*QUICK, f"rig.seed={number}"])
     with (
         Path(os.devnull).open("w") as nowhere,
         redirect_stderr(nowhere),
@@ -199,20 +199,6 @@ def _fit(number: int) -> None:
         tracked(settings, "fit", terminal) as run,
     ):
         run.finish(run_stages(settings, "fit", terminal))
-
-
-def _settings(number: int) -> Settings:
-    """What ``hybridid fit`` with a seed of the rig would run with."""
-    from hydra import compose, initialize_config_dir
-    from omegaconf import OmegaConf
-
-    from hybridid_cli.config_files import conf_folder
-
-    with initialize_config_dir(str(conf_folder()), version_base="1.3"):
-        composed = compose("fit", [*QUICK, f"rig.seed={number}"])
-    config = OmegaConf.to_container(composed, resolve=True)
-    assert isinstance(config, dict)
-    return Settings("emps", {str(key): value for key, value in config.items()})
 
 
 def _pool(number: int) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.torture.bench import HALF, HANGS, TRACEBACK, UNCLEAR, WRONG, Fault, Found, Part
-from benchmarks.torture.case import BORNE, REFUSED, Case, faults
+from benchmarks.torture.case import BORNE, REFUSED, Case, Said, faults
 from benchmarks.torture.lab import csv, fit, lab, swing
 from benchmarks.torture.play import load, play
 from benchmarks.torture.tables import case_files, own_code, places, recordings, requests
@@ -61,10 +61,7 @@ class Input:
         """Give it to a command in a folder of its own."""
         load()
         said = play(self.case, lab)
-        wrong = tuple(
-            Fault(kind_of(what), f"{what}: {said.complaint[:200]}") for what in faults(self.case, said)
-        )
-        return Found(f"exit code {said.code}: {said.complaint[:120]}", wrong, {"bad inputs": 1})
+        return Found(str(said), tuple(wrong_in(self.case, said)), {"bad inputs": 1})
 
 
 def trials(seed: int) -> list[Input]:
@@ -83,8 +80,12 @@ PART = Part(
 )
 
 
-def kind_of(what: str) -> str:
-    """The kind of a fault that ``case.faults`` has put in words."""
+def wrong_in(case: Case, said: Said) -> list[Fault]:
+    """What is wrong with an answer, each with its kind."""
+    return [Fault(_kind_of(what), f"{what}: {said.complaint[:200]}") for what in faults(case, said)]
+
+
+def _kind_of(what: str) -> str:
     return next((kind for begin, kind in _KINDS.items() if what.startswith(begin)), UNCLEAR)
 
 
@@ -114,12 +115,8 @@ def _taken(hint: object) -> str:
         found |= {option, *(x for x in typing.get_args(option) if not isinstance(x, str))}
     if bool in found:
         return "boolean"
-    numbers = bool({int, float} & found)
-    return (
-        "number"
-        if numbers and str not in found and typing.Literal not in map(typing.get_origin, found)
-        else "text"
-    )
+    worded = str in found or typing.Literal in map(typing.get_origin, found)
+    return "number" if {int, float} & found and not worded else "text"
 
 
 def _records(seed: int) -> Iterator[Input]:
@@ -186,19 +183,12 @@ def _header(drawn: np.random.Generator, rows: list[list[str]]) -> str:
     return _joined(rows)
 
 
-def _few(drawn: np.random.Generator, rows: list[list[str]]) -> str:
-    return _joined(rows[: int(drawn.integers(1, 15))])
-
-
 def _constant(drawn: np.random.Generator, rows: list[list[str]]) -> str:
     column, value = int(drawn.integers(0, 3)), str(drawn.choice(["0", "1e300", "-1e-300", "5"]))
     return _joined([rows[0], *([*row[:column], value, *row[column + 1 :]] for row in rows[1:])])
 
 
-def _separated(drawn: np.random.Generator, rows: list[list[str]]) -> str:
-    return _joined(rows, str(drawn.choice([";", "\t", " ", "|", ",,", "; ", "\0"])))
-
-
+SEPARATORS = (";", "\t", " ", "|", ",,", "; ", "\0")
 DAMAGES: Mapping[str, tuple[Damage, bool]] = {
     "text in cells": (_cell(("abc", "1.2.3", "0x1F", "#REF!", "1e", "--3", "true?")), True),
     "not finite": (_cell(("nan", "inf", "-inf", "NaN", "", "1e400")), True),
@@ -208,8 +198,8 @@ DAMAGES: Mapping[str, tuple[Damage, bool]] = {
     "samples out of order": (_moved, True),
     "ragged": (_ragged, True),
     "wrong header": (_header, True),
-    "few samples": (_few, False),
+    "few samples": (lambda drawn, rows: _joined(rows[: int(drawn.integers(1, 15))]), False),
     "constant column": (_constant, False),
-    "other separators": (_separated, False),
+    "other separators": (lambda drawn, rows: _joined(rows, str(drawn.choice(SEPARATORS))), False),
 }
 """How a recording is damaged, and whether it must be refused."""

@@ -18,7 +18,7 @@ from benchmarks.torture import whole
 from benchmarks.torture.bench import HALF, HANGS, LOST, ORPHAN, TRACEBACK, UNCLEAR, WRONG, Fault, Found, Part
 from benchmarks.torture.command import Running, load
 from benchmarks.torture.commands import COMMANDS, Command
-from benchmarks.torture.reference import LONGEST, Reference, reference, started
+from benchmarks.torture.reference import LONGEST, Reference, ended, reference, started
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 TRIES = 4
@@ -106,29 +106,21 @@ def _struck(kill: Kill, done: Reference) -> Found:
 
 def _after(kill: Kill, running: Running, done: Reference, before: Mapping[str, str]) -> Iterator[Fault]:
     """What is wrong after the signal."""
-    if not running.waited(LONGEST):
-        yield Fault(HANGS, f"still runs {LONGEST:g} s after {kill.signal.name}")
-        running.strike(signal.SIGKILL)
-        running.waited(LONGEST)
-    yield from _ended_clearly(kill, running)
+    yield from ended(running)
+    if kill.signal != signal.SIGKILL:
+        yield from _unclear(kill, running)
     yield from _orphans(running)
     yield from done.lost(before)
     if kill.signal != signal.SIGKILL:
         yield from (Fault(LOST, f"MLflow: {name} is still RUNNING") for name in whole.running_runs(done.lab))
 
 
-def _ended_clearly(kill: Kill, running: Running) -> Iterator[Fault]:
-    said = running.complaint()
-    if "Traceback (most recent call last)" in said:
-        yield Fault(TRACEBACK, said.strip().splitlines()[-1])
-    if kill.signal == signal.SIGKILL:
-        return
+def _unclear(kill: Kill, running: Running) -> Iterator[Fault]:
     asked = 0 if kill.command.opens and kill.signal == signal.SIGINT else 128 + kill.signal
     if running.code not in (0, asked):
         yield Fault(UNCLEAR, f"exit code {running.code}, expected {asked}")
-    last = said.strip().splitlines()[-1] if said.strip() else ""
-    if running.code == 128 + kill.signal and not last.startswith("hybridid: "):
-        yield Fault(UNCLEAR, f"the last line is {last!r}")
+    if running.code == 128 + kill.signal and not running.last().startswith("hybridid: "):
+        yield Fault(UNCLEAR, f"the last line is {running.last()!r}")
 
 
 def _orphans(running: Running) -> Iterator[Fault]:

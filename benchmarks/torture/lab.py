@@ -23,6 +23,8 @@ records:
   swing: {files: swing.csv, role: identification}
 """
 DT, SAMPLES = 0.02, 150
+FOLDER = functools.partial(Path.mkdir, parents=True)
+"""Writes a folder where a file should be."""
 OWN = ("--config-dir", "lab", "case=mine", "mlflow.enabled=false", "out=tree")
 """What each command line about the lab ends with."""
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.torture.bench import RAN, WRONG, Fault, Found
-from benchmarks.torture.case import BORNE, Case, faults
+from benchmarks.torture.case import BORNE, Case
 from benchmarks.torture.command import start
-from benchmarks.torture.inputs import kind_of
+from benchmarks.torture.inputs import wrong_in
 from benchmarks.torture.play import answer, load, new_folder
 from benchmarks.torture.tables.decoys import CANARY, Bomb, compiled
 from benchmarks.torture.tables.received import QUICK
@@ -30,7 +30,7 @@ ENOUGH = 3
 # a shorter record is simulated without compiling
 FIT = ("fit", *("rig.duration=8" if word.startswith("rig.") else word for word in QUICK))
 TRACE = ("trace", *QUICK, "trace.effects=[stribeck]", "trace.processes=1")
-Poison = Callable[[Path, bytes], None]
+Poison = Callable[[Path, bytes], object]
 """What is done with a file of the cache, given code that runs when it is loaded."""
 
 
@@ -40,24 +40,12 @@ def _put(path: Path, code: bytes) -> None:
     path.chmod(0o600)
 
 
-def _closed_to_none(path: Path, code: bytes) -> None:
-    _put(path, code)
-    path.parent.chmod(0o777)
+def _put_and(change: Callable[[Path], object]) -> Poison:
+    def poison(path: Path, code: bytes) -> None:
+        _put(path, code)
+        change(path)
 
-
-def _of_another(path: Path, code: bytes) -> None:
-    _put(path, code)
-    os.chown(path, OTHER, OTHER)
-
-
-def _in_a_folder_of_another(path: Path, code: bytes) -> None:
-    _put(path, code)
-    os.chown(path.parent, OTHER, OTHER)
-
-
-def _open_to_all(path: Path, code: bytes) -> None:
-    _put(path, code)
-    path.chmod(0o666)
+    return poison
 
 
 def _link(path: Path, code: bytes) -> None:
@@ -68,42 +56,22 @@ def _link(path: Path, code: bytes) -> None:
     path.symlink_to(elsewhere)
 
 
-def _without_a_seal(path: Path, code: bytes) -> None:
-    path.write_bytes(code)
-
-
-def _with_the_seal_of_another(path: Path, code: bytes) -> None:
-    path.write_bytes(sealed(f"x{path.name}", code))
-
-
-def _cut_off(path: Path, code: bytes) -> None:
-    path.write_bytes(path.read_bytes()[:8000])
-
-
-def _random(path: Path, code: bytes) -> None:
-    path.write_bytes(os.urandom(len(path.read_bytes())))
-
-
-def _empty(path: Path, code: bytes) -> None:
-    path.write_bytes(b"")
-
-
 def _pipe(path: Path, code: bytes) -> None:
     path.unlink()
     os.mkfifo(path)
 
 
 POISONS: Mapping[str, Poison] = {
-    "without a seal": _without_a_seal,
-    "with the seal of another": _with_the_seal_of_another,
-    "in a folder that others may write to": _closed_to_none,
-    "in a file of another user": _of_another,
-    "in a folder of another user": _in_a_folder_of_another,
-    "in a file that others may write to": _open_to_all,
+    "without a seal": Path.write_bytes,
+    "with the seal of another": lambda path, code: path.write_bytes(sealed(f"x{path.name}", code)),
+    "in a folder that others may write to": _put_and(lambda path: path.parent.chmod(0o777)),
+    "in a file of another user": _put_and(lambda path: os.chown(path, OTHER, OTHER)),
+    "in a folder of another user": _put_and(lambda path: os.chown(path.parent, OTHER, OTHER)),
+    "in a file that others may write to": _put_and(lambda path: path.chmod(0o666)),
     "behind a link": _link,
-    "a file cut off": _cut_off,
-    "a file of random bytes": _random,
-    "an empty file": _empty,
+    "a file cut off": lambda path, code: path.write_bytes(path.read_bytes()[:8000]),
+    "a file of random bytes": lambda path, code: path.write_bytes(os.urandom(len(path.read_bytes()))),
+    "an empty file": lambda path, code: path.write_bytes(b""),
     "a pipe": _pipe,
 }
 CONTROL = "control: sealed, in a folder of one's own"
@@ -151,13 +119,11 @@ class Poisoned:
                 wrong.append(Fault(WRONG, f"the code in {len(files)} files does not run where it may"))
         else:
             case = Case(self.key, again, codes=BORNE, seconds=SECONDS)
-            wrong += [Fault(kind_of(w), f"{w}: {said.complaint[:200]}") for w in faults(case, said)]
+            wrong += wrong_in(case, said)
             wrong += [Fault(RAN, said.complaint[:200])] if canary.exists() else []
             wrong += [] if same else [Fault(WRONG, "other parameters than from a sound cache")]
         counts = {"received files": float(len(files))}
-        return Found(
-            f"{len(files)} files: exit code {said.code}: {said.complaint[:120]}", tuple(wrong), counts
-        )
+        return Found(f"{len(files)} files: {said}", tuple(wrong), counts)
 
 
 def trials(seed: int) -> list[Poisoned]:

@@ -11,9 +11,9 @@ from pathlib import Path
 from benchmarks.torture import archives, poisoned
 from benchmarks.torture import bench as kinds
 from benchmarks.torture.bench import ROOT, Fault, Found, Part, Trial
-from benchmarks.torture.case import BORNE, Case, faults
+from benchmarks.torture.case import BORNE, Case
 from benchmarks.torture.commands import NETWORK, SVG, TWO, Words
-from benchmarks.torture.inputs import kind_of
+from benchmarks.torture.inputs import wrong_in
 from benchmarks.torture.lab import CASE, OWN, lab
 from benchmarks.torture.play import answer, load, new_folder, write
 from benchmarks.torture.tables.decoys import CANARY, Trap
@@ -90,12 +90,12 @@ class Opened:
             opens = OPEN if self.words[0] == "ui" else ""
             said = answer(self.words, folder, SECONDS, own, script if self.anew else None, opens)
         case = Case(self.key, self.words, self.trap.says, self.trap.codes, seconds=SECONDS)
-        wrong = [Fault(kind_of(what), f"{what}: {said.complaint[:200]}") for what in faults(case, said)]
+        wrong = wrong_in(case, said)
         if self.trap.runs and not canary.exists():
             wrong.append(Fault(kinds.WRONG, "what the user trusts does not run: the decoy is none"))
         elif canary.exists() and not self.trap.runs:
             wrong.append(Fault(kinds.RAN, f"{canary.read_text()[:300]}: {said.complaint[:200]}"))
-        return Found(f"exit code {said.code}: {said.complaint[:120]}", tuple(wrong), {"received files": 1.0})
+        return Found(str(said), tuple(wrong), {"received files": 1.0})
 
 
 def environment(bench: Path, folder: Path) -> dict[str, str]:

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 
 from benchmarks.torture import whole
-from benchmarks.torture.bench import HALF, LOST, WRONG, Fault
+from benchmarks.torture.bench import HALF, HANGS, LOST, TRACEBACK, WRONG, Fault
 from benchmarks.torture.command import Running, start
 from benchmarks.torture.commands import Command, Words
 
@@ -145,6 +145,16 @@ def in_peace(words: Words, lab: Path, opens: str = "") -> float:
     if not running.waited(LONGEST) or running.code:
         raise Disturbed(f"exit code {running.code}: {running.complaint()[-2000:]}")
     return seconds if opens else time.monotonic() - began
+
+
+def ended(running: Running) -> Iterator[Fault]:
+    """Wait for the end of a command, and kill it if that does not come; what is wrong with it."""
+    if not running.waited(LONGEST):
+        yield Fault(HANGS, f"still runs after {LONGEST:g} s")
+        running.strike(signal.SIGKILL)
+        running.waited(LONGEST)
+    if "Traceback (most recent call last)" in running.complaint():
+        yield Fault(TRACEBACK, running.last())
 
 
 def started(

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from benchmarks.studies import table
 from benchmarks.torture.bench import KINDS, Line, Part
 
 There = Mapping[Part, Mapping[str, Line]]
@@ -61,7 +62,9 @@ def _run(there: There, seed: int) -> str:
             )
         )
     header = ("part", "trials done", "commit", "date", "machine", "minutes")
-    return f"## What was run\nThe seed of all that was drawn is {seed}.\n\n" + _table(header, rows)
+    return "\n".join(
+        ["## What was run", f"The seed of all that was drawn is {seed}.", "", *table(header, rows)]
+    )
 
 
 def _faults_in_all(there: There, done: Sequence[Line]) -> str:
@@ -69,7 +72,7 @@ def _faults_in_all(there: There, done: Sequence[Line]) -> str:
     faults = _faults(done)
     sought = {kind for part, lines in there.items() if lines for kind in part.seeks} | set(faults)
     rows = [(kind, str(faults[kind])) for kind in KINDS if kind in sought]
-    return f"## Faults in all {len(done)} trials\n" + _table(("fault", "trials"), rows)
+    return "\n".join([f"## Faults in all {len(done)} trials", *table(("fault", "trials"), rows)])
 
 
 def _section(part: Part, lines: Sequence[Line]) -> str:
@@ -83,8 +86,8 @@ def _section(part: Part, lines: Sequence[Line]) -> str:
         faults = _faults(own)
         seconds = sum(line["seconds"] for line in own)
         rows.append((category, str(len(own)), *(str(faults[kind]) for kind in kinds), f"{seconds:.0f}"))
-    table = _table(("", "trials", *kinds, "seconds"), rows)
-    return "\n".join([f"## {part.name.capitalize()}", part.about, "", *total, "", table])
+    shown = table(("", "trials", *kinds, "seconds"), rows)
+    return "\n".join([f"## {part.name.capitalize()}", part.about, "", *total, "", *shown])
 
 
 def _counted(lines: Iterable[Line]) -> Mapping[str, float]:
@@ -122,8 +125,3 @@ def _skipped(lines: Sequence[Line]) -> str:
 def _joined(values: Iterable[str]) -> str:
     """Each value once, the most frequent first."""
     return "; ".join(value for value, _ in Counter(values).most_common())
-
-
-def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import base64
-import signal
 import sys
 import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.torture.bench import HANGS, SECRET, TRACEBACK, Fault, Found, Part
-from benchmarks.torture.command import Running, load
-from benchmarks.torture.commands import COMMANDS, Command
-from benchmarks.torture.reference import LONGEST, prepared, started
+from benchmarks.torture.command import load
+from benchmarks.torture.commands import WITH_CONFIG, Command
+from benchmarks.torture.reference import ended, prepared, started
 
-WITH_CONFIG = tuple(c for c in COMMANDS if c.name not in ("ui", "new", "cases", "effects", "completion"))
 USER = "torture"
 PLACES = ("the address of a tracking server", "MLFLOW_TRACKING_TOKEN", "AWS_SECRET_ACCESS_KEY")
 """Where a secret is planted."""
@@ -53,7 +50,7 @@ class Planted:
             running = started(
                 tuple(words), lab, more={"MLFLOW_TRACKING_TOKEN": token, "AWS_SECRET_ACCESS_KEY": key}
             )
-            faults = list(_ended(running))
+            faults = list(ended(running))
         files = [running.out, running.err, *(path for path in lab.rglob("*") if path.is_file())]
         for path in files:
             content = path.read_bytes()
@@ -81,12 +78,3 @@ PART = Part(
     (SECRET, TRACEBACK, HANGS),
     trials,
 )
-
-
-def _ended(running: Running) -> Iterator[Fault]:
-    if not running.waited(LONGEST):
-        yield Fault(HANGS, f"still runs after {LONGEST:g} s")
-        running.strike(signal.SIGKILL)
-        running.waited(LONGEST)
-    if "Traceback (most recent call last)" in running.complaint():
-        yield Fault(TRACEBACK, running.complaint().strip().splitlines()[-1])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import signal
 import statistics
 import time
 import zlib
@@ -17,8 +16,8 @@ import numpy as np
 from benchmarks.torture import whole
 from benchmarks.torture.bench import GROWS, HANGS, LOST, TRACEBACK, UNCLEAR, WRONG, Fault, Found, Part
 from benchmarks.torture.command import load
-from benchmarks.torture.commands import COMMANDS, Command
-from benchmarks.torture.reference import LONGEST, reference, started
+from benchmarks.torture.commands import WITH_CONFIG, Command
+from benchmarks.torture.reference import ended, reference, started
 from hybridid_cli.terminal import Terminal
 from pipelines.shared.config import Settings
 from pipelines.tracking.abandoned import end_abandoned
@@ -28,7 +27,6 @@ from pipelines.tracking.waiting import send_waiting, waiting
 
 EACH = 2
 """Pairs of each command, the second begun at a moment that the seed draws."""
-AT_ONCE = tuple(c for c in COMMANDS if c.name not in ("ui", "new", "cases", "effects", "completion"))
 WRITERS, RUNS_EACH, STRUCK = 16, 8, 4
 """Processes that write to one store, runs of each, and how many of them are killed meanwhile."""
 RUNS, PART_OF_RUNS, SLOWER = 2000, 200, 2.0
@@ -59,18 +57,11 @@ class Pair:
             first = started(done.words, done.lab)
             time.sleep(later)
             second = started(done.words, done.lab, says="second")
-            faults = []
+            faults: list[Fault] = []
             for running in (first, second):
-                if not running.waited(LONGEST):
-                    faults.append(Fault(HANGS, f"still runs after {LONGEST:g} s"))
-                    running.strike(signal.SIGKILL)
-                    running.waited(LONGEST)
-                text = running.complaint()
-                if "Traceback (most recent call last)" in text:
-                    faults.append(Fault(TRACEBACK, text.strip().splitlines()[-1]))
+                faults += ended(running)
                 if running.code:
-                    last = "".join(text.strip().splitlines()[-1:])
-                    faults.append(Fault(UNCLEAR, f"exit code {running.code}: {last[:300]}"))
+                    faults.append(Fault(UNCLEAR, f"exit code {running.code}: {running.last()[:300]}"))
             faults += done.lost(whole.contents(done.before / "outputs"))
             faults += done.differences()
         return Found(f"the second {later:.1f} s later", tuple(faults), {"pairs of commands": 1.0})
@@ -108,7 +99,7 @@ def trials(seed: int) -> list[Pair | Store]:
             f"{WRITERS} writers to one store, {STRUCK} of them killed", "runs by many writers", _writers, seed
         ),
         Store(f"{RUNS} runs in one store", "runs in one store", _many_runs, seed),
-        *(Pair(command, number, seed) for number in range(EACH) for command in AT_ONCE),
+        *(Pair(command, number, seed) for number in range(EACH) for command in WITH_CONFIG),
     ]
 
 

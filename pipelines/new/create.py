@@ -19,7 +19,7 @@ from hybridid.records.record import Record
 from hybridid.records.survey import NoTimeError, TimeFound, columns_found, time_found
 from pipelines.new.columns import Ask, Chosen, chosen, full_name
 from pipelines.new.machine import Machine, Recording
-from pipelines.new.pages import case_file, readme
+from pipelines.new.pages import text_of
 from pipelines.new.scales import scales
 from pipelines.new.template import Template, template
 from pipelines.shared.errors import ConfigError, unknown
@@ -187,7 +187,7 @@ def _read(
 
 def _write(machine: Machine) -> None:
     code = machine.template.code(machine.name, scales(machine.template.about.scales, machine.records))
-    case, about = case_file(machine), readme(machine)
+    case, about = text_of("case.yaml", machine), text_of("README.md", machine)
     discard_unfinished(machine.folder)
     with replacing(machine.folder) as folder:
         (folder / "case").mkdir()

@@ -83,16 +83,12 @@ class Machine:
             Part("judging", only, "validation", self.split, stop, True),
         )
 
-    @property
-    def _trims(self) -> bool:
-        """Whether derivatives are taken, whose first and last samples are no good."""
-        return any(derivative.order > 0 for _, derivative in self.template.made)
-
     def _usable(self, record: Record) -> tuple[float | None, float | None]:
-        """The times in s between which the derivatives of a record are good; None: the record's own end."""
-        if not self._trims:
-            return None, None
+        """The times in s between which the derivatives of a record are good, none of whose first and last
+        samples are; None: the record's own end."""
         taken = [derivative for _, derivative in self.template.made if derivative.order > 0]
+        if not taken:
+            return None, None
         margin = EDGE / min(map(self.cutoff, taken))
         return _instant(record.time[0] + margin, record), _instant(record.time[-1] - margin, record)
 

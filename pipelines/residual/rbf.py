@@ -52,13 +52,11 @@ class RBFRequest(RBFSection, Request):
 
     def _candidates(self, gray: FitSettings) -> list[Candidate]:
         horizons = (gray.horizon,) if self.horizons is None else self.horizons
-        return [Candidate(self._plan(n), self._settings(gray, h)) for h in horizons for n in self.nodes]
+        settings = [replace(gray, horizon=h, max_iterations=self.max_iterations, starts=1) for h in horizons]
+        return [Candidate(self._plan(n), one) for one in settings for n in self.nodes]
 
     def _plan(self, nodes: int) -> RBFPlan:
         return RBFPlan(nodes, self.port, self.over, self.span, self.physics, self.bounds)
-
-    def _settings(self, gray: FitSettings, horizon: int | None) -> FitSettings:
-        return replace(gray, horizon=horizon, max_iterations=self.max_iterations, starts=1)
 
 
 def _counted(mapper: Mapper, watcher: Watcher, total: int) -> Mapper:

@@ -22,7 +22,7 @@ from pipelines.shared.hybrids import Residual
 from pipelines.shared.limits import check_and_tell, check_demand, check_processes
 from pipelines.shared.modelling import fit_settings, model_of, named_code
 from pipelines.shared.prepared import prepared_records
-from pipelines.shared.sources import chosen, fitted_records
+from pipelines.shared.sources import fitted_records
 from pipelines.shared.stage import Job, Stage
 from pipelines.shared.storage import write_json
 
@@ -43,7 +43,7 @@ def gray_box(settings: Settings, tree: Path) -> GrayBox:
     """The fitted model of a tree, and which of its records it was fitted to."""
     model, estimate = fitted_model(settings, tree)
     prepared = prepared_records(tree)
-    fitted = chosen(prepared, fitted_records(settings), "fit.records")
+    fitted = fitted_records(prepared, settings)
     records, unseen = (
         tuple(load_record(record.file) for record in prepared if (record in fitted) is wanted)
         for wanted in (True, False)

@@ -11,7 +11,7 @@ from hybridid.naming import listed
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.parameters import BY
-from pipelines.shared.sources import chosen, fitted_records, sources_of
+from pipelines.shared.sources import fitted_records, sources_of
 
 RECORD = "record"
 """Each fitted record has a value of its own."""
@@ -80,7 +80,7 @@ def groupings(settings: Settings, asked: Mapping[str, Any]) -> dict[str, Groupin
         return {name: _grouping(name, by, ()) for name, by in asked.items()}
     found = sources_of(settings).found
     every = [source.name for source in found]
-    fitted = [source.name for source in chosen(found, fitted_records(settings), "fit.records")]
+    fitted = [source.name for source in fitted_records(found, settings)]
     known = [str(name) for name in settings["records"]]
     result = {}
     for name, by in asked.items():

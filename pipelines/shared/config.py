@@ -113,8 +113,12 @@ class Settings:
 
 def digest(settings: Settings) -> str:
     """Eight hexadecimal digits of the modelling config."""
-    text = json.dumps([settings.case, settings.part(MODELLING)], sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()[:8]
+    return digest_of([settings.case, settings.part(MODELLING)])[:8]
+
+
+def digest_of(content: Any) -> str:
+    """SHA-256 of plain data, in which the order of keys does not count."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 
 
 def flat(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

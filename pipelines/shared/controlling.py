@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from hybridid.blame import OwnCodeError, blamed_on
 from hybridid.controllers.controller import Controller
 from hybridid.controllers.library import LAWS
 from hybridid.controllers.loop import Loop
 from hybridid.declarations import Signal
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
-from pipelines.shared.imports import code_digests, named
+from pipelines.shared.imports import code_digests, made
 from pipelines.shared.sections.stages import ControllerSection
 
 KEY = "controller"
@@ -35,7 +33,7 @@ def loop_of(settings: Settings, inputs: Sequence[Signal], outputs: Sequence[Sign
         return None
     try:
         loop = Loop(
-            _law(section),
+            made(_path(section.law), KEY, Controller),
             _numbers(section.parameters),
             dict(section.references or {}),
             section.every or 0,
@@ -60,22 +58,6 @@ def _path(law: str) -> str:
     if ":" not in law and law not in LAWS:
         raise ConfigError(f"{unknown('controller', law, LAWS)}; your own is named by module:NAME")
     return LAWS.get(law, law)
-
-
-def _law(section: ControllerSection) -> Controller:
-    found = named(_path(section.law), KEY)
-    if inspect.isclass(found) and issubclass(found, Controller):
-        try:
-            with blamed_on(found):
-                found = found()
-        except OwnCodeError as error:
-            raise ConfigError(f"controller {section.law}: {error}") from error
-    if not isinstance(found, Controller):
-        kind = "class" if inspect.isclass(found) else type(found).__name__
-        raise ConfigError(
-            f"controller {section.law} is a {kind}, not a hybridid.controllers.controller.Controller"
-        )
-    return found
 
 
 def _numbers(given: Mapping[str, Any] | None) -> dict[str, float]:

@@ -52,12 +52,6 @@ def write_receipt(folder: Path, stage: str, made_from: Fingerprint, seconds: flo
     (folder / RECEIPT).write_text(json.dumps(receipt, indent=1, default=str) + "\n", encoding="utf-8")
 
 
-def digest_of(folder: Path, made_from: Fingerprint) -> str:
-    """SHA-256 of the results ``folder`` (its path) and of what they are made from."""
-    text = json.dumps([str(folder.resolve()), made_from], sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
 def folder_digest(folder: Path) -> str:
     """SHA-256 over the names and contents of a stage's files without its receipt."""
     total = hashlib.sha256()

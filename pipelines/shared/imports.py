@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from hybridid.blame import imported
+from hybridid.blame import OwnCodeError, blamed_on, imported
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.own_code import check_not_taken
 from pipelines.shared.source_code import PACKAGES, PROJECT, digest, files_of, with_imports
@@ -28,6 +28,28 @@ def named(path: object, what: str) -> Any:
         return imported(str(path), what)
     except ValueError as error:
         raise ConfigError(str(error)) from error
+
+
+def made(path: object, what: str, kind: type[Any], passing: tuple[type[Exception], ...] = ()) -> Any:
+    """The object of this ``kind`` at ``module:NAME``, which names it or its class, made without arguments.
+
+    ``passing`` are exceptions of hybridid's own, whose message is complete.
+
+    Raises:
+        ConfigError: in one line, as ``named``, or if it is of another kind.
+    """
+    refused: tuple[type[Exception], ...] = (OwnCodeError, *passing)
+    found = named(path, what)
+    if inspect.isclass(found) and issubclass(found, kind):
+        try:
+            with blamed_on(found, passing):
+                return found()
+        except refused as error:
+            raise ConfigError(f"{what} {path}: {error}") from error
+    if not isinstance(found, kind):
+        given = "class" if inspect.isclass(found) else type(found).__name__
+        raise ConfigError(f"{what} {path} is a {given}, not a {kind.__module__}.{kind.__name__}")
+    return found
 
 
 def code_digests(paths: Iterable[str]) -> dict[str, str]:

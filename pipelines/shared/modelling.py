@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping
 from typing import Any
 
-from hybridid.blame import OwnCodeError, blamed_on
 from hybridid.declarations import Signal
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import library_for
@@ -15,10 +13,9 @@ from hybridid.plants.plant import Plant
 from hybridid.settings.fit import FitSettings
 from pipelines.shared.by_group import Grouping, groupings
 from pipelines.shared.by_record import MARK, parameters_by_record
-from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
-from pipelines.shared.imports import code_digests, named
+from pipelines.shared.imports import code_digests, made, named
 from pipelines.shared.parameters import adjustments, asked_in, parameters_of
 
 KEYS = ("plant", "channels", "effects", "parameters")
@@ -30,22 +27,20 @@ def plant_of(settings: Settings) -> Plant:
     Raises:
         ConfigError: if the path names neither.
     """
-    found = named(settings["plant"], "plant")
-    if inspect.isclass(found) and issubclass(found, Plant):
-        found = _made(found, f"plant {settings['plant']}")
-    if not isinstance(found, Plant):
-        kind = "class" if inspect.isclass(found) else type(found).__name__
-        raise ConfigError(f"plant {settings['plant']} is a {kind}, not a hybridid.plants.plant.Plant")
-    return found
+    plant: Plant = made(settings["plant"], "plant", Plant)
+    return plant
 
 
-def _made(cls: type[Plant], what: str) -> Plant:
-    """The plant that a class makes without arguments."""
-    try:
-        with blamed_on(cls):
-            return cls()
-    except OwnCodeError as error:
-        raise ConfigError(f"{what}: {error}") from error
+def channels_of(settings: Settings) -> tuple[Signal, ...]:
+    """``channels``: which auxiliary signals of the records the effects may see, in the order of the config.
+
+    Raises:
+        ConfigError: if ``channels`` is anything else than names with units.
+    """
+    given = settings.get("channels", {})
+    if not isinstance(given, Mapping) or not all(isinstance(unit, str) for unit in given.values()):
+        raise ConfigError(f"channels is {given!r}: give names with units, as in {{temperature: °C}}")
+    return tuple(Signal(str(name), unit) for name, unit in given.items())
 
 
 def model_of(settings: Settings) -> Model:

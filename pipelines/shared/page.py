@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -106,17 +106,23 @@ class Page:
 
 
 def _render(template: str, page: Page, **filters: Callable[..., Any]) -> str:
+    own: dict[str, Callable[..., Any]] = {"text": _text, "cell": _cell, "pieces": _SEPARATOR.split, **filters}
+    return rendered(_TEMPLATES / template, own, page=page)
+
+
+def rendered(template: Path, filters: Mapping[str, Callable[..., Any]], **given: object) -> str:
+    """The text of a template of Jinja with what it is ``given``; a name that it lacks is an error."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
     environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
+        loader=FileSystemLoader(template.parent),
         autoescape=select_autoescape(["html"]),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"text": _text, "cell": _cell, "pieces": _SEPARATOR.split, **filters}
-    return environment.get_template(template).render(page=page).rstrip() + "\n"
+    environment.filters |= filters
+    return environment.get_template(template.name).render(**given).rstrip() + "\n"
 
 
 def _text(text: str) -> str:

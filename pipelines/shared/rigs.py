@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping
 from typing import Any
 
-from hybridid.blame import OwnCodeError, blamed_on
 from hybridid.plain import build
 from hybridid.rigs.laws import RigError
 from hybridid.rigs.rig import Rig
 from hybridid.rigs.truth import planted_laws
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.imports import named
+from pipelines.shared.imports import made
 from pipelines.shared.sections.stages import RigSection
 
 
@@ -26,11 +24,7 @@ def rig_of(given: Mapping[str, Any]) -> Rig:
         ConfigError: in one line for an unknown key, rig, number, law, port or parameter.
     """
     section = build(RigSection, given, "rig", ConfigError)
-    rig = named(section.path, "rig.path")
-    if inspect.isclass(rig):
-        rig = _made(rig, f"rig.path {section.path}")
-    if not isinstance(rig, Rig):
-        raise ConfigError(f"rig.path {section.path} is a {type(rig).__name__}, not a hybridid.rigs.rig.Rig")
+    rig: Rig = made(section.path, "rig.path", Rig, (RigError,))
     truth, planted = section.truth, section.planted
     if truth is None and planted is None:
         return rig
@@ -38,11 +32,3 @@ def rig_of(given: Mapping[str, Any]) -> Rig:
         return rig.with_truth(truth or {}, None if planted is None else planted_laws(planted, rig.ports))
     except RigError as error:
         raise ConfigError(str(error)) from error
-
-
-def _made(cls: type, what: str) -> object:
-    try:
-        with blamed_on(cls, passing=(RigError,)):
-            return cls()
-    except (OwnCodeError, RigError) as error:
-        raise ConfigError(f"{what}: {error}") from error

@@ -6,7 +6,6 @@ holder of the tree's lock may call what writes here.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from hybridid.naming import counted
-from pipelines.shared.config import Settings
+from pipelines.shared.config import Settings, digest_of
 from pipelines.shared.freshness import RECEIPT, Fingerprint, made_from_of
 from pipelines.shared.stage import Stage
 from pipelines.shared.tree import point_to, remove
@@ -35,7 +34,7 @@ def results_folder(stage: Stage, settings: Settings, root: Path) -> Path:
     """Where the results of ``stage`` with these settings lie in the tree ``root``."""
     if not stage.side_by_side:
         return root / stage.name
-    return _home(stage, root) / _digest(stage.options(settings))
+    return _home(stage, root) / digest_of(stage.options(settings))[:8]
 
 
 def show_newest(stage: Stage, folder: Path, root: Path) -> None:
@@ -55,7 +54,7 @@ def take_in(stage: Stage, root: Path) -> None:
         return
     home = _home(stage, root)
     home.mkdir(exist_ok=True)
-    folder = home / _digest(then["config"])
+    folder = home / digest_of(then["config"])[:8]
     remove(folder)
     old.rename(folder)
     show_newest(stage, folder, root)
@@ -94,11 +93,6 @@ def in_words(kept: list[Kept]) -> str:
 
 def _home(stage: Stage, root: Path) -> Path:
     return root / f"{stage.name}s"
-
-
-def _digest(options: Mapping[str, Any]) -> str:
-    text = json.dumps(options, sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
 def _differing(then: Fingerprint, now: Fingerprint) -> dict[str, Any]:

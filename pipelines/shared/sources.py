@@ -126,8 +126,8 @@ def sources_of(settings: Settings) -> Sources:
     parameters_by_record(settings)
     if choice == "simulated":
         return Sources(_simulated(settings, records), ("simulated records, as data=simulated asks",))
-    roots = roots_of(_data_folder(settings), settings.folders)
-    if not roots[0].path.is_dir() and _data_folder(settings):
+    roots = roots_of(settings.paths.data, settings.folders)
+    if not roots[0].path.is_dir() and settings.paths.data:
         raise ConfigError(f"paths.data is {roots[0].path}: no such folder")
     found, missing = [], []
     for name, entry in records.items():
@@ -147,10 +147,6 @@ def sources_of(settings: Settings) -> Sources:
 def roots_of(data: str | None, folders: Sequence[Path]) -> tuple[DataRoot, ...]:
     """The folders searched for records: ``paths.data``, ``$HYBRIDID_DATA``, ``data/raw``, the user's own."""
     return (*data_roots(data), *(DataRoot(folder, "--config-dir") for folder in folders))
-
-
-def _data_folder(settings: Settings) -> str | None:
-    return settings.paths.data
 
 
 def digests(settings: Settings) -> dict[str, str]:
@@ -177,9 +173,9 @@ def chosen(records: Sequence[Named], wanted: Sequence[str] | None, key: str) -> 
     return [r for r in records if any(fnmatchcase(word, e) for e in wanted for word in (r.name, r.role))]
 
 
-def fitted_records(settings: Settings) -> tuple[str, ...] | None:
-    """The key ``fit.records``: names or roles of the records that the model is fitted to; None for all."""
-    return settings.section("fit", FitSection).records
+def fitted_records(records: Sequence[Named], settings: Settings) -> list[Named]:
+    """The records that the model is fitted to, as ``chosen`` by the key ``fit.records``."""
+    return chosen(records, settings.section("fit", FitSection).records, "fit.records")
 
 
 def _records(settings: Settings) -> dict[str, dict[str, Any]]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pipelines.runner import check_stages, is_fresh
+from pipelines.shared.config import digest_of
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.freshness import RECEIPT
 from pipelines.shared.sections.searches import SweepSection
@@ -39,7 +38,7 @@ class Sweep:
     @property
     def key(self) -> str:
         """A digest of the points, independent of their order."""
-        return digest_of(self.points)
+        return key_of(self.points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,13 +65,12 @@ def folder_of(name: str, points: Sequence[Point]) -> Path:
     if settings.get("out") is not None:
         return Path(str(settings["out"]))
     mark = "-simulated" if any(point.simulated for point in points) else ""
-    return settings.outputs / "sweeps" / f"{name}-{digest_of(points)}{mark}"
+    return settings.outputs / "sweeps" / f"{name}-{key_of(points)}{mark}"
 
 
-def digest_of(points: Sequence[Point]) -> str:
+def key_of(points: Sequence[Point]) -> str:
     """Eight hexadecimal digits that identify the set of points."""
-    text = json.dumps(sorted([point.settings.case, point.key] for point in points))
-    return hashlib.sha256(text.encode()).hexdigest()[:8]
+    return digest_of(sorted([point.settings.case, point.key] for point in points))[:8]
 
 
 def conduct(
@@ -122,7 +120,7 @@ def _refused(points: Sequence[Point], watcher: Watcher) -> dict[Point, str]:
 
 
 def _planned(points: Sequence[Point], runner: JobRunner, request: SweepSection, key: str) -> Plan:
-    fresh = [p for p in points if not p.settings.lone.force and _fresh(p)]
+    fresh = [p for p in points if not p.settings.lone.force and is_fresh(p.settings, p.last, p.tree)]
     grays = {p.gray_tree: p for p in points if p not in fresh and p.kind is not None}
     there = [p for p in grays.values() if is_fresh(p.gray, "fit", p.gray_tree)]
     plan = planned(points, fresh, there, runner.cores, request.stack)
@@ -157,10 +155,6 @@ def _made(point: Point) -> int | None:
         return (point.tree / point.last / RECEIPT).stat().st_mtime_ns
     except OSError:
         return None
-
-
-def _fresh(point: Point) -> bool:
-    return is_fresh(point.settings, point.last, point.tree)
 
 
 def about(sweep: Sweep) -> dict[str, str]:

@@ -9,13 +9,12 @@ from __future__ import annotations
 import csv
 import io
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from hybridid.naming import counted, listed
 from hybridid.quantities import NONE, number, quantity
 from hybridid.trace.entries import AcceptedEffect
-from hybridid.trace.result import Trace
 from hybridid.trace.words import VERDICTS, parameters_in_words
 from pipelines.shared.page import Page, Section, Table
 from pipelines.shared.side_by_side import results_folder
@@ -24,8 +23,8 @@ from pipelines.shared.traced import trace_of
 from pipelines.shared.tree import write_text
 from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.point import Point, axes_of, spelt
-from pipelines.sweep.results import Coordinates, FailedPoint, place_of
-from pipelines.sweep.words import axis_name
+from pipelines.sweep.results import Coordinates, FailedPoint, failed_points, place_of
+from pipelines.sweep.words import axis_name, failed_section, quoted
 from pipelines.trace.stage import TRACE
 
 NAME = "fleet"
@@ -88,10 +87,7 @@ def fleet_of(swept: SweepOutcome) -> Fleet:
         verdicts=_most_first(one.verdict for one in machines),
         lacks=_most_first(name for one in machines for name in one.lacks),
         machines=machines,
-        failures=tuple(
-            FailedPoint(dict(point.at), place_of(point, sweep.folder), reason)
-            for point, reason in swept.failures.items()
-        ),
+        failures=failed_points(swept),
     )
 
 
@@ -151,12 +147,9 @@ def page_of(found: Fleet, swept: SweepOutcome) -> Page:
         Section("Machines", counts(found), (table, detail) if rows else ()),
         Section("In words", said),
     ]
-    if found.failures:
-        lost = tuple((point.name, reason) for point, reason in swept.failures.items())
-        sections.append(
-            Section("Failed", (), (Table("Machines without a trace", ("", ""), lost, words=(0, 1)),))
-        )
-    sections.append(Section("Again", commands=(f"hybridid trace -m {' '.join(_typed(found.words))}",)))
+    sections += failed_section(swept, "Machines without a trace")
+    again = [quoted(word.lstrip("+")) for word in found.words if not word.startswith("sweep.stage=")]
+    sections.append(Section("Again", commands=(f"hybridid trace -m {' '.join(again)}",)))
     lead = f"{len(found.machines)} of {counted(len(swept.sweep.points), 'machine')} traced."
     return Page(f"Fleet: {found.name}", lead, tuple(sections), marks)
 
@@ -173,7 +166,7 @@ def _machine(point: Point, swept: SweepOutcome) -> Machine:
         values=tuple(", ".join((one.effect, *parameters_in_words(one.parameters))) for one in found.accepted),
         before=dict(first),
         after=dict(last),
-        units=_units(found),
+        units={row.output: row.unit for row in found.before},
         times=found.times,
         seconds=found.seconds,
         sentence=found.sentence,
@@ -184,10 +177,6 @@ def _class(one: AcceptedEffect) -> str:
     """``carriage.stribeck``, or all members of its class in one order, so that equal classes read alike."""
     members = [one.name, *(name for name in one.others)]
     return one.name if len(members) == 1 else f"one of {{{', '.join(sorted(members))}}}"
-
-
-def _units(found: Trace) -> dict[str, str]:
-    return {row.output: row.unit for row in found.before}
 
 
 def _errors(rmse: Mapping[str, float], units: Mapping[str, str]) -> str:
@@ -204,11 +193,6 @@ def _most_first(names: Iterable[str]) -> dict[str, int]:
 
 def _named(one: Machine, found: Fleet) -> str:
     return ", ".join(f"{axis_name(key)}={spelt(one.at.get(key))}" for key in found.axes) or found.name
-
-
-def _typed(words: Sequence[str]) -> list[str]:
-    kept = [word.lstrip("+") for word in words if not word.startswith("sweep.stage=")]
-    return [f"'{word}'" if set("[]{}()*, ") & set(word) else word for word in kept]
 
 
 def _csv(found: Fleet) -> str:

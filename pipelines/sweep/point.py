@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
@@ -12,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pipelines.shared.config import Settings, digest
+from pipelines.shared.config import Settings, digest, digest_of
 from pipelines.shared.sources import sources_of
 from pipelines.shared.tree import tree_of
 
@@ -83,7 +81,7 @@ class Point:
         """Equal for points whose held-out errors are of the same samples of the same records."""
         residual = self.settings.get("residual") or {}
         parts = [self.settings.case, self.settings.part(_SHARED), [residual.get(k) for k in _JUDGED_BY]]
-        return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:8]
+        return digest_of(parts)[:8]
 
     def plain(self) -> dict[str, Any]:
         """As JSON takes it."""

@@ -13,11 +13,11 @@ from pipelines.shared.tree import replacing, write_text
 from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.figures import heat_maps
 from pipelines.sweep.grid import Group, groups_of
-from pipelines.sweep.point import SEEDS, Point, axes_of, spelt
+from pipelines.sweep.point import SEEDS, axes_of, spelt
 from pipelines.sweep.results import place_of, result_of
 from pipelines.sweep.rows import Row
 from pipelines.sweep.thesis import thesis_tables
-from pipelines.sweep.words import choice, gray_note, header, line, run_words
+from pipelines.sweep.words import choice, failed_section, gray_note, header, line, run_words
 
 FIGURES = "figures"
 
@@ -50,20 +50,15 @@ def page_of(swept: SweepOutcome, groups: Sequence[Group], pictures: tuple[Pictur
     )
     rules = tuple(dict.fromkeys(f"Rule of choice: {group.rule}." for group in groups))
     chosen = [group.chosen.point for group in groups if group.chosen is not None]
+    commands = tuple(dict.fromkeys(run_words(point, sweep.common) for point in chosen))
     sections = [
-        Section(
-            "Chosen", (*map(choice, groups), *rules, *_remarks(groups)), (), (), _commands(swept, chosen)
-        ),
+        Section("Chosen", (*map(choice, groups), *rules, *_remarks(groups)), (), (), commands),
         Section("Grid", (), tables, pictures),
     ]
     compared = thesis_tables(sweep.name, swept.done, groups)
     if compared:
         sections.append(Section("Beside the thesis", (), compared))
-    if swept.failures:
-        lost = tuple((point.name, reason) for point, reason in swept.failures.items())
-        sections.append(
-            Section("Failed", (), (Table("Points without a result", ("", ""), lost, words=(0, 1)),))
-        )
+    sections += failed_section(swept, "Points without a result")
     again = (f"hybridid sweep {' '.join(sweep.words)}",)
     sections.append(Section("Plan", tuple(swept.plan.lines), commands=again))
     provenance = sorted({word for group in groups for word in group.provenance.split(" and ")})
@@ -76,10 +71,6 @@ def _remarks(groups: Sequence[Group]) -> Iterator[str]:
     yield "Validation records (unseen) are shown and take no part in the choice."
     if any(len(cell.rows) > 1 for group in groups for cell in group.cells):
         yield "Numbers are mean ± standard deviation over seeds."
-
-
-def _commands(swept: SweepOutcome, chosen: Sequence[Point]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(run_words(point, swept.sweep.common) for point in chosen))
 
 
 def _csv(groups: Sequence[Group], folder: Path) -> str:

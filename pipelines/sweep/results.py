@@ -90,10 +90,15 @@ def result_of(swept: SweepOutcome, groups: Sequence[Group]) -> SweepResult:
         axes=tuple(axes_of(sweep.points)),
         plan=swept.plan.described,
         outputs=tuple(_output(group, sweep.folder) for group in groups),
-        failures=tuple(
-            FailedPoint(dict(point.at), place_of(point, sweep.folder), reason)
-            for point, reason in swept.failures.items()
-        ),
+        failures=failed_points(swept),
+    )
+
+
+def failed_points(swept: SweepOutcome) -> tuple[FailedPoint, ...]:
+    """Those without a result."""
+    return tuple(
+        FailedPoint(dict(point.at), place_of(point, swept.sweep.folder), reason)
+        for point, reason in swept.failures.items()
     )
 
 

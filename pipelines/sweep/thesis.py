@@ -36,9 +36,9 @@ def thesis_tables(name: str, points: Sequence[Point], groups: Sequence[Group]) -
         return ()
     roles = {record.name: record.role for record in prepared_records(tree)}
     swept = Networks(rows, gray.gray, roles)
-    tables = [table for table in chapter4.TABLES if isinstance(table, ScoreTable) and _is_grid(table)]
-    return tuple(table_of(table, {chapter4.EXPERIMENT: swept}) for table in tables)
-
-
-def _is_grid(table: ScoreTable) -> bool:
-    return any(isinstance(row.ours, NetworkOf) for row in table.rows)
+    tables = [table for table in chapter4.TABLES if isinstance(table, ScoreTable)]
+    return tuple(
+        table_of(table, {chapter4.EXPERIMENT: swept})
+        for table in tables
+        if any(isinstance(row.ours, NetworkOf) for row in table.rows)
+    )

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybridid.quantities import DIVERGES, NONE, mean_and_deviation, quantity
+from pipelines.shared.page import Section, Table
+from pipelines.sweep.conduct import SweepOutcome
 from pipelines.sweep.grid import Cell, Group, Spread
 from pipelines.sweep.point import Point, spelt
 
@@ -69,6 +71,12 @@ def choice(group: Group) -> str:
     )
 
 
+def failed_section(swept: SweepOutcome, caption: str) -> list[Section]:
+    """The section of the page that says which points have no result, and why; none if each has one."""
+    lost = tuple((point.name, reason) for point, reason in swept.failures.items())
+    return [Section("Failed", (), (Table(caption, ("", ""), lost, words=(0, 1)),))] if lost else []
+
+
 def counted(point: Point) -> str:
     """What its size is counted in."""
     return "nodes" if point.kind == "rbf" else "weights"
@@ -78,4 +86,9 @@ def run_words(point: Point, words: Sequence[str]) -> str:
     """The command that takes a point's result up: ``words`` are those that no point differs in."""
     kept = [word for word in words if word.partition("=")[0].lstrip("+~") not in point.at]
     said = [*kept, *(f"{key}={spelt(value)}" for key, value in point.at.items())]
-    return "hybridid run " + " ".join(f"'{w}'" if set("[]{}, ") & set(w) else w for w in said)
+    return "hybridid run " + " ".join(map(quoted, said))
+
+
+def quoted(word: str) -> str:
+    """A word as one types it into a shell."""
+    return f"'{word}'" if set("[]{}()*, ") & set(word) else word

@@ -15,20 +15,18 @@ from hybridid.hybrid.narx_grid import narx_hybrid, train_networks
 from pipelines.residual import stage as residual
 from pipelines.residual.narx import NARXRequest, report_to
 from pipelines.runner import run_stages
-from pipelines.shared.errors import ConfigError, Incomplete
 from pipelines.shared.freshness import RECEIPT
-from pipelines.shared.secrets import masked
 from pipelines.shared.stage import Job
 from pipelines.shared.tree import replacing
 from pipelines.shared.watch import Watcher
 from pipelines.sweep.point import Point
+from pipelines.tracking.note import one_line
 
 if TYPE_CHECKING:
     from hybridid.residuals.training import Trained
 
 SHARED = ("preprocess", "fit")
 """Stages that a point takes over from its gray box."""
-_LONGEST = 300
 Failures = Mapping[str, str]
 """Why points have no result, by their keys."""
 
@@ -77,12 +75,6 @@ def carry_out(job: SweepJob, watcher: Watcher) -> Failures:
             return failures | {narx[0].key: one_line(error)}
         failures |= _attempted(narx, lambda point: _together([point], quiet))
     return failures
-
-
-def one_line(error: Exception) -> str:
-    """An exception in one line."""
-    kind = "" if isinstance(error, (ConfigError, Incomplete)) else f"{type(error).__name__}: "
-    return " ".join(masked(f"{kind}{error}").split())[:_LONGEST]
 
 
 def adopt(point: Point) -> None:

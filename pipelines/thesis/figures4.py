@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
+from hybridid.plotting.panels import ROW, Panel
 from hybridid.plotting.style import Plot
 from pipelines.thesis.chapter4 import EXPERIMENT, PITCH, VELOCITY
 from pipelines.thesis.figure import Draw, Figure, plot_of
@@ -23,40 +27,36 @@ def _used(runs: Runs) -> Plot:
     return plot_of(record, shows, signal_panels(record, (PITCH, VELOCITY)))
 
 
+def _each(role: str, shows: str, panel: Callable[..., Panel], columns: int = 1, row: float = ROW) -> Draw:
+    """A panel for each output."""
+
+    def draw(runs: Runs) -> Plot:
+        run = runs[EXPERIMENT]
+        panels = [panel(word, run.both(role, name)) for word, name in OUTPUTS.items()]
+        return plot_of(run.record(role), shows, panels, columns, row)
+
+    return draw
+
+
 def _responses(role: str) -> Draw:
-    def draw(runs: Runs) -> Plot:
-        run = runs[EXPERIMENT]
-        panels = [response_panel(word, run.both(role, name), focus=False) for word, name in OUTPUTS.items()]
-        return plot_of(run.record(role), "data, gray box and hybrid in free run", panels, row=44.0)
-
-    return draw
+    whole = partial(response_panel, focus=False)
+    return _each(role, "data, gray box and hybrid in free run", whole, row=44.0)
 
 
-def _errors(role: str) -> Draw:
-    def draw(runs: Runs) -> Plot:
-        run = runs[EXPERIMENT]
-        panels = [error_panel(word, run.both(role, name), focus=False) for word, name in OUTPUTS.items()]
-        return plot_of(run.record(role), "errors of gray box and hybrid in free run", panels)
-
-    return draw
-
-
-def _scatter(role: str) -> Draw:
-    def draw(runs: Runs) -> Plot:
-        run = runs[EXPERIMENT]
-        panels = [scatter_panel(word, run.both(role, name)) for word, name in OUTPUTS.items()]
-        shows = "models over data, sample by sample; a perfect model lies on the line"
-        return plot_of(run.record(role), shows, panels, columns=2, row=84.0)
-
-    return draw
+_ERRORS = "errors of gray box and hybrid in free run"
+_LINE = "models over data, sample by sample; a perfect model lies on the line"
 
 
 FIGURES = (
     Figure("4.3", "pitch rate and vertical acceleration, recorded and filtered", _filtered),
     Figure("4.4", "pitch rate and vertical velocity that the method uses", _used),
     Figure("4.7", "data, gray box and hybrid", _responses("identification")),
-    Figure("4.8", "errors of gray box and hybrid", _errors("identification")),
-    Figure("4.9", "data against models", _scatter("identification")),
+    Figure(
+        "4.8",
+        "errors of gray box and hybrid",
+        _each("identification", _ERRORS, partial(error_panel, focus=False)),
+    ),
+    Figure("4.9", "data against models", _each("identification", _LINE, scatter_panel, 2, 84.0)),
     Figure(
         "", "data, gray box and hybrid at the held-out speed", _responses("validation"), "vehicle-held-out"
     ),

@@ -63,11 +63,11 @@ class Run:
         """Every prediction of the experiment."""
         return predictions_in(self.tree)
 
-    def of(self, role: str, output: str, view: str = "free_run") -> dict[str, Response]:
-        """The responses to a record by ``gray box`` and, where there is one, ``hybrid``.
+    def both(self, role: str, output: str, view: str = "free_run") -> dict[str, Response]:
+        """The responses to a record by ``gray box`` and ``hybrid``.
 
         Raises:
-            Missing: if the gray box has no prediction in this view.
+            Missing: if one of them has no prediction in this view.
         """
         record = self.record(role).name
         found: dict[str, Response] = {}
@@ -78,15 +78,6 @@ class Run:
                 found[kind] = Response.of(stored.model, stored.prediction, output)
         if "gray box" not in found:
             raise Missing("no prediction in free run")
-        return found
-
-    def both(self, role: str, output: str, view: str = "free_run") -> dict[str, Response]:
-        """The responses to a record by gray box and hybrid.
-
-        Raises:
-            Missing: if one of them has no prediction.
-        """
-        found = self.of(role, output, view)
         if "hybrid" not in found:
             raise Missing("no prediction of the hybrid")
         return found
@@ -211,14 +202,10 @@ def spectra_of(record: Record, names: tuple[str, ...]) -> list[Panel]:
 
 
 def _signal(record: Record, name: str) -> tuple[Array, str]:
-    groups = [(record.input_channels, record.inputs), (record.output_channels, record.outputs)]
-    if record.auxiliary is not None:
-        groups.append((record.auxiliary_channels, record.auxiliary))
-    for channels, values in groups:
-        for column, channel in enumerate(channels):
-            if channel.name == name:
-                return values[:, column], channel.unit
-    raise Missing(f"record {record.name} holds no {name}")
+    units = {channel.name: channel.unit for channel in record.channels}
+    if name not in units:
+        raise Missing(f"record {record.name} holds no {name}")
+    return record.signal(name), units[name]
 
 
 def _scores(shown: Mapping[str, Response]) -> str:

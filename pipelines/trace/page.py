@@ -93,7 +93,10 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
         for a in found.accepted
     )  # fmt: skip
     effects = Table(f"Accepted ({found.provenance})", header, rows, (_BY_HELD_OUT,), words=(0, 1, 2, 3, 6))
-    paragraphs = [f"{a.effect}: {a.title}, {a.equation}. {_capital(a.pattern)}." for a in found.accepted]
+    paragraphs = [
+        f"{a.effect}: {a.title}, {a.equation}. {a.pattern[:1].upper()}{a.pattern[1:]}."
+        for a in found.accepted
+    ]
     paragraphs += refused_rivals(found)
     paragraphs += [
         f"{a.name} was found only together with {a.together}; its gain is the one beside it."
@@ -310,7 +313,3 @@ def _use(traced: TraceFile) -> Section | None:
         return None
     text = "fit, validate and plot work with the augmented model as with any other model."
     return Section("Next commands", (text,), commands=traced.commands)
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]

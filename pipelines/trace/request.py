@@ -12,11 +12,10 @@ from hybridid.effects.variable import Variable
 from hybridid.naming import listed
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.split import automatic_horizon
-from pipelines.shared.channels import channels_of
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.imports import named
-from pipelines.shared.modelling import plant_of
+from pipelines.shared.modelling import channels_of, plant_of
 from pipelines.shared.pool import core_count
 from pipelines.shared.prepared import Prepared
 from pipelines.shared.sections.searches import TraceSection

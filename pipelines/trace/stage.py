@@ -6,6 +6,7 @@ figures, the missing efforts as Parquet, and a proposed law as an effect file.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from hybridid.trace.candidates import admissible
 from hybridid.trace.mapper import Mapper, Report, unheard
+from hybridid.trace.missing_effort import Missing
 from hybridid.trace.result import Trace
 from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, commands
@@ -31,10 +33,9 @@ from pipelines.shared.pool import mapper_of
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import sources_of
 from pipelines.shared.stage import Job, Stage
-from pipelines.shared.storage import write_json
+from pipelines.shared.storage import write_json, write_table
 from pipelines.shared.traced import TraceFile
 from pipelines.trace.law_file import law_files
-from pipelines.trace.missing import write_missing
 from pipelines.trace.page import trace_page
 from pipelines.trace.request import (
     Request,
@@ -129,7 +130,7 @@ def _write(job: Job, found: Trace, processes: int) -> None:
     settings = _augmented(job.settings, found)
     described = describe_model(settings, model_of(settings), found.provenance)
     write_json(job.folder / "model.json", described)
-    write_missing(job.folder, found.shown.missing)
+    _write_missing(job.folder, found.shown.missing)
     samples = found.shown.split.horizon
     traced = TraceFile(
         case=job.settings.case,
@@ -143,6 +144,20 @@ def _write(job: Job, found: Trace, processes: int) -> None:
         (job.folder / name).write_text(text, encoding="utf-8")
     job.watcher.progress("report", "figures and pages", None)
     trace_page(traced, _drawn(job, found)).write(job.folder, "report")
+
+
+def _write_missing(folder: Path, missing: Missing) -> None:
+    """Write ``<record>.<port>.missing_effort.before.parquet`` and ``.after``; the metadata give SI units."""
+    for (record, port), efforts in missing.items():
+        for when, (model, e) in zip(("before", "after"), efforts.items(), strict=False):
+            motion = {name.replace(" ", "_"): values for name, (values, _) in e.motion.items()}
+            columns = {"time": e.time, e.kind: e.effort, "std": e.std, **motion}
+            about = {
+                "record": record, "port": port, "model": model, "provenance": e.provenance,
+                "unit": e.unit, "units": {name: unit for name, (_, unit) in e.motion.items()},
+            }  # fmt: skip
+            notes = {"hybridid": json.dumps(about, ensure_ascii=False)}
+            write_table(folder / f"{record}.{port}.missing_effort.{when}.parquet", columns, notes)
 
 
 def _augmented(settings: Settings, found: Trace) -> Settings:
@@ -203,16 +218,12 @@ def check_records(settings: Settings, tree: Path) -> None:
         )
 
 
-def _named_code(settings: Settings) -> dict[str, str]:
-    return {**named_code(settings), **code_digests(imported_effects(settings))}
-
-
 TRACE = Stage(
     "trace",
     (*modelling.KEYS, "estimator", "trace", "validate.initial_state"),
     ("preprocess", "fit"),
     run,
-    inputs=_named_code,
+    inputs=lambda settings: {**named_code(settings), **code_digests(imported_effects(settings))},
     check=check,
     check_records=check_records,
     side_by_side=True,

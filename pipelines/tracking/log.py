@@ -14,7 +14,7 @@ from pipelines.shared.watch import Watcher
 from pipelines.tracking import ahead
 from pipelines.tracking.abandoned import end_abandoned
 from pipelines.tracking.begun import lift_left
-from pipelines.tracking.note import Artifact, Note, Status, short
+from pipelines.tracking.note import Artifact, Note, Status, raised
 from pipelines.tracking.patience import Slow, pause, paused
 from pipelines.tracking.send import send
 from pipelines.tracking.store import tracking_uri
@@ -38,8 +38,7 @@ def log(settings: Settings, note_of: Callable[[], Note], watcher: Watcher) -> bo
         else:
             _look_once(settings, watcher)
     except Exception as error:
-        line = short(f"{type(error).__name__}: {error}")[:200]
-        watcher.warn(f"not logged to MLflow ({line}); the results are complete without it")
+        watcher.warn(f"not logged to MLflow ({raised(error, 200)}); the results are complete without it")
         return False
     return True
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -11,6 +9,8 @@ from pathlib import Path
 from typing import Literal
 
 from hybridid.plain import plain
+from pipelines.shared.config import digest_of
+from pipelines.shared.errors import ConfigError, Incomplete
 from pipelines.shared.secrets import masked
 
 Status = Literal["RUNNING", "FINISHED", "FAILED", "KILLED"]
@@ -69,10 +69,19 @@ class Note:
         """Equal for two notes of one result, wherever its files lie and by whatever code it is logged."""
         tags = {name: tag for name, tag in self.tags.items() if name not in (COMMIT, CHANGED)}
         files = sorted(a.into for a in self.artifacts)
-        said = {**plain(self), "tags": tags, "artifacts": files, "uri": None}
-        return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:16]
+        return digest_of({**plain(self), "tags": tags, "artifacts": files, "uri": None})[:16]
 
 
 def short(text: object) -> str:
     """Text as one line that MLflow takes, without secrets."""
     return " ".join(masked(text).split())[:LONGEST]
+
+
+def raised(error: BaseException, most: int = LONGEST) -> str:
+    """An exception in one line, its class first."""
+    return short(f"{type(error).__name__}: {error}")[:most]
+
+
+def one_line(error: Exception, most: int = 300) -> str:
+    """The same, without the class where the message is complete."""
+    return short(error)[:most] if isinstance(error, (ConfigError, Incomplete)) else raised(error, most)

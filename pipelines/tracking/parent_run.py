@@ -12,7 +12,7 @@ from pipelines.shared.watch import Watcher
 from pipelines.tracking.begun import Mark
 from pipelines.tracking.facts import about, finite, parameters
 from pipelines.tracking.log import experiment_of, files, later, log, note
-from pipelines.tracking.note import Note, Status, short
+from pipelines.tracking.note import Note, Status, raised
 from pipelines.tracking.waiting import waiting
 
 
@@ -53,8 +53,8 @@ class ParentRun:
         """End the run, if it has begun and not ended, with what was raised: ``KILLED`` by a signal, else
         ``FAILED``."""
         if self._mark is not None:
-            why = short(f"{type(error).__name__}: {error}")
-            self._end("FAILED" if isinstance(error, Exception) else "KILLED", tags={"error": why})
+            status: Status = "FAILED" if isinstance(error, Exception) else "KILLED"
+            self._end(status, tags={"error": raised(error)})
 
     def _end(self, status: Status, **known: object) -> None:
         now = time.time()

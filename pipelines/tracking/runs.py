@@ -20,7 +20,7 @@ from pipelines.shared.stage import Outcome
 from pipelines.shared.watch import Watcher
 from pipelines.tracking.facts import about, artifacts_of, finite, metrics_of_run, parameters, tags_of
 from pipelines.tracking.log import files, log, note
-from pipelines.tracking.note import Note, short
+from pipelines.tracking.note import Note, raised, short
 from pipelines.tracking.store import client, tracking_uri
 
 __all__ = ["Point", "Run", "client", "log_point", "tracked", "tracking_uri"]
@@ -58,24 +58,20 @@ class Point:
 
 
 @contextmanager
-def tracked(
-    settings: Settings, command: str, watcher: Watcher, parent: str | None = None, key: str | None = None
-) -> Iterator[Run]:
+def tracked(settings: Settings, command: str, watcher: Watcher) -> Iterator[Run]:
     """Log what happens inside as one run; also when it fails, but not when it is interrupted.
 
-    A wrong request (``ConfigError``) never began and leaves no run. ``parent`` is the key of the sweep it
-    belongs to; ``key`` its own, if the same run again is not to be a second.
+    A wrong request (``ConfigError``) never began and leaves no run.
     """
     run = Run(settings, command)
-    key = key or uuid4().hex
     try:
         yield run
     except ConfigError:
         raise
     except Exception as error:
-        log(settings, partial(_note_of_run, run, key, parent, error), watcher)
+        log(settings, partial(_note_of_run, run, error), watcher)
         raise
-    log(settings, partial(_note_of_run, run, key, parent, None), watcher)
+    log(settings, partial(_note_of_run, run, None), watcher)
 
 
 def log_point(settings: Settings, point: Point, parent: str, watcher: Watcher) -> None:
@@ -100,17 +96,16 @@ def log_point(settings: Settings, point: Point, parent: str, watcher: Watcher) -
     log(settings, logged, watcher)
 
 
-def _note_of_run(run: Run, key: str, parent: str | None, error: Exception | None) -> Note:
-    failure = {"error": short(f"{type(error).__name__}: {error}")} if error else {}
+def _note_of_run(run: Run, error: Exception | None) -> Note:
+    failure = {"error": raised(error)} if error else {}
     outcome = run.outcome
     return note(
         run.settings,
-        key,
+        uuid4().hex,
         run.command,
         run.began,
         time.time(),
         "FAILED" if error else "FINISHED",
-        parent=parent,
         tags={**about(run.settings, run.command), **(tags_of(outcome) if outcome else {}), **failure},
         params=parameters(run.settings),
         metrics=metrics_of_run(outcome) if outcome else (),

@@ -110,10 +110,7 @@ def _fill(
     from mlflow.entities import Metric, Param, RunTag
 
     identity, late = run.info.run_id, _is_late(note, run)
-    tags = {**note.tags, "mlflow.runName": note.name}
-    if note.parent is not None:  # a parent that is still waiting itself is named and filled when it comes
-        parent = _run_of(store, settings, experiment, note.parent, "sweep", note.began)
-        tags[_PARENT] = parent.info.run_id
+    tags = {**note.tags, "mlflow.runName": note.name, **_parent_of(note, store, settings, experiment)}
     if late:
         tags = {name: tag for name, tag in tags.items() if name not in (*run.data.tags, "error")}
     for gone in set() if late else {"error"} & (set(run.data.tags) - set(tags)):
@@ -122,11 +119,8 @@ def _fill(
     # a parameter cannot be changed: an earlier attempt's stays
     params = [Param(k, v) for k, v in note.params.items() if k not in run.data.params]
     when = note.began if note.ended is None else note.ended  # the same time again is the same point again
-    points = [
-        Metric(m.name, m.value, when, m.step)
-        for m in note.metrics
-        if not (late and m.name in run.data.metrics)
-    ]
+    held = run.data.metrics if late else ()
+    points = [Metric(m.name, m.value, when, m.step) for m in note.metrics if m.name not in held]
     for some in _parts(params, _PARAMETERS_A_CALL):
         in_time()
         store.log_batch(identity, params=some)
@@ -143,6 +137,14 @@ def _fill(
     else:
         store.set_terminated(identity, note.status, note.ended)
     store.set_tag(identity, LOGGED, note.digest)
+
+
+def _parent_of(note: Note, store: MlflowClient, settings: Settings, experiment: str) -> dict[str, str]:
+    """The tag that names the parent's run; one that is still waiting itself is filled when it comes."""
+    if note.parent is None:
+        return {}
+    parent = _run_of(store, settings, experiment, note.parent, "sweep", note.began)
+    return {_PARENT: parent.info.run_id}
 
 
 def _is_late(note: Note, run: Run) -> bool:

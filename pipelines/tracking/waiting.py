@@ -22,7 +22,7 @@ from pipelines.shared.tree import remove
 from pipelines.shared.trust import printable
 from pipelines.shared.watch import Watcher
 from pipelines.tracking.begun import lift_left
-from pipelines.tracking.note import Artifact, Note, short
+from pipelines.tracking.note import Artifact, Note, raised
 from pipelines.tracking.send import send
 from pipelines.tracking.store import answers, store_folder, tracking_uri
 
@@ -124,7 +124,7 @@ def _trouble(note: Note, settings: Settings) -> str:
 
 def reason(error: Exception, uri: str) -> str:
     """Why a store did not take a run, in one short line."""
-    return short(f"{type(error).__name__}: {error}")[:200] if answers(uri) else SILENT
+    return raised(error, 200) if answers(uri) else SILENT
 
 
 def _strange(place: Path, note: Note, uri: str | None) -> str:

@@ -64,7 +64,7 @@ def tune(settings: Settings, watcher: Watcher) -> TuneOutcome:
     given = WorkerTask(settings, outcome.tree, folder, key, until)
     with parent_run(settings, _NAME, key, watcher) as parent:
         parent.open({"tree": str(folder)})
-        lost = _searched(given, min(_processes(request), request.trials - there), watcher)
+        lost = _searched(given, min(request.processes or core_count(), request.trials - there), watcher)
         findings = findings_of(opened(folder, request))
         tuned = TuneOutcome(findings, request, folder, provenance_of(outcome.tree), time.time() - began, lost)
         for row in findings.rows:
@@ -72,10 +72,6 @@ def tune(settings: Settings, watcher: Watcher) -> TuneOutcome:
         files = written(findings, settings, folder, tuned.provenance)
         parent.close(bool(findings.of("failed") or lost), _metrics(findings), files)
     return tuned
-
-
-def _processes(request: TuneRequest) -> int:
-    return request.processes or core_count()
 
 
 def _check(settings: Settings, request: TuneRequest) -> None:

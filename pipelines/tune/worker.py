@@ -14,7 +14,7 @@ from hybridid.plain import plain
 from pipelines.residual.stage import gray_box
 from pipelines.shared.config import Settings
 from pipelines.shared.watch import Watcher
-from pipelines.tracking.note import short
+from pipelines.tracking.note import raised
 from pipelines.tune.findings import row_of, said
 from pipelines.tune.log import log_trial
 from pipelines.tune.request import TuneRequest
@@ -23,8 +23,6 @@ from pipelines.tune.trial import Bench, Found, carried_out, narx_of
 
 if TYPE_CHECKING:
     from optuna import Study, Trial
-
-_LONGEST = 300
 
 
 @dataclass(frozen=True)
@@ -70,7 +68,7 @@ def _done(study: Study, trial: Trial, bench: Bench, watcher: Watcher) -> None:
         trial.set_user_attr("pruned", str(pruned))
         study.tell(trial, state=TrialState.PRUNED)
     except Exception as error:
-        trial.set_user_attr(ERROR, short(f"{type(error).__name__}: {error}")[:_LONGEST])
+        trial.set_user_attr(ERROR, raised(error, 300))
         study.tell(trial, state=TrialState.FAIL)
     except BaseException:  # told to stop: the next who comes does another in its place
         study.tell(trial, state=TrialState.FAIL)

@@ -9,10 +9,12 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from benchmarks.answers import digest, evenly
 from benchmarks.drawn import play
 from benchmarks.drawn.__main__ import main
 from benchmarks.drawn.amount import made, records_of, simulated
 from benchmarks.drawn.draw import (
+    CATEGORIES,
     COUNT,
     LEAST,
     MOST,
@@ -54,7 +56,7 @@ MOVING = Moving(0.05, -0.08, 0.1, 0.1, 0.6, 60.0, 8.0, 2.5e-3, 200.0)
 
 
 def test_draws_are_fixed_and_distinct():
-    assert len(DRAWS) == COUNT == len({d.key for d in DRAWS}) == len({d.digest("") for d in DRAWS})
+    assert len(DRAWS) == COUNT == len({d.key for d in DRAWS}) == len({digest(d, "") for d in DRAWS})
     for d in DRAWS[::7]:
         assert _draw(d.number, d.category) == d
     assert Counter(d.category for d in DRAWS) == SHARES
@@ -298,7 +300,7 @@ def _planted_lines(draws: list[Draw]) -> list[dict]:
 
 
 def test_a_run_goes_on_and_reports_what_is_there(tmp_path, capsys):
-    draws = play.chosen(DRAWS, limit=6)
+    draws = evenly(DRAWS, CATEGORIES, 6)
     assert Counter(d.category for d in draws) == dict.fromkeys(SHARES, 2)
     file = tmp_path / "results.jsonl"
     old = {**_planted_lines(draws)[0], "digest": "of another time"}

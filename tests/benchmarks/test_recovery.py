@@ -29,7 +29,7 @@ def test_the_truth_is_found_within_what_is_stated(case):
 
 def test_draws_start_apart():
     for case in recovery.CASES:
-        model = recovery.model_of(recovery.settings_of(case, 0))
+        model = recovery.model_of(recovery.configured(case, 0))
         starts = [[p.guess for p in recovery.scattered(model, seed).free] for seed in range(4)]
         for name, guesses in zip(case.truth, zip(*starts, strict=True), strict=True):
             assert max(guesses) > 1.1 * min(guesses), name

@@ -17,10 +17,10 @@ import numpy as np
 import pytest
 
 from benchmarks.torture import endurance, kills, secrets, stores, whole
+from benchmarks.torture.__main__ import PARTS
 from benchmarks.torture.bench import LOST, WRONG, Fault, Found, Part, conducted, known
 from benchmarks.torture.command import Running, start
 from benchmarks.torture.commands import Command
-from benchmarks.torture.parts import PARTS
 from benchmarks.torture.report import text
 from pipelines.shared.storage import write_json, write_table
 

@@ -45,29 +45,12 @@ def _twice(outside: str) -> bytes:
     return held.getvalue()
 
 
-def _bomb(outside: str) -> bytes:
-    return zipped({**contents(), "DATA_EMPS.mat": bytes(1_000_000_000)})
-
-
-def _locked(outside: str) -> bytes:
-    """Members that say that they are encrypted."""
-    return _flagged(0x1)
-
-
-def _strange_method(outside: str) -> bytes:
-    """A way to compress that there is not."""
+def _changed(place: int, change: Callable[[int], int]) -> bytes:
+    """Each member with another byte at this ``place`` of its header, which the archive's list repeats."""
     content = bytearray(zipped(contents()))
-    for mark, place in ((b"PK\x03\x04", 8), (b"PK\x01\x02", 10)):
+    for mark, first in ((b"PK\x03\x04", place), (b"PK\x01\x02", place + 2)):
         for at in _places(bytes(content), mark):
-            content[at + place] = 99
-    return bytes(content)
-
-
-def _flagged(flag: int) -> bytes:
-    content = bytearray(zipped(contents()))
-    for mark, place in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
-        for at in _places(bytes(content), mark):
-            content[at + place] |= flag
+            content[at + first] = change(content[at + first])
     return bytes(content)
 
 
@@ -94,9 +77,9 @@ ARCHIVES: Mapping[str, Archive] = {
     },
     "a member that is a link": _link,
     "a member twice": _twice,
-    "a bomb of 1 GB": _bomb,
-    "members that are locked": _locked,
-    "an unknown compression": _strange_method,
+    "a bomb of 1 GB": lambda outside: zipped({**contents(), "DATA_EMPS.mat": bytes(1_000_000_000)}),
+    "members that are locked": lambda outside: _changed(6, lambda flags: flags | 0x1),
+    "an unknown compression": lambda outside: _changed(8, lambda method: 99),
     "a byte that is wrong": _damaged,
     "half of it": lambda outside: zipped(contents())[: len(zipped(contents())) // 2],
     "a member that is missing": lambda outside: zipped(dict([*contents().items()][:1])),
@@ -127,29 +110,16 @@ def _endless_header(request: BaseHTTPRequestHandler, archive: bytes) -> None:
         request.wfile.write(f"X-{k}: {'x' * 1000}\r\n".encode())
 
 
-def _too_long(request: BaseHTTPRequestHandler, archive: bytes) -> None:
-    _headed(request, Content_Length=10**15)
-    request.wfile.write(archive)
+def _reply(
+    body: Callable[[bytes], bytes], length: Callable[[bytes], int] = len, status: int = 200, **headers: object
+) -> Answer:
+    """A body that is made of the archive, after the length that is told of it: that of the archive."""
 
+    def answer(request: BaseHTTPRequestHandler, archive: bytes) -> None:
+        _headed(request, status, **headers, Content_Length=length(archive))
+        request.wfile.write(body(archive))
 
-def _shorter_than_said(request: BaseHTTPRequestHandler, archive: bytes) -> None:
-    _headed(request, Content_Length=len(archive))
-    request.wfile.write(archive[:1000])
-
-
-def _negative(request: BaseHTTPRequestHandler, archive: bytes) -> None:
-    _headed(request, Content_Length=-1)
-    request.wfile.write(b"x")
-
-
-def _of_another_place(request: BaseHTTPRequestHandler, archive: bytes) -> None:
-    _headed(request, 206, Content_Range="bytes 500-999/1000", Content_Length=500)
-    request.wfile.write(archive[500:1000])
-
-
-def _packed(request: BaseHTTPRequestHandler, archive: bytes) -> None:
-    _headed(request, Content_Encoding="gzip", Content_Length=len(archive))
-    request.wfile.write(archive)
+    return answer
 
 
 def _elsewhere(address: str) -> Answer:
@@ -160,24 +130,22 @@ def _refused(status: int) -> Answer:
     return lambda request, archive: request.send_error(status)
 
 
-def _no_http(request: BaseHTTPRequestHandler, archive: bytes) -> None:
-    request.wfile.write(bytes(range(256)) * 10)
-
-
 SERVERS: Mapping[str, Answer] = {
     "an endless reply": _endless,
     "an endless header": _endless_header,
-    "a reply of 10^15 bytes": _too_long,
-    "a reply that is shorter than it says": _shorter_than_said,
-    "a length of -1": _negative,
-    "a part that was not asked for": _of_another_place,
-    "a reply that is not packed as it says": _packed,
+    "a reply of 10^15 bytes": _reply(bytes, lambda archive: 10**15),
+    "a reply that is shorter than it says": _reply(lambda archive: archive[:1000]),
+    "a length of -1": _reply(lambda archive: b"x", lambda archive: -1),
+    "a part that was not asked for": _reply(
+        lambda archive: archive[500:1000], lambda archive: 500, 206, Content_Range="bytes 500-999/1000"
+    ),
+    "a reply that is not packed as it says": _reply(bytes, Content_Encoding="gzip"),
     "a way to a file of this machine": _elsewhere("file:///etc/passwd"),
     "a way round and round": _elsewhere("/emps.zip"),
     "a way to nowhere": _elsewhere("http://127.0.0.1:9/x"),
     "a way that is none": _elsewhere("http://[::1"),
     "404": _refused(404),
     "503": _refused(503),
-    "no HTTP": _no_http,
+    "no HTTP": lambda request, archive: request.wfile.write(bytes(range(256)) * 10),
     "no reply": lambda request, archive: None,
 }

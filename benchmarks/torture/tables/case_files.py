@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import yaml
 
 from benchmarks.torture.case import BORNE, REFUSED, Case, Content
-from benchmarks.torture.lab import CASE, OWN, fit
+from benchmarks.torture.lab import CASE, FOLDER, OWN, fit
 
 FILE = "lab/case/mine.yaml"
 HEAD = "# @package _global_\n"
@@ -124,7 +123,7 @@ def cases() -> Iterator[tuple[str, Case]]:
     for name, content in TEXTS.items():
         yield "case files", Case(f"case file with {name}", tuple(fit()), (), REFUSED, {FILE: content})
     words = ("fit", "--config-dir", "lab", "case=other")
-    yield "case files", Case("a case that is a folder", words, files={"lab/case/other.yaml": _folder})
+    yield "case files", Case("a case that is a folder", words, files={"lab/case/other.yaml": FOLDER})
 
 
 def case(changes: dict[str, Any]) -> dict[str, Content]:
@@ -150,7 +149,3 @@ def _of_the_rig(key: str, value: Any, said: str, codes: tuple[int, ...]) -> Case
     passed = passed or key in ("signals.resample", f"{TORQUE}.factor")  # which is a column of a file
     codes = BORNE if passed else codes
     return Case(f"case of a rig: {said}", words, (), codes, case({**RIG, theirs: value}))
-
-
-def _folder(path: Path) -> None:
-    path.mkdir(parents=True)

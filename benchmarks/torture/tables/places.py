@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 
 from benchmarks.torture.case import BORNE, REFUSED, Case, Content
-from benchmarks.torture.lab import OWN, fit
+from benchmarks.torture.lab import FOLDER, OWN, fit
 
 LAB = ("fit", "--config-dir", "lab", "case=mine", "mlflow.enabled=false")
-
-
-def _folder(path: Path) -> None:
-    path.mkdir(parents=True)
 
 
 OUT: Mapping[str, tuple[str, Mapping[str, Content]]] = {
@@ -27,8 +22,8 @@ OUT: Mapping[str, tuple[str, Mapping[str, Content]]] = {
     "is below no outputs": ("paths.outputs=null", {}),
 }
 IN_THE_TREE: Mapping[str, tuple[Mapping[str, Content], tuple[int, ...]]] = {
-    "config.yaml is a folder": ({"tree/config.yaml": _folder}, REFUSED),
-    "the lock is a folder": ({"tree/.lock": _folder}, REFUSED),
+    "config.yaml is a folder": ({"tree/config.yaml": FOLDER}, REFUSED),
+    "the lock is a folder": ({"tree/.lock": FOLDER}, REFUSED),
     "fit is a file": ({"tree/fit": "x"}, BORNE),
     "preprocess is a file": ({"tree/preprocess": "x"}, BORNE),
     "receipts are no JSON": (
@@ -67,7 +62,7 @@ def cases() -> Iterator[tuple[str, Case]]:
     yield _case("out with a backslash", (*LAB, 'out="a\\0b"'), BORNE, {})
     yield _case("out of odd letters", (*LAB, 'out="my tree ü"'), (0,), {})
     yield _case("no outputs", (*LAB, "paths.outputs=''"), BORNE, {})
-    yield _case("a case beside it is a folder", ("fit", *OWN), (0,), {"lab/case/other.yaml": _folder})
+    yield _case("a case beside it is a folder", ("fit", *OWN), (0,), {"lab/case/other.yaml": FOLDER})
 
 
 def _case(

@@ -57,10 +57,6 @@ def model(folders: tuple[str, ...] = ("{theirs}",), **config: Any) -> Callable[[
     return write
 
 
-def _link_to_theirs(path: Path) -> None:
-    path.symlink_to(path.parent / "theirs", target_is_directory=True)
-
-
 def _bytecode(path: Path) -> None:
     """Bytecode of the decoy that claims to be that of the sound source beside it."""
     import importlib._bootstrap_external as external
@@ -90,8 +86,8 @@ def _traps() -> Iterator[Trap]:
     for folder in FOLDERS:
         named = {**THEIRS, JSON: model((folder,), plant=NAMED)}
         yield Trap(f"a plant in {folder}", named)
-    linked = {**THEIRS, JSON: model(("linked",), plant=NAMED), "linked": _link_to_theirs}
-    yield Trap("a plant behind a link", linked)
+    linked = {"linked": lambda path: path.symlink_to(path.parent / "theirs", target_is_directory=True)}
+    yield Trap("a plant behind a link", {**THEIRS, JSON: model(("linked",), plant=NAMED), **linked})
     yield Trap("an effect", {**THEIRS, JSON: model(effects=["theirs_plant:EFFECT"])}, says=("trust",))
     yield Trap("an effect at a port", {**THEIRS, JSON: model(effects=["theirs_plant:EFFECT@carriage"])})
     yield Trap("a rig", {**THEIRS, JSON: model(rig={"path": "theirs_plant:EMPSRig"})}, codes=BORNE)

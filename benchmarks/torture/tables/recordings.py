@@ -134,9 +134,7 @@ JSON: Mapping[str, Content] = {
         "NaN": [{**one, "torque": float("nan")} for one in SAMPLES],
     }.items()
 } | {"100,000 lists in each other": "[" * 100_000 + "]" * 100_000}
-ODD_PARQUET: Mapping[str, Content] = {
-    "bytes": _parquet([b"1"] * N),
-}
+ODD_PARQUET = _parquet([b"1"] * N)
 WHOLE: Mapping[str, Content] = {
     ".mat": _mat(torque=TORQUE > 0),
     ".parquet": _parquet(TORQUE),
@@ -144,30 +142,20 @@ WHOLE: Mapping[str, Content] = {
 }
 
 
-def _folder(path: Path) -> None:
-    path.unlink()
-    path.mkdir()
-
-
-def _link_to(target: str) -> Callable[[Path], None]:
+def _instead(make: Callable[[Path], object]) -> Callable[[Path], None]:
     def write(path: Path) -> None:
         path.unlink()
-        path.symlink_to(target)
+        make(path)
 
     return write
 
 
-def _pipe(path: Path) -> None:
-    path.unlink()
-    os.mkfifo(path)
-
-
 PLACES: Mapping[str, Content] = {
     "that is gone": Path.unlink,
-    "that is a folder": _folder,
-    "that is a link to itself": _link_to("swing.csv"),
-    "that is a pipe": _pipe,
-    "that is an endless device": _link_to("/dev/zero"),
+    "that is a folder": _instead(Path.mkdir),
+    "that is a link to itself": _instead(lambda path: path.symlink_to("swing.csv")),
+    "that is a pipe": _instead(os.mkfifo),
+    "that is an endless device": _instead(lambda path: path.symlink_to("/dev/zero")),
 }
 NAMES: Mapping[str, str] = {
     "a line break": '"a\\nb.csv"',
@@ -199,8 +187,7 @@ def cases() -> Iterator[tuple[str, Case]]:
         yield _case(f"a record name {what}", _in_case("swing:", f"{name}:"))
     for name, content in SOUND.items():
         yield _case(f".csv with {name}", {FILE: content}, BORNE)
-    for name, content in ODD_PARQUET.items():
-        yield _case(f".parquet with {name}", _other(".parquet", content), BORNE)
+    yield _case(".parquet with bytes", _other(".parquet", ODD_PARQUET), BORNE)
     for suffix, content in WHOLE.items():
         yield _case(f"{suffix} that is whole", _other(suffix, content), BORNE)
     odd = {**_in_case("swing.csv", "schwüng ☃.csv"), "lab/schwüng ☃.csv": TEXT}

@@ -106,7 +106,9 @@ def test_a_line_of_another_version_is_not_used(tmp_path, drag):
     line = {"key": drag[0].key, "player": "oracle", "digest": "of another time", "answer": None}
     file.write_text(json.dumps(line) + "\n")
     assert play.known(file, [ALL[drag[0].key]], ["oracle"]) == {}
-    file.write_text(json.dumps({**line, "digest": ALL[drag[0].key].digest(play.version("oracle"))}) + "\n")
+    file.write_text(
+        json.dumps({**line, "digest": answers.digest(ALL[drag[0].key], play.version("oracle"))}) + "\n"
+    )
     assert set(play.known(file, [ALL[drag[0].key]], ["oracle"])) == {(drag[0].key, "oracle")}
 
 
