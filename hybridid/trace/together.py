@@ -15,7 +15,6 @@ one fit to both leaves.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -30,8 +29,7 @@ def meets_noise_together(base: Refit, context: Context) -> bool:
         return False
     split = context.split
     every = replace(split, fitted=tuple(sorted({*split.fitted, *split.held_out})))
-    given = (base.model, every, [base.values], base, base.numerics, -math.inf)
-    together = context.one(refit_if_possible, *given)
+    together = context.one(refit_if_possible, base.model, every, [base.values], base, base.numerics)
     return (
         together is not None
         and context.meets_noise(together.score)
