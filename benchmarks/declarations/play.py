@@ -92,8 +92,10 @@ def _replaced(one: Replacement) -> dict[str, Any]:
     return {
         "left_out": one.left_out,
         "classes": list(map(_class, one.accepted)),
+        "kind": one.kind,
         "gain": one.gain,
         "p_value": one.p_value,
+        "fewer": one.fewer,
     }
 
 

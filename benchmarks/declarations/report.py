@@ -11,7 +11,6 @@ from benchmarks.declarations.draw import CATEGORIES
 from benchmarks.declarations.scoring import Class, Round, asked, rounds
 from benchmarks.drawn.report import WORDS
 from hybridid.naming import listed
-from hybridid.quantities import percent
 
 COUNTED = ("told", "near", "other", "silent", "false", "misnamed")
 TITLES = {
@@ -50,7 +49,7 @@ def _counts(title: str, part: Sequence[Round]) -> str:
 
 def _told(r: Round) -> str:
     seen = {None: "", True: f" oracle {r.gain:.0%},", False: f" oracle {r.gain:.0%} (not detectable),"}
-    said = [f"{one.left_out} → {_named(one.classes)} ({percent(one.gain, 0)})" for one in r.replaced]
+    said = [f"{one.left_out} → {_named(one.classes)} ({one.gained})" for one in r.replaced]
     parts = [
         f"{r.verdict}: {_named(r.classes)}",
         f"ends at zero: {listed(list(r.idle))}" if r.idle else "",

@@ -14,7 +14,6 @@ from hybridid.trace.refit import refit
 from hybridid.trace.split import by_record
 from hybridid.trace.verdict import conclude
 
-
 SEEDS, LARGER = 16, 20.0
 NOISE = 1e-4  # m
 
