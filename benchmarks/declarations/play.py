@@ -90,8 +90,10 @@ def _replaced(one: Replacement) -> dict[str, Any]:
     return {
         "left_out": one.left_out,
         "classes": list(map(class_of, one.accepted)),
+        "kind": one.kind,
         "gain": one.gain,
         "p_value": one.p_value,
+        "fewer": one.fewer,
     }
 
 

@@ -12,7 +12,6 @@ from benchmarks.declarations.draw import CATEGORIES
 from benchmarks.declarations.scoring import COUNTED, Class, Round, asked, rounds
 from benchmarks.studies import table
 from hybridid.naming import listed
-from hybridid.quantities import percent
 
 TITLES = {
     "friction": "viscous friction declared, Coulomb friction and drag true",
@@ -48,7 +47,7 @@ def _counts(title: str, part: Sequence[Round]) -> tuple[object, ...]:
 
 def _told(r: Round) -> str:
     seen = {None: "", True: f" oracle {r.gain:.0%},", False: f" oracle {r.gain:.0%} (not detectable),"}
-    said = [f"{one.left_out} → {_named(one.classes)} ({percent(one.gain, 0)})" for one in r.replaced]
+    said = [f"{one.left_out} → {_named(one.classes)} ({one.gained})" for one in r.replaced]
     parts = [
         f"{r.verdict}: {_named(r.classes)}",
         f"ends at zero: {listed(list(r.idle))}" if r.idle else "",

@@ -38,6 +38,7 @@ from benchmarks.answers import Line, beside_oracle
 from benchmarks.bars import Bar, in_words, least, most
 from benchmarks.declarations.draw import COULOMB, DRAG, FRICTION, STIFFNESS, WRONG
 from hybridid.effects.library import EFFECTS
+from hybridid.quantities import percent
 
 MOST_ALIKE, LEAST_TOLD = 3, 16 / 20
 COUNTED = ("told", "near", "other", "silent", "false", "misnamed")
@@ -47,12 +48,19 @@ ALIKE = {effect.id: {effect.id, *effect.look_alikes} for effect in EFFECTS}
 
 @dataclass(frozen=True)
 class Replaced:
-    """A replacement as told: the classes of the effects in the place of ``left_out``."""
+    """A replacement as told: the classes of the effects in the place of ``left_out``. It explains the records
+    better, or ``kind`` is ``as_good``: with ``fewer`` free parameters."""
 
     left_out: str
     classes: tuple[Class, ...]
+    kind: str
     gain: float
-    p_value: float
+    fewer: int
+
+    @property
+    def gained(self) -> str:
+        """What it gains, in words."""
+        return percent(self.gain, 0) if self.kind == "better" else f"as good, {self.fewer} parameters fewer"
 
 
 @dataclass(frozen=True)
@@ -163,7 +171,7 @@ def _round(line: Line, told: Mapping[str, Any] | None) -> Round:
         classes=_classes(answer["classes"]),
         idle=tuple(answer["idle"]),
         replaced=tuple(
-            Replaced(one["left_out"], _classes(one["classes"]), one["gain"], one["p_value"])
+            Replaced(one["left_out"], _classes(one["classes"]), one["kind"], one["gain"], one["fewer"])
             for one in answer["replaced"]
         ),
         seconds=float(answer["seconds"]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 from hybridid.declarations import PortKind
 from hybridid.naming import as_entry
@@ -108,17 +109,22 @@ class AcceptedEffect:
 
 @dataclass(frozen=True)
 class ReplacedEffect:
-    """Effects that explain more in the place of a declared one.
+    """Effects that explain more in the place of a declared one, or as much with fewer free parameters.
 
     ``effects`` are the names of those accepted without ``left_out``, ``parameters`` all of that model.
-    ``gain`` is the relative decrease of the held-out RMSE against the last model. ``p_value`` is adjusted for
-    all that was tried. ``held_out_rmse`` is by output.
+    ``gain`` is the relative decrease of the held-out RMSE against the last model. ``kind`` is ``better`` or
+    ``as_good``. If it is ``better``, ``p_value`` is that of no decrease, adjusted for all that was tried. If
+    it is ``as_good``, ``p_value`` is that of no increase: these records cannot tell the two models apart.
+    The model has so many free parameters ``fewer`` than the last one (less than zero: more).
+    ``held_out_rmse`` is by output.
     """
 
     left_out: str
     effects: tuple[str, ...]
+    kind: Literal["better", "as_good"]
     gain: float
     p_value: float
+    fewer: int
     held_out_rmse: Mapping[str, float]
     parameters: Mapping[str, Value]
 

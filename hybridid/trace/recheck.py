@@ -14,6 +14,7 @@ Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from hybridid.trace.candidates import Candidate, admissible
@@ -46,14 +47,8 @@ def _without_worse(found: Search, context: Context) -> Search:
 
 
 def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules: Rules) -> bool:
-    if rival.candidate.name in {term.name for term in final.model.terms}:
-        return False
-    model = rival.candidate.added_to(final.model.without(one.name))
-    others = values_without(final, one.name)
     lent = rival.refit.values if rival.refit else {}
-    own = {key: value for key, value in lent.items() if key.startswith(f"{rival.candidate.name}.")}
-    starts = [*rival.candidate.starts(model, others)[:-1], {**others, **own}]
-    other = refit_if_possible(model, split, starts, final, final.numerics)
+    other = exchanged(final, one.name, rival.candidate, split, lent)
     if other is None:
         return False
     advantage = compare(other.score, final.score)
@@ -61,6 +56,25 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
         return True
     more = other.score.loss**2 - final.score.loss**2
     return look_alikes(one.trial, rival) and more < rules.tie * one.trial.taken
+
+
+def exchanged(
+    final: Refit, name: str, candidate: Candidate, split: Split, lent: Mapping[str, float] | None = None
+) -> Refit | None:
+    """``final`` with ``candidate`` in the place of the effect ``name``, refitted from its declared starts.
+
+    ``lent`` are parameter values of another model with it, to start from (None: at its declared guess). None
+    where ``final`` has ``candidate``, or the model cannot be simulated.
+    """
+    if candidate.name in {term.name for term in final.model.terms}:
+        return None
+    model = candidate.added_to(final.model.without(name))
+    others = values_without(final, name)
+    starts = candidate.starts(model, others)
+    if lent is not None:
+        own = {key: value for key, value in lent.items() if key.startswith(f"{candidate.name}.")}
+        starts = [*starts[:-1], {**others, **own}]
+    return refit_if_possible(model, split, starts, final, final.numerics)
 
 
 def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accepted:

@@ -280,7 +280,7 @@ def without_needless(
 ) -> tuple[Refit, list[Accepted], tuple[str, ...]]:
     """Take out again each accepted effect that the last ``new`` ones have made needless."""
     dropped: list[str] = []
-    for one in accepted[:-new]:
+    for one in accepted[: len(accepted) - new]:
         model, values = refitted.model.without(one.name), values_without(refitted, one.name)
         given = (model, context.split, [values], refitted, refitted.numerics, math.inf)
         poorer = context.one(refit_if_possible, *given)

@@ -86,8 +86,10 @@ def _replaced(one: Replacement) -> ReplacedEffect:
     return ReplacedEffect(
         one.left_out,
         tuple(accepted.name for accepted in one.accepted),
+        one.kind,
         one.gain,
         one.p_value,
+        one.fewer,
         dict(zip((y.name for y in model.outputs), one.refit.score.rmse.tolist(), strict=True)),
         {
             p.name: Value(one.refit.values[p.name], one.refit.std.get(p.name, math.nan), p.unit)

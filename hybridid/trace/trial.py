@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import stats
 
 from hybridid.declarations import Parameter
 from hybridid.effects.effect import EffectParameter
@@ -254,6 +255,14 @@ def _collinear(trial: Trial, rules: Rules) -> str:
             if abs(trial.refit.correlation[k, j]) > rules.collinear:
                 return f"{names[k].rsplit('.', 1)[-1]} cannot be told from {names[j]} in these records"
     return ""
+
+
+def differs_from_zero(trial: Trial, rules: Rules) -> bool:
+    """Whether the effect's amplitudes together differ significantly from zero in its refit (Wald)."""
+    amplitudes = _amplitudes(trial)
+    if not (amplitudes and trial.refit and trial.refit.std):
+        return False
+    return bool(stats.chi2.sf(_strength(trial, amplitudes) ** 2, len(amplitudes)) <= rules.alpha)
 
 
 def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:

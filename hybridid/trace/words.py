@@ -8,7 +8,7 @@ from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.constancy import NO_CONSTANT
-from hybridid.trace.entries import AcceptedEffect, DifferingParameter, Value
+from hybridid.trace.entries import AcceptedEffect, DifferingParameter, ReplacedEffect, Value
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED, UNTRIED
 
@@ -31,19 +31,40 @@ def sentence(found: Trace) -> str:
 
 
 def _revised(found: Trace) -> str:
-    """What explains more in the place of a declared effect; empty unless that was asked and found."""
+    """What explains more in the place of a declared effect, or as much with fewer parameters; empty unless
+    that was asked and found."""
     if not found.replacements:
         return ""
     best = found.replacements[0]
     alike = [
         one.left_out
         for one in found.replacements
-        if set(one.effects) == set(best.effects) and best.gain - one.gain < found.rules.tie
+        if (one.kind, set(one.effects)) == (best.kind, set(best.effects))
+        and best.gain - one.gain < found.rules.tie
     ]
+    in_place = f" The declared {' or '.join(alike)} may be wrong: {listed(best.effects)} in its place "
+    return in_place + (_as_good(best, found) if best.kind == "as_good" else _better(best))
+
+
+def gained(one: ReplacedEffect) -> str:
+    """What a replacement gains: less error, or as little with fewer parameters."""
+    if one.kind == "better":
+        return f"{share(one.gain)} less error"
+    return f"as good with {counted(one.fewer, 'parameter')} fewer"
+
+
+def _better(one: ReplacedEffect) -> str:
+    leave = "leave" if len(one.effects) > 1 else "leaves"
+    return f"{leave} {gained(one)} (p {probability(one.p_value, '= ')})."
+
+
+def _as_good(one: ReplacedEffect, found: Trace) -> str:
+    needless = [each.name for each in found.accepted if each.name not in one.effects]
+    without = f", without {listed(needless)}" if needless else ""
     return (
-        f" The declared {' or '.join(alike)} may be wrong: {listed(best.effects)} in its place "
-        f"{'leave' if len(best.effects) > 1 else 'leaves'} {share(best.gain)} less error "
-        f"(p {probability(best.p_value, '= ')})."
+        f"{'explain' if len(one.effects) > 1 else 'explains'} the records as well with "
+        f"{counted(one.fewer, 'parameter')} fewer{without}. These records cannot tell the two models apart; "
+        "the simpler one is preferred."
     )
 
 

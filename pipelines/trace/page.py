@@ -23,6 +23,7 @@ from hybridid.trace.words import (
     VERDICTS,
     completeness_in_words,
     error_left,
+    gained,
     idle_in_words,
     learned,
     narrowed_in_words,
@@ -116,16 +117,17 @@ def _declared(found: Trace) -> Section | None:
     """What speaks against the declared physics."""
     if not (found.idle or found.narrowed or found.replacements):
         return None
-    header = ("left out", "in its place", "less error", "p", "effects=[...] of the revised model")
+    header = ("left out", "in its place", "what it gains", "p", "effects=[...] of the revised model")
     rows = tuple(
         (
-            r.left_out, listed(r.effects), share(r.gain), probability(r.p_value),
+            r.left_out, listed(r.effects), gained(r), probability(r.p_value),
             ", ".join((*(as_entry(name) for name in found.declared if name != r.left_out), *r.names)),
         )
         for r in found.replacements
     )  # fmt: skip
     note = (
-        "Each declared effect was left out in turn, and the search begun anew; p counts all that was tried."
+        "Each declared effect was left out in turn, and the search begun anew. p is that of no less error, "
+        "and counts all that was tried; where a replacement is as good, p is that of no more error."
     )
     title = f"Declared effects that others replace ({found.provenance})"
     tables = (Table(title, header, rows, (note,), words=(0, 1, 4)),) if rows else ()

@@ -78,7 +78,7 @@ def test_a_spring_that_is_not_there_ends_at_zero():
 
 def _round(category="friction", classes=(), idle=(), replaced=(), detectable=None) -> Round:
     wrong, truths = wrong_and_truths(category, "carriage")
-    put = tuple(Replaced(name, tuple(map(tuple, one)), 0.3, 1e-6) for name, one in replaced)
+    put = tuple(Replaced(name, tuple(map(tuple, one)), "better", 0.3, 0) for name, one in replaced)
     return Round(
         "k",
         category,
@@ -144,9 +144,8 @@ def test_a_report_is_written_from_what_is_there(tmp_path, capsys):
     lines = []
     for d in DRAWS[:4]:
         wrong, truths = wrong_and_truths(d.category, d.port)
-        pair = [
-            {"left_out": wrong, "classes": [[one] for one in sorted(truths)], "gain": 0.3, "p_value": 0.0}
-        ]
+        put = {"kind": "better", "gain": 0.3, "p_value": 0.0, "fewer": -1}
+        pair = [{"left_out": wrong, "classes": [[one] for one in sorted(truths)], **put}]
         told = {"detectable": False, "gain": 0.4, "p_value": 0.1} if d.category == "friction" else None
         ours = {
             "named": [], "classes": [], "replaced": pair if truths else [], "seconds": 90.0,

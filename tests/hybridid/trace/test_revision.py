@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -10,8 +11,9 @@ from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
 from hybridid.trace.numerics import DECLARED
 from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.revision import idle_terms, replacements
-from hybridid.trace.search import Search
+from hybridid.trace.revision import _without, idle_terms, replacements
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import Search, Step, continued
 
 TRUE = tuple(map(effect_named, ("coulomb", "quadratic_drag")))
 WRONG = ("viscous", "offset")
@@ -29,11 +31,26 @@ def stalled(make_model, split_of):
     return make
 
 
+@pytest.fixture
+def mended(stalled):
+    """``mended(more, ...)``: a search that has come to a model with the effects ``more``."""
+
+    def make(more, declared=WRONG, **truth):
+        model, found, split = stalled(declared, **truth)
+        richer = model
+        for name in more:
+            richer = richer.plus(effect_named(name))
+        last = refit(richer, split, [found.final.values], found.final, DECLARED, CONTINUATION)
+        return model, replace(found, steps=(Step(found.final, (), None),), final=last), split
+
+    return make
+
+
 def test_the_pair_that_does_better_replaces_the_declared_effect(stalled):
     said = []
     model, found, split = stalled(f_v=0.0, drag=900.0)
     (best,) = replacements(model, found, Context(split, TRUE, say=said.append))
-    assert best.left_out == "carriage.viscous"
+    assert (best.left_out, best.kind, best.fewer) == ("carriage.viscous", "better", -1)
     assert {one.name for one in best.accepted} == {"carriage.coulomb", "carriage.quadratic_drag"}
     assert best.refit.values["carriage.quadratic_drag.c_d"] == pytest.approx(900.0, rel=0.05)
     assert best.refit.values["carriage.coulomb.f_c"] == pytest.approx(20.4, rel=0.02)
@@ -45,10 +62,48 @@ def test_the_pair_that_does_better_replaces_the_declared_effect(stalled):
     ]
 
 
+def test_as_good_with_fewer_parameters_replaces_the_declared_effect(mended):
+    """The search has mended the viscous friction with more effects than the truth has."""
+    model, found, split = mended(("coulomb", "quadratic_drag", "eddy_brake"), f_v=0.0, drag=900.0)
+    (best,) = replacements(model, found, Context(split, TRUE))
+    assert (best.left_out, best.kind, best.fewer) == ("carriage.viscous", "as_good", 3)
+    assert {one.name for one in best.accepted} == {"carriage.coulomb", "carriage.quadratic_drag"}
+    assert abs(best.gain) < Rules().tie
+
+
+def test_what_was_accepted_may_do_without_the_declared_effect(stalled):
+    """Nothing else is tried, so only the accepted effects can stand in its place."""
+    model, begun, split = stalled(f_v=0.0, drag=900.0)
+    found = continued(begun, Context(split, TRUE))
+    found = replace(found, steps=(Step(begun.final, (), None), *found.steps))
+    assert {one.name for one in found.accepted} == {"carriage.coulomb", "carriage.quadratic_drag"}
+    (best,) = replacements(model, found, Context(split, ()))
+    assert (best.left_out, best.kind, best.fewer) == ("carriage.viscous", "as_good", 1)
+    assert best.accepted == found.accepted
+
+
 def test_no_replacement_of_what_is_true(stalled):
     declared = ("viscous", "coulomb", "offset")
     model, found, split = stalled(declared)
     assert replacements(model, found, Context(split, (effect_named("quadratic_drag"),))) == ()
+
+
+def test_a_sound_effect_stays_where_a_new_one_only_stands_for_it(stalled):
+    """Coulomb friction is missing. Without the viscous friction, which is true, it is found, and an eddy
+    brake that is viscous at these velocities; beside that, viscous friction explains nothing more."""
+    model, found, split = stalled()
+    library = tuple(map(effect_named, ("coulomb", "eddy_brake")))
+    again = _without(model.terms[0], found, Context(split, library))
+    assert [one.name for one in again.accepted] == ["carriage.eddy_brake", "carriage.coulomb"]
+    assert replacements(model, found, Context(split, library)) == ()
+
+
+def test_a_sound_declaration_stays_though_the_search_added_too_much(mended):
+    """Drag and a cubic spring are needless. Without the viscous friction, two effects explain nearly as much
+    as all five do."""
+    model, found, split = mended(("coulomb", "quadratic_drag", "cubic_stiffness"))
+    library = tuple(map(effect_named, ("coulomb", "eddy_brake")))
+    assert replacements(model, found, Context(split, library)) == ()
 
 
 def test_declared_effects_that_end_at_zero_are_told(make_model):

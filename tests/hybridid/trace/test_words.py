@@ -239,9 +239,8 @@ def test_pairs_that_were_tried_are_told(nothing):
 
 
 def test_what_speaks_against_the_declared_physics_is_told(nothing):
-    better = ReplacedEffect(
-        "carriage.viscous", ("carriage.coulomb", "carriage.quadratic_drag"), 0.28, 2e-5, {}, {}
-    )
+    pair = ("carriage.coulomb", "carriage.quadratic_drag")
+    better = ReplacedEffect("carriage.viscous", pair, "better", 0.28, 2e-5, -1, {}, {})
     assert better.names == ("coulomb@carriage", "quadratic_drag@carriage")
     found = replace(nothing(DRAG), replacements=(better,), idle=("carriage.offset",))
     assert sentence(found).endswith(
@@ -256,6 +255,26 @@ def test_what_speaks_against_the_declared_physics_is_told(nothing):
         "These records show nothing of carriage.offset, which was declared: it ends at zero."
     )
     assert idle_in_words(nothing()) == ""
+
+
+def test_a_replacement_that_is_only_as_good_is_told_as_such(nothing):
+    pair = ("carriage.coulomb", "carriage.quadratic_drag")
+    as_good = ReplacedEffect("carriage.viscous", pair, "as_good", 0.001, 0.4, 3, {}, {})
+    found = replace(
+        nothing(),
+        verdict="effect_found",
+        accepted=(accepted("coulomb", "F = k", False), accepted("eddy_brake", "F = k", False)),
+        path=(nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5)),
+        replacements=(as_good,),
+    )
+    assert sentence(found).endswith(
+        " The declared carriage.viscous may be wrong: carriage.coulomb and carriage.quadratic_drag in its "
+        "place explain the records as well with 3 parameters fewer, without carriage.eddy_brake. These "
+        "records cannot tell the two models apart; the simpler one is preferred."
+    )
+    alone = replace(as_good, effects=pair[:1], fewer=1)
+    said = sentence(replace(nothing(), replacements=(alone,)))
+    assert " explains the records as well with 1 parameter fewer. These" in said
 
 
 def test_a_narrower_smoothing_is_told(nothing):

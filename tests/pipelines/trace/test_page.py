@@ -184,18 +184,24 @@ def test_text_of_the_library_is_escaped(stored):
 
 
 def test_what_speaks_against_the_declared_physics_has_a_section(section, stored):
-    better = ReplacedEffect("cart.viscous", ("cart.coulomb", "cart.quadratic_drag"), 0.28, 2e-5, {}, {})
+    pair = ("cart.coulomb", "cart.quadratic_drag")
+    better = ReplacedEffect("cart.viscous", pair, "better", 0.28, 2e-5, -1, {}, {})
+    as_good = ReplacedEffect("cart.offset", pair, "as_good", -0.004, 0.6, 3, {}, {})
     shown = section(
         "The declared physics",
-        replacements=(better,),
+        replacements=(better, as_good),
         idle=("cart.offset",),
         declared=("cart.viscous", "cart.offset"),
     )
     (table,) = shown.tables
     assert table.rows == (
         (
-            "cart.viscous", "cart.coulomb and cart.quadratic_drag", "28.0 %", "2.00·10⁻⁵",
+            "cart.viscous", "cart.coulomb and cart.quadratic_drag", "28.0 % less error", "2.00·10⁻⁵",
             "offset@cart, coulomb@cart, quadratic_drag@cart",
+        ),
+        (
+            "cart.offset", "cart.coulomb and cart.quadratic_drag", "as good with 3 parameters fewer", "0.6",
+            "viscous@cart, coulomb@cart, quadratic_drag@cart",
         ),
     )  # fmt: skip
     assert "nothing of cart.offset" in shown.paragraphs[0]
