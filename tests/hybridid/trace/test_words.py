@@ -24,6 +24,7 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.run import _confounded
 from hybridid.trace.words import (
     _members,
+    error_left,
     idle_in_words,
     narrowed_in_words,
     refused_rivals,
@@ -75,6 +76,13 @@ def nothing():
         )
 
     return build
+
+
+@pytest.mark.parametrize(("parameters", "told"), [(1e-6, True), (1e-7, False)])
+def test_the_error_of_the_parameters_is_told_where_it_counts(nothing, parameters, told):
+    found = replace(nothing(), noise_floor={"position": Floor(2e-6, "m", 1e-6, parameters)})
+    said = "error of the parameters that the noise has moved 1 µm"
+    assert (said in error_left(found)) is told
 
 
 def test_nothing_gains(nothing):
