@@ -17,7 +17,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
-from hybridid.trace.refit import FAILURES, LEAST_DECREASE, Refit, least_of, refit, refit_beside
+from hybridid.trace.refit import FAILURES, LEAST_DECREASE, Refit, begin, least_of, refit, refit_beside
 from hybridid.trace.rules import Rules
 from hybridid.trace.shorter import from_shorter, same_valley
 from hybridid.trace.solve import by_either_integrator
@@ -117,6 +117,7 @@ def _attempt(
         starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
         starts = [{**starts[k], **known} for k in (range(len(starts)) if chosen is None else chosen)]
         found = refit_beside(base, model, split, starts, numerics, to_beat, least)
+        found = _begun_anew(found, base, split) if found.converged else found
         found = _unless_better_from_shorter(found, candidate, base, split, least)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
@@ -125,6 +126,19 @@ def _attempt(
     evidence = compare(base.score, found.score)
     fitted_gain = max(0.0, 1.0 - found.cost / base.cost) if base.cost > 0 else 0.0
     return Trial(candidate, found, evidence, fitted_gain, not_shown=not_shown(candidate, found, split))
+
+
+def _begun_anew(found: Refit, base: Refit, split: Split) -> Refit:
+    """``found``, or its refit with the initial states that the record shows, if it diverges held out.
+
+    The initial states of ``base`` are lent. Where the effect makes the held-out motion unstable (a damping
+    that becomes negative), horizons that begin a little beside the record diverge, though the model is right.
+    """
+    if math.isfinite(found.score.loss):
+        return found
+    anew = begin(base.problem(split), base.model.values(base.values), None, base.numerics)
+    begun = replace(base, x0=anew.x0)
+    return refit(found.model, split, [found.values], begun, found.numerics)
 
 
 def _unless_better_from_shorter(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
@@ -11,7 +12,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.shorter import from_shorter, same_valley, with_shorter
 from hybridid.trace.split import Split, by_blocks, by_record
-from hybridid.trace.trial import attempt
+from hybridid.trace.trial import _begun_anew, attempt
 
 LONG = 200  # samples, 1 s
 RIPPLE = Candidate(effect_named("cogging"), "carriage")
@@ -75,3 +76,13 @@ def test_values_are_of_one_valley_if_the_pitch_is_the_same(pitch, same):
         {"carriage.cogging.pitch": p, "carriage.cogging.A_s": a} for p, a in ((0.01, 1), (pitch, 9))
     )
     assert same_valley(RIPPLE, one, other) is same
+
+
+def test_a_trial_that_diverges_held_out_begins_anew_where_the_record_is(strong):
+    """As if the initial states that the base lends had led the right model astray."""
+    split, base = strong
+    found = attempt(RIPPLE, base, split).refit
+    assert _begun_anew(found, base, split) is found
+    lost = replace(found, score=replace(found.score, squares=np.full_like(found.score.squares, np.nan)))
+    again = _begun_anew(lost, base, split)
+    assert again.score.loss == pytest.approx(found.score.loss, rel=0.01)
