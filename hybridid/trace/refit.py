@@ -311,6 +311,13 @@ def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numer
     return Start(problem, p, carry(problem, p, x0))
 
 
+def begun_at_the_record(base: Refit, values: Mapping[str, float], split: Split) -> Refit:
+    """``base`` with the initial states that the record shows, or the best at hand, for its model at
+    ``values``: where it lends these, a refit does not begin where ``base`` ended."""
+    begun = begin(base.problem(split), base.model.values(values), None, base.numerics)
+    return replace(base, x0=begun.x0)
+
+
 def _standard_errors(fitted: Problem, solution: Solution) -> tuple[dict[str, float], Array]:
     """Standard errors by name and correlations, without the share of the smoothing of sign(v).
 

@@ -18,7 +18,7 @@ from dataclasses import replace
 
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, begin, refit
+from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, begun_at_the_record, refit
 from hybridid.trace.sought import sought
 from hybridid.trace.split import Split
 
@@ -70,8 +70,7 @@ def from_shorter(
         found = refit(model, shorter, starts, poorer, base.numerics, std_up_to=WITHOUT_STD)
     except (ValueError, *FAILURES):
         return None
-    begun = begin(base.problem(split), base.model.values(poorer.values), None, base.numerics)
-    return found.values, replace(base, x0=begun.x0)
+    return found.values, begun_at_the_record(base, poorer.values, split)
 
 
 def same_valley(candidate: Candidate, one: Mapping[str, float], other: Mapping[str, float]) -> bool:

@@ -17,7 +17,15 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
-from hybridid.trace.refit import FAILURES, LEAST_DECREASE, Refit, begin, least_of, refit, refit_beside
+from hybridid.trace.refit import (
+    FAILURES,
+    LEAST_DECREASE,
+    Refit,
+    begun_at_the_record,
+    least_of,
+    refit,
+    refit_beside,
+)
 from hybridid.trace.rules import Rules
 from hybridid.trace.shorter import from_shorter, same_valley
 from hybridid.trace.solve import by_either_integrator
@@ -136,8 +144,7 @@ def _begun_anew(found: Refit, base: Refit, split: Split) -> Refit:
     """
     if math.isfinite(found.score.loss):
         return found
-    anew = begin(base.problem(split), base.model.values(base.values), None, base.numerics)
-    begun = replace(base, x0=anew.x0)
+    begun = begun_at_the_record(base, base.values, split)
     return refit(found.model, split, [found.values], begun, found.numerics)
 
 
