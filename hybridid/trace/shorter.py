@@ -24,8 +24,9 @@ from hybridid.trace.split import Split
 
 SHARE, LEAST = 10, 8
 """By which share a horizon is divided, and the samples that it then has at least."""
-BENT, SURE = 0.1, 3.0
-"""A parameter differs by more than this share of its value, and by more than so many standard errors."""
+BENT = 0.1
+"""A parameter differs if it does by more than this share of its value. Its standard errors say nothing here:
+they are large just where much is missing."""
 ALIKE = 0.02
 """Relative difference up to which two values of a pitch or a place are in one valley of the cost."""
 SOUGHT = ("period", "place")
@@ -39,16 +40,17 @@ def with_shorter(base: Refit, split: Split) -> Refit:
     if samples < LEAST:
         return base
     try:
-        found = refit(base.model, split.shorter(samples), [base.values], numerics=base.numerics)
+        found = refit(
+            base.model, split.shorter(samples), [base.values], numerics=base.numerics, std_up_to=WITHOUT_STD
+        )
     except (ValueError, *FAILURES):
         return base
     return replace(base, shorter=found) if _differ(base, found) else base
 
 
 def _differ(base: Refit, found: Refit) -> bool:
-    """Whether a free parameter of ``found`` differs from that of ``base`` by much, and not by chance."""
-    apart = {name: abs(base.values[name] - found.values[name]) for name in found.std}
-    return any(apart[n] > BENT * abs(base.values[n]) and apart[n] > SURE * found.std[n] for n in apart)
+    """Whether a parameter of ``found`` differs from that of ``base``."""
+    return any(abs(found.values[n] - value) > BENT * abs(value) for n, value in base.values.items())
 
 
 def from_shorter(

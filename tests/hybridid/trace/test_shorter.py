@@ -18,19 +18,19 @@ LONG = 200  # samples, 1 s
 RIPPLE = Candidate(effect_named("cogging"), "carriage")
 
 
-@pytest.fixture(scope="module")
-def strong(make_model, two_records):
+@pytest.fixture(scope="module", params=[0.01, 0.02])
+def strong(request, make_model, two_records):
     """The symmetric model over horizons of 1 s, fitted to a carriage with a cogging of half its drive."""
-    first, second = two_records(ripple=40.0, pitch=0.01)
+    first, second = two_records(ripple=40.0, pitch=request.param)
     split = by_record([first], [second], LONG)
     return split, with_shorter(refit(make_model(), split, factors=CONTINUATION), split)
 
 
-def test_the_ripple_is_found_that_long_horizons_hide(strong, monkeypatch):
+def test_the_ripple_is_found_that_long_horizons_hide(strong, request, monkeypatch):
     split, base = strong
     found = attempt(RIPPLE, base, split)
     assert found.gain > 0.99
-    assert found.own("values")["pitch"] == pytest.approx(0.01, rel=1e-4)
+    assert found.own("values")["pitch"] == pytest.approx(request.node.callspec.params["strong"], rel=1e-4)
     monkeypatch.setattr("hybridid.trace.trial.from_shorter", lambda *given: None)
     assert attempt(RIPPLE, base, split).gain < 0.1
 
