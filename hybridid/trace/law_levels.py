@@ -28,12 +28,13 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
+from hybridid.trace.judgement import judge
 from hybridid.trace.level_starts import level_starts
 from hybridid.trace.path import Path
 from hybridid.trace.refit import Refit, least_of
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
-from hybridid.trace.trial import PASSED, Trial, attempt, judge
+from hybridid.trace.trial import PASSED, Trial, attempt
 from hybridid.trace.varying import Varied, vary
 
 FIRST = 3

@@ -36,6 +36,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
+from hybridid.trace.judgement import judge
 from hybridid.trace.law_curve import LawOverLearned, law_over_learned
 from hybridid.trace.law_levels import WithLevel, products_over, with_levels
 from hybridid.trace.law_starts import law_starts
@@ -44,7 +45,7 @@ from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Search, decided, said_of, without_needless
 from hybridid.trace.split import Split
-from hybridid.trace.trial import Trial, attempt, judge
+from hybridid.trace.trial import Trial, attempt
 
 
 def with_law(

@@ -19,6 +19,7 @@ import numpy as np
 
 from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.evidence import Comparison, compare
+from hybridid.trace.judgement import undetermined
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
 from hybridid.trace.promise import Promise
@@ -32,7 +33,7 @@ from hybridid.trace.refit import (
 from hybridid.trace.rules import Rules
 from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.split import Split
-from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial, undetermined
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial
 
 Values = Mapping[str, float]
 

@@ -25,9 +25,11 @@ from dataclasses import replace
 from typing import Any
 
 from hybridid.naming import counted, listed
+from hybridid.trace.alike import equivalents, related
 from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
+from hybridid.trace.judgement import judge
 from hybridid.trace.pair import PairTrial, attempt_pair, judge_pairs
 from hybridid.trace.promise import Promise, promises
 from hybridid.trace.refit import least_of
@@ -35,7 +37,7 @@ from hybridid.trace.robustness import objection
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step, survivals_of, without_needless
 from hybridid.trace.sensitivity import seen
-from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, attempt, equivalents, judge, related
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, attempt
 
 
 def with_pair(found: Search, context: Context, accepted_before: Search | None = None) -> Search:
@@ -202,7 +204,7 @@ def _as_good(best: PairTrial, other: PairTrial, rules: Rules) -> bool:
 def _equals(step: Step, best: PairTrial, judged: Sequence[PairTrial], rules: Rules) -> list[PairTrial]:
     """The other pairs that held-out horizons cannot tell from ``best``.
 
-    One that only significance refused counts if it takes at least half as much: see ``trial.equivalents``.
+    One that only significance refused counts if it takes at least half as much: see ``alike.equivalents``.
     """
     before = step.base.score.loss**2
 

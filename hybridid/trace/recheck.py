@@ -17,14 +17,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from hybridid.trace.alike import equivalents, look_alikes
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
+from hybridid.trace.judgement import judge
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search
 from hybridid.trace.split import Split
-from hybridid.trace.trial import PASSED, Trial, attempt, equivalents, judge, look_alikes
+from hybridid.trace.trial import PASSED, Trial, attempt
 
 
 def recheck(found: Search, context: Context) -> Search:

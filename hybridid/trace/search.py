@@ -7,11 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from hybridid.model import Model
+from hybridid.trace.alike import equivalents, indistinguishable
 from hybridid.trace.candidates import admissible
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
+from hybridid.trace.judgement import judge
 from hybridid.trace.law_curve import LawOverLearned
 from hybridid.trace.minor import may_be_minor, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
@@ -22,15 +24,7 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough
 from hybridid.trace.shorter import with_shorter
 from hybridid.trace.together import meets_noise_together
-from hybridid.trace.trial import (
-    PASSED,
-    REJECTED,
-    Trial,
-    attempt,
-    equivalents,
-    indistinguishable,
-    judge,
-)
+from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 
 AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
 AT_FLOOR_TOGETHER = "fitted to all horizons together, the model leaves no more than the sensors' noise"

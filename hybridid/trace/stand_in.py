@@ -43,6 +43,7 @@ from dataclasses import replace
 
 from hybridid.effects.composed import is_composed
 from hybridid.naming import listed
+from hybridid.trace.alike import related
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
@@ -53,7 +54,7 @@ from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import Split
-from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE, related
+from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE
 from hybridid.trace.varying import not_constant
 
 

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
-from hybridid.trace.completeness import Completeness
-from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.entries import AcceptedEffect, DifferingParameter, ReplacedEffect, Value
+from hybridid.trace.remarks import named_effects
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED, UNTRIED
 
@@ -89,27 +88,6 @@ def _differs(one: DifferingParameter) -> str:
     )
 
 
-def idle_in_words(found: Trace) -> str:
-    """Which declared effects the records show nothing of; empty if there is none."""
-    if not found.idle:
-        return ""
-    them = "they end" if len(found.idle) > 1 else "it ends"
-    return f"These records show nothing of {listed(found.idle)}, which was declared: {them} at zero."
-
-
-def narrowed_in_words(found: Trace) -> str:
-    """Which smoothings of sign(v) were made narrower; empty if none was."""
-    if not found.narrowed:
-        return ""
-    told = listed(
-        [
-            f"{quantity(one.used, one.unit)} instead of {quantity(one.declared, one.unit)} ({one.name})"
-            for one in found.narrowed
-        ]
-    )
-    return f"sign(v) is smoothed over {told}: the wider smoothing left an error of its own."
-
-
 def _concluded(found: Trace) -> str:
     where = f"on held-out horizons of {found.horizon:g} s ({found.provenance})"
     if found.verdict == "nothing_missing":
@@ -152,33 +130,6 @@ def _only_together(found: Trace) -> str:
     return said
 
 
-def refused_rivals(found: Trace) -> tuple[str, ...]:
-    """Effects that explain the errors as well as an accepted one, and were refused for their amplitudes."""
-    return tuple(
-        f"{trial.name} explains the errors as well as {step.accepted}, but {trial.reason}."
-        for step in found.steps
-        if step.accepted in [one.name for one in found.accepted]
-        for trial in step.trials
-        if trial.reason.startswith(NO_CONSTANT)
-    )
-
-
-def named_effects(found: Trace) -> int:
-    """How many effects of the library, and of the user's own, were tried; composed laws do not count."""
-    tried = [entry.is_law for entry in found.rejected] + [entry.is_law for entry in found.accepted]
-    return tried.count(False)
-
-
-def tried_in_words(found: Trace) -> str:
-    """``38 effects``, or ``38 effects, 24 of 703 pairs of them and 26 laws``."""
-    named = named_effects(found)
-    laws = len(found.rejected) + len(found.accepted) - named
-    tried = [counted(named, "effect")]
-    if pairs := sum(len(step.pairs) for step in found.steps):
-        tried.append(f"{pairs} of {sum(step.family for step in found.steps)} pairs of them")
-    return listed([*tried, counted(laws, "law")] if laws else tried)
-
-
 def _none(tried: int, does: str) -> str:
     """``none of the 38 effects tried explains``, with ``does`` the verb."""
     if tried == 1:
@@ -207,54 +158,6 @@ def _law(entry: AcceptedEffect) -> str:
         text += f", which is the form of {entry.form_of}"
     others = [member.effect for member in entry.class_members if member.effect != entry.effect]
     return f"{text}; these records cannot tell it from {listed(others)}" if others else text
-
-
-def structure_in_words(found: Trace) -> str:
-    """What learned efforts say of the error that is left."""
-    worth = percent(found.rules.worth)
-    if found.remains:
-        return (
-            f"Structure remains {listed(found.remains)}: a {learned(found)} there still lowers the held-out "
-            f"error by {worth} or more, and no effect in the library does."
-        )
-    if any(found.rules.passes(c.gain, c.p_value) for c in found.ceilings.after):
-        return (
-            f"A {learned(found)} still lowers the held-out error by {worth} or more, but the strongest do "
-            "not keep that gain when the equations are solved another way (epsilon, step, integrator): no "
-            "evidence that the machine lacks something."
-        )
-    if not found.ceilings.after:
-        return f"No {learned(found)} was tried."
-    return f"No {learned(found)} takes {worth} or more from the held-out error."
-
-
-def learned(found: Trace) -> str:
-    """``learned effort``, ``learned flow`` or both, by the ports of the plant."""
-    kinds = sorted({one.kind for one in found.ceilings.after}) or ["effort"]
-    return f"learned {' or '.join(kinds)}"
-
-
-def completeness_in_words(found: Trace) -> str:
-    """What a network still takes from the held-out error, before and after; empty without a network."""
-    check = found.completeness
-    if check is None:
-        return ""
-    left, before = (share(max(gain, 0.0)) for gain in (check.gain, check.gain_before))
-    p = probability(check.p_value, "= ")
-    return (
-        f"a network ({check.network}) takes {left} from the held-out error of the last model (p {p}), and "
-        f"{before} from that of the declared one. {_what_the_network_finds(found, check)}"
-    )
-
-
-def _what_the_network_finds(found: Trace, check: Completeness) -> str:
-    if check.gain < found.rules.worth:
-        return f"That is less than {percent(found.rules.worth)}: it finds nothing more that is worth having"
-    if check.complete:
-        return "That is not significant: it finds nothing more"
-    if not found.remains:
-        return "That gain does not survive other ways of solving the equations"
-    return "It finds what no effect in the library names"
 
 
 def _none_passes(found: Trace, where: str) -> str:

@@ -17,20 +17,17 @@ from hybridid.quantities import (
 )
 from hybridid.trace.before_after import AFTER, BEFORE
 from hybridid.trace.entries import AcceptedEffect, EstimatedValue, LearnedGain
-from hybridid.trace.result import Trace
-from hybridid.trace.robustness import Survival
-from hybridid.trace.words import (
-    VERDICTS,
+from hybridid.trace.remarks import (
     completeness_in_words,
-    error_left,
-    gained,
     idle_in_words,
     learned,
     narrowed_in_words,
-    parameters_in_words,
     refused_rivals,
     structure_in_words,
 )
+from hybridid.trace.result import Trace
+from hybridid.trace.robustness import Survival
+from hybridid.trace.words import VERDICTS, error_left, gained, parameters_in_words
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.traced import TraceFile
 from pipelines.trace.scores import score_tables

@@ -13,12 +13,13 @@ from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.constancy import Amplitude, amplitudes, fitted_to_held_out, moved
 from hybridid.trace.context import Context
+from hybridid.trace.judgement import judge
 from hybridid.trace.refit import refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import of_constant_amplitude, search
 from hybridid.trace.split import by_record
 from hybridid.trace.stand_in import unless_moved
-from hybridid.trace.trial import PASSED, attempt, judge
+from hybridid.trace.trial import PASSED, attempt
 
 RULES, HORIZON = Rules(), 50
 NAME = "carriage.asymmetric_viscous"

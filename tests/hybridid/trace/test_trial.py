@@ -13,13 +13,15 @@ from hybridid.effects.library import effect_named
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
 from hybridid.trace import trial as trials
+from hybridid.trace.alike import equivalents
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.evidence import compare
+from hybridid.trace.judgement import judge
 from hybridid.trace.numerics import DECLARED
 from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.score import Score
-from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial, equivalents, judge
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial
 
 RULES = Rules()
 HORIZONS, SAMPLES = 20, 100

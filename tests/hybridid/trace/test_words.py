@@ -19,19 +19,17 @@ from hybridid.trace.entries import (
     Value,
     Width,
 )
-from hybridid.trace.result import Estimates, LearnedGains, Trace
-from hybridid.trace.rules import Rules
-from hybridid.trace.run import _confounded
-from hybridid.trace.words import (
-    _members,
-    error_left,
+from hybridid.trace.remarks import (
     idle_in_words,
     narrowed_in_words,
     refused_rivals,
-    sentence,
     structure_in_words,
     tried_in_words,
 )
+from hybridid.trace.result import Estimates, LearnedGains, Trace
+from hybridid.trace.rules import Rules
+from hybridid.trace.run import _confounded
+from hybridid.trace.words import _members, error_left, sentence
 
 
 def tried(effect: str, gain: float, reason: str) -> TriedEffect:

@@ -1,0 +1,59 @@
+"""Which trials explain the records equally well, and which effects are physically related."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hybridid.trace.evidence import compare
+from hybridid.trace.judgement import undetermined
+from hybridid.trace.rules import Rules
+from hybridid.trace.trial import PASSED, REJECTED, Trial
+
+
+def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
+    """The trials that held-out horizons cannot tell from ``best``, itself first.
+
+    Beside those that passed, these are the determined ones whose gain alone is not significant, if they take
+    at least half of what ``best`` takes: not to be shown better than nothing is not to be shown worse than
+    ``best``. (Hansen, Lunde, Nason (2011), The model confidence set, Econometrica 79(2), 453-497.)
+
+    Two effects are one class if the advantage of the better one is not significant, or less than
+    ``rules.tie`` of the error. Declared look-alikes are one class also if it is less than ``rules.tie`` of
+    what the better one takes from the squared error. (Bouc-Wen hysteresis contains Dahl's friction and has
+    one shape parameter more, which always lowers the error a little.)
+    """
+    others = [t for t in trials if t is not best and (t.status == PASSED or _insignificant(t, best, rules))]
+    return [
+        best,
+        *(t for t in others if indistinguishable(best, t, rules) or _nearly_alike(best, t, rules)),
+    ]
+
+
+def _insignificant(trial: Trial, best: Trial, rules: Rules) -> bool:
+    """Whether only significance refused the trial, which takes at least half of what ``best`` takes."""
+    only = trial.status == REJECTED and trial.gain >= rules.worth and trial.p_adjusted > rules.alpha
+    return only and 2 * trial.taken >= best.taken and not (trial.not_shown or undetermined(trial, rules))
+
+
+def _nearly_alike(best: Trial, other: Trial, rules: Rules) -> bool:
+    left, more = (1.0 - best.gain) ** 2, (1.0 - other.gain) ** 2
+    return look_alikes(best, other) and more - left < rules.tie * (1.0 - left)
+
+
+def look_alikes(one: Trial, other: Trial) -> bool:
+    """Whether one effect is declared to look like the other."""
+    ours, theirs = one.candidate.effect, other.candidate.effect
+    return ours.id in theirs.look_alikes or theirs.id in ours.look_alikes
+
+
+def related(one: Trial, other: Trial) -> bool:
+    """Whether both are the same law, perhaps at several ports, or declared look-alikes."""
+    return one.candidate.effect.id == other.candidate.effect.id or look_alikes(one, other)
+
+
+def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:
+    """Whether held-out horizons show no relevant advantage of ``best``."""
+    assert best.refit is not None
+    assert other.refit is not None
+    advantage = compare(other.refit.score, best.refit.score)
+    return advantage.gain < rules.tie or advantage.p_value > rules.alpha

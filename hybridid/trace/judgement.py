@@ -1,0 +1,140 @@
+"""``judge``: which of the trials of a step pass.
+
+A trial passes if its held-out gain is worth having, significant with all that was tried counted, and the
+records determine the effect's own parameters.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy import stats
+
+from hybridid.declarations import Parameter
+from hybridid.effects.effect import EffectParameter
+from hybridid.trace.evidence import holm
+from hybridid.trace.rules import Rules
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial
+
+
+def judge(trials: Sequence[Trial], rules: Rules, family: int = 0) -> list[Trial]:
+    """Give every trial its status and reason.
+
+    All tried together are one family, weighted by what each takes from the fitted horizons: what does
+    nothing there needs no share of the error allowed. No held-out horizon has a part in the weights.
+
+    If held-out horizons told which to try, all of the ``family`` count that could have been tried, with equal
+    weights (Bonferroni).
+    """
+    p_values = [t.comparison.p_value if t.comparison else 1.0 for t in trials]
+    if family:
+        adjusted = [min(1.0, p * family) for p in p_values]
+    else:
+        adjusted = holm(p_values, [t.fitted_gain for t in trials])
+    return [_decided(replace(t, p_adjusted=p), rules) for t, p in zip(trials, adjusted, strict=True)]
+
+
+def _decided(trial: Trial, rules: Rules) -> Trial:
+    if trial.comparison is None:
+        return replace(trial, status=UNTRIED, reason=f"could not be fitted: {trial.failure}")
+    gain, p = trial.comparison.gain, trial.p_adjusted
+    ended = "; its refit promised little and ended early" if trial.refit and trial.refit.ended_early else ""
+    if gain < rules.worth:
+        return replace(
+            trial,
+            status=REJECTED,
+            reason=f"held-out RMSE changes by {-gain:+.1%}; {rules.worth:.0%} less is asked" + ended,
+        )
+    if ended:
+        return replace(
+            trial, status=REJECTED, reason="it promised less than what it was to replace, and ended early"
+        )
+    if p > rules.alpha:
+        return replace(
+            trial, status=REJECTED, reason=f"not significant: adjusted p = {p:.2g} over {rules.alpha:g}"
+        )
+    vague = trial.not_shown or undetermined(trial, rules)
+    if vague:
+        return replace(trial, status=UNIDENTIFIABLE, reason=vague)
+    return replace(trial, status=PASSED, reason=f"held-out RMSE {gain:.1%} lower, adjusted p = {p:.2g}")
+
+
+def undetermined(trial: Trial, rules: Rules) -> str:
+    """Why the effect's own parameters are not determined, or nothing if they are."""
+    assert trial.refit is not None
+    values, errors = trial.own("values"), trial.refit.std
+    amplitudes = _amplitudes(trial)
+    if _strength(trial, amplitudes) * rules.vague < 1.0:
+        said = ", ".join(
+            f"{n} = {values[n]:.3g} ± {errors[f'{trial.candidate.name}.{n}']:.2g}" for n in amplitudes
+        )
+        return f"{said}: not determined by these records"
+    for p, declared in _judged_alone(trial):
+        value, std = values[p.name], errors[f"{trial.candidate.name}.{p.name}"]
+        if not math.isfinite(std) or (not p.nests and std > rules.vague * max(abs(value), declared.scale)):
+            return f"{p.name} = {value:.4g} ± {std:.2g} {declared.unit} is not determined by these records"
+    return _degenerate(trial) or _collinear(trial, rules)
+
+
+def _degenerate(trial: Trial) -> str:
+    """Which of the effect's own parameters ends at its bound, where its form is lost; empty if none."""
+    values = trial.own("values")
+    for p, declared in _judged_alone(trial):
+        value = values[p.name]
+        span = 1e-3 * max(abs(value), 1e-3 * declared.scale)
+        if value <= declared.lower + span or value >= declared.upper - span:
+            return f"{p.name} = {value:.4g} {declared.unit} ends at its bound: the effect degenerates"
+    return ""
+
+
+def _amplitudes(trial: Trial) -> list[str]:
+    return [p.name for p in trial.candidate.effect.parameters if p.nests and not p.fixed]
+
+
+def _judged_alone(trial: Trial) -> Iterator[tuple[EffectParameter, Parameter]]:
+    """The effect's own parameters that matter one by one, with their bounds at the port; several
+    amplitudes are judged together."""
+    assert trial.refit is not None
+    port = trial.refit.model.plant.port(trial.candidate.port)
+    several = len(_amplitudes(trial)) > 1
+    for p in trial.candidate.effect.parameters:
+        declared = p.at(port)
+        if not (declared.fixed or p.minor or (p.nests and several)):
+            yield p, declared
+
+
+def _strength(trial: Trial, amplitudes: Sequence[str]) -> float:
+    """How many standard errors the effect's amplitudes together stand off nothing (Wald)."""
+    assert trial.refit is not None
+    names = [f"{trial.candidate.name}.{name}" for name in amplitudes]
+    rows = [list(trial.refit.std).index(name) for name in names]
+    std = np.array([trial.refit.std[name] for name in names])
+    if not np.isfinite(std).all():
+        return 0.0
+    value = np.array([trial.refit.values[name] for name in names])
+    covariance = trial.refit.correlation[np.ix_(rows, rows)] * np.outer(std, std)
+    return float(np.sqrt(value @ np.linalg.pinv(covariance) @ value))
+
+
+def _collinear(trial: Trial, rules: Rules) -> str:
+    """Which parameter of the model is collinear with one of the effect's own; empty if none."""
+    assert trial.refit is not None
+    names = list(trial.refit.std)
+    own = [k for k, name in enumerate(names) if name.startswith(f"{trial.candidate.name}.")]
+    others = [k for k in range(len(names)) if k not in own]
+    for k in own:
+        for j in others:
+            if abs(trial.refit.correlation[k, j]) > rules.collinear:
+                return f"{names[k].rsplit('.', 1)[-1]} cannot be told from {names[j]} in these records"
+    return ""
+
+
+def differs_from_zero(trial: Trial, rules: Rules) -> bool:
+    """Whether the effect's amplitudes together differ significantly from zero in its refit (Wald)."""
+    amplitudes = _amplitudes(trial)
+    if not (amplitudes and trial.refit and trial.refit.std):
+        return False
+    return bool(stats.chi2.sf(_strength(trial, amplitudes) ** 2, len(amplitudes)) <= rules.alpha)
