@@ -156,6 +156,7 @@ def composed(
     amplitude = over.amplitude.times(over.dimension, -shape.power)
     fine = shape.finer(over)
     own = [_further(key, over.dimension, role, given, fine) for key, role in shape.roles.items()]
+    hard = shape.contact(over)
     if level is not None:
         y = level.over.dimension
         amplitude = amplitude.times(y, -level.shape.power)
@@ -169,7 +170,7 @@ def composed(
         title=f"a law over {listed([str(one) for one in law.overs])}",
         equation=law.equation,
         law=law,
-        parameters=(*(_amplitude(key, amplitude, given) for key in shape.amplitudes), *own),
+        parameters=(*(_amplitude(key, amplitude, given, hard) for key in shape.amplitudes), *own),
         states=(memory.state,) if memory else (),
         dynamics=memory.dynamics if memory else None,
         needs=tuple(dict.fromkeys(need for one in law.overs for need in one.needs)),
@@ -238,11 +239,9 @@ def _all_overs(signals: Iterable[Signal]) -> Iterator[tuple[PortKind, Over]]:
     yield from (("flow", over) for over in (*OVERS_OF_A_FLOW, *over_inputs(known, FLOW_FACTORS)))
 
 
-def _amplitude(name: str, dimension: Dimension, given: Mapping[str, Bounded]) -> EffectParameter:
-    if name not in given:
-        return EffectParameter(name, dimension, "amplitude", guess=0.1, nests=True)
-    one = given[name]
-    return EffectParameter(name, dimension, "amplitude", guess=one.guess, absolute=True, nests=True)
+def _amplitude(name: str, dimension: Dimension, given: Mapping[str, Bounded], hard: bool) -> EffectParameter:
+    guess = given[name].guess if name in given else 0.1
+    return EffectParameter(name, dimension, "amplitude", guess, nests=True, hard=hard, absolute=name in given)
 
 
 _MEANINGS: Mapping[Role, str] = {

@@ -15,7 +15,7 @@ END_STOP = Effect(
     equation="F = side k ramp(side q - d),  ramp(x) = 0 for x < 0, x for x > 0",
     law=lambda at: at.p.side * at.p.k * ramp(at.p.side * at.position - at.p.d, at.p.width),
     parameters=(
-        EffectParameter("k", STIFFNESS, "stiffness of the stop", guess=3.0, lower=0.0, nests=True),
+        EffectParameter("k", STIFFNESS, "stiffness of the stop", guess=3.0, lower=0.0, nests=True, hard=True),
         EffectParameter(
             "d",
             POSITION,

@@ -35,6 +35,9 @@ class EffectParameter:
     positions), or a ``"frequency"`` of the model's residual over time. A fixed parameter that is the
     ``"mean"`` takes the mean over the records of the first channel that the effect sees.
 
+    A ``hard`` amplitude is the stiffness of a limit. As it grows, the law becomes the ideal limit (a wall, an
+    edge), so records may show no more than that it is large.
+
     A ``minor`` parameter does not decide whether the effect is present. A fit may leave it
     undetermined or at a bound.
 
@@ -53,6 +56,7 @@ class EffectParameter:
     upper: float = math.inf
     starts: tuple[float, ...] = ()
     nests: bool = False
+    hard: bool = False
     absolute: bool = False
     fixed: bool = False
     minor: bool = False

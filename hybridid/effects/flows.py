@@ -76,7 +76,7 @@ OVERFLOW = Effect(
     parameters=(
         EffectParameter(
             "k", STIFFNESS, "flow over height, where the level is h above the edge", guess=1.0, lower=0.0,
-            nests=True,
+            nests=True, hard=True,
         ),
         EffectParameter(
             "limit", POSITION, "level of the edge", guess=0.8, lower=-5.0, upper=5.0, sought="place"

@@ -62,11 +62,14 @@ class Shape:
     suits: tuple[Variable, ...]
     amplitudes: tuple[str, ...] = ("k",)
 
+    def contact(self, over: Over) -> bool:
+        """Whether it is the force of a contact over ``over``, or the flow over an edge."""
+        return self.name in CONTACTS and over.variable in PLACES and not over.factor
+
     def finer(self, over: Over) -> bool:
         """Whether it may change faster over ``over`` than any learned effort can: a period may be short; and
         a contact may press so hard that the machine hardly goes beyond the place where it begins."""
-        contact = self.name in CONTACTS and over.variable in PLACES and not over.factor
-        return contact or "period" in self.roles.values()
+        return self.contact(over) or "period" in self.roles.values()
 
     def values(self, x: Array, point: Mapping[str, float]) -> Array:
         """The shape at ``x`` (n,), its parameters as ``point`` has them."""

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from hybridid.estimators import Estimate, FitSettings, fit
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.simulation.chosen import integrator_for
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import TooStiff
+from hybridid.simulation.stability import IMPLICIT, MOST, TooStiff, substeps_wanted
 from hybridid.trace.context import Context
 from hybridid.trace.verdict import Conclusion
 from hybridid.validation import Metrics, Prediction, diverged, free_run, horizon_run, metrics
@@ -102,7 +103,10 @@ def scored(
 def _predicted(
     model: Model, values: Mapping[str, float], record: Record, horizon: float | None, how: Validation
 ) -> Prediction:
-    integrator = how.settings.integrator
+    """Solved as the model was fitted, or by the implicit integrator where that one needs too many steps."""
+    asked = integrator_for(model, model.values(values), [record], how.settings.integrator)
+    stiff = substeps_wanted(model, model.values(values), [record], integrator=asked) > MOST
+    integrator = IMPLICIT if stiff else asked
     if horizon is None:
         return free_run(model, values, record, how.initial_state, integrator)
     return horizon_run(model, values, record, round(horizon / record.dt), integrator)

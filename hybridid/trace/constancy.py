@@ -10,7 +10,8 @@ moved if
 n being the number of the effect's amplitudes. The first condition is on the size of the change
 (``Rules.steady``), the second on its significance. Both fits must have converged. Amplitudes of one unit are
 compared with the largest of them: relative to itself, one near zero would move by a large share. The standard
-errors are those of coloured residuals, so they include the share of what the model does not explain.
+errors are those of coloured residuals, so they include the share of what the model does not explain. The
+stiffness of a limit is excepted: the records may only tell that it is large.
 
 Where two effects explain the errors equally well, this test may still tell them apart: it compares how each
 record leads to the error.
@@ -79,7 +80,7 @@ def fitted_to_held_out(fitted: Sequence[Refit], context: Context) -> list[Refit 
 def amplitudes(here: Refit, there: Refit, term: str) -> tuple[Amplitude, ...]:
     """The amplitudes of the effect ``term``, in the same model fitted ``here`` and ``there``."""
     own = next(one for one in here.model.terms if one.name == term)
-    names = [f"{term}.{p.name}" for p in own.effect.parameters if p.nests and not p.fixed]
+    names = [f"{term}.{p.name}" for p in own.effect.parameters if p.nests and not p.fixed and not p.hard]
     units = {p.name: p.unit for p in here.model.parameters}
 
     def largest(fitted: Refit, unit: str) -> float:

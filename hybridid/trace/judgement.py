@@ -63,11 +63,15 @@ def _decided(trial: Trial, rules: Rules) -> Trial:
 
 
 def undetermined(trial: Trial, rules: Rules) -> str:
-    """Why the effect's own parameters are not determined, or nothing if they are."""
+    """Why the effect's own parameters are not determined, or nothing if they are.
+
+    The likelihood of a ``hard`` amplitude may be flat towards infinity: then its standard error is large,
+    though zero is excluded. That it is not zero is what the held-out gain shows.
+    """
     assert trial.refit is not None
     values, errors = trial.own("values"), trial.refit.std
     amplitudes = _amplitudes(trial)
-    if _strength(trial, amplitudes) * rules.vague < 1.0:
+    if not _is_hard(trial) and _strength(trial, amplitudes) * rules.vague < 1.0:
         said = ", ".join(
             f"{n} = {values[n]:.3g} ± {errors[f'{trial.candidate.name}.{n}']:.2g}" for n in amplitudes
         )
@@ -94,15 +98,19 @@ def _amplitudes(trial: Trial) -> list[str]:
     return [p.name for p in trial.candidate.effect.parameters if p.nests and not p.fixed]
 
 
+def _is_hard(trial: Trial) -> bool:
+    return any(p.hard for p in trial.candidate.effect.parameters)
+
+
 def _judged_alone(trial: Trial) -> Iterator[tuple[EffectParameter, Parameter]]:
-    """The effect's own parameters that matter one by one, with their bounds at the port; several
-    amplitudes are judged together."""
+    """The effect's own parameters that matter one by one, with their bounds at the port: not a ``hard`` one;
+    several amplitudes are judged together."""
     assert trial.refit is not None
     port = trial.refit.model.plant.port(trial.candidate.port)
     several = len(_amplitudes(trial)) > 1
     for p in trial.candidate.effect.parameters:
         declared = p.at(port)
-        if not (declared.fixed or p.minor or (p.nests and several)):
+        if not (declared.fixed or p.minor or p.hard or (p.nests and several)):
             yield p, declared
 
 

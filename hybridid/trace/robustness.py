@@ -90,7 +90,8 @@ def survival(
 
     The effect's amplitudes must not move by more than ``rules.steady`` of their values, or by two standard
     errors: an amplitude that follows the smoothing or the step belongs to these, not to the machine. The hold
-    of the inputs is excepted, for a true delay, lag or mass takes up half a sample of delay.
+    of the inputs is excepted, for a true delay, lag or mass takes up half a sample of delay. So is the
+    stiffness of a limit, of which the records may only tell that it is large.
 
     A variation that needs too many steps a sample does not count. An effect does not survive if the model
     diverges with it.
@@ -158,13 +159,13 @@ def _lost(survival: Survival) -> str:
 
 
 def _amplitudes(model: Model, term: str) -> list[str]:
-    """Qualified names of the parameters that remove the effect when they are zero."""
+    """Qualified names of the parameters that remove the effect when they are zero, and that records tell."""
     return [
         f"{term}.{p.name}"
         for one in model.terms
         if one.name == term
         for p in one.effect.parameters
-        if p.nests
+        if p.nests and not p.hard
     ]
 
 

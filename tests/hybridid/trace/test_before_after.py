@@ -68,6 +68,14 @@ def test_a_model_that_diverges_has_no_scores_but_says_why(found, validation):
     assert len(predictions) == len(rows) - len(bad)
 
 
+def test_what_is_too_stiff_for_the_fit_s_integrator_is_predicted_by_the_implicit_one(found, validation):
+    values = {**found.search.first.values, "carriage.viscous.f_v": 1e8}  # N s/m: it hardly moves
+    explicit = replace(validation, settings=replace(validation.settings, integrator="rk4"))
+    rows, predictions = scored("stiff", found.search.first.model, values, explicit)
+    assert all(math.isfinite(row.rmse) for row in rows)
+    assert len(predictions) == len(rows)
+
+
 @pytest.mark.parametrize(
     ("gain", "p_value", "complete"),
     [(0.2, 1e-6, False), (0.2, 0.2, True), (0.04, 1e-6, True), (-0.1, 1.0, True)],

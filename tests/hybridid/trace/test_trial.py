@@ -138,6 +138,13 @@ def test_an_amplitude_that_could_be_nothing_is_not_identifiable(trial):
     assert "not determined" in judged.reason
 
 
+def test_the_stiffness_of_a_limit_may_be_large_without_end(trial):
+    """Its likelihood is flat towards infinity, so no interval of it excludes zero."""
+    assert only(trial("end_stop", std=0.8, d=1e-3)).status == PASSED
+    soft = only(trial("cubic_stiffness", std=0.8))
+    assert soft.status == UNIDENTIFIABLE
+
+
 def test_a_shape_at_its_bound_is_a_degenerate_effect(trial):
     stribeck = Candidate(effect_named("stribeck"), "carriage")
     (v_s,) = [p for p in stribeck.effect.parameters if p.name == "v_s"]
