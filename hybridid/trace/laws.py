@@ -14,6 +14,9 @@ than the grid, and so is a contact that the machine hardly presses in: these are
 Where the best law does not reach the noise, its amplitude may depend on another variable: such laws are tried
 as well, beside the same model (``hybridid.trace.law_levels``).
 
+A formula claims the form. So a law is refused if the learned effort over its own variable takes more of the
+squared error, significantly, and the law less than ``1 - Rules.stands_in`` of that: its form is another one.
+
 Of laws that the held-out horizons cannot tell apart, the one with the fewest parameters is proposed; the
 others are told beside it. Effects that the law has made needless are removed again.
 
@@ -45,7 +48,7 @@ from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Search, decided, said_of, without_needless
 from hybridid.trace.split import Split
-from hybridid.trace.trial import Trial, attempt
+from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 
 
 def with_law(
@@ -60,7 +63,8 @@ def with_law(
         return found
     levelled, more = with_levels(base, laws, left, context)
     trials, family = [*laws, *(one.trial for one in levelled)], family_of(left) + more
-    step = decided(base, judge(trials, rules, family), context)
+    judged = [_unless_short(trial, base, left, rules) for trial in judge(trials, rules, family)]
+    step = decided(base, judged, context)
     context.say(f"of {family} laws, {len(trials)} tried: {said_of(step)}")
     law = step.accepted
     if law is None or law.trial.refit is None:
@@ -75,6 +79,24 @@ def with_law(
         accepted=tuple(accepted),
         withdrawn="",
     )
+
+
+def _unless_short(law: Trial, base: Refit, left: Sequence[Ceiling], rules: Rules) -> Trial:
+    """``law``, refused if it falls short of the learned effort over its own variable."""
+    if law.status != PASSED or law.refit is None:
+        return law
+    for learned in (one for one in left if _same_place(one, law)):
+        most = learned.taken(base)
+        better = compare(law.refit.score, learned.refit.score)
+        if law.taken < (1 - rules.stands_in) * most and better.p_value <= rules.alpha:
+            squares = base.score.loss**2
+            return replace(
+                law,
+                status=REJECTED,
+                reason=f"another form: it takes {law.taken / squares:.0%} of the squared error, "
+                f"{learned.described} {most / squares:.0%}",
+            )
+    return law
 
 
 def _drawn(

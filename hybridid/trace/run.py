@@ -19,6 +19,7 @@ from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place, with_decay_classes
+from hybridid.trace.doubted import revision_advised
 from hybridid.trace.free_run import worse_in_free_run
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
@@ -102,8 +103,9 @@ def trace(
     evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model))
+    doubts = revision_advised(found, context)
     beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""
-    return replace(traced, sentence=sentence(traced) + beware + worse_in_free_run(traced))
+    return replace(traced, sentence=sentence(traced) + doubts + beware + worse_in_free_run(traced))
 
 
 def _known(effects: Sequence[Effect | str], model: Model) -> tuple[Effect, ...]:

@@ -12,12 +12,14 @@ from hybridid.effects.over import Over
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
 from hybridid.trace.law_starts import law_starts
-from hybridid.trace.laws import law_in_place, with_law
+from hybridid.trace.laws import _unless_short, law_in_place, with_law
 from hybridid.trace.refit import refit
+from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import by_blocks
-from hybridid.trace.trial import Trial, attempt
+from hybridid.trace.trial import REJECTED, Trial, attempt
 from hybridid.trace.verdict import conclude
 
 DF_V = 80.0
@@ -63,6 +65,19 @@ def test_it_is_drawn_over_the_learned_effort(proposed):
     assert drawn.curve.value[fast] == pytest.approx(learned[fast], abs=0.5)
     k = proposed.accepted[0].trial.own("values")["k"]
     assert drawn.curve.value == pytest.approx(k * abs(drawn.curve.at), abs=abs(k) * 0.01)
+
+
+def test_a_law_that_falls_short_of_the_learned_effort_over_its_variable_has_another_form(proposed, split_of):
+    base, one = proposed.search.first, proposed.accepted[0].trial
+    learned = ceiling(base, split_of(df_v=DF_V), "carriage", Over("velocity"))
+    assert _unless_short(one, base, [learned], Rules()) is one
+    part = one.refit.score
+    worse = replace(part, squares=0.5 * base.score.squares, likelihood=part.likelihood - 1.0)
+    short = replace(one, refit=replace(one.refit, score=worse), comparison=compare(base.score, worse))
+    refused = _unless_short(short, base, [learned], Rules())
+    assert refused.status == REJECTED
+    assert refused.reason.startswith("another form: it takes 50% of the squared error, a learned effort at ")
+    assert _unless_short(short, base, [], Rules()) is short
 
 
 def test_a_law_starts_in_the_likeness_of_the_learned_effort(proposed, split_of):
