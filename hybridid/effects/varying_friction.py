@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from hybridid.effects.dimension import DAMPING, STIFFNESS, TIME, VELOCITY, Dimension
+from hybridid.effects.dimension import DAMPING, EFFORT, POSITION, STIFFNESS, TIME, VELOCITY, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, EffectState
 
 EFFORT_RATE = Dimension(effort=1, time=-1)
@@ -34,6 +34,38 @@ POSITION_FRICTION = Effect(
         "between the directions is friction over position, half the sum is spring, cogging and gravity"
     ),
 )
+
+FRICTION_BEYOND_GAP = Effect(
+    id="friction_beyond_gap",
+    kind="effort",
+    title="friction beyond a gap",
+    equation="F = f_c sign(v) (1 + tanh((|q| - g)/s))/2",
+    law=lambda at: at.p.f_c * at.sign * 0.5 * (1 + ca.tanh((ca.fabs(at.position) - at.p.g) / at.p.s)),
+    parameters=(
+        EffectParameter("f_c", EFFORT, "friction level beyond the gap", guess=0.1, nests=True),
+        EffectParameter(
+            "g", POSITION, "half the gap: where the friction begins, on both sides", guess=0.3, lower=1e-3,
+            upper=5.0, starts=(0.1, 0.7), sought="place",
+        ),
+        EffectParameter(
+            "s", POSITION, "length over which the contact builds up", guess=0.02, lower=5e-4, upper=1.0,
+            minor=True,
+        ),
+    ),
+    source=(
+        "rubbing once a clearance is crossed: Muszynska (2005), Rotordynamics, CRC Press, ch. 5; Pfeiffer, "
+        "Glocker (1996), Multibody Dynamics with Unilateral Contacts, Wiley, ch. 5"
+    ),
+    pattern=(
+        "none within the gap about q = 0, then dry friction on both sides of it, whichever way the port "
+        "moves. A play travels with the port, and the friction behind it depends on where it turned"
+    ),
+    look_alikes=("friction_behind_play", "position_friction", "position_damping", "coulomb", "end_stop"),
+    separating_experiment=(
+        "slow strokes of growing amplitude about the middle: within the gap the loop of effort over position "
+        "has no area; beyond it the area grows in proportion to what the stroke exceeds the gap by"
+    ),
+)  # fmt: skip
 
 FRICTION_DRIFT = Effect(
     id="friction_drift",

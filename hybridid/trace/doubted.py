@@ -26,8 +26,8 @@ variable."""
 
 
 def doubted(declared: Model, final: Refit, places: Sequence[Ceiling], split: Split) -> list[str]:
-    """Names of the ``declared`` effects, still in the model of ``final``, that are functions of the variable of
-    a learned effort of ``places`` at their port."""
+    """Names of the ``declared`` effects, still in the model of ``final``, that are functions of the variable
+    of a learned effort of ``places`` at their port."""
     path = Path.of(final, split, split.fitted)
 
     def varies(name: str, port: str) -> bool:

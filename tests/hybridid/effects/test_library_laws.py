@@ -53,6 +53,7 @@ def test_laws_are_dimensionally_consistent(any_bench):
 LOADED = ("load_friction", "load_stribeck", "two_sided_load_friction", "input_scaled_friction")
 ODD_IN_VELOCITY = (
     *("viscous", "coulomb", "stribeck", "quadratic_drag", "position_friction", "friction_drift"),
+    "friction_beyond_gap",
     *("eddy_brake", "position_damping", "blow_off_valve"),
     *LOADED,
 )
@@ -206,6 +207,14 @@ def test_position_friction_and_drift_take_energy_where_their_level_is_positive(b
         assert slope.law(position=-0.1, velocity=v) * v < 0
         assert drift.law(time=10.0, velocity=v) * v > drift.law(time=1.0, velocity=v) * v > 0
         assert drift.law(time=0.0, velocity=v) == 0
+
+
+def test_friction_beyond_a_gap_acts_on_both_sides_of_it_alone(bench):
+    rub = bench("friction_beyond_gap", f_c=5.0, g=0.1, s=1e-3)
+    for v in (-0.3, 0.3):
+        inside, above, below = (rub.law(position=q, velocity=v) for q in (0.05, 0.15, -0.15))
+        assert above == below == pytest.approx(5.0 * np.sign(v))
+        assert inside == pytest.approx(0.0, abs=1e-9)
 
 
 def test_the_work_on_a_load_behind_a_play_is_stored_or_lost_in_the_contact(bench):
