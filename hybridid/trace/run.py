@@ -21,6 +21,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place, with_decay_classes
 from hybridid.trace.doubted import revision_advised
 from hybridid.trace.free_run import worse_in_free_run
+from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
@@ -103,7 +104,7 @@ def trace(
     evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model))
-    doubts = revision_advised(found, context)
+    doubts = revision_advised(found, context) + several_hystereses(found.accepted)
     beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""
     return replace(traced, sentence=sentence(traced) + doubts + beware + worse_in_free_run(traced))
 

@@ -98,8 +98,8 @@ def _concluded(found: Trace) -> str:
             f"{found.refused}. {error_left(found)}"
         )
     if found.verdict == "unexplained":
-        place = f"structure remains {listed(found.remains)}, {where}. " if found.remains else ""
-        return f"Something is missing that {_unnamed(found)}: {place}{error_left(found)}"
+        place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
+        return f"Something is missing that {_unnamed(found)}{place}. {error_left(found)}"
     them = "them" if len(found.accepted) > 1 else "it"
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
     names = [one for one in found.accepted if not one.is_law]

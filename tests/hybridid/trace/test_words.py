@@ -122,7 +122,7 @@ def test_a_learned_effort_that_could_not_be_solved_is_named(nothing):
 
 def test_an_error_far_above_the_noise_is_unexplained_also_where_no_place_is_known(nothing):
     said = sentence(replace(nothing(DRAG), verdict="unexplained", times=12.3))
-    assert said.startswith("Something is missing that the one effect tried does not explain: The error left")
+    assert said.startswith("Something is missing that the one effect tried does not explain. The error left")
     assert said.endswith("12.3 times what noise and simulation alone leave.")
 
 
@@ -239,7 +239,7 @@ def test_pairs_that_were_tried_are_told(nothing):
     step = StepTaken(nothing().path[0], None, (), (), pairs=(pair, pair), family=741)
     found = replace(nothing(DRAG, SPRING), verdict="unexplained", times=12.3, steps=(step,))
     assert sentence(found).startswith(
-        "Something is missing that none of the 2 effects tried explains, alone or in 2 pairs: The error"
+        "Something is missing that none of the 2 effects tried explains, alone or in 2 pairs. The error"
     )
     assert tried_in_words(found) == "2 effects and 2 of 741 pairs of them"
 

@@ -1,0 +1,37 @@
+"""Several accepted hystereses at one port are the parts of a sum, and no names.
+
+A sum of elastic and friction elements approximates any hysteresis without a memory of the speed. So where two
+look-alikes with inner states were accepted at one port, the machine has one hysteresis of another form.
+
+Source: Iwan (1966), A distributed-element model for hysteresis and its steady-state dynamic response, ASME J.
+Applied Mechanics 33(4), 893-900.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hybridid.naming import listed
+from hybridid.trace.alike import look_alikes
+from hybridid.trace.search import Accepted
+
+
+def several_hystereses(accepted: Sequence[Accepted]) -> str:
+    """That hystereses at one port are the parts of a sum, in words; empty where no two are."""
+    with_states = [one for one in accepted if one.trial.candidate.effect.states]
+    parts = [
+        one.name
+        for one in with_states
+        if any(
+            other is not one
+            and other.trial.candidate.port == one.trial.candidate.port
+            and look_alikes(one.trial, other.trial)
+            for other in with_states
+        )
+    ]
+    if not parts:
+        return ""
+    return (
+        f" Beware: {listed(parts)} look alike. Their sum stands for one hysteresis of another form, and none "
+        "of them is a name."
+    )

@@ -1,0 +1,37 @@
+"""Two hystereses at one port are told to be the parts of a sum."""
+
+from __future__ import annotations
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.hystereses import several_hystereses
+from hybridid.trace.search import Accepted
+from hybridid.trace.trial import Trial
+
+
+def accepted(*names):
+    found = (name.split(".") for name in names)
+    trials = [Trial(Candidate(effect_named(effect), port), None, None) for port, effect in found]
+    return [Accepted(trial, (trial,), ()) for trial in trials]
+
+
+def test_look_alikes_with_states_at_one_port_are_a_sum():
+    assert several_hystereses(accepted("spring.lugre", "spring.cogging", "spring.bouc_wen")) == (
+        " Beware: spring.lugre and spring.bouc_wen look alike. Their sum stands for one hysteresis of "
+        "another form, and none of them is a name."
+    )
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("motor.dahl",),
+        ("motor.dahl", "link.bouc_wen"),
+        ("motor.coulomb", "motor.dahl"),  # dry friction beside a bristle has no state
+        ("motor.dahl", "motor.warming_friction"),
+    ],
+)
+def test_others_are_names(names):
+    assert several_hystereses(accepted(*names)) == ""
