@@ -58,9 +58,13 @@ FRICTION_BEYOND_GAP = Effect(
     ),
     pattern=(
         "none within the gap about q = 0, then dry friction on both sides of it, whichever way the port "
-        "moves. A play travels with the port, and the friction behind it depends on where it turned"
+        "moves. A play travels with the port, and the friction behind it depends on where it turned. In a "
+        "swing that decays it grows with the amplitude, as drag does"
     ),
-    look_alikes=("friction_behind_play", "position_friction", "position_damping", "coulomb", "end_stop"),
+    look_alikes=(
+        "friction_behind_play", "position_friction", "position_damping", "coulomb", "end_stop",
+        "quadratic_drag",
+    ),
     separating_experiment=(
         "slow strokes of growing amplitude about the middle: within the gap the loop of effort over position "
         "has no area; beyond it the area grows in proportion to what the stroke exceeds the gap by"

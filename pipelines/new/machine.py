@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from hybridid.advice.decay import free_decay
 from hybridid.advice.horizon import proposed_horizon
 from hybridid.records.record import Record
 from hybridid.records.survey import TimeFound
@@ -99,6 +100,13 @@ class Machine:
         if len(self.records) > 1:
             return None
         return _instant(record.time[0] + FITTED_SHARE * (record.time[-1] - record.time[0]), record)
+
+    @property
+    def decays(self) -> bool:
+        """Whether what is fitted is one free decay, beside which there is another recording: one decay cannot
+        tell a friction over the amplitude from one over the time, so a trace takes all recordings."""
+        fitted = self.records[:-1]
+        return bool(fitted) and any(free_decay(fitted))
 
     def cutoff(self, derivative: Derivative) -> float:
         """Of the low-pass, in Hz, under which a derivative is taken."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 import yaml
 
@@ -41,12 +42,27 @@ def test_several_recordings_the_last_one_judges(recorded, say, own_folder, rig):
     for name in ("night run", "2nd"):
         (own_folder / f"{name}.csv").write_text((own_folder / "rotary.csv").read_text())
     assert say("new", rig, "--from", "night run.csv", "2nd.csv", *words[2:]).code == 0
-    records = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())["records"]
-    assert records == {
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert "trace" not in case
+    assert case["records"] == {
         "night_run": {"files": "../night run.csv", "role": "identification"},
         "2nd": {"files": "../2nd.csv", "role": "validation"},
     }
     assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
+
+
+def test_of_free_decays_all_are_traced(say, own_folder, rig):
+    """One of them alone cannot tell amplitude from time."""
+    time = np.arange(0.0, 20.0, 0.01)
+    for name, amplitude in (("high", 0.8), ("low", 0.3)):
+        angle = amplitude * np.exp(-0.1 * time) * np.cos(4.5 * time)
+        rows = np.column_stack([time, angle])
+        np.savetxt(own_folder / f"{name}.csv", rows, delimiter=",", header="time,angle_rad", comments="")
+    words = ("new", rig, "--from", "high.csv", "low.csv", "--template", "pendulum")
+    said = say(*words)
+    assert said.code == 0, said.complaint
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert case["trace"] == {"records": ["high", "low"], "held_out": None}
 
 
 @pytest.mark.parametrize(("kind", "made"), [("test_rig", "differentiate"), ("vehicle", "integrate")])
