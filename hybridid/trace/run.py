@@ -27,6 +27,7 @@ from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.sharper import narrowed
+from hybridid.trace.shorter import shorter_advised
 from hybridid.trace.split import automatic_horizon, check_measured, divided
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
@@ -105,6 +106,8 @@ def trace(
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model))
     doubts = revision_advised(found, context) + several_hystereses(found.accepted)
+    if found.verdict == "unexplained":
+        doubts += shorter_advised(found.search.final, split)
     beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""
     return replace(traced, sentence=sentence(traced) + doubts + beware + worse_in_free_run(traced))
 
