@@ -159,6 +159,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "two_sided_load_friction",
         "input_scaled_friction",
         "friction_behind_play",
+        "friction_beyond_gap",
         "warming_friction",
         "blow_off_valve",
         "varying_inertia",
