@@ -39,18 +39,15 @@ FRICTION_BEYOND_GAP = Effect(
     id="friction_beyond_gap",
     kind="effort",
     title="friction beyond a gap",
-    equation="F = f_c sign(v) (1 + tanh((|q| - g)/s))/2",
-    law=lambda at: at.p.f_c * at.sign * 0.5 * (1 + ca.tanh((ca.fabs(at.position) - at.p.g) / at.p.s)),
+    equation="F = f_c sign(v) where |q| > g, rounded: (1 + tanh((|q| - g)/width))/2",
+    law=lambda at: at.p.f_c * at.sign * 0.5 * (1 + ca.tanh((ca.fabs(at.position) - at.p.g) / at.p.width)),
     parameters=(
         EffectParameter("f_c", EFFORT, "friction level beyond the gap", guess=0.1, nests=True),
         EffectParameter(
             "g", POSITION, "half the gap: where the friction begins, on both sides", guess=0.3, lower=1e-3,
             upper=5.0, starts=(0.1, 0.7), sought="place",
         ),
-        EffectParameter(
-            "s", POSITION, "length over which the contact builds up", guess=0.02, lower=5e-4, upper=1.0,
-            minor=True,
-        ),
+        EffectParameter("width", POSITION, "rounding of the gap's edges", guess=5e-3, lower=0.0, fixed=True),
     ),
     source=(
         "rubbing once a clearance is crossed: Muszynska (2005), Rotordynamics, CRC Press, ch. 5; Pfeiffer, "

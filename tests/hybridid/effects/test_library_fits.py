@@ -33,6 +33,7 @@ PLANTED = {
     "blow_off_valve": {"dc": 100.0, "v_b": 0.03},
     "varying_inertia": {"m_1": 150.0, "m_2": 3000.0},
     "detent": {"F_d": 5.0, "q_0": 0.01, "w": 0.005},
+    "friction_beyond_gap": {"f_c": 5.0, "g": 0.01},
     "back_emf_limit": {"inverse_limit": 1 / 60, "v_0": 0.5},
     "sensor_nonlinearity": {"c_2": 0.5, "c_3": 5.0},
     "sensor_periodic_error": {"period": 0.01},

@@ -210,7 +210,7 @@ def test_position_friction_and_drift_take_energy_where_their_level_is_positive(b
 
 
 def test_friction_beyond_a_gap_acts_on_both_sides_of_it_alone(bench):
-    rub = bench("friction_beyond_gap", f_c=5.0, g=0.1, s=1e-3)
+    rub = bench("friction_beyond_gap", f_c=5.0, g=0.1, width=1e-3)
     for v in (-0.3, 0.3):
         inside, above, below = (rub.law(position=q, velocity=v) for q in (0.05, 0.15, -0.15))
         assert above == below == pytest.approx(5.0 * np.sign(v))
