@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from hybridid.estimators import Estimate, FitSettings, fit
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.chosen import integrator_for
+from hybridid.simulation.chosen import AUTO, EXPLICIT, integrator_for
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import IMPLICIT, MOST, TooStiff, substeps_wanted
+from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
 from hybridid.trace.verdict import Conclusion
 from hybridid.validation import Metrics, Prediction, diverged, free_run, horizon_run, metrics
@@ -103,10 +103,10 @@ def scored(
 def _predicted(
     model: Model, values: Mapping[str, float], record: Record, horizon: float | None, how: Validation
 ) -> Prediction:
-    """Solved as the model was fitted, or by the implicit integrator where that one needs too many steps."""
-    asked = integrator_for(model, model.values(values), [record], how.settings.integrator)
-    stiff = substeps_wanted(model, model.values(values), [record], integrator=asked) > MOST
-    integrator = IMPLICIT if stiff else asked
+    """Solved as the model was fitted, or by the implicit integrator where RK4 would need too many steps."""
+    fitted_by = how.settings.integrator
+    asked = AUTO if fitted_by == EXPLICIT else fitted_by
+    integrator = integrator_for(model, model.values(values), [record], asked)
     if horizon is None:
         return free_run(model, values, record, how.initial_state, integrator)
     return horizon_run(model, values, record, round(horizon / record.dt), integrator)

@@ -31,6 +31,8 @@ def test_look_alikes_with_states_at_one_port_are_a_sum():
         ("motor.dahl", "link.bouc_wen"),
         ("motor.coulomb", "motor.dahl"),  # dry friction beside a bristle has no state
         ("motor.dahl", "motor.warming_friction"),
+        ("motor.backlash", "motor.flexible_mode"),  # loads behind a play or a spring
+        ("motor.backlash", "motor.friction_behind_play"),
     ],
 )
 def test_others_are_names(names):
