@@ -38,6 +38,7 @@ POSITION_FRICTION = Effect(
 FRICTION_BEYOND_GAP = Effect(
     id="friction_beyond_gap",
     kind="effort",
+    position_units=("*m", "rad"),  # a clearance is a place in a mechanism: a voltage has none
     title="friction beyond a gap",
     equation="F = f_c sign(v) where |q| > g, rounded: (1 + tanh((|q| - g)/width))/2",
     law=lambda at: at.p.f_c * at.sign * 0.5 * (1 + ca.tanh((ca.fabs(at.position) - at.p.g) / at.p.width)),
