@@ -205,6 +205,8 @@ def test_a_fit_can_leave_zero_amplitude(bench, effect):
         seen["position"] = -0.17
     if effect.id == "detent":
         seen["position"] = 0.017
+    if effect.id == "friction_beyond_gap":
+        seen["position"] = 0.5
     if effect.id == "blow_off_valve":
         seen["velocity"] = -2.0
     slopes = at_port.slopes(z=[0.3] * len(effect.states), p=zero, **seen)[0]
