@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from hybridid.estimators import Estimate, FitSettings, fit
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.chosen import AUTO, EXPLICIT, integrator_for
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
@@ -103,10 +102,7 @@ def scored(
 def _predicted(
     model: Model, values: Mapping[str, float], record: Record, horizon: float | None, how: Validation
 ) -> Prediction:
-    """Solved as the model was fitted, or by the implicit integrator where RK4 would need too many steps."""
-    fitted_by = how.settings.integrator
-    asked = AUTO if fitted_by == EXPLICIT else fitted_by
-    integrator = integrator_for(model, model.values(values), [record], asked)
+    integrator = how.settings.integrator
     if horizon is None:
         return free_run(model, values, record, how.initial_state, integrator)
     return horizon_run(model, values, record, round(horizon / record.dt), integrator)

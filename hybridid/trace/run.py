@@ -13,7 +13,8 @@ from hybridid.effects.variable import Variable
 from hybridid.estimators import FitSettings
 from hybridid.model import Model
 from hybridid.records.record import Record
-from hybridid.simulation.chosen import as_integrator
+from hybridid.settings.choices import AskedIntegrator
+from hybridid.simulation.chosen import AUTO, EXPLICIT, as_integrator
 from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.completeness import ceilings_of_each, with_networks
@@ -96,7 +97,7 @@ def trace(
     differ = by_recording(found.search, context) if recordings else ()
     if found.verdict in OPEN and any(one.status == PASSED for one in differ):
         found = replace(found, verdict="unexplained")
-    settings = replace(settings, integrator=as_integrator(found.search.first.numerics.integrator))
+    settings = replace(settings, integrator=_solving(found.search.first.numerics.integrator))
     validation = Validation(fitted, others, settings, seconds, initial_state)
     models = before_and_after(found, validation, context)
     ceilings = ceilings_of_each(found, context)
@@ -110,6 +111,12 @@ def trace(
         doubts += shorter_advised(found.search.final, split)
     beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""
     return replace(traced, sentence=sentence(traced) + doubts + beware + worse_in_free_run(traced))
+
+
+def _solving(searched_with: str) -> AskedIntegrator:
+    """What solves the models before and after: the integrator of the search, but where that is RK4, the
+    implicit one for a model that is too stiff for it. An accepted effect may make a model stiff."""
+    return AUTO if searched_with == EXPLICIT else as_integrator(searched_with)
 
 
 def _known(effects: Sequence[Effect | str], model: Model) -> tuple[Effect, ...]:

@@ -10,11 +10,12 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.effects.over import Over
 from hybridid.estimators import FitSettings
-from hybridid.trace.before_after import AFTER, BEFORE, Validation, before_and_after, scored
+from hybridid.trace.before_after import AFTER, BEFORE, Validation, before_and_after, refitted, scored
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.completeness import WithNetwork, completeness
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
+from hybridid.trace.run import _solving
 from hybridid.trace.split import by_record
 from hybridid.trace.verdict import conclude
 
@@ -68,10 +69,17 @@ def test_a_model_that_diverges_has_no_scores_but_says_why(found, validation):
     assert len(predictions) == len(rows) - len(bad)
 
 
-def test_what_is_too_stiff_for_the_fit_s_integrator_is_predicted_by_the_implicit_one(found, validation):
+@pytest.mark.parametrize(("searched_with", "allowed"), [("rk4", "auto"), ("rodas3", "rodas3")])
+def test_a_model_too_stiff_for_rk4_is_fitted_and_predicted_by_the_implicit_one(
+    found, validation, searched_with, allowed
+):
+    """What was accepted may make it so: a search with RK4 leaves the integrator open."""
+    assert _solving(searched_with) == allowed
+    settings = replace(validation.settings, integrator=_solving(searched_with))
     values = {**found.search.first.values, "carriage.viscous.f_v": 1e8}  # N s/m: it hardly moves
-    explicit = replace(validation, settings=replace(validation.settings, integrator="rk4"))
-    rows, predictions = scored("stiff", found.search.first.model, values, explicit)
+    model, how = found.search.first.model, replace(validation, settings=settings)
+    assert refitted("stiff", model, values, how).estimate.values
+    rows, predictions = scored("stiff", model, values, how)
     assert all(math.isfinite(row.rmse) for row in rows)
     assert len(predictions) == len(rows)
 
