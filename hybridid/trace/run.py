@@ -27,6 +27,7 @@ from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
+from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.sharper import narrowed
 from hybridid.trace.shorter import shorter_advised
 from hybridid.trace.split import automatic_horizon, check_measured, divided
@@ -107,6 +108,7 @@ def trace(
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model))
     doubts = revision_advised(found, context) + several_hystereses(found.accepted)
+    doubts += within_half_a_sample(found.accepted, fitted[0].dt)
     if found.verdict == "unexplained":
         doubts += shorter_advised(found.search.final, split)
     beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""

@@ -172,8 +172,16 @@ def _none_passes(found: Trace, where: str) -> str:
     survives = "pass" if len(tried) == 1 else "passes"
     return (
         f"{fails} and {survives} every test. The largest gain, {share(most.gain)} with {most.effect} at "
-        f"{most.port}, is refused: {most.reason}."
+        f"{most.port}, is refused: {most.reason}.{_more_than_possible(most.gain, found.times)}"
     )
+
+
+def _more_than_possible(gain: float, times: float) -> str:
+    """That a gain takes more than what a complete model could, where the error left is ``times`` that of noise
+    and simulation; else empty."""
+    if gain <= 1.0 - 1.0 / times:
+        return ""
+    return " A complete model could not take as much: it fits the noise, or an error of the simulation."
 
 
 def error_left(found: Trace) -> str:

@@ -99,9 +99,13 @@ def test_a_gain_that_was_refused_is_told(nothing):
     said = sentence(nothing(DRAG, SPRING))
     assert "none of the 2 effects tried" in said
     assert (
-        "The largest gain, 12.0 % with cubic_stiffness at carriage, is refused: k_3 is not determined."
-        in said
+        "The largest gain, 12.0 % with cubic_stiffness at carriage, is refused: k_3 is not determined. "
+        "A complete model could not take as much: it fits the noise, or an error of the simulation." in said
     )
+
+
+def test_a_gain_that_a_complete_model_could_take_is_told_without_more(nothing):
+    assert "A complete model" not in sentence(replace(nothing(SPRING), times=1.2))
 
 
 def test_nothing_was_tried_because_nothing_is_left(nothing):

@@ -1,0 +1,43 @@
+"""Accepted delays and lags of no more than half a sample: the record's sampling may make as much.
+
+A signal that is held (zero-order hold) lags one that goes straight from sample to sample (first-order hold) by
+half a sample, and so does a time stamp taken at the end of a sample instead of its middle. So what is delayed
+by that much or less may be the declaration of the hold or of the time stamps, and not the machine.
+
+Source: Franklin, Powell, Workman (1998), Digital Control of Dynamic Systems, 3rd ed., sec. 4.3.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from hybridid.effects.dimension import TIME
+from hybridid.naming import listed
+from hybridid.quantities import quantity
+from hybridid.trace.search import Accepted
+
+PATHS = ("input", "output")
+"""Kinds of the ports on which a time is that of a signal, and not of the mechanism."""
+
+
+def within_half_a_sample(accepted: Sequence[Accepted], dt: float) -> str:
+    """That the sampling every ``dt`` s may make as much as an accepted delay or lag, in words; empty where
+    each is longer than half a sample, by more than two standard errors."""
+    short = [told for one in accepted for told in _short_times(one, dt / 2)]
+    if not short:
+        return ""
+    return (
+        f" Beware: {listed(short)} may be no more than half a sampling period ({quantity(dt / 2, 's', 3)}). "
+        "The hold of the input or the record's time stamps make as much, if they are not as declared."
+    )
+
+
+def _short_times(one: Accepted, half: float) -> Iterator[str]:
+    """The times of the effect's path that are not clearly longer than ``half`` [s], in words."""
+    candidate, found = one.trial.candidate, one.trial.refit
+    if candidate.effect.kind not in PATHS or found is None:
+        return
+    for p in candidate.effect.parameters:
+        name = f"{candidate.name}.{p.name}"
+        if p.nests and p.dimension == TIME and found.values[name] - 2 * found.std.get(name, 0.0) <= half:
+            yield f"the {p.name} of {candidate.name}"
