@@ -1,8 +1,8 @@
 """Accepted delays and lags of no more than half a sample: the record's sampling may make as much.
 
-A signal that is held (zero-order hold) lags one that goes straight from sample to sample (first-order hold) by
-half a sample, and so does a time stamp taken at the end of a sample instead of its middle. So what is delayed
-by that much or less may be the declaration of the hold or of the time stamps, and not the machine.
+A signal that is held (zero-order hold) lags one that goes straight from sample to sample (first-order hold)
+by half a sample, and so does a time stamp taken at the end of a sample instead of its middle. So what is
+delayed by that much or less may be the declaration of the hold or of the time stamps, and not the machine.
 
 Source: Franklin, Powell, Workman (1998), Digital Control of Dynamic Systems, 3rd ed., sec. 4.3.1.
 """

@@ -177,8 +177,8 @@ def _none_passes(found: Trace, where: str) -> str:
 
 
 def _more_than_possible(gain: float, times: float) -> str:
-    """That a gain takes more than what a complete model could, where the error left is ``times`` that of noise
-    and simulation; else empty."""
+    """That a gain takes more than what a complete model could, where the error left is ``times`` that of
+    noise and simulation; else empty."""
     if gain <= 1.0 - 1.0 / times:
         return ""
     return " A complete model could not take as much: it fits the noise, or an error of the simulation."
