@@ -12,8 +12,8 @@ from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.initial import measured_states
 from hybridid.simulation.matching import check_records
-from hybridid.simulation.shooter import Shooter
-from hybridid.simulation.stability import substeps_for
+from hybridid.simulation.shooter import Shooter, Shot
+from hybridid.simulation.stability import in_enough_steps, substeps_for
 from hybridid.simulation.windows import cut
 
 Array = NDArray[np.float64]
@@ -54,9 +54,16 @@ def simulate(
     """
     check_records(model, [record])
     p = model.values(values)
-    steps = substeps or substeps_for(model, p, [record], integrator=integrator)
     x0 = measured_states(model, record)[0] if initial_state is None else np.asarray(initial_state, float)
-    shot = Shooter(model, cut([record.unmasked()], None, steps), integrator=integrator)(x0[None, :], p)
+
+    def shot_in(steps: int) -> Shot:
+        return Shooter(model, cut([record.unmasked()], None, steps), integrator=integrator)(x0[None, :], p)
+
+    if substeps:
+        shot = shot_in(substeps)
+    else:
+        steps = substeps_for(model, p, [record], integrator=integrator)
+        shot = in_enough_steps(shot_in, lambda found: bool(np.isfinite(found.outputs).all()), steps)
     outputs, states = shot.outputs[0, : record.n], shot.states[0, : record.n]
     if not np.isfinite(outputs).all():
         first = int(np.argmin(np.isfinite(outputs).all(axis=1)))

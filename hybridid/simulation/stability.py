@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 from weakref import ref
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.settings.choices import Integrator
+from hybridid.simulation.initial import observed
 from hybridid.simulation.over_arrays import over_arrays
 from hybridid.simulation.shooter import Shooter
 from hybridid.simulation.unobserved import filled_states
@@ -19,6 +21,7 @@ from hybridid.simulation.windows import cut
 
 Array = NDArray[np.float64]
 Modes = NDArray[np.complex128]
+T = TypeVar("T")
 IMPLICIT: Integrator = "rodas3"
 MOST = 50
 """Largest number of steps a sample; a stiffer model needs another integrator."""
@@ -62,6 +65,18 @@ def substeps_for(
     return steps
 
 
+def in_enough_steps(run: Callable[[int], T], is_finite: Callable[[T], bool], steps: int) -> T:
+    """``run(steps)``, in twice as many steps a sample as long as it is not finite, and in ``MOST`` at most.
+
+    A record does not show how fast a model becomes that leaves it, or between two samples.
+    """
+    found = run(steps)
+    while not is_finite(found) and 2 * steps <= MOST:
+        steps *= 2
+        found = run(steps)
+    return found
+
+
 def first_substeps(model: Model, p: Array, records: Sequence[Record], integrator: str) -> int:
     """Steps a sample for a fit that starts at ``p``: stable there with a margin of 10 %.
 
@@ -86,7 +101,9 @@ def substeps_wanted(
 ) -> int:
     """As ``substeps_for``, but ``MOST + 1`` instead of an error for more than ``MOST``.
 
-    ``paths`` are approximate states (n, n_x) at each record's samples; None: ``filled_states``.
+    ``paths`` are approximate states (n, n_x) at each record's samples; None: ``filled_states``. There, states
+    that no output shows are simulated in one step a sample, which may be far off where they are fast. So what
+    is too stiff along that path is asked once more along one that is simulated in ``MOST`` steps.
 
     Raises:
         ValueError: if there is no such integrator.
@@ -98,10 +115,20 @@ def substeps_wanted(
     kept: dict[str, _Wanted] = model.kept("steps wanted", dict)
     last = kept.get(integrator)
     if last is None or not last.answers(p, records, margin):
-        paths = [filled_states(model, p, record) for record in records]
-        found = min(RULES[integrator](model, p, records, paths, margin), MOST + 1)
+        found = _along_the_record(model, p, records, margin, integrator, 1)
+        if found > MOST and not all(observed(model)):
+            found = _along_the_record(model, p, records, margin, integrator, MOST)
         last = kept[integrator] = _Wanted(np.array(p), tuple(map(ref, records)), margin, found)
     return last.steps
+
+
+def _along_the_record(
+    model: Model, p: Array, records: Sequence[Record], margin: float, integrator: str, substeps: int
+) -> int:
+    """Steps a sample, ``MOST + 1`` at most, along the states that the records show, the others simulated in
+    ``substeps`` a sample."""
+    paths = [filled_states(model, p, record, substeps) for record in records]
+    return min(RULES[integrator](model, p, records, paths, margin), MOST + 1)
 
 
 @dataclass(frozen=True)
@@ -221,6 +248,7 @@ def _outputs(model: Model, p: Array, records: Sequence[Record], paths: Sequence[
     return Shooter(model, windows, integrator=IMPLICIT)(x0, p).outputs
 
 
+@np.errstate(over="ignore", invalid="ignore")  # too few steps may diverge
 def _change(before: Array, after: Array) -> float:
     """RMS difference of the outputs over their standard deviation in the horizons; 0 if they are constant."""
     difference = np.sqrt(np.mean((after - before) ** 2, axis=(0, 1)))

@@ -23,8 +23,9 @@ from hybridid.records.record import Record
 from hybridid.settings.choices import View
 from hybridid.simulation.chosen import integrator_for
 from hybridid.simulation.matching import check_records
+from hybridid.simulation.shooter import Shot
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import substeps_for
+from hybridid.simulation.stability import in_enough_steps, substeps_for
 
 Array = NDArray[np.float64]
 VIEWS: tuple[View, ...] = get_args(View)
@@ -147,10 +148,17 @@ def _predict(
     p = model.values(values)
     estimate = initial_state == "estimated"
     integrator = integrator_for(model, p, [record], integrator)
-    substeps = substeps or substeps_for(model, p, [record], integrator=integrator)
-    problem = build_problem(model, [record], horizon, substeps, estimate, free=(), integrator=integrator)
-    x0 = initial_states(problem, p, method) if estimate else problem.measured_x0()
-    shot = problem.shooter(x0, p)
+
+    def run(steps: int) -> tuple[Problem, Array, Shot]:
+        problem = build_problem(model, [record], horizon, steps, estimate, free=(), integrator=integrator)
+        x0 = initial_states(problem, p, method) if estimate else problem.measured_x0()
+        return problem, x0, problem.shooter(x0, p)
+
+    if substeps:
+        problem, x0, shot = run(substeps)
+    else:
+        steps = substeps_for(model, p, [record], integrator=integrator)
+        problem, x0, shot = in_enough_steps(run, _is_finite, steps)
     used = problem.windows.used
     time, predicted, states = (a[used] for a in (problem.windows.time, shot.outputs, shot.states))
     if not np.isfinite(predicted).all():
@@ -171,6 +179,11 @@ def _predict(
         initial_states=x0,
         rows=_rows(problem) if record.masked else None,
     )
+
+
+def _is_finite(found: tuple[Problem, Array, Shot]) -> bool:
+    problem, _, shot = found
+    return bool(np.isfinite(shot.outputs[problem.windows.used]).all())
 
 
 def _rows(problem: Problem) -> NDArray[np.int64]:

@@ -7,7 +7,7 @@ import pytest
 
 from hybridid.records.record import Channel, Record
 from hybridid.simulation import simulate
-from hybridid.simulation.stability import MOST, substeps_for
+from hybridid.simulation.stability import MOST, in_enough_steps, substeps_for
 
 SPRING = ("viscous", "linear_stiffness")
 
@@ -79,3 +79,40 @@ def test_an_unknown_integrator_is_named(carriage, make_model):
     model = make_model()
     with pytest.raises(ValueError, match=r"unknown integrator 'rk5'.*rk4, rodas3"):
         substeps_for(model, model.values(), [carriage.record(100)], integrator="rk5")
+
+
+@pytest.mark.parametrize("integrator", ["rk4", "rodas3"])
+def test_a_fast_state_that_no_output_shows_is_asked_along_an_accurate_path(integrator):
+    """A bristle that lets go within a tenth of a sample: one step a sample takes it far beyond its bound, and
+    there the model looks too stiff for any integrator."""
+    from hybridid.model import compose
+    from hybridid.plants.duffing import Duffing
+
+    n, dt = 4000, 1 / 610
+    time = np.arange(n) * dt
+    push = 0.1 * time / time[-1] * np.sin(2 * np.pi * 62 * time)
+    inputs, outputs = (Channel("V1", "V"),), (Channel("V2", "V"),)
+    bristle = "oscillator.cube_of_bristle_deflection"
+    known = {"m": 5.37e-6, "d": 2.29e-4, "k": 0.99, f"{bristle}.k": -1.1e-4, f"{bristle}.d": 4.3e-3}
+    model, rest = compose(Duffing(), ["cube_of_bristle_deflection"]), np.zeros(3)
+    exact = simulate(
+        model, known, Record("arrow", time, push[:, None], np.zeros((n, 1)), inputs, outputs), rest, 100
+    )
+    made = Record("arrow", time, push[:, None], exact.outputs, inputs, outputs)
+    assert substeps_for(model, model.values(known), [made], integrator=integrator) <= MOST
+    run = simulate(model, known, made, rest, integrator=integrator)
+    assert np.sqrt(np.mean((run.outputs - exact.outputs) ** 2)) < 1e-3 * exact.outputs.std()
+
+
+def test_what_diverges_is_simulated_in_twice_as_many_steps():
+    def diverges_below_twelve(steps: int) -> int:
+        return steps if steps >= 12 else 0
+
+    assert in_enough_steps(diverges_below_twelve, bool, 3) == 12
+    assert in_enough_steps(diverges_below_twelve, bool, 15) == 15
+
+
+def test_what_diverges_in_any_steps_ends():
+    tried = []
+    assert not in_enough_steps(lambda steps: tried.append(steps), lambda found: found is not None, 7)
+    assert tried == [7, 14, 28]
