@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -36,7 +38,8 @@ class Context:
     where no effect explains what a learned effort finds, laws are composed. ``pairs``: so many pairs of
     effects are refitted where no single effect explains it. ``revise``: each declared effect is left out in
     turn, and others are sought in its place. Learned efforts, and the laws that follow them, depend on
-    ``variables`` (None: all that a port has).
+    ``variables`` (None: all that a port has). From ``until`` on (s, as ``time.monotonic``) nothing further
+    begins.
     """
 
     split: Split
@@ -50,6 +53,12 @@ class Context:
     pairs: int = PAIRS
     revise: bool = False
     variables: tuple[Variable, ...] | None = None
+    until: float = math.inf
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether nothing further is to be begun."""
+        return time.monotonic() >= self.until
 
     @cached_property
     def noise(self) -> Noise:

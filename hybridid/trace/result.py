@@ -80,7 +80,7 @@ class Trace:
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
     each record, where that was asked; the last model has one value of each. ``narrowed`` are the smoothings
-    of sign(v) that were made narrower.
+    of sign(v) that were made narrower. ``time_limit`` [s] is the one that ended the search, if one did.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
     """
 
@@ -113,6 +113,7 @@ class Trace:
     replacements: tuple[ReplacedEffect, ...] = ()
     by_recording: tuple[DifferingParameter, ...] = ()
     narrowed: tuple[Width, ...] = ()
+    time_limit: float | None = None
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     def __str__(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -57,6 +58,7 @@ def trace(
     pairs: int = PAIRS,
     revise: bool = False,
     recordings: bool = False,
+    time_limit: float | None = None,
     mapper: Mapper = serial,
     report: Report = silent,
     say: Callable[[str], None] = unheard,
@@ -71,9 +73,11 @@ def trace(
     ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect explains what is
     missing, ``pairs`` of effects are tried, the most promising ones (0: none); with ``laws``, a law is
     composed. With ``revise``, each declared effect is left out in turn, and others are sought in its place.
-    With ``recordings``, each parameter is tried with a value for each record. Of a sample at which one output
-    was not measured the others count. ``mapper`` runs the refits, one after another or side by side;
-    ``report`` follows them. ``say`` is told what each step decides, as it falls.
+    With ``recordings``, each parameter is tried with a value for each record. After ``time_limit`` s (None:
+    no limit) no further step begins, nor pairs, laws or a revision; the step under way is ended, and its
+    names are doubted as always. Of a sample at which one output was not measured the others count.
+    ``mapper`` runs the refits, one after another or side by side; ``report`` follows them. ``say`` is told
+    what each step decides, as it falls.
 
     Raises:
         ValueError: if the library has no effect of a name in ``effects``; a record does not fit the model,
@@ -89,7 +93,9 @@ def trace(
     tried = library_for(model.channels) if effects is None else _known(effects, model)
     where = None if ports is None else tuple(ports)
     over = None if variables is None else tuple(variables)
-    context = Context(split, tried, rules or Rules(), where, mapper, report, say, laws, pairs, revise, over)
+    until = math.inf if time_limit is None else time.monotonic() + time_limit
+    asked = (where, mapper, report, say, laws, pairs, revise, over, until)
+    context = Context(split, tried, rules or Rules(), *asked)
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     if recordings:
         check_split(split)
@@ -106,7 +112,8 @@ def trace(
     missing, failures = missing_efforts(models, split.records, context)
     evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
-    traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model))
+    limit = time_limit if found.out_of_time else None
+    traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
     doubts = revision_advised(found, context) + several_hystereses(found.accepted)
     doubts += within_half_a_sample(found.accepted, fitted[0].dt)
     if found.verdict == "unexplained":

@@ -27,6 +27,7 @@ from hybridid.trace.together import meets_noise_together
 from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 
 AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
+OUT_OF_TIME = "the time limit was reached"
 AT_FLOOR_TOGETHER = "fitted to all horizons together, the model leaves no more than the sensors' noise"
 Otherwise = dict[Numerics, Refit | None]
 """A model's refits under other numerics."""
@@ -128,7 +129,7 @@ def continued(found: Search, context: Context) -> Search:
     steps, accepted = list(found.steps), list(found.accepted)
     while True:
         base = sharp_enough(base, context)
-        if stopped := _nothing_to_seek(base, accepted, context):
+        if stopped := _nothing_to_seek(base, accepted, context) or _out_of_time(steps, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
         base = context.one(with_shorter, base, context.split)
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
@@ -156,6 +157,12 @@ def _nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context
         return AT_FLOOR_TOGETHER
     most = context.rules.most_effects
     return f"{most} effects accepted, the most allowed" if len(accepted) >= most else ""
+
+
+def _out_of_time(steps: Sequence[Step], context: Context) -> str:
+    """Why no further step begins after ``steps``, where the time is over; empty if one does. The first step
+    always begins."""
+    return OUT_OF_TIME if steps and context.out_of_time else ""
 
 
 def _step(base: Refit, context: Context, number: int) -> Step:

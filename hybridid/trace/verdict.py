@@ -30,7 +30,7 @@ from hybridid.trace.refit import Refit
 from hybridid.trace.revision import Replacement, replacements
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import AT_FLOOR_TOGETHER, Accepted, Search, continued, search
+from hybridid.trace.search import AT_FLOOR_TOGETHER, OUT_OF_TIME, Accepted, Search, continued, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import (
     unless_minor,
@@ -59,7 +59,8 @@ class Conclusion:
     fewer than two effects). ``remains`` names where structure is left that no effect of the library explains.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
     ``replacements`` do better in the place of a declared effect, where that was asked. ``there`` is the last
-    model, fitted to the held-out horizons alone, if effects were accepted.
+    model, fitted to the held-out horizons alone, if effects were accepted. ``out_of_time``: the time limit
+    left out steps, pairs, laws or replacements.
     """
 
     verdict: Verdict
@@ -72,6 +73,7 @@ class Conclusion:
     refused: str = ""
     replacements: tuple[Replacement, ...] = ()
     there: Refit | None = None
+    out_of_time: bool = False
 
     @property
     def model(self) -> Model:
@@ -102,11 +104,10 @@ def conclude(
     split, rules = context.split, context.rules
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
     found = search(model, context, starts, numerics_for(model, split, starts, integrator))
-    settled = _with_pairs(_settled(found, context), context)
-    if context.laws:
-        settled = _with_laws(settled, context)
+    settled, cut = _with_more(_settled(found, context), context)
     refused = _refused(settled, rules)
-    revised = replacements(model, settled.found, context) if context.revise else ()
+    revises = context.revise and not context.out_of_time
+    revised = replacements(model, settled.found, context) if revises else ()
     return Conclusion(
         verdict=_verdict(settled, refused, rules),
         search=settled.found,
@@ -118,6 +119,7 @@ def conclude(
         refused=refused,
         replacements=revised,
         there=fitted_to_held_out([settled.found.final], context)[0] if settled.found.accepted else None,
+        out_of_time=cut or revises != context.revise,
     )
 
 
@@ -136,6 +138,16 @@ class _Settled:
 def _is_left(settled: _Settled, rules: Rules) -> bool:
     """Whether something is left that no effect explains."""
     return bool(settled.remains) or settled.times > rules.far
+
+
+def _with_more(settled: _Settled, context: Context) -> tuple[_Settled, bool]:
+    """``settled`` with pairs and laws, and whether the time limit left these or further steps out."""
+    for seek in (_with_pairs, _with_laws) if context.laws else (_with_pairs,):
+        if context.out_of_time:
+            open_still = _is_left(settled, context.rules) or settled.found.stopped == OUT_OF_TIME
+            return settled, open_still
+        settled = seek(settled, context)
+    return settled, settled.found.stopped == OUT_OF_TIME
 
 
 def _with_pairs(settled: _Settled, context: Context) -> _Settled:

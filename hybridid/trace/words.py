@@ -24,9 +24,15 @@ WORTH_TELLING = 3.0
 
 
 def sentence(found: Trace) -> str:
-    """The verdict in words: what could not be fitted, if anything; then what the model lacked and how far the
-    error falls, or what is left."""
-    return _untried(found) + _concluded(found) + _revised(found) + by_recording_in_words(found)
+    """The verdict in words: what the time limit and failed fits left out, if anything; then what the model
+    lacked and how far the error falls, or what is left."""
+    return (
+        _cut_short(found)
+        + _untried(found)
+        + _concluded(found)
+        + _revised(found)
+        + by_recording_in_words(found)
+    )
 
 
 def _revised(found: Trace) -> str:
@@ -199,6 +205,16 @@ def error_left(found: Trace) -> str:
 
 def _times(found: Trace) -> str:
     return f"{found.times:.1f} times" if found.times < 1000 else "more than a thousand times"
+
+
+def _cut_short(found: Trace) -> str:
+    """That the time limit ended the search, and when; empty if it did not."""
+    if found.time_limit is None:
+        return ""
+    return (
+        f"The time limit of {found.time_limit:g} s ended the search after "
+        f"{counted(len(found.steps), 'step')}: the verdict holds for what was tried by then. "
+    )
 
 
 def _untried(found: Trace) -> str:

@@ -29,7 +29,7 @@ class Request:
     of ``horizon`` s, in parallel ``processes``. Where no effect explains, so many ``pairs`` of effects are
     tried, then ``laws`` composed. ``revise``: each declared effect is left out in turn. ``by_recording``:
     each parameter is tried with a value for each record. Learned efforts and laws depend on ``variables``
-    (None: all)."""
+    (None: all). After ``time_limit`` s (None: none) nothing further begins."""
 
     effects: tuple[Effect, ...]
     ports: tuple[str, ...] | None
@@ -41,6 +41,7 @@ class Request:
     revise: bool = False
     by_recording: bool = False
     variables: tuple[Variable, ...] | None = None
+    time_limit: float | None = None
 
 
 def request_of(settings: Settings) -> Request:
@@ -61,8 +62,9 @@ def request_of(settings: Settings) -> Request:
                 raise ConfigError(unknown(f"channel that effect {effect.id} of trace sees", name, known))
     ports = _ports(settings, section, effects)
     horizon, processes = _horizon(settings, section), _processes(settings, section)
-    asked = (section.laws, section.pairs, section.revise, section.by_recording, section.variables)
-    return Request(effects, ports, section.rules, horizon, processes, *asked)
+    asked = (section.laws, section.pairs, section.revise, section.by_recording)
+    limits = (section.variables, section.time_limit)
+    return Request(effects, ports, section.rules, horizon, processes, *asked, *limits)
 
 
 def section_of(settings: Settings) -> TraceSection:

@@ -106,6 +106,7 @@ def traced(
             pairs=request.pairs,
             revise=request.revise,
             recordings=request.by_recording,
+            time_limit=request.time_limit,
             mapper=keep(mapper),
             report=report,
             say=say,

@@ -61,6 +61,13 @@ class TraceSection:
         "try each parameter with a value for each record; only alternate horizons of two records or more can "
         "judge it (held_out: null)",
     )
+    time_limit: float | None = setting(
+        None,
+        "after that time no further step begins, nor pairs or laws; the step under way is ended",
+        unit="s",
+        above=0,
+        null="no limit",
+    )
     ports: tuple[str, ...] | None = setting(None, "names of the ports to try", null="all")
     variables: tuple[Variable, ...] | None = setting(
         None, "what learned efforts and laws may depend on", null="all that a port has"

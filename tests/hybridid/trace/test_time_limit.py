@@ -1,0 +1,64 @@
+"""A time limit ends a search between its steps, and the sentence says so."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.context import Context
+from hybridid.trace.run import trace
+from hybridid.trace.search import OUT_OF_TIME
+from hybridid.trace.verdict import conclude
+
+DF_V = 75.0
+TRIED = tuple(map(effect_named, ("coulomb", "offset", "asymmetric_viscous")))
+OVER = time.monotonic()
+"""A time that is over."""
+
+
+@pytest.fixture(scope="module")
+def context(split_of):
+    """A search that has no time left when it begins."""
+    return Context(split_of(df_v=DF_V), TRIED, variables=("velocity", "position"), until=OVER)
+
+
+def test_the_first_step_is_ended_and_no_other_begins(make_model, context):
+    found = conclude(make_model(("viscous", "offset")), context)
+    assert [one.name for one in found.accepted] == ["carriage.coulomb"]
+    assert found.search.stopped == OUT_OF_TIME
+    assert found.out_of_time
+
+
+def test_no_pairs_and_no_laws_are_tried(make_model, context):
+    nothing_helps = replace(context, effects=(effect_named("input_gain"),))
+    found = conclude(make_model(), nothing_helps)
+    assert found.out_of_time
+    assert [step.family for step in found.search.steps] == [0]
+
+
+def test_what_is_complete_when_the_time_ends_is_not_cut_short(make_model, context):
+    found = conclude(make_model(), context)
+    assert found.search.at_noise
+    assert not found.out_of_time
+
+
+def test_a_revision_that_was_asked_for_is_left_out(make_model, context):
+    found = conclude(make_model(), replace(context, revise=True))
+    assert found.out_of_time
+    assert found.replacements == ()
+
+
+def test_the_sentence_begins_with_the_limit(make_model, split_of):
+    split = split_of(df_v=DF_V)
+    first, second = split.records
+    asked = {"effects": TRIED, "variables": ("velocity", "position")}
+    found = trace(make_model(("viscous", "offset")), [first], [second], time_limit=1e-3, **asked)
+    assert found.time_limit == 1e-3
+    assert found.sentence.startswith(
+        "The time limit of 0.001 s ended the search after 1 step: the verdict holds for what was tried by "
+        "then. The model lacked coulomb"
+    )
+    assert trace(make_model(), [first], [second], time_limit=1e3, **asked).time_limit is None
