@@ -1,6 +1,6 @@
 """A composed law: amplitude × f(one variable) × factor × level, f of ``hybridid.effects.shapes``.
 
-    F = k f(x) factor g(y),   x of ``hybridid.effects.over``,   factor = 1, v or sign(v)
+    F = k f(x) factor g(y),   x of ``hybridid.effects.over``,   factor = 1, v, sign(v) or the drive
 
 or an inertia m = k f(x). The level g(y) is one, or a shape over another variable
 (``hybridid.effects.levels``).
@@ -71,6 +71,11 @@ FORMS: Mapping[str, str] = {
         for shape in ("proportional", "square", "shifted", "parabola", "bump")
     },
     "sine_of_position_times_acceleration": "cyclic_inertia",
+    **{
+        f"{shape}_of_position_times_drive": "varying_force_factor"
+        for shape in ("proportional", "square", "shifted", "parabola")
+    },
+    "sine_of_position_times_drive": "torque_ripple",
     "proportional_of_bristle_deflection": "dahl",
     "proportional_of_load": "input_gain",
 }
@@ -120,7 +125,8 @@ class ComposedLaw:
             text = f"({text})"
         text = equation_of(self.over, text)
         level = f" {self.level.equation}" if self.level else ""
-        return text + level + "".join(_WHERE.get(one.variable, "") for one in self.overs)
+        drive = ", D = drive" if self.over.factor == "drive" else ""
+        return text + level + drive + "".join(_WHERE.get(one.variable, "") for one in self.overs)
 
     @property
     def overs(self) -> tuple[Over, ...]:

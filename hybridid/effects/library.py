@@ -22,6 +22,7 @@ from hybridid.effects import (
     play_friction,
     presliding,
     sensors,
+    varying_drive,
     varying_friction,
     varying_inertia,
 )
@@ -76,6 +77,8 @@ EFFECTS: tuple[Effect, ...] = (
     inertia.FLEXIBLE_MODE,
     inertia.BACKLASH,
     limits.BACK_EMF_LIMIT,
+    varying_drive.VARYING_FORCE_FACTOR,
+    varying_drive.TORQUE_RIPPLE,
     paths.INPUT_GAIN,
     delay.INPUT_DELAY,
     paths.INPUT_LAG,

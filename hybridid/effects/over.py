@@ -8,7 +8,8 @@ velocity or position, the time, the load (drive minus load), an input or channel
     recent load           s' = (|L| - s) / tau     friction that lags its load (frictional memory)
     bristle deflection    s' = (v - |v| s) / d     over its largest: Dahl's friction and Bouc-Wen's hysteresis
 
-The factor "acceleration" makes what is learned an inertia m(q). Its kinetic energy ½ m(q) v² gives by
+The factor "drive" makes what is learned a share of the drive that is lost (a force factor, a torque ripple).
+The factor "acceleration" makes it an inertia m(q). Its kinetic energy ½ m(q) v² gives by
 Lagrange's equation the effort m a + ½ m' v², m' = dm/dq.
 
 Source of the frictional memory: Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), Automatica 30(7).
@@ -27,7 +28,7 @@ from hybridid.effects.dimension import DAMPING, EFFORT, INERTIA, ONE, POSITION, 
 from hybridid.effects.effect import EffectParameter, EffectState, Local
 from hybridid.effects.variable import Variable
 
-Factor = Literal["", "velocity", "sign of velocity", "acceleration", "net flow"]
+Factor = Literal["", "velocity", "sign of velocity", "acceleration", "drive", "net flow"]
 RECENT: Variable = "recent speed"
 RECENT_LOAD: Variable = "recent load"
 BRISTLE: Variable = "bristle deflection"
@@ -74,7 +75,14 @@ class Over:
     @property
     def needs(self) -> tuple[Need, ...]:
         """What a port must know (``Port.knows``)."""
-        return ("load",) if self.variable in ("load", RECENT_LOAD) else ()
+        return tuple(
+            need
+            for need, asked in (
+                ("load", self.variable in ("load", RECENT_LOAD)),
+                ("drive", self.factor == "drive"),
+            )
+            if asked
+        )
 
     @property
     def bumps(self) -> int:
@@ -102,6 +110,7 @@ FACTORS: Mapping[Factor, tuple[str, Dimension]] = {
     "velocity": ("v ", DAMPING),
     "sign of velocity": ("sign(v) ", EFFORT),
     "acceleration": ("a ", INERTIA),
+    "drive": ("D ", ONE),
     "net flow": ("v ", DAMPING),
 }
 """The factor in an equation, and the dimension of what is learned."""
@@ -118,6 +127,7 @@ OVERS = (
     Over("load", "sign of velocity"),
     Over(RECENT_LOAD, "sign of velocity"),
     Over("position", "acceleration"),
+    Over("position", "drive"),
     Over(BRISTLE),
 )
 FLOW_FACTORS: tuple[Factor, ...] = ("",)
@@ -180,7 +190,7 @@ def factor_of(over: Over, at: Local) -> ca.SX | float:
     """The factor at a port."""
     factors = {
         "": 1.0, "velocity": at.velocity, "sign of velocity": at.sign, "acceleration": at.acceleration,
-        "net flow": at.velocity,
+        "drive": at.drive, "net flow": at.velocity,
     }  # fmt: skip
     return factors[over.factor]
 

@@ -112,7 +112,9 @@ class Path:
         """The factor of a learned effort over ``over`` at ``port``, (n,)."""
         if not over.factor:
             return np.ones(len(self.time))
-        probe = replace(LOAD, id="probe_of_factor", needs=(), law=lambda at: at.p.unit * factor_of(over, at))
+        probe = replace(
+            LOAD, id="probe_of_factor", needs=over.needs, law=lambda at: at.p.unit * factor_of(over, at)
+        )
         return self._probed(probe, port)
 
     def shows(self, port: str, over: Over) -> bool:

@@ -153,6 +153,8 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "cyclic_inertia",
         "detent",
         "back_emf_limit",
+        "varying_force_factor",
+        "torque_ripple",
         # in the drawn league, or there under the names of their laws (heating, blow_off)
         "load_friction",
         "load_stribeck",

@@ -56,6 +56,8 @@ PROMISED = [
     "periodic_flow",
     "detent",
     "back_emf_limit",
+    "varying_force_factor",
+    "torque_ripple",
     "input_gain",
     "input_delay",
     "input_lag",

@@ -34,6 +34,8 @@ PLANTED = {
     "varying_inertia": {"m_1": 150.0, "m_2": 3000.0},
     "detent": {"F_d": 5.0, "q_0": 0.01, "w": 0.005},
     "friction_beyond_gap": {"f_c": 5.0, "g": 0.01},
+    "varying_force_factor": {"b_1": 2.0, "b_2": 300.0},
+    "torque_ripple": {"b_s": 0.1, "b_c": 0.05, "pitch": 0.02},
     "back_emf_limit": {"inverse_limit": 1 / 60, "v_0": 0.5},
     "sensor_nonlinearity": {"c_2": 0.5, "c_3": 5.0},
     "sensor_periodic_error": {"period": 0.01},

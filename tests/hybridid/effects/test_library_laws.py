@@ -79,6 +79,8 @@ BLIND_TO_VELOCITY = (
     "steady_leak",
     "periodic_flow",
     "detent",
+    "varying_force_factor",
+    "torque_ripple",
 )
 ODD_ALTOGETHER = (
     *("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play"),
@@ -215,6 +217,20 @@ def test_friction_beyond_a_gap_acts_on_both_sides_of_it_alone(bench):
         inside, above, below = (rub.law(position=q, velocity=v) for q in (0.05, 0.15, -0.15))
         assert above == below == pytest.approx(5.0 * np.sign(v))
         assert inside == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["varying_force_factor", "torque_ripple"])
+def test_what_a_drive_loses_is_a_share_of_it(bench, name):
+    drive = bench(name)
+    lost = drive.law(position=0.13, drive=2.0)
+    assert drive.law(position=0.13, drive=-6.0) == pytest.approx(-3 * lost)
+    assert drive.law(position=0.13, drive=0.0, load=5.0) == 0.0
+
+
+def test_a_torque_ripple_repeats_over_its_pitch(bench):
+    ripple = bench("torque_ripple", b_s=0.1, b_c=0.2, pitch=0.04)
+    once, again, half = (ripple.law(position=q, drive=3.0) for q in (0.003, 0.043, 0.023))
+    assert once == pytest.approx(again) == pytest.approx(-half)
 
 
 def test_the_work_on_a_load_behind_a_play_is_stored_or_lost_in_the_contact(bench):
