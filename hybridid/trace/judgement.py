@@ -19,6 +19,9 @@ from hybridid.trace.evidence import holm
 from hybridid.trace.rules import Rules
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial
 
+WELL_KNOWN = 0.05
+"""Standard error, as a share of the value, up to which a parameter is known whatever it is collinear with."""
+
 
 def judge(trials: Sequence[Trial], rules: Rules, family: int = 0) -> list[Trial]:
     """Give every trial its status and reason.
@@ -128,12 +131,21 @@ def _strength(trial: Trial, amplitudes: Sequence[str]) -> float:
 
 
 def _collinear(trial: Trial, rules: Rules) -> str:
-    """Which parameter of the model is collinear with one of the effect's own; empty if none."""
+    """Which parameter of the model is collinear with one of the effect's own that is not known well all the
+    same; empty if none.
+
+    A correlation says that the errors of two parameters go together, not that they are large: what the
+    records tell of a parameter beside all others is its standard error (Belsley, Kuh, Welsch 1980, Regression
+    Diagnostics, ch. 3). Of a load behind a spring, as heavy as the machine, the sum of both inertias may be
+    known to a hundredth of a per cent, and each to a fifth of one: there the correlation is over 0.999.
+    """
     assert trial.refit is not None
-    names = list(trial.refit.std)
+    names, std, values = list(trial.refit.std), trial.refit.std, trial.refit.values
     own = [k for k, name in enumerate(names) if name.startswith(f"{trial.candidate.name}.")]
     others = [k for k in range(len(names)) if k not in own]
     for k in own:
+        if std[names[k]] <= WELL_KNOWN * abs(values[names[k]]):
+            continue
         for j in others:
             if abs(trial.refit.correlation[k, j]) > rules.collinear:
                 return f"{names[k].rsplit('.', 1)[-1]} cannot be told from {names[j]} in these records"

@@ -18,7 +18,8 @@ class Rules:
     ``worth``: the smallest decrease of the held-out RMSE worth having.
     ``tie``: the relative difference of RMSE below which two effects explain the record equally well.
     ``vague``: the standard error, as a share of the value, above which a parameter is not determined.
-    ``collinear``: the correlation of two parameters above which the records cannot tell them apart.
+    ``collinear``: the correlation of two parameters above which the records cannot tell them apart, unless
+    the standard error of the one in question is small all the same.
     ``steady``: the share of its value that an amplitude may move when the numerics change, or the records.
     ``kept``: the least share of its gain that an effect must keep when the numerics change.
     ``refuted``: how many times the error a change of the numerics may leave; above, the records refute it.
