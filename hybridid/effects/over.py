@@ -75,14 +75,8 @@ class Over:
     @property
     def needs(self) -> tuple[Need, ...]:
         """What a port must know (``Port.knows``)."""
-        return tuple(
-            need
-            for need, asked in (
-                ("load", self.variable in ("load", RECENT_LOAD)),
-                ("drive", self.factor == "drive"),
-            )
-            if asked
-        )
+        of_the_load = self.variable in ("load", RECENT_LOAD)
+        return (*(("load",) if of_the_load else ()), *(("drive",) if self.factor == "drive" else ()))
 
     @property
     def bumps(self) -> int:
