@@ -65,6 +65,7 @@ FORMS: Mapping[str, str] = {
     "modulus_of_load_times_sign_of_velocity": "load_friction",
     "proportional_of_position_times_sign_of_velocity": "position_friction",
     "shifted_of_position_times_sign_of_velocity": "position_friction",
+    "sine_of_position_times_sign_of_velocity": "cyclic_friction",
     "proportional_of_position_times_velocity": "position_damping",
     **{
         f"{shape}_of_position_times_acceleration": "varying_inertia"

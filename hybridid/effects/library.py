@@ -49,6 +49,7 @@ EFFECTS: tuple[Effect, ...] = (
     hysteresis.HARDENING_HYSTERESIS,
     play_friction.FRICTION_BEHIND_PLAY,
     varying_friction.POSITION_FRICTION,
+    varying_friction.CYCLIC_FRICTION,
     varying_friction.FRICTION_BEYOND_GAP,
     varying_friction.FRICTION_DRIFT,
     varying_friction.WARMING_FRICTION,

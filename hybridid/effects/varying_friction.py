@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from hybridid.effects.dimension import DAMPING, EFFORT, POSITION, STIFFNESS, TIME, VELOCITY, Dimension
+from hybridid.effects.dimension import DAMPING, EFFORT, ONE, POSITION, STIFFNESS, TIME, VELOCITY, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, EffectState
 
 EFFORT_RATE = Dimension(effort=1, time=-1)
@@ -34,6 +34,39 @@ POSITION_FRICTION = Effect(
         "between the directions is friction over position, half the sum is spring, cogging and gravity"
     ),
 )
+
+# sin and cos need an angle: only at ports in rad
+CYCLIC_FRICTION = Effect(
+    id="cyclic_friction",
+    kind="effort",
+    title="friction whose level varies over a turn",
+    equation="F = (f_c cos(n q) + f_s sin(n q)) sign(v)",
+    law=lambda at: (
+        (at.p.f_c * ca.cos(at.p.n * at.position) + at.p.f_s * ca.sin(at.p.n * at.position)) * at.sign
+    ),
+    parameters=(
+        EffectParameter("f_c", EFFORT, "amplitude of the cosine", guess=0.05, nests=True),
+        EffectParameter("f_s", EFFORT, "amplitude of the sine", guess=0.05, nests=True),
+        EffectParameter(
+            "n", ONE, "periods in a turn, fixed: 1 for a wheel or a shaft that is not round, 2 for an oval",
+            guess=1.0, lower=1.0, starts=(2.0,), fixed=True,
+        ),
+    ),
+    source=(
+        "Armstrong-Hélouvry (1991), Control of Machines with Friction, Kluwer, ch. 4 (position dependence: "
+        "gears and bearings that are not round)"
+    ),
+    pattern=(
+        "flips with the direction of motion, and its level is higher on one side of the turn than on the "
+        "other. Its mean over a turn is Coulomb friction's; gravity and cogging do not flip"
+    ),
+    look_alikes=("gravity", "cogging", "position_friction", "cyclic_inertia", "load_friction"),
+    separating_experiment=(
+        "slow turns at a constant speed in both directions: half the difference between the directions is "
+        "friction over the angle, half the sum is gravity and cogging"
+    ),
+    position_units=("rad",),
+)  # fmt: skip
 
 FRICTION_BEYOND_GAP = Effect(
     id="friction_beyond_gap",

@@ -120,15 +120,23 @@ def search(
     ``start`` holds parameter values to start the declared model from.
     """
     base = context.one(refit, model, context.split, start, None, numerics, CONTINUATION)
-    return continued(Search((), base, (), ""), context)
+    return continued(Search((), base, (), ""), context, anew=True)
 
 
-def continued(found: Search, context: Context) -> Search:
-    """Add effects to the last model of ``found``, as ``search`` does."""
+def continued(found: Search, context: Context, anew: bool = False) -> Search:
+    """Add effects to the last model of ``found``, as ``search`` does.
+
+    Where a narrower smoothing of sign(v) pays only beside what was accepted, that was judged by a simulation
+    too coarse for this machine. With ``anew``, the search then begins from the declared model with the
+    narrower one.
+    """
     base = found.final
     steps, accepted = list(found.steps), list(found.accepted)
     while True:
-        base = sharp_enough(base, context)
+        sharp = sharp_enough(base, context)
+        if anew and sharp is not base and accepted and not context.out_of_time:
+            return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
+        base = sharp
         if stopped := _nothing_to_seek(base, accepted, context) or _out_of_time(steps, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
         base = context.one(with_shorter, base, context.split)
@@ -147,6 +155,16 @@ def continued(found: Search, context: Context) -> Search:
             step.accepted.trial.refit, [*accepted, step.accepted], context
         )
         steps.append(replace(step, dropped=dropped))
+
+
+def _begun_anew(found: Search, sharp: Refit, context: Context) -> Search:
+    """The search from the declared model of ``found``, with sign(v) smoothed as narrowly as in ``sharp``."""
+    context.say("the search begins anew with that: what was accepted was found with a wider smoothing")
+    first = found.first
+    model = replace(first.model, adjustments=sharp.model.adjustments)
+    values = {p.name: first.values[p.name] for p in model.parameters if not p.fixed}
+    declared = context.one(refit, model, context.split, [values], None, first.numerics, CONTINUATION)
+    return continued(Search((), declared, (), ""), context, anew=True)
 
 
 def _nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context) -> str:

@@ -162,6 +162,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "input_scaled_friction",
         "friction_behind_play",
         "friction_beyond_gap",
+        "cyclic_friction",
         "warming_friction",
         "blow_off_valve",
         "varying_inertia",

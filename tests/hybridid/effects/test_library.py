@@ -22,6 +22,7 @@ PROMISED = [
     "dahl",
     "lugre",
     "position_friction",
+    "cyclic_friction",
     "friction_beyond_gap",
     "cogging",
     "linear_stiffness",

@@ -53,7 +53,7 @@ def test_laws_are_dimensionally_consistent(any_bench):
 LOADED = ("load_friction", "load_stribeck", "two_sided_load_friction", "input_scaled_friction")
 ODD_IN_VELOCITY = (
     *("viscous", "coulomb", "stribeck", "quadratic_drag", "position_friction", "friction_drift"),
-    "friction_beyond_gap",
+    *("friction_beyond_gap", "cyclic_friction"),
     *("eddy_brake", "position_damping", "blow_off_valve"),
     *LOADED,
 )
@@ -209,6 +209,12 @@ def test_position_friction_and_drift_take_energy_where_their_level_is_positive(b
         assert slope.law(position=-0.1, velocity=v) * v < 0
         assert drift.law(time=10.0, velocity=v) * v > drift.law(time=1.0, velocity=v) * v > 0
         assert drift.law(time=0.0, velocity=v) == 0
+
+
+def test_cyclic_friction_repeats_over_a_turn(bench):
+    rub = bench("cyclic_friction", f_c=0.3, f_s=0.1, n=1.0)
+    once, again, half = (rub.law(position=q, velocity=1.0) for q in (0.4, 0.4 + 2 * np.pi, 0.4 + np.pi))
+    assert once == pytest.approx(again) == pytest.approx(-half)
 
 
 def test_friction_beyond_a_gap_acts_on_both_sides_of_it_alone(bench):

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import pytest
 
+from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
+from hybridid.trace.search import search
 from hybridid.trace.sharper import narrowed, sharp_enough
 
 
@@ -47,3 +49,16 @@ def test_an_epsilon_that_the_user_fixed_stays(make_model, split):
     model = make_model()
     fixed = refit(smoothed(model, fixed=8 * width_of(model)), split)
     assert sharp_enough(fixed, Context(split)) is fixed
+
+
+def test_a_smoothing_that_pays_only_beside_an_effect_begins_the_search_anew(make_model, split_of):
+    """While the asymmetry is missing, the error of the smoothing is a small part of the whole."""
+    said = []
+    tried = tuple(map(effect_named, ("asymmetric_viscous", "quadratic_drag")))
+    context = Context(split_of(df_v=75.0), tried, say=said.append)
+    wide = smoothed(make_model(), guess=4 * width_of(make_model()))
+    found = search(wide, context, [{}])
+    assert [one.name for one in found.accepted] == ["carriage.asymmetric_viscous"]
+    assert any("begins anew" in line for line in said)
+    assert width_of(found.first.model) == width_of(found.final.model) < width_of(wide)
+    assert [step.accepted.name for step in found.steps if step.accepted] == ["carriage.asymmetric_viscous"]
