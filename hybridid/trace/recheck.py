@@ -14,13 +14,13 @@ Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from hybridid.trace.alike import equivalents, look_alikes
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
+from hybridid.trace.exchange import exchanged
 from hybridid.trace.judgement import judge
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.rules import Rules
@@ -58,25 +58,6 @@ def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules:
         return True
     more = other.score.loss**2 - final.score.loss**2
     return look_alikes(one.trial, rival) and more < rules.tie * one.trial.taken
-
-
-def exchanged(
-    final: Refit, name: str, candidate: Candidate, split: Split, lent: Mapping[str, float] | None = None
-) -> Refit | None:
-    """``final`` with ``candidate`` in the place of the effect ``name``, refitted from its declared starts.
-
-    ``lent`` are parameter values of another model with it, to start from (None: at its declared guess). None
-    where ``final`` has ``candidate``, or the model cannot be simulated.
-    """
-    if candidate.name in {term.name for term in final.model.terms}:
-        return None
-    model = candidate.added_to(final.model.without(name))
-    others = values_without(final, name)
-    starts = candidate.starts(model, others)
-    if lent is not None:
-        own = {key: value for key, value in lent.items() if key.startswith(f"{candidate.name}.")}
-        starts = [*starts[:-1], {**others, **own}]
-    return refit_if_possible(model, split, starts, final, final.numerics)
 
 
 def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accepted:

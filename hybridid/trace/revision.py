@@ -46,9 +46,9 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import Comparison, compare
+from hybridid.trace.exchange import exchanged
 from hybridid.trace.judgement import differs_from_zero
 from hybridid.trace.pairs import in_place, with_pair
-from hybridid.trace.recheck import exchanged
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, continued, without_needless

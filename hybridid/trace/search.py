@@ -13,6 +13,7 @@ from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
+from hybridid.trace.exchange import exchanged
 from hybridid.trace.judgement import judge
 from hybridid.trace.law_curve import LawOverLearned
 from hybridid.trace.minor import may_be_minor, minor_beside, said_of_minor
@@ -127,14 +128,14 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
     """Add effects to the last model of ``found``, as ``search`` does.
 
     Where a narrower smoothing of sign(v) pays only beside what was accepted, that was judged by a simulation
-    too coarse for this machine. With ``anew``, the search then begins from the declared model with the
-    narrower one.
+    too coarse for this machine. If another effect of its step now explains more in its place, the search
+    begins ``anew`` from the declared model, with the narrower smoothing.
     """
     base = found.final
     steps, accepted = list(found.steps), list(found.accepted)
     while True:
         sharp = sharp_enough(base, context)
-        if anew and sharp is not base and accepted and not context.out_of_time:
+        if anew and sharp is not base and not context.out_of_time and _outdone(sharp, steps, context):
             return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
         base = sharp
         if stopped := _nothing_to_seek(base, accepted, context) or _out_of_time(steps, context):
@@ -157,9 +158,25 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         steps.append(replace(step, dropped=dropped))
 
 
+def _outdone(sharp: Refit, steps: Sequence[Step], context: Context) -> bool:
+    """Whether an effect explains more in the place of an accepted one with sign(v) smoothed as in ``sharp``,
+    of those that took at least half as much in its step."""
+    rules = context.rules
+    given = [
+        (sharp, one.name, rival.candidate, context.split, rival.refit.values)
+        for step in steps
+        for one in step.taken
+        for rival in step.trials
+        if rival.refit and rival not in one.alike and rival.taken >= rules.majority * one.trial.taken
+    ]
+    others = [other for other in context.mapper(exchanged, given) if other is not None]
+    better = [compare(sharp.score, other.score) for other in others]
+    return any(one.gain >= rules.tie and one.p_value <= rules.alpha for one in better)
+
+
 def _begun_anew(found: Search, sharp: Refit, context: Context) -> Search:
     """The search from the declared model of ``found``, with sign(v) smoothed as narrowly as in ``sharp``."""
-    context.say("the search begins anew with that: what was accepted was found with a wider smoothing")
+    context.say("the search begins anew with that: another effect now explains more than what was accepted")
     first = found.first
     model = replace(first.model, adjustments=sharp.model.adjustments)
     values = {p.name: first.values[p.name] for p in model.parameters if not p.fixed}

@@ -5,10 +5,13 @@ from dataclasses import replace
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.trace import search as search_module
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
-from hybridid.trace.search import search
+from hybridid.trace.search import Accepted, Step, search
 from hybridid.trace.sharper import narrowed, sharp_enough
+from hybridid.trace.trial import attempt
 
 
 @pytest.fixture(scope="module")
@@ -51,14 +54,42 @@ def test_an_epsilon_that_the_user_fixed_stays(make_model, split):
     assert sharp_enough(fixed, Context(split)) is fixed
 
 
-def test_a_smoothing_that_pays_only_beside_an_effect_begins_the_search_anew(make_model, split_of):
-    """While the asymmetry is missing, the error of the smoothing is a small part of the whole."""
+@pytest.fixture
+def too_wide(make_model):
+    """A smoothing that leaves an error, which is a small part of the whole while the asymmetry is missing."""
+    return smoothed(make_model(), guess=4 * width_of(make_model()))
+
+
+TRIED = tuple(map(effect_named, ("asymmetric_viscous", "quadratic_drag")))
+
+
+def test_a_smoothing_that_pays_only_beside_an_effect_leaves_it_if_it_stays_the_best(too_wide, split_of):
     said = []
-    tried = tuple(map(effect_named, ("asymmetric_viscous", "quadratic_drag")))
-    context = Context(split_of(df_v=75.0), tried, say=said.append)
-    wide = smoothed(make_model(), guess=4 * width_of(make_model()))
-    found = search(wide, context, [{}])
+    found = search(too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append), [{}])
     assert [one.name for one in found.accepted] == ["carriage.asymmetric_viscous"]
-    assert any("begins anew" in line for line in said)
-    assert width_of(found.first.model) == width_of(found.final.model) < width_of(wide)
-    assert [step.accepted.name for step in found.steps if step.accepted] == ["carriage.asymmetric_viscous"]
+    assert width_of(found.final.model) < width_of(found.first.model)
+    assert not any("begins anew" in line for line in said)
+
+
+def test_where_another_effect_then_explains_more_the_search_begins_anew(too_wide, split_of, monkeypatch):
+    said = []
+    monkeypatch.setattr(search_module, "_outdone", lambda sharp, steps, context: bool(steps))
+    found = search(too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append), [{}])
+    assert [one.name for one in found.accepted] == ["carriage.asymmetric_viscous"]
+    assert sum("begins anew" in line for line in said) == 1
+    assert width_of(found.final.model) == width_of(found.first.model) < width_of(too_wide)
+
+
+def test_an_effect_that_explains_more_in_the_place_of_another_outdoes_it(make_model, split_of):
+    context = Context(split_of(df_v=75.0))
+    base = refit(make_model(), context.split)
+    poor, good = (
+        attempt(Candidate(effect_named(name), "carriage"), base, context.split)
+        for name in ("asymmetric_coulomb", "asymmetric_viscous")
+    )
+    step = Step(base, (poor, good), Accepted(poor, (poor,), ()))
+    assert search_module._outdone(poor.refit, [step], context)
+    assert not search_module._outdone(poor.refit, [replace(step, trials=(poor,))], context)
+    assert not search_module._outdone(
+        good.refit, [replace(step, accepted=Accepted(good, (good,), ()))], context
+    )

@@ -1,0 +1,28 @@
+"""Another effect in the place of an accepted one, with all parameters refitted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.refit import Refit, refit_if_possible, values_without
+from hybridid.trace.split import Split
+
+
+def exchanged(
+    final: Refit, name: str, candidate: Candidate, split: Split, lent: Mapping[str, float] | None = None
+) -> Refit | None:
+    """``final`` with ``candidate`` in the place of the effect ``name``, refitted from its declared starts.
+
+    ``lent`` are parameter values of another model with it, to start from (None: at its declared guess). None
+    where ``final`` has ``candidate``, or the model cannot be simulated.
+    """
+    if candidate.name in {term.name for term in final.model.terms}:
+        return None
+    model = candidate.added_to(final.model.without(name))
+    others = values_without(final, name)
+    starts = candidate.starts(model, others)
+    if lent is not None:
+        own = {key: value for key, value in lent.items() if key.startswith(f"{candidate.name}.")}
+        starts = [*starts[:-1], {**others, **own}]
+    return refit_if_possible(model, split, starts, final, final.numerics)
