@@ -75,7 +75,8 @@ class Trace:
     parameters, ``ceilings`` the gains of learned efforts beside them, ``path`` the error at each change.
     ``remains`` names where structure is left that no effect explains, ``stopped`` says why the search ended.
     ``times`` is the held-out error over what the sensor's noise and the simulation alone would leave, and
-    ``refused`` the gain worth having that a test refused, where that leaves the verdict open.
+    ``refused`` the gain worth having that a test refused, where that leaves the verdict open. So does an
+    error that is as large over horizons of ``steady`` s.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
@@ -114,6 +115,7 @@ class Trace:
     by_recording: tuple[DifferingParameter, ...] = ()
     narrowed: tuple[Width, ...] = ()
     time_limit: float | None = None
+    steady: float | None = None
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     def __str__(self) -> str:

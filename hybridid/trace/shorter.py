@@ -36,16 +36,22 @@ SOUGHT = ("period", "place")
 def with_shorter(base: Refit, split: Split) -> Refit:
     """``base`` with its fit over shorter horizons (``Refit.shorter``), if a parameter differs there; without
     one where the horizons are too short to be divided, or the model cannot be simulated."""
+    found = over_shorter(base, split)
+    return base if found is None or not _differ(base, found) else replace(base, shorter=found)
+
+
+def over_shorter(base: Refit, split: Split) -> Refit | None:
+    """The model of ``base`` fitted over horizons ``SHARE`` times as short; None where these are too short, or
+    the model cannot be simulated."""
     samples = split.horizon // SHARE
     if samples < LEAST:
-        return base
+        return None
     try:
-        found = refit(
+        return refit(
             base.model, split.shorter(samples), [base.values], numerics=base.numerics, std_up_to=WITHOUT_STD
         )
     except (ValueError, *FAILURES):
-        return base
-    return replace(base, shorter=found) if _differ(base, found) else base
+        return None
 
 
 def _differ(base: Refit, found: Refit) -> bool:

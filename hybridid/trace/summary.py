@@ -60,6 +60,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         remains=found.remains,
         times=found.times,
         refused=found.refused,
+        steady=found.steady,
         completeness=completeness(networks, rules),
         stopped=found.search.stopped,
         split=split.described,

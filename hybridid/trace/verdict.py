@@ -41,6 +41,7 @@ from hybridid.trace.stand_in import (
     without_mixed_classes,
     without_stand_ins,
 )
+from hybridid.trace.steady_error import steady_over
 
 Array = NDArray[np.float64]
 MOST_TOLD = 3
@@ -58,9 +59,10 @@ class Conclusion:
     last model, by port and variable; ``ceilings_before`` to the declared one (empty where it was not needed:
     fewer than two effects). ``remains`` names where structure is left that no effect of the library explains.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
-    ``replacements`` do better in the place of a declared effect, where that was asked. ``there`` is the last
-    model, fitted to the held-out horizons alone, if effects were accepted. ``out_of_time``: the time limit
-    left out steps, pairs, laws or replacements.
+    ``steady`` is the length [s] of shorter horizons over which the error is as large, where that leaves the
+    verdict open. ``replacements`` do better in the place of a declared effect, where that was asked.
+    ``there`` is the last model, fitted to the held-out horizons alone, if effects were accepted.
+    ``out_of_time``: the time limit left out steps, pairs, laws or replacements.
     """
 
     verdict: Verdict
@@ -71,6 +73,7 @@ class Conclusion:
     remains: tuple[str, ...]
     times: float
     refused: str = ""
+    steady: float | None = None
     replacements: tuple[Replacement, ...] = ()
     there: Refit | None = None
     out_of_time: bool = False
@@ -105,11 +108,11 @@ def conclude(
     starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
     found = search(model, context, starts, numerics_for(model, split, starts, integrator))
     settled, cut = _with_more(_settled(found, context), context)
-    refused = _refused(settled, rules)
+    refused, steady = _refused(settled, rules), _steady(settled, context)
     revises = context.revise and not context.out_of_time
     revised = replacements(model, settled.found, context) if revises else ()
     return Conclusion(
-        verdict=_verdict(settled, refused, rules),
+        verdict=_verdict(settled, refused, steady, rules),
         search=settled.found,
         accuracy=settled.accuracy,
         ceilings=settled.left,
@@ -117,6 +120,7 @@ def conclude(
         remains=settled.remains,
         times=settled.times,
         refused=refused,
+        steady=steady,
         replacements=revised,
         there=fitted_to_held_out([settled.found.final], context)[0] if settled.found.accepted else None,
         out_of_time=cut or revises != context.revise,
@@ -294,13 +298,23 @@ def _telling(found: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:
     return sorted((c for c in passing if c.gain >= most / 2), key=lambda c: -c.gain)
 
 
-def _verdict(settled: _Settled, refused: str, rules: Rules) -> Verdict:
+def _steady(settled: _Settled, context: Context) -> float | None:
+    """The length [s] of shorter horizons over which the error that is left is as large, where nothing else
+    tells of it: it is far above the noise, and neither an effect nor a learned effort takes any of it."""
+    found, rules = settled.found, context.rules
+    told = found.accepted or settled.remains or found.withdrawn or settled.times <= rules.far
+    return None if told else steady_over(found.final, context)
+
+
+def _verdict(settled: _Settled, refused: str, steady: float | None, rules: Rules) -> Verdict:
     """One word: a law, an effect found alone or in a class, something left unnamed, open, or nothing."""
     found = settled.found
     if any(is_composed(one.trial.candidate.effect) for one in found.accepted):
         return "law_proposed"
     if found.accepted:
         return "ambiguous" if any(len(one.alike) > 1 for one in found.accepted) else "effect_found"
+    if steady is not None:
+        return "undecided"
     if settled.remains or found.withdrawn or settled.times > rules.far:
         return "unexplained"
     return "undecided" if refused else "nothing_missing"

@@ -98,6 +98,12 @@ def _concluded(found: Trace) -> str:
     where = f"on held-out horizons of {found.horizon:g} s ({found.provenance})"
     if found.verdict == "nothing_missing":
         return f"Nothing that can be found is missing: {_none_passes(found, where)} {error_left(found)}"
+    if found.verdict == "undecided" and found.steady is not None:
+        return (
+            f"These records do not decide whether something is missing: {_unnamed(found)} the error {where}, "
+            f"and over horizons of {found.steady:.2g} s it is as large. So it may be a noise with a memory, "
+            f"an error of the sensor, or an effect that is faster. {error_left(found)}"
+        )
     if found.verdict == "undecided":
         return (
             f"These records do not decide whether something is missing: {where} the RMSE would fall by "
