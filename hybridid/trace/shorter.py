@@ -1,8 +1,9 @@
-"""Where a refit starts if short horizons show it: a pitch or a place that long ones hide.
+"""Where a refit starts if short horizons show it: what long ones hide.
 
 Where a strong effect is missing, the simulated path soon leaves the measured one, and the fit of the poorer
 model bends its parameters to that. What is sought along that path (``hybridid.trace.sought``) is sought in
-the wrong places, and the cost over a long horizon has many local minima. Over horizons ``SHARE`` times as
+the wrong places, and the cost over a long horizon has many local minima, in which also the trial of the true
+effect may stay. Over horizons ``SHARE`` times as
 short, each of which begins where the record is, the path stays near the measured one. So the poorer model is
 fitted over such horizons as well. If a parameter then differs, the augmented model is fitted over them, too,
 and where that ends is one more start over the long ones, with the initial states that the record shows.
@@ -18,7 +19,14 @@ from dataclasses import replace
 
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, begun_at_the_record, refit
+from hybridid.trace.refit import (
+    FAILURES,
+    WITHOUT_STD,
+    Refit,
+    begun_at_the_record,
+    refit,
+    refit_if_hopeful,
+)
 from hybridid.trace.sought import sought
 from hybridid.trace.split import Split
 
@@ -64,26 +72,38 @@ def from_shorter(
 ) -> tuple[Mapping[str, float], Refit] | None:
     """Values to start the augmented ``model`` from, and ``base`` with the initial states that go with them.
 
-    None where short horizons show nothing that long ones hide, for effects that seek neither a period nor a
-    place, and where no fit over short ones succeeds.
+    None where short horizons show nothing that long ones hide, where the effect explains nothing over short
+    ones, and where no fit over these succeeds.
     """
     poorer = base.shorter
-    if poorer is None or not any(p.sought in SOUGHT for p in candidate.effect.parameters):
+    if poorer is None:
         return None
-    shorter = split.shorter(split.horizon // SHARE)
+    shorter, numerics = split.shorter(split.horizon // SHARE), base.numerics
     try:
-        starts = sought(candidate, model, poorer, shorter)
-        if not starts:
-            return None
-        found = refit(model, shorter, starts, poorer, base.numerics, std_up_to=WITHOUT_STD)
+        if _seeks(candidate):
+            starts = sought(candidate, model, poorer, shorter)
+            found = refit(model, shorter, starts, poorer, numerics, std_up_to=WITHOUT_STD) if starts else None
+        else:
+            starts = candidate.starts(model, poorer.values)
+            found = refit_if_hopeful(model, shorter, starts, poorer, numerics, poorer, std_up_to=WITHOUT_STD)
     except (ValueError, *FAILURES):
+        return None
+    if found is None or found.ended_early:
         return None
     return found.values, begun_at_the_record(base, poorer.values, split)
 
 
+def _seeks(candidate: Candidate) -> bool:
+    """Whether the effect has a pitch or a place."""
+    return any(p.sought in SOUGHT for p in candidate.effect.parameters)
+
+
 def same_valley(candidate: Candidate, one: Mapping[str, float], other: Mapping[str, float]) -> bool:
-    """Whether ``one`` and ``other`` (values by name) agree in all that the effect seeks."""
-    names = [f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.sought in SOUGHT]
+    """Whether ``one`` and ``other`` (values by name) agree in all that the effect seeks; where it seeks
+    nothing, in all its parameters."""
+    seeks = _seeks(candidate)
+    own = [p for p in candidate.effect.parameters if (p.sought in SOUGHT if seeks else not p.fixed)]
+    names = [f"{candidate.name}.{p.name}" for p in own]
     return all(abs(one[name] - other[name]) <= ALIKE * abs(other[name]) for name in names)
 
 

@@ -73,10 +73,21 @@ def test_horizons_that_are_too_short_are_not_divided(strong):
     assert with_shorter(replace(base, shorter=None), short).shorter is None
 
 
-def test_no_start_for_an_effect_that_seeks_nothing(strong):
+def test_no_start_for_an_effect_that_explains_nothing_over_short_horizons(strong):
     split, base = strong
-    candidate = Candidate(effect_named("asymmetric_viscous"), "carriage")
+    candidate = Candidate(effect_named("friction_drift"), "carriage")
     assert from_shorter(candidate, candidate.added_to(base.model), base, split) is None
+
+
+def test_a_start_for_an_effect_that_seeks_nothing_where_much_is_missing(make_model, two_records):
+    """Viscous friction as strong as the drive: over 1 s the model without it follows another motion."""
+    first, second = two_records()
+    split, drag = by_record([first], [second], LONG), Candidate(effect_named("viscous"), "carriage")
+    base = with_shorter(refit(make_model(("coulomb", "offset")), split), split)
+    values, begun = from_shorter(drag, drag.added_to(base.model), base, split)
+    over_long = attempt(drag, base, split).own("values")["f_v"]
+    assert values["carriage.viscous.f_v"] == pytest.approx(over_long, rel=0.05)
+    assert begun.x0.shape == base.x0.shape
 
 
 @pytest.mark.parametrize(("pitch", "same"), [(0.0101, True), (0.0105, False)])
@@ -85,6 +96,13 @@ def test_values_are_of_one_valley_if_the_pitch_is_the_same(pitch, same):
         {"carriage.cogging.pitch": p, "carriage.cogging.A_s": a} for p, a in ((0.01, 1), (pitch, 9))
     )
     assert same_valley(RIPPLE, one, other) is same
+
+
+@pytest.mark.parametrize(("level", "same"), [(10.1, True), (12.0, False)])
+def test_values_of_an_effect_that_seeks_nothing_are_of_one_valley_if_all_are_the_same(level, same):
+    candidate = Candidate(effect_named("coulomb"), "carriage")
+    one, other = ({"carriage.coulomb.f_c": value} for value in (10.0, level))
+    assert same_valley(candidate, one, other) is same
 
 
 def test_a_trial_that_diverges_held_out_begins_anew_where_the_record_is(strong):
