@@ -80,7 +80,7 @@ def from_shorter(
         return None
     shorter, numerics = split.shorter(split.horizon // SHARE), base.numerics
     try:
-        if _seeks(candidate):
+        if seeks(candidate):
             starts = sought(candidate, model, poorer, shorter)
             found = refit(model, shorter, starts, poorer, numerics, std_up_to=WITHOUT_STD) if starts else None
         else:
@@ -93,7 +93,7 @@ def from_shorter(
     return found.values, begun_at_the_record(base, poorer.values, split)
 
 
-def _seeks(candidate: Candidate) -> bool:
+def seeks(candidate: Candidate) -> bool:
     """Whether the effect has a pitch or a place."""
     return any(p.sought in SOUGHT for p in candidate.effect.parameters)
 
@@ -101,8 +101,8 @@ def _seeks(candidate: Candidate) -> bool:
 def same_valley(candidate: Candidate, one: Mapping[str, float], other: Mapping[str, float]) -> bool:
     """Whether ``one`` and ``other`` (values by name) agree in all that the effect seeks; where it seeks
     nothing, in all its parameters."""
-    seeks = _seeks(candidate)
-    own = [p for p in candidate.effect.parameters if (p.sought in SOUGHT if seeks else not p.fixed)]
+    has_one = seeks(candidate)
+    own = [p for p in candidate.effect.parameters if (p.sought in SOUGHT if has_one else not p.fixed)]
     names = [f"{candidate.name}.{p.name}" for p in own]
     return all(abs(one[name] - other[name]) <= ALIKE * abs(other[name]) for name in names)
 
