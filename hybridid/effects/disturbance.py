@@ -13,6 +13,16 @@ AMPLITUDES = (
     EffectParameter("A_s", EFFORT, "amplitude of the sine", guess=0.02, nests=True),
     EffectParameter("A_c", EFFORT, "amplitude of the cosine", guess=0.02, nests=True),
 )
+PITCH = EffectParameter(
+    "pitch",
+    POSITION,
+    "length of one period: pole pitch, screw lead, tooth",
+    guess=0.3,
+    lower=0.003,
+    upper=10.0,
+    starts=(0.03, 0.1, 1.0),
+    sought="period",
+)
 
 COGGING = Effect(
     id="cogging",
@@ -25,16 +35,7 @@ COGGING = Effect(
     ),
     parameters=(
         *AMPLITUDES,
-        EffectParameter(
-            "pitch",
-            POSITION,
-            "length of one period: pole pitch, screw lead, tooth",
-            guess=0.3,
-            lower=0.003,
-            upper=10.0,
-            starts=(0.03, 0.1, 1.0),
-            sought="period",
-        ),
+        PITCH,
     ),
     source=(
         "Otten, de Vries, van Amerongen, Rankers, Gaal (1997), Linear motor motion control using a "

@@ -10,7 +10,8 @@ import math
 
 import casadi as ca
 
-from hybridid.effects.dimension import ONE, POSITION, Dimension
+from hybridid.effects.dimension import ONE, Dimension
+from hybridid.effects.disturbance import PITCH
 from hybridid.effects.effect import Effect, EffectParameter
 
 LOSS_SLOPE, LOSS_CURVATURE = Dimension(position=-1), Dimension(position=-2)
@@ -64,16 +65,7 @@ TORQUE_RIPPLE = Effect(
     parameters=(
         _ripple("b_s", "amplitude of the sine"),
         _ripple("b_c", "amplitude of the cosine"),
-        EffectParameter(
-            "pitch",
-            POSITION,
-            "length of one period of the ripple",
-            guess=0.3,
-            lower=0.003,
-            upper=10.0,
-            starts=(0.03, 0.1, 1.0),
-            sought="period",
-        ),
+        PITCH,
     ),
     source=(
         "Jahns, Soong (1996), Pulsating torque minimization techniques for permanent magnet AC motor drives "
