@@ -3,10 +3,10 @@
 Where a strong effect is missing, the simulated path soon leaves the measured one, and the fit of the poorer
 model bends its parameters to that. What is sought along that path (``hybridid.trace.sought``) is sought in
 the wrong places. The cost over a long horizon has many local minima, and also the trial of the true effect
-may stay in one. Over horizons ``SHARE`` times as short, each of which begins where the record is, the path stays
-near the measured one. So the poorer model is fitted over such horizons as well. If a parameter then differs,
-the augmented model is fitted over them, too, and where that ends is one more start over the long ones, with
-the initial states that the record shows.
+may stay in one. Over horizons ``SHARE`` times as short, each of which begins where the record is, the path
+stays near the measured one. So the poorer model is fitted over such horizons as well. If a parameter then
+differs, the augmented model is fitted over them, too, and where that ends is one more start over the long
+ones, with the initial states that the record shows.
 
 Source: Ribeiro, Tiels, Umenberger, Schön, Aguirre (2020), On the smoothness of nonlinear system
 identification, Automatica 121, 109158.
