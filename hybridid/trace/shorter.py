@@ -35,6 +35,10 @@ SHARE, LEAST = 10, 8
 BENT = 0.1
 """A parameter differs if it does by more than this share of its value. Its standard errors say nothing here:
 they are large just where much is missing."""
+STRAYS = 0.01
+"""Held-out error, over the outputs' standard deviation, above which a path strays from the measured one.
+Along a path that does not, an effect is evaluated where it acted, and long horizons hide nothing that short
+ones show. A pitch or a place may be much smaller than the whole motion, so this does not judge these."""
 ALIKE = 0.02
 """Relative difference up to which two values of a pitch or a place are in one valley of the cost."""
 SOUGHT = ("period", "place")
@@ -91,6 +95,11 @@ def from_shorter(
     if found is None or found.ended_early:
         return None
     return found.values, begun_at_the_record(base, poorer.values, split)
+
+
+def strays(base: Refit) -> bool:
+    """Whether the path of ``base`` leaves the measured one within a horizon."""
+    return base.score.loss > STRAYS
 
 
 def seeks(candidate: Candidate) -> bool:

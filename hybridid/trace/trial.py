@@ -24,7 +24,7 @@ from hybridid.trace.refit import (
     refit_beside,
 )
 from hybridid.trace.rules import Rules
-from hybridid.trace.shorter import from_shorter, same_valley, seeks
+from hybridid.trace.shorter import from_shorter, same_valley, seeks, strays
 from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
@@ -151,10 +151,12 @@ def _unless_better_from_shorter(
     """``found``, or the refit from where shorter horizons end, if that explains more. That start is fitted as
     sharply as the model is declared, so it is not led there through wider smoothings.
 
-    An effect that seeks neither a pitch nor a place starts there only where it takes too little otherwise:
-    what takes its share over long horizons has not stayed in a false minimum.
+    An effect that seeks neither a pitch nor a place starts there only where the path of ``base`` strays, and
+    the effect takes too little otherwise: what takes its share over long horizons has not stayed in a false
+    minimum.
     """
-    if not seeks(candidate) and found.score.loss <= (1 - Rules.worth) * base.score.loss:
+    enough = found.score.loss <= (1 - Rules.worth) * base.score.loss
+    if not seeks(candidate) and (enough or not strays(base)):
         return found
     shorter = from_shorter(candidate, found.model, base, split)
     if shorter is None or same_valley(candidate, shorter[0], found.values):

@@ -25,7 +25,7 @@ from hybridid.simulation.chosen import integrator_for
 from hybridid.simulation.matching import check_records
 from hybridid.simulation.shooter import Shot
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import in_enough_steps, substeps_for
+from hybridid.simulation.stability import in_enough_steps, substeps_to_predict
 
 Array = NDArray[np.float64]
 VIEWS: tuple[View, ...] = get_args(View)
@@ -157,7 +157,7 @@ def _predict(
     if substeps:
         problem, x0, shot = run(substeps)
     else:
-        steps = substeps_for(model, p, [record], integrator=integrator)
+        steps = substeps_to_predict(model, p, [record], integrator=integrator)
         problem, x0, shot = in_enough_steps(run, _is_finite, steps)
     used = problem.windows.used
     time, predicted, states = (a[used] for a in (problem.windows.time, shot.outputs, shot.states))

@@ -7,7 +7,14 @@ import pytest
 
 from hybridid.records.record import Channel, Record
 from hybridid.simulation import simulate
-from hybridid.simulation.stability import MOST, in_enough_steps, substeps_for
+from hybridid.simulation.stability import (
+    IMPLICIT,
+    MOST,
+    TooStiff,
+    in_enough_steps,
+    substeps_for,
+    substeps_to_predict,
+)
 
 SPRING = ("viscous", "linear_stiffness")
 
@@ -73,6 +80,20 @@ def test_an_implicit_method_needs_no_more_steps_for_stiffness(carriage, make_mod
     model, made = make_model(SPRING), carriage.record(200)
     p = values(model, 1e8, 2e6)
     assert substeps_for(model, p, [made], integrator="rodas3") <= 8
+
+
+def test_a_kink_that_spoils_derivatives_alone_is_predicted(carriage, make_model):
+    """50 steps a sample do not resolve this kink of a dry friction. The motion is the same
+    as with one that they do resolve."""
+    made, motions = carriage.record(400), []
+    for epsilon in (2e-5, 2e-6):
+        model = make_model(("viscous", "coulomb"), {"carriage.epsilon": {"fixed": epsilon}})
+        known = {"M": 95.0, "carriage.viscous.f_v": 200.0, "carriage.coulomb.f_c": 20.0}
+        motions.append(simulate(model, known, made, integrator=IMPLICIT).outputs)
+    with pytest.raises(TooStiff, match="50 steps a sample do not resolve it"):
+        substeps_for(model, model.values(known), [made], integrator=IMPLICIT)
+    assert substeps_to_predict(model, model.values(known), [made], IMPLICIT) == MOST
+    assert np.abs(motions[0] - motions[1]).max() < 1e-3 * motions[0].std()
 
 
 def test_an_unknown_integrator_is_named(carriage, make_model):

@@ -10,7 +10,7 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.shorter import from_shorter, same_valley, shorter_advised, with_shorter
+from hybridid.trace.shorter import from_shorter, same_valley, shorter_advised, strays, with_shorter
 from hybridid.trace.split import Split, by_blocks, by_record
 from hybridid.trace.trial import _begun_anew, attempt
 
@@ -113,3 +113,20 @@ def test_a_trial_that_diverges_held_out_begins_anew_where_the_record_is(strong):
     lost = replace(found, score=replace(found.score, squares=np.full_like(found.score.squares, np.nan)))
     again = _begun_anew(lost, base, split)
     assert again.score.loss == pytest.approx(found.score.loss, rel=0.01)
+
+
+def test_an_effect_that_seeks_nothing_does_not_start_there_where_the_path_stays(
+    make_model, split_of, monkeypatch
+):
+    """A model that is bent, as its offset is uncertain, but whose path stays within 1 % of the motion."""
+    asked = []
+    monkeypatch.setattr(
+        "hybridid.trace.trial.from_shorter", lambda candidate, *given: asked.append(candidate.name)
+    )
+    split = split_of()
+    long = by_record(split.records[:1], split.records[1:], LONG)
+    base = refit(make_model(), long)
+    for name in ("friction_drift", "cogging"):
+        attempt(Candidate(effect_named(name), "carriage"), replace(base, shorter=base), long)
+    assert strays(base) is False
+    assert asked == ["carriage.cogging"]
