@@ -190,13 +190,22 @@ def composed(
 
 
 def composed_named(
-    name: str, signals: Iterable[Signal] = (), starts: Mapping[str, Bounded] | None = None
+    name: str,
+    signals: Iterable[Signal] = (),
+    starts: Mapping[str, Bounded] | None = None,
+    at: PortKind | None = None,
 ) -> Effect | None:
     """The composed law whose id is ``name``, over the variables of any port and over ``signals``; None if it
-    is none. ``starts`` as ``composed`` has them."""
+    is none. ``starts`` as ``composed`` has them.
+
+    A law over an input has the same id at an effort port and at a flow port. ``at`` says which is meant
+    (None: an effort port).
+    """
     known = tuple(signals)
     first, by, _ = name.partition(BY)
     for kind, over in _all_overs(known):
+        if at not in (None, kind):
+            continue
         for shape in shapes_over(over.variable):
             if ComposedLaw(over, shape.name).id != first:
                 continue
@@ -214,16 +223,19 @@ def levels_beside(over: Over, kind: PortKind, signals: Sequence[Signal]) -> Iter
         yield from (Level(other, shape.name) for shape in levels_over(other))
 
 
-def law(name: str, over: tuple[str, str] | None = None, **guesses: float) -> Effect:
+def law(
+    name: str, over: tuple[str, str] | None = None, at: PortKind | None = None, **guesses: float
+) -> Effect:
     """The composed law whose id is ``name``, its parameters guessed at ``guesses`` (SI units).
 
-    ``over`` is the name and the unit of the input or channel that it follows, if it follows one.
+    ``over`` is the name and the unit of the input or channel that it follows, if it follows one; ``at`` the
+    kind of port, as ``composed_named`` has it.
 
     Raises:
         ValueError: if no law has that id, or none of its parameters one of the names.
     """
     signals = () if over is None else (Signal(*over),)
-    plain = composed_named(name, signals)
+    plain = composed_named(name, signals, at=at)
     if plain is None:
         raise ValueError(f"{name!r} is the id of no composed law (hybridid.effects.shapes)")
     allowed = {p.name: p for p in plain.parameters}
@@ -231,7 +243,7 @@ def law(name: str, over: tuple[str, str] | None = None, **guesses: float) -> Eff
         if key not in allowed:
             raise ValueError(f"law {name}: {unknown('parameter', key, allowed)}")
     bounds = {key: _around(value, bool(allowed[key].lower > 0)) for key, value in guesses.items()}
-    found = composed_named(name, signals, bounds)
+    found = composed_named(name, signals, bounds, at)
     assert found is not None
     return found
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from hybridid.blame import imported
-from hybridid.declarations import Signal
+from hybridid.declarations import PortKind, Signal
 from hybridid.effects import (
     contact,
     dampers,
@@ -98,11 +98,12 @@ def library_for(channels: Iterable[Signal]) -> tuple[Effect, ...]:
     return (*EFFECTS, *(friction_over(channel) for channel in channels))
 
 
-def effect_named(name: str, channels: Iterable[Signal] = ()) -> Effect:
+def effect_named(name: str, channels: Iterable[Signal] = (), at: PortKind | None = None) -> Effect:
     """The effect called ``name``: an id of the library or of a composed law, or ``module.path:NAME`` of one's
     own.
 
-    ``channels`` are the inputs and auxiliary channels that the effects of the library may follow.
+    ``channels`` are the inputs and auxiliary channels that the effects of the library may follow. ``at`` is
+    the kind of port for a composed law, as ``composed_named`` has it.
 
     Raises:
         ValueError: if there is no such effect; the message gives the nearest name.
@@ -111,7 +112,7 @@ def effect_named(name: str, channels: Iterable[Signal] = ()) -> Effect:
         return _imported(name)
     known = tuple(channels)
     by_id = {effect.id: effect for effect in library_for(known)}
-    law = by_id.get(name) or composed_named(name, known)
+    law = by_id.get(name) or composed_named(name, known, at=at)
     if law is not None:
         return law
     raise ValueError(unknown("effect", name, [*by_id, "module:NAME of your own"]))

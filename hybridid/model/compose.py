@@ -55,7 +55,8 @@ def compose(
             raise ValueError(
                 f"effect {entry!r} names no port; ports: {listed([p.name for p in plant.ports])}"
             )
-        model = model.plus(effect_named(name, model.signals), port or None)
+        kind = plant.port(port).kind if port else None
+        model = model.plus(effect_named(name, model.signals, kind), port or None)
     whole = replace(model, groups={}).parameters
     check_groups(groups, whole)
     known = [p.name for p in whole]

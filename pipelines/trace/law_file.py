@@ -40,6 +40,7 @@ def law_files(found: Trace, case: str) -> dict[str, str]:
 def _text(entry: AcceptedEffect, effect: Effect, module: str, case: str, found: Trace) -> str:
     units = {signal.name: signal.unit for signal in found.model.signals}
     signals = "".join(f", over=({name!r}, {units[name]!r})" for name in effect.channels)
+    kind = f", at={effect.kind!r}" if effect.kind == "flow" else ""
     guesses = "".join(f", {name}={value.value:.9g}" for name, value in entry.parameters.items())
     return _TEXT.format(
         case=case,
@@ -52,5 +53,5 @@ def _text(entry: AcceptedEffect, effect: Effect, module: str, case: str, found: 
         ),
         module=module,
         constant=entry.effect.upper(),
-        arguments=f"{entry.effect!r}{signals}{guesses}".replace("'", '"'),
+        arguments=f"{entry.effect!r}{signals}{kind}{guesses}".replace("'", '"'),
     )

@@ -122,6 +122,14 @@ def nesting(effect: Effect) -> list[str]:
     return [p.name for p in effect.parameters if p.nests]
 
 
+def test_a_law_over_an_input_has_the_kind_of_its_port(tank, pressed):
+    for plant, entry, kind in (
+        (tank, "cube_of_inflow@tank", "flow"),
+        (pressed, "cube_of_force@carriage", "effort"),
+    ):
+        assert [term.effect.kind for term in compose(plant, [entry]).terms] == [kind]
+
+
 def test_plus_then_without_is_the_same_model():
     base = compose(EMPS(), ["viscous"])
     more = base.plus(next(e for e in EFFECTS if e.id == "coulomb"))

@@ -10,7 +10,7 @@ import pytest
 from hybridid.declarations import Signal
 from hybridid.effects.composed import FORMS, composed, composed_named, is_composed, law, levels_beside
 from hybridid.effects.library import EFFECTS, effect_named
-from hybridid.effects.over import MEMORIES, OVERS, OVERS_OF_A_FLOW, Over, over_inputs
+from hybridid.effects.over import FLOW_FACTORS, MEMORIES, OVERS, OVERS_OF_A_FLOW, Over, over_inputs
 from hybridid.effects.shapes import SHAPES, shape_named, shapes_over
 
 FORCE = Signal("force", "N")
@@ -35,6 +35,26 @@ def test_each_vanishes_with_its_amplitudes_and_bears_its_name(effect, value_at):
     assert again is not None
     assert (again.equation, again.parameters) == (effect.equation, effect.parameters)
     assert is_composed(pickle.loads(pickle.dumps(effect)))
+
+
+OF_A_FLOW = [
+    composed(over, shape, "flow")
+    for over in (*OVERS_OF_A_FLOW, *over_inputs([FORCE], FLOW_FACTORS))
+    for shape in shapes_over(over.variable)
+]
+
+
+@pytest.mark.parametrize("effect", OF_A_FLOW, ids=lambda effect: effect.id)
+def test_each_law_of_a_flow_is_found_by_its_name_and_kind_of_port(effect):
+    again = composed_named(effect.id, [FORCE], at="flow")
+    assert again is not None
+    assert (again.kind, again.parameters) == ("flow", effect.parameters)
+
+
+def test_a_law_over_an_input_is_one_of_an_effort_unless_told_otherwise():
+    kinds = [composed_named("cube_of_force", [FORCE], at=at).kind for at in (None, "effort", "flow")]
+    assert kinds == ["effort", "effort", "flow"]
+    assert law("cube_of_force", ("force", "N"), at="flow", k=2.0).kind == "flow"
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from hybridid.effects.library import effect_named
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
 from hybridid.trace.entries import Value
-from pipelines.trace.law_file import law_files
+from pipelines.trace.law_file import NAME, law_files
 
 
 @pytest.fixture
@@ -62,3 +62,16 @@ def test_several_laws_have_a_file_each_and_names_none(found):
     assert list(files) == ["proposed_law_1.py", "proposed_law_2.py"]
     assert "[proposed_law_2:CUBE_OF_POSITION]" in files["proposed_law_2.py"]
     assert law_files(found(), "emps") == {}
+
+
+def test_the_file_tells_a_flow_from_an_effort(found):
+    """A law over an input has the same id at both kinds of port."""
+    given = found("cube_of_force", k=1.0)
+    (term,) = given.model.terms[1:]
+    flow = replace(term, effect=effect_named("cube_of_force", given.model.inputs, at="flow"))
+    given.model = SimpleNamespace(terms=(flow,), signals=given.model.signals)
+    assert (
+        'law("cube_of_force", over=("force", "N"), k=1)'
+        in law_files(found("cube_of_force", k=1.0), "emps")[NAME]
+    )
+    assert 'law("cube_of_force", over=("force", "N"), at="flow", k=1)' in law_files(given, "emps")[NAME]
