@@ -11,7 +11,7 @@ stop) makes a few differences large, which increases the variance in the denomin
 
 Whitening removes slow errors, which an autoregression predicts from their own past. So
 the squared errors themselves are compared as well (Diebold, Mariano), and their logarithms, in which
-one horizon that is far worse than the others cannot outweigh them. Of the three p-values the smallest
+one block that is far worse than the others cannot outweigh them. Of the three p-values the smallest
 counts, three times (Bonferroni).
 Source: Cox (1975), Biometrika 62(2), 441-444 (data splitting); Vuong (1989),
 Econometrica 57(2); Diebold, Mariano (1995), J. Bus. Econ. Stat. 13(3).
@@ -62,24 +62,23 @@ def compare(poorer: Score, richer: Score) -> Comparison:
 
 
 def _of_squares(poorer: Score, richer: Score) -> Array:
-    """By how much each horizon's squared errors fall, over the outputs' variances, (h,)."""
-    return np.asarray(((poorer.squares - richer.squares) / poorer.scale**2).sum(axis=1))
+    """By how much each block's squared errors fall, over the outputs' variances, (b,)."""
+    return np.asarray(((poorer.block_squares - richer.block_squares) / poorer.scale**2).sum(axis=1))
 
 
 def _of_logarithms(poorer: Score, richer: Score) -> Array:
-    """By how much the logarithm of each horizon's mean square error falls, (h,): its mean over the outputs
-    that were measured there."""
+    """By how much the logarithm of each block's mean square error falls, (b,): its mean over the outputs
+    that were measured there. A block without any error says nothing."""
     before, after = (_mean_squares(score) for score in (poorer, richer))
+    both = (before > 0) | (after > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.log(before) - np.log(after))
+        return np.where(both, np.log(before) - np.log(after), 0.0)
 
 
 def _mean_squares(score: Score) -> Array:
-    """Mean square error of each horizon, (h,), over the outputs' variances."""
-    if score.samples.all():
-        return np.asarray((score.squares / score.samples / score.scale**2).mean(axis=1))
-    measured = score.samples > 0
-    by_output = score.squares / np.maximum(score.samples, 1) / score.scale**2
+    """Mean square error of each block, (b,), over the outputs' variances."""
+    measured = score.block_samples > 0
+    by_output = score.block_squares / np.maximum(score.block_samples, 1) / score.scale**2
     return np.asarray(by_output.sum(axis=1) / np.maximum(measured.sum(axis=1), 1))
 
 
@@ -94,7 +93,8 @@ def by_signs(differences: Array) -> float:
     """
     if not np.isfinite(differences).all() or len(differences) < 2:
         return 1.0
-    groups = np.array_split(differences, max(2, min(MOST_GROUPS, int(_independent(differences)))))
+    independent = int(_independent(differences, _autocorrelation(differences)))
+    groups = np.array_split(differences, max(2, min(MOST_GROUPS, independent)))
     sums = np.array([group.sum() for group in groups])
     sizes, total = np.abs(sums), float(np.abs(sums).sum())
     if total == 0 or sums.sum() <= 0:
@@ -111,31 +111,39 @@ def by_signs(differences: Array) -> float:
 
 
 def _by_t(differences: Array) -> float:
-    """p-value of "the mean is not positive": Student's t, (n,) horizons that count as ``_independent``."""
+    """p-value of "the mean is not positive": Student's t, (n,) blocks that count as ``_independent``.
+
+    Of few blocks the autocorrelation r_1 is estimated too small, by about (1 + 3 r_1) / n. That is added.
+    Source: Kendall (1954), Biometrika 41(3/4), 403-404.
+    """
     if not np.isfinite(differences).all() or len(differences) < 2:
         return 1.0
     rest = differences - differences.mean()
     spread = float(rest @ rest)
     if spread <= np.finfo(float).eps * float(differences @ differences):
         return 0.0 if differences[0] > 0 else 1.0
-    independent = _independent(differences)
-    t = differences.mean() / np.sqrt(spread / (len(differences) - 1) / independent)
+    first, n = _autocorrelation(differences), len(differences)
+    independent = _independent(differences, min(1.0, first + (1 + 3 * first) / n))
+    t = differences.mean() / np.sqrt(spread / (n - 1) / independent)
     return float(stats.t.sf(t, independent - 1))
 
 
-def _independent(differences: Array) -> float:
-    """How many of n horizons or blocks count as independent,
+def _independent(differences: Array, r: float) -> float:
+    """How many of n blocks with the autocorrelation ``r`` at one block's distance count as independent,
 
-        n (1 - r) / (1 + r),  at least two,
+        n (1 - r) / (1 + r),  at least two.
 
-    r their autocorrelation at one unit's distance if it is positive.
     Source: Bayley, Hammersley (1946), J. R. Stat. Soc. Suppl. 8(2), 184-197.
     """
+    return max(len(differences) * (1 - r) / (1 + r), 2.0)
+
+
+def _autocorrelation(differences: Array) -> float:
+    """Of neighbours among ``differences`` (n,), if it is positive; else zero."""
     rest = differences - differences.mean()
     spread = float(rest @ rest)
     rounding = np.finfo(float).eps * float(differences @ differences)
-    r = max(0.0, float(rest[1:] @ rest[:-1]) / spread) if spread > rounding else 0.0
-    return max(len(differences) * (1 - r) / (1 + r), 2.0)
+    return max(0.0, float(rest[1:] @ rest[:-1]) / spread) if spread > rounding else 0.0
 
 
 def holm(p_values: Sequence[float], weights: Sequence[float] | None = None) -> list[float]:

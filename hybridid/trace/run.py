@@ -23,6 +23,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place, with_decay_classes
 from hybridid.trace.doubted import revision_advised
 from hybridid.trace.free_run import worse_in_free_run
+from hybridid.trace.horizon_advice import other_horizons_advised
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
@@ -30,7 +31,6 @@ from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.sharper import narrowed
-from hybridid.trace.shorter import shorter_advised
 from hybridid.trace.split import automatic_horizon, check_measured, divided
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
@@ -117,7 +117,7 @@ def trace(
     doubts = revision_advised(found, context) + several_hystereses(found.accepted)
     doubts += within_half_a_sample(found.accepted, fitted[0].dt)
     if found.verdict == "unexplained":
-        doubts += shorter_advised(found.search.final, split)
+        doubts += other_horizons_advised(found.search.final, split)
     beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""
     return replace(traced, sentence=sentence(traced) + doubts + beware + worse_in_free_run(traced))
 

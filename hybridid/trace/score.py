@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,15 +26,17 @@ class Score:
     """Held-out evidence.
 
     By horizon, (h, n_y): ``squares`` sums of squared errors in units², ``samples`` how many: those at which
-    the output was measured. By block, (b, n_y), one or several a horizon: ``likelihood``, the Gaussian
-    log-likelihood of the errors whitened by an autoregression that was fitted to the model's own residual on
-    the fitted horizons.
+    the output was measured. By block, (b, n_y), one or several a horizon: ``block_squares`` and
+    ``block_samples`` the same, and ``likelihood``, the Gaussian log-likelihood of the errors whitened by an
+    autoregression that was fitted to the model's own residual on the fitted horizons.
     By output, (n_y,): ``scale`` is the standard deviation over the records, ``innovation`` that of the
     whitened held-out errors, from the median of their sizes: a few large ones do not raise it.
     """
 
     squares: Array
     samples: Array
+    block_squares: Array
+    block_samples: Array
     likelihood: Array
     scale: Array
     innovation: Array
@@ -63,13 +65,15 @@ def score_of(
     The likelihood is that of at least ``blocks`` blocks, if there are samples enough.
     """
     ours, theirs = cells or ([np.ones_like(e, dtype=bool) for e in part] for part in (fitted, held_out))
-    whitened = [
-        _whitened(_measured(fitted, ours, k), _measured(held_out, theirs, k)) for k in range(len(scale))
-    ]
+    rows = [_measured(held_out, theirs, k) for k in range(len(scale))]
+    whitened = [_whitened(_measured(fitted, ours, k), row) for k, row in enumerate(rows)]
+    parts = _parts([innovations for innovations, _ in whitened], blocks)
     return Score(
         squares=np.array([(e**2).sum(axis=0) for e in held_out]),
         samples=np.array([one.sum(axis=0) for one in theirs]),
-        likelihood=_likelihood(whitened, blocks),
+        block_squares=_by_block(rows, parts, lambda e: float(e @ e)),
+        block_samples=_by_block(rows, parts, len),
+        likelihood=np.stack([_of_blocks(*one, parts) for one in whitened], axis=1),
         scale=scale,
         innovation=np.array([_level(innovations) for innovations, _ in whitened]),
     )
@@ -80,17 +84,25 @@ def _measured(errors: Sequence[Array], cells: Sequence[Cells], k: int) -> list[A
     return [e[:, k] if c[:, k].all() else e[c[:, k], k] for e, c in zip(errors, cells, strict=True)]
 
 
-def _likelihood(whitened: Sequence[tuple[list[Array], float]], least: int) -> Array:
-    """Gaussian log-likelihood of each block of the held-out rows, (b, n_y), from the innovations of each
-    output and their variance.
+def _parts(rows: Sequence[Sequence[Array]], least: int) -> list[int]:
+    """Into how many blocks each horizon is divided, ``least`` altogether, from ``rows`` of each output: a
+    horizon has as many in each output.
 
-    A few long horizons are divided into blocks: what their samples tell is not lost in the few degrees of
-    freedom of so few horizons. A horizon has as many blocks in each output.
+    What the samples of a few long horizons tell is not lost in the few degrees of freedom of so few.
     """
-    most = -(-least // len(whitened[0][0]))
-    shortest = [min(map(len, rows)) for rows in zip(*(rows for rows, _ in whitened), strict=True)]
-    parts = [max(1, min(most, length // SHORTEST)) for length in shortest]
-    return np.stack([_of_blocks(*one, parts) for one in whitened], axis=1)
+    most = -(-least // len(rows[0]))
+    shortest = [min(map(len, outputs)) for outputs in zip(*rows, strict=True)]
+    return [max(1, min(most, length // SHORTEST)) for length in shortest]
+
+
+def _by_block(rows: Sequence[Sequence[Array]], parts: Sequence[int], of: Callable[[Array], float]) -> Array:
+    """``of`` each block of each output's ``rows``, (b, n_y)."""
+    return np.array([[of(block) for block in _divided(each, parts)] for each in rows]).T
+
+
+def _divided(rows: Sequence[Array], parts: Sequence[int]) -> list[Array]:
+    """Each of ``rows`` in so many ``parts``."""
+    return [block for row, n in zip(rows, parts, strict=True) for block in np.array_split(row, n)]
 
 
 def _whitened(fitted: Sequence[Array], held_out: Sequence[Array]) -> tuple[list[Array], float]:
@@ -114,8 +126,8 @@ def _level(innovations: Sequence[Array]) -> float:
 
 
 def _of_blocks(innovations: Sequence[Array], variance: float, parts: Sequence[int]) -> Array:
-    """Log-likelihood of each block, (b,): each row of ``innovations`` in so many ``parts``."""
+    """Gaussian log-likelihood of each block, (b,): each row of ``innovations`` in so many ``parts``."""
     if variance <= 0:
         return np.full(sum(parts), np.inf)
-    blocks = [b for row, n in zip(innovations, parts, strict=True) for b in np.array_split(row, n)]
+    blocks = _divided(innovations, parts)
     return np.array([-0.5 * np.sum(e**2 / variance + np.log(2 * np.pi * variance)) for e in blocks])

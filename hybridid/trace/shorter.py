@@ -114,15 +114,3 @@ def same_valley(candidate: Candidate, one: Mapping[str, float], other: Mapping[s
     own = [p for p in candidate.effect.parameters if (p.sought in SOUGHT if has_one else not p.fixed)]
     names = [f"{candidate.name}.{p.name}" for p in own]
     return all(abs(one[name] - other[name]) <= ALIKE * abs(other[name]) for name in names)
-
-
-def shorter_advised(final: Refit, split: Split) -> str:
-    """That a trace over shorter horizons may show more, in words, where the fit of the last model differs
-    over them; else empty."""
-    if final.shorter is None:
-        return ""
-    seconds = f"{split.horizon // SHARE * split.records[0].dt:.2g}"
-    return (
-        f" Over horizons of {seconds} s the fit has other parameters: what is missing bends it over longer "
-        f"ones. trace.horizon={seconds} may show more."
-    )

@@ -111,7 +111,9 @@ def _concluded(found: Trace) -> str:
         )
     if found.verdict == "unexplained":
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
-        return f"Something is missing that {_unnamed(found)}{place}. {error_left(found)}"
+        return (
+            f"Something is missing that {_unnamed(found)}{place}.{_most_refused(found)} {error_left(found)}"
+        )
     them = "them" if len(found.accepted) > 1 else "it"
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
     names = [one for one in found.accepted if not one.is_law]
@@ -186,6 +188,25 @@ def _none_passes(found: Trace, where: str) -> str:
         f"{fails} and {survives} every test. The largest gain, {share(most.gain)} with {most.effect} at "
         f"{most.port}, is refused: {most.reason}.{_more_than_possible(most.gain, found.times)}"
     )
+
+
+def _most_refused(found: Trace) -> str:
+    """The largest gain of an effect or a pair that was refused in the last step, and why; empty if none of
+    them is worth having, or possible."""
+    last = found.steps[-1] if found.steps else None
+    if last is None or last.taken:
+        return ""
+    tried = [
+        (one.gain, one.name, one.reason) for one in last.trials if one.status != PASSED and not one.is_law
+    ]
+    tried += [(pair.gain, " and ".join(pair.effects), pair.reason) for pair in last.pairs]
+    possible = [
+        one for one in tried if one[0] >= found.rules.worth and not _more_than_possible(one[0], found.times)
+    ]
+    if not possible:
+        return ""
+    gain, name, reason = max(possible)
+    return f" The largest gain, {share(gain)} with {name}, is refused: {reason}."
 
 
 def _more_than_possible(gain: float, times: float) -> str:

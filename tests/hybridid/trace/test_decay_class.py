@@ -65,7 +65,8 @@ class Swing(Plant):
 def scored(rmse: float) -> Score:
     """Twenty horizons of 100 samples with errors of about ``rmse``."""
     spread = rmse**2 * (1 + 0.1 * np.random.default_rng(0).normal(size=(20, 1)))
-    return Score(100 * spread, np.full((20, 1), 100), -50 * spread, np.ones(1), np.ones(1))
+    squares, samples = 100 * spread, np.full((20, 1), 100)
+    return Score(squares, samples, squares, samples, -50 * spread, np.ones(1), np.ones(1))
 
 
 def found(*trials: Trial, rmse: float = 1.0) -> Search:

@@ -10,7 +10,7 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.shorter import from_shorter, same_valley, shorter_advised, strays, with_shorter
+from hybridid.trace.shorter import from_shorter, same_valley, strays, with_shorter
 from hybridid.trace.split import Split, by_blocks, by_record
 from hybridid.trace.trial import _begun_anew, attempt
 
@@ -50,15 +50,6 @@ def test_short_horizons_lie_in_the_long_ones(two_records):
 def test_over_short_horizons_another_fit_results_where_much_is_missing(strong):
     _, base = strong
     assert base.shorter.values["M"] != pytest.approx(base.values["M"], rel=0.1)
-
-
-def test_a_trace_over_shorter_horizons_is_advised_where_the_fit_is_bent(strong):
-    split, base = strong
-    assert shorter_advised(base, split) == (
-        " Over horizons of 0.1 s the fit has other parameters: what is missing bends it over longer ones. "
-        "trace.horizon=0.1 may show more."
-    )
-    assert shorter_advised(replace(base, shorter=None), split) == ""
 
 
 def test_where_nothing_is_missing_they_show_nothing_else(make_model, split_of):

@@ -39,7 +39,15 @@ def score(rmse, likelihood, seed=0, lone=False):
     if lone:
         squares = HORIZONS * SAMPLES * share
         squares[0] -= HORIZONS * SAMPLES * (1 - rmse**2)
-    return Score(squares, samples, np.full((HORIZONS, 1), likelihood) + scatter, np.ones(1), np.ones(1))
+    return Score(
+        squares,
+        samples,
+        squares,
+        samples,
+        np.full((HORIZONS, 1), likelihood) + scatter,
+        np.ones(1),
+        np.ones(1),
+    )
 
 
 BASE = score(1.0, 0.0)

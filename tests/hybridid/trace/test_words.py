@@ -239,12 +239,16 @@ def test_a_pair_helps_only_together(nothing):
 
 
 def test_pairs_that_were_tried_are_told(nothing):
-    pair = TriedPair(("carriage.spring", "carriage.offset"), "rejected", "", 0.4, 0.1, (), 0.3, {}, 1.0)
+    names = ("carriage.spring", "carriage.offset")
+    pair = TriedPair(names, "rejected", "adjusted p = 0.1 over 0.01", 0.1, 0.1, (), 0.3, {}, 1.0)
     step = StepTaken(nothing().path[0], None, (), (), pairs=(pair, pair), family=741)
     found = replace(nothing(DRAG, SPRING), verdict="unexplained", times=12.3, steps=(step,))
     assert sentence(found).startswith(
-        "Something is missing that none of the 2 effects tried explains, alone or in 2 pairs. The error"
+        "Something is missing that none of the 2 effects tried explains, alone or in 2 pairs. The largest "
+        "gain, 10.0 % with carriage.spring and carriage.offset, is refused: adjusted p = 0.1 over 0.01. The "
     )
+    at_noise = replace(found, times=1.1)
+    assert "refused" not in sentence(at_noise), "no complete model could take 10 %"
     assert tried_in_words(found) == "2 effects and 2 of 741 pairs of them"
 
 

@@ -1,0 +1,44 @@
+"""Other horizons are advised where those in use bend the fit, or where a state is hidden."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from hybridid.trace.horizon_advice import other_horizons_advised
+
+
+def final(*hidden: str, shorter: object = None):
+    states = [SimpleNamespace(name="q", observed_by="position")]
+    states += [SimpleNamespace(name=name, observed_by=None) for name in hidden]
+    return SimpleNamespace(model=SimpleNamespace(plant=SimpleNamespace(states=states)), shorter=shorter)
+
+
+def split(horizons: int, samples: int = 200, dt: float = 0.005):
+    numbers = tuple(range(horizons))
+    return SimpleNamespace(
+        horizon=samples, records=[SimpleNamespace(dt=dt)], fitted=numbers, held_out=numbers
+    )
+
+
+def test_shorter_ones_where_the_fit_is_bent():
+    assert other_horizons_advised(final(shorter="another fit"), split(20)) == (
+        " Over horizons of 0.1 s the fit has other parameters: what is missing bends it over longer ones. "
+        "trace.horizon=0.1 may show more."
+    )
+    assert other_horizons_advised(final(), split(20)) == ""
+
+
+def test_longer_ones_where_no_output_shows_a_state():
+    """Though the fit is bent: over shorter ones the hidden state hides more."""
+    said = other_horizons_advised(final("h", shorter="another fit"), split(21, 50, 4.0))
+    assert said == (
+        " No output shows h: estimated anew for each horizon, it may stand for what is missing. Longer "
+        "horizons may show more (trace.horizon, at most 1000)."
+    )
+
+
+@pytest.mark.parametrize("horizons", [4, 7])
+def test_none_where_the_records_give_no_longer_ones(horizons):
+    assert other_horizons_advised(final("h"), split(horizons)) == ""
