@@ -19,7 +19,7 @@ from hybridid.naming import unknown
 PortKind = Literal["effort", "flow", "input", "output"]
 IN_EQUATIONS: tuple[PortKind, ...] = ("effort", "flow")
 """Kinds of port that stand in the plant's equations; a signal passes through the others."""
-Need = Literal["load", "drive", "both_sides", "level"]
+Need = Literal["load", "drive", "both_sides", "level", "rate"]
 """What an effect may need to see beside the motion of its port: see ``Port.knows``."""
 
 
@@ -38,7 +38,8 @@ class State:
 
     ``scale`` is a typical magnitude; the optimiser works with ``x / scale``.
     ``observed_by`` names an output: the state is its ``derivative``-th time derivative.
-    A fit takes the state's initial value from that output. Without it, the initial value is zero.
+    A fit takes the state's initial value from that output. Without it, the initial value is zero; of a state
+    that ``begins_as`` an input, it is that input where the record begins.
 
     Raises:
         ValueError: if the scale is not positive and finite, the bounds are crossed, or derivative is below 0.
@@ -51,6 +52,7 @@ class State:
     upper: float = math.inf
     observed_by: str | None = None
     derivative: int = 0
+    begins_as: str | None = None
     meaning: str = ""
 
     def __post_init__(self) -> None:
@@ -171,12 +173,14 @@ class Port:
 
     @property
     def knows(self) -> frozenset[Need]:
-        """What of the drive, the load and the level is declared; ``load``: one of the first two."""
+        """What of the drive, the load and the level is declared; ``load``: one of the first two. Of an output
+        the rate of change is known."""
         known: dict[Need, bool] = {
             "load": bool(self.drive or self.load),
             "drive": bool(self.drive),
             "both_sides": bool(self.drive and self.load),
             "level": bool(self.level),
+            "rate": self.kind == "output",
         }
         return frozenset(need for need, given in known.items() if given)
 

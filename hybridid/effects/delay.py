@@ -79,7 +79,8 @@ INPUT_DELAY = Effect(
         ),
     ),
     states=tuple(
-        EffectState(f"zeta_{k}", EFFORT, f"term {k} of the approximant's denominator") for k in range(ORDER)
+        EffectState(f"zeta_{k}", EFFORT, f"term {k} of the approximant's denominator", follows=k == 0)
+        for k in range(ORDER)
     ),
     source=(
         "Partington (2004), Some frequency-domain approaches to the model reduction of delay systems, "

@@ -96,8 +96,8 @@ class EffectParameter:
 class EffectState:
     """An internal state of an effect (bristle deflection, load position); its initial value is zero.
 
-    ``scale``, ``lower`` and ``upper`` are multiples of its dimension's scale at the port. A
-    state that ``follows`` the signal of an output port takes its initial value from the record.
+    ``scale``, ``lower`` and ``upper`` are multiples of its dimension's scale at the port. A state that
+    ``follows`` the signal of an input port begins with it: the path is at rest before the record.
     """
 
     name: str
@@ -117,7 +117,7 @@ class EffectState:
             scale=self.scale * s,
             lower=self.lower * s,
             upper=self.upper * s,
-            observed_by=port.name if self.follows and port.kind == "output" else None,
+            begins_as=port.name if self.follows and port.kind == "input" else None,
             meaning=self.meaning,
         )
 
@@ -128,14 +128,15 @@ class Local:
 
     ``position``, ``velocity``, ``acceleration`` of an effort port; ``position`` (the level) and ``velocity``
     (the net flow of the declared model, as the rate of the level) of a flow port; or ``signal`` of an input
-    or output port; ``p`` its parameters and ``z`` its states by name; ``time`` in s.
+    or output port, and the ``rate`` of change of an output; ``p`` its parameters, ``z`` its states by name;
+    ``time`` in s.
     ``channels`` holds the inputs of the model and its auxiliary channels by name, as they were recorded: an
     effect that uses some names them in ``Effect.channels``.
 
     ``drive``, ``load`` and ``level`` are those of ``hybridid.plants.plant.Load``, where the port has them: an
-    effect that uses them says so in ``Effect.needs``. ``load_width`` rounds their modulus at zero. It is a
-    hundredth of the port's effort scale: a contact that carries so little loses nothing that a record
-    shows, since the loss is a few per cent of what it carries.
+    effect that uses them, or the ``rate``, says so in ``Effect.needs``. ``load_width`` rounds the moduli at
+    zero. It is a hundredth of the port's effort scale: a contact that carries so little loses nothing that a
+    record shows, since the loss is a few per cent of what it carries.
     """
 
     p: SimpleNamespace
@@ -146,6 +147,7 @@ class Local:
     velocity: ca.SX | float = 0.0
     acceleration: ca.SX | float = 0.0
     signal: ca.SX | float = 0.0
+    rate: ca.SX | float = 0.0
     drive: ca.SX | float = 0.0
     load: ca.SX | float = 0.0
     level: ca.SX | float = 0.0

@@ -4,6 +4,10 @@ The pole of a lag grows without bound as its time constant T goes to zero. Here 
 increment is ``(T/T_e) (z - u)`` with ``T_e z' = u - z`` and ``T_e = √(T² + floor²)``. It is smooth in T and
 exactly zero at T = 0. At low frequency it is a delay of T for every T. For T well above the floor it is
 the lag ``1/(1 + T s)``.
+
+The state of a sensor's lag is how far it is behind, ``w = y - z`` with ``w' = y' - w/T_e``. Like every inner
+state it is handed on from horizon to horizon. The lagged signal z itself would be estimated anew for each
+horizon, as the output shows it: one more free value a horizon, which also takes what is no lag.
 """
 
 from __future__ import annotations
@@ -37,6 +41,14 @@ def _lagged(at: Local) -> ca.SX:
 
 def _lag_rate(at: Local) -> dict[str, ca.SX]:
     return {"z": (at.signal - at.z.z) / _lag_time(at)}
+
+
+def _behind(at: Local) -> ca.SX:
+    return -at.p.T / _lag_time(at) * at.z.w
+
+
+def _behind_rate(at: Local) -> dict[str, ca.SX]:
+    return {"w": at.rate - at.z.w / _lag_time(at)}
 
 
 _LAG_EQUATION = "y = {0} + (T/T_e) (z - {0}),  T_e z' = {0} - z,  T_e = √(T² + floor²): 1/(1 + T s)"
@@ -79,7 +91,7 @@ INPUT_LAG = Effect(
     law=_lagged,
     dynamics=_lag_rate,
     parameters=(LAG, FLOOR),
-    states=(EffectState("z", EFFORT, "lagged input"),),
+    states=(EffectState("z", EFFORT, "lagged input", follows=True),),
     source=_ASTROM + ", sec. 6.3 (first-order lag); its floor as in hybridid.effects.paths",
     pattern="late as a delay is at low frequency, but weaker too at high frequency; steps arrive rounded",
     look_alikes=("input_delay", "sensor_lag", "stribeck", "flexible_mode"),
@@ -94,11 +106,12 @@ SENSOR_LAG = Effect(
     id="sensor_lag",
     kind="output",
     title="lag of the sensor",
-    equation=_LAG_EQUATION.format("y"),
-    law=_lagged,
-    dynamics=_lag_rate,
+    equation="y → y - (T/T_e) w,  w' = y' - w/T_e,  T_e = √(T² + floor²): 1/(1 + T s)",
+    law=_behind,
+    dynamics=_behind_rate,
     parameters=(LAG, FLOOR),
-    states=(EffectState("z", EFFORT, "lagged signal", follows=True),),
+    states=(EffectState("w", EFFORT, "how far the sensor is behind"),),
+    needs=("rate",),
     source=_ASTROM + ", sec. 6.3 (first-order lag); its floor as in hybridid.effects.paths",
     pattern="the output is late in proportion to its rate of change, and so is a delay on the drive's side",
     look_alikes=("input_lag", "input_delay", "flexible_mode"),

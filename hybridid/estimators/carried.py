@@ -22,13 +22,13 @@ PASSES = 2
 
 
 def carry(problem: Problem, p: Array, x0: Array) -> Array:
-    """``x0`` (w, n_x) with each carried state as it is where its horizon begins: nothing with the record, or
-    after a masked stretch that is not simulated; else where the horizon before, if it is in ``problem``, left
-    it; if it is not, as in ``x0``."""
+    """``x0`` (w, n_x) with each carried state as it is where its horizon begins: with the record, or after a
+    masked stretch that is not simulated, nothing or the input there; else where the horizon before, if it is
+    in ``problem``, left it; if it is not, as in ``x0``."""
     if carries_nothing(problem):
         return x0
     first = np.array(problem.windows.is_head)
-    handed = np.where(problem.carried & first[:, None], 0.0, x0)
+    handed = np.where(problem.carried & first[:, None], problem.measured_x0(), x0)
     begun = problem.shooter(handed, p).states[:, 0]
     return np.where(np.isfinite(begun), begun, handed)
 

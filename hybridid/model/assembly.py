@@ -51,13 +51,14 @@ def assemble(
     p_by |= {q.name: u_by.pop(q.name) for q in plant.parameters if q.name not in p_by}
     plant_p = Named("parameter", {q.name: p_by[q.name] for q in plant.parameters})
     plant_x = Named("state", {s.name: x_by[s.name] for s in plant.states})
-    local = _Locals(terms, t, x_by, u_by, p_by)
+    local = _Locals(terms, t, x_by, u_by, p_by, [s.name for s in plant.inputs])
 
     inputs_there, input_rates = local.through("input", u_by)
     at = (plant_x, Named("input", inputs_there), plant_p)
     motion = motion_of(plant, at)
     efforts, effort_rates, rates = _resolve_acceleration(plant, local, motion, at)
-    measured, output_rates = local.through("output", outputs_of(plant, at, _sums(plant, efforts)))
+    known = {**input_rates, **effort_rates, **rates}
+    measured, output_rates = local.through("output", outputs_of(plant, at, _sums(plant, efforts)), known)
 
     term_rates = {**input_rates, **effort_rates, **output_rates}
     x_dot = ca.vertcat(*[rates[s.name] if s.name in rates else term_rates[s.name] for s in states])
@@ -101,6 +102,7 @@ class _Locals:
     x: Mapping[str, ca.SX]
     u: Mapping[str, ca.SX]
     p: Mapping[str, ca.SX]
+    inputs: Sequence[str]
 
     def see(self, term: Term, **seen: ca.SX) -> Local:
         p = {q.name: self.p[f"{term.name}.{q.name}"] for q in term.effect.parameters}
@@ -135,15 +137,27 @@ class _Locals:
     def rates(self, term: Term, local: Local) -> dict[str, ca.SX]:
         return {f"{term.name}.{name}": rate for name, rate in dynamics_of(term.effect, local).items()}
 
-    def through(self, kind: str, signals: Mapping[str, ca.SX]) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
-        """Signals after the terms on their path, and the rates of those terms' states."""
-        passed, rates = dict(signals), {}
+    def through(
+        self, kind: str, signals: Mapping[str, ca.SX], known: Mapping[str, ca.SX] | None = None
+    ) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+        """Signals after the terms on their path, and the rates of those terms' states; ``known`` are those of
+        the states before them."""
+        passed, rates = dict(signals), dict[str, ca.SX]()
         for term in self.terms:
             if term.effect.kind == kind:
-                local = self.see(term, signal=passed[term.port])
+                signal = passed[term.port]
+                needs_rate = "rate" in term.effect.needs
+                rate = self.rate_of(term, signal, {**(known or {}), **rates}) if needs_rate else ca.SX(0)
+                local = self.see(term, signal=signal, rate=rate)
                 passed[term.port] = passed[term.port] + law_of(term.effect, local)
                 rates.update(self.rates(term, local))
         return passed, rates
+
+    def rate_of(self, term: Term, signal: ca.SX, rates: Mapping[str, ca.SX]) -> ca.SX:
+        """The rate of change of an output, by those of the states."""
+        if ca.depends_on(signal, ca.vertcat(*[self.u[name] for name in self.inputs])):
+            raise ValueError(f"effect {term.effect.id}: output {term.port} depends on an input at once")
+        return ca.jtimes(signal, ca.vertcat(*[self.x[n] for n in rates]), ca.vertcat(*rates.values()))
 
 
 def _sums(plant: Plant, efforts: Mapping[tuple[str, str], ca.SX]) -> dict[str, ca.SX]:

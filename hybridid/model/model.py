@@ -212,6 +212,14 @@ class Model:
         return self._functions[1]
 
     @cached_property
+    def at_once(self) -> frozenset[str]:
+        """Outputs that depend on an input at once, as a measured force or acceleration may."""
+        t, x, u, p = self.h.sx_in()
+        known = u[: len(self.plant.inputs)]
+        depends = ca.which_depends(self.h(t, x, u, p), known, 1, True) if known.numel() else []
+        return frozenset(s.name for s, does in zip(self.plant.outputs, depends, strict=False) if does)
+
+    @cached_property
     def by_state(self) -> ca.Function:
         """``df/dx``, dense, ``(t, x, u, p) -> (n_x, n_x)``."""
         given = self.f.sx_in()

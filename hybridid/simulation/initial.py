@@ -60,11 +60,14 @@ def observed(model: Model) -> tuple[bool, ...]:
 
 
 def measured_states(model: Model, record: Record, half_width: int = HALF_WIDTH) -> Array:
-    """States from the record, shape (n, n_x); zero for states that are not observed."""
+    """States from the record, shape (n, n_x); zero for states that are not observed, or the input as which
+    they begin."""
     states = np.zeros((record.n, len(model.states)))
     for j, state in enumerate(model.states):
         if state.observed_by is not None:
             states[:, j] = output_derivative(record, state.observed_by, state.derivative, half_width)
+        elif state.begins_as is not None:
+            states[:, j] = record.input(state.begins_as)
     return states
 
 

@@ -75,7 +75,8 @@ def admissible(
 ) -> Iterator[Candidate]:
     """Every effect at every port of its kind where the model does not have it yet, and at ports alike.
 
-    An effect that sees a channel which the model lacks is left out.
+    An effect that sees a channel which the model lacks is left out, and one that sees the rate of an output
+    that depends on an input at once.
     At ports alike only effects without states are tried, and only where none of the ports has them.
     """
     present = {(term.effect.id, name) for term in model.terms for name in term.ports}
@@ -86,6 +87,7 @@ def admissible(
         for together in _places(model.plant, effect):
             wanted = ports is None or set(together) <= set(ports)
             fits = all(effect.admissible_at(model.plant.port(name)) for name in together)
+            fits = fits and not ("rate" in effect.needs and model.at_once.intersection(together))
             if wanted and fits and not any((effect.id, name) in present for name in together):
                 yield Candidate(effect, TOGETHER.join(together))
 

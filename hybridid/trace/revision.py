@@ -40,7 +40,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from hybridid.estimators import Estimate
 from hybridid.model import Model, Term
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.candidates import Candidate
@@ -213,17 +212,3 @@ def _kept(term: Term, found: Search, context: Context) -> Search:
         return Search((), last, (), "")
     shorter, accepted, _ = without_needless(poorer, list(found.accepted), context, new=0)
     return Search((), shorter, tuple(accepted), "")
-
-
-def idle_terms(model: Model, estimate: Estimate, sure: float = 2.0) -> tuple[str, ...]:
-    """The effects of the declared ``model`` of which the records show nothing: in the ``estimate``, every
-    amplitude is within ``sure`` standard errors of zero."""
-    found = {p.name: p for p in estimate.parameters}
-
-    def idle(term: Term) -> bool:
-        nesting = [f"{term.name}.{p.name}" for p in term.effect.parameters if p.nests]
-        names = [each for name in nesting for each in model.names_of(name)]
-        amplitudes = [found[name] for name in names if name in found]
-        return bool(amplitudes) and all(abs(p.value) <= sure * p.std for p in amplitudes)
-
-    return tuple(term.name for term in model.terms if idle(term))

@@ -10,6 +10,7 @@ from dataclasses import replace
 from hybridid.advice.decay import free_decay
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
+from hybridid.effects.sampled import sampled
 from hybridid.effects.variable import Variable
 from hybridid.estimators import FitSettings
 from hybridid.model import Model
@@ -91,6 +92,7 @@ def trace(
     split = divided(fitted, others, seconds)
     check_measured(split)
     tried = library_for(model.channels) if effects is None else _known(effects, model)
+    tried = sampled(tried, fitted[0].dt)
     where = None if ports is None else tuple(ports)
     over = None if variables is None else tuple(variables)
     until = math.inf if time_limit is None else time.monotonic() + time_limit

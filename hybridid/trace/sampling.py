@@ -12,12 +12,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from hybridid.effects.dimension import TIME
+from hybridid.effects.sampled import PATHS
 from hybridid.naming import listed
 from hybridid.quantities import quantity
 from hybridid.trace.search import Accepted
-
-PATHS = ("input", "output")
-"""Kinds of the ports on which a time is that of a signal, and not of the mechanism."""
 
 
 def within_half_a_sample(accepted: Sequence[Accepted], dt: float) -> str:

@@ -27,10 +27,11 @@ from hybridid.trace.entries import (
     UsedRecord,
     Value,
 )
+from hybridid.trace.idle import idle_terms
 from hybridid.trace.pair import PairTrial
 from hybridid.trace.refit import Refit
 from hybridid.trace.result import Estimates, Evidence, LearnedGains, Trace
-from hybridid.trace.revision import Replacement, idle_terms
+from hybridid.trace.revision import Replacement
 from hybridid.trace.robustness import Survival
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Accepted, Search, Step

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from hybridid.effects.library import EFFECTS
 from hybridid.estimators import Estimate
 from hybridid.model import Term
 from hybridid.trace.entries import Width
@@ -58,12 +59,14 @@ def augmented(
     """
     names = [f"{paths.get(term.effect.id, term.effect.id)}@{term.port}" for term in terms]
     parameters = parameters_of(settings)
-    values = estimate.values
+    values, library = estimate.values, {effect.id: effect for effect in EFFECTS}
     for term in terms:
         own = parameters.setdefault(term.port, {}).setdefault(term.effect.id, {})
         for p in term.effect.parameters:
             setting = "fixed" if p.fixed else "guess"
             before = {key: value for key, value in (own.get(p.name) or {}).items() if key != BY}
+            if p not in library.get(term.effect.id, term.effect).parameters and not p.fixed:
+                before["upper"] = p.upper  # a time at the sampling of the records
             own[p.name] = {**before, setting: values[f"{term.name}.{p.name}"]}
     for width in widths:
         port, name = width.name.split(".")

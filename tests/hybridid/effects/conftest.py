@@ -17,7 +17,7 @@ from hybridid.effects.library import EFFECTS, effect_named
 
 SEEN = (
     *("time", "epsilon", "position", "velocity", "acceleration", "signal"),
-    *("drive", "load", "level", "load_width"),
+    *("rate", "drive", "load", "level", "load_width"),
 )
 PORTS = {
     "effort": Port("contact", "effort", "N", 10.0, "m", 0.1, velocity_scale=0.5, epsilon=1e-3),

@@ -317,10 +317,13 @@ def test_fixed_constants_are_known_and_not_estimated():
     assert wider.values()[[p.name for p in wider.parameters].index("force.input_delay.window")] == 0.05
 
 
-def test_a_sensors_lag_starts_from_what_the_record_shows():
-    states = {s.name: s for s in compose(EMPS(), ["sensor_lag", "input_lag"]).states}
-    assert states["position.sensor_lag.z"].observed_by == "position"
-    assert states["force.input_lag.z"].observed_by is None
+def test_the_drives_path_is_at_rest_before_the_record_and_no_lag_has_free_initial_values():
+    states = {s.name: s for s in compose(EMPS(), ["sensor_lag", "input_lag", "input_delay"]).states}
+    assert {name: s.begins_as for name, s in states.items() if s.begins_as} == {
+        "force.input_lag.z": "force",
+        "force.input_delay.zeta_0": "force",
+    }
+    assert all(s.observed_by is None for name, s in states.items() if "." in name)
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,10 @@ def response(bench, omega: np.ndarray, **p: float) -> np.ndarray:
     """Frequency response of 1 + effect at ``omega`` [rad/s], from its linear equations."""
     n = len(bench.effect.states)
     slopes = bench.slopes(z=[0.0] * n, p=p)
-    signal, states = 5, slice(bench.n_seen, bench.n_seen + n)
-    c, d, a, b = slopes[0, states], slopes[0, signal], slopes[1:, states], slopes[1:, signal]
-    forced = np.linalg.solve(1j * omega[:, None, None] * np.eye(n) - a, b[:, None])
+    signal, rate, states = 5, 6, slice(bench.n_seen, bench.n_seen + n)
+    c, d, a = slopes[0, states], slopes[0, signal], slopes[1:, states]
+    b = slopes[1:, signal] + 1j * omega[:, None] * slopes[1:, rate]
+    forced = np.linalg.solve(1j * omega[:, None, None] * np.eye(n) - a, b[..., None])
     return 1 + d + forced[..., 0] @ c
 
 

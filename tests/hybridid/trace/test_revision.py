@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 
@@ -11,7 +10,7 @@ from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
 from hybridid.trace.numerics import DECLARED
 from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.revision import _without, idle_terms, replacements
+from hybridid.trace.revision import _without, replacements
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import Search, Step, continued
 
@@ -104,16 +103,3 @@ def test_a_sound_declaration_stays_though_the_search_added_too_much(mended):
     model, found, split = mended(("coulomb", "quadratic_drag", "cubic_stiffness"))
     library = tuple(map(effect_named, ("coulomb", "eddy_brake")))
     assert replacements(model, found, Context(split, library)) == ()
-
-
-def test_declared_effects_that_end_at_zero_are_told(make_model):
-    def estimate(**values):
-        named = {"carriage.viscous.f_v": (200.0, 3.0), "carriage.offset.offset": (-0.3, 0.25)} | values
-        parameters = [SimpleNamespace(name=name, value=v, std=std) for name, (v, std) in named.items()]
-        return SimpleNamespace(parameters=parameters)
-
-    model = make_model(("viscous", "offset"))
-    assert idle_terms(model, estimate()) == ("carriage.offset",)
-    assert idle_terms(model, estimate(**{"carriage.offset.offset": (-3.2, 0.25)})) == ()
-    nothing = {"carriage.viscous.f_v": (0.0, float("nan"))}
-    assert idle_terms(model, estimate(**nothing)) == ("carriage.offset",)

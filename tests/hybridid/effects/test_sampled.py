@@ -1,0 +1,47 @@
+"""The times of delays and lags for records with longer samples."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.effects.sampled import sampled
+
+
+def named(effects, name):
+    return next(effect for effect in effects if effect.id == name)
+
+
+def parameter(effect, name):
+    return next(p for p in effect.parameters if p.name == name)
+
+
+def test_short_samples_change_nothing():
+    assert sampled(EFFECTS, 1e-3) == EFFECTS
+    assert sampled(EFFECTS, 1e-5) == EFFECTS
+
+
+def test_a_delay_has_as_many_samples_whatever_they_last():
+    delay = named(sampled(EFFECTS, 0.08), "input_delay")
+    assert parameter(delay, "delay").upper == pytest.approx(0.8)
+    assert parameter(delay, "window").guess == pytest.approx(0.8)
+    assert parameter(delay, "window").starts == pytest.approx((0.4, 0.2))
+    lag = named(sampled(EFFECTS, 0.08), "sensor_lag")
+    assert (parameter(lag, "T").guess, parameter(lag, "floor").guess) == pytest.approx((0.16, 0.04))
+
+
+def test_all_else_stays_and_ones_own_effects_too():
+    own = effect_named("input_delay")
+    changed = {effect.id for effect, one in zip(EFFECTS, sampled(EFFECTS, 0.1), strict=True) if effect != one}
+    assert changed == {"input_delay", "input_lag", "sensor_lag"}
+    mine = pickle.loads(pickle.dumps(own))
+    assert sampled([mine], 0.1) != (mine,), "another process has the library's own"
+    pickle.dumps(sampled(EFFECTS, 0.1))
+
+
+def test_it_can_be_sent_to_another_process():
+    delay = named(sampled(EFFECTS, 0.08), "input_delay")
+    again = pickle.loads(pickle.dumps(delay))
+    assert again.parameters == delay.parameters

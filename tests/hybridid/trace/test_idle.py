@@ -1,0 +1,36 @@
+"""Declared effects that end at zero are told, but not those of which one must act."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hybridid.trace.idle import idle_terms
+
+VISCOUS, OFFSET = "carriage.viscous.f_v", "carriage.offset.offset"
+
+
+def estimate(viscous=(200.0, 3.0), offset=(-0.3, 0.25), correlation=0.0):
+    values = {VISCOUS: viscous, OFFSET: offset}
+    parameters = [SimpleNamespace(name=name, value=v, std=std) for name, (v, std) in values.items()]
+    return SimpleNamespace(parameters=parameters, correlation=np.array([[1, correlation], [correlation, 1]]))
+
+
+@pytest.fixture(scope="module")
+def model(make_model):
+    return make_model(("viscous", "offset"))
+
+
+def test_declared_effects_that_end_at_zero_are_told(model):
+    assert idle_terms(model, estimate()) == ("carriage.offset",)
+    assert idle_terms(model, estimate(offset=(-3.2, 0.25))) == ()
+    assert idle_terms(model, estimate(viscous=(0.0, float("nan")))) == ("carriage.offset",)
+    assert idle_terms(model, estimate(viscous=(1.0, 3.0))) == ("carriage.viscous", "carriage.offset")
+
+
+def test_of_two_that_are_collinear_one_acts(model):
+    """Each is 1.5 standard errors from zero, and their sum is known well."""
+    assert idle_terms(model, estimate((150.0, 100.0), (150.0, 100.0), correlation=-0.99)) == ()
+    assert len(idle_terms(model, estimate((150.0, 100.0), (-150.0, 100.0), correlation=-0.99))) == 2
