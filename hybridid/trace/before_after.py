@@ -65,10 +65,26 @@ class FittedModel:
 
 
 def before_and_after(found: Conclusion, validation: Validation, context: Context) -> list[FittedModel]:
-    """The declared model and, if anything was accepted, the augmented one."""
+    """The declared model and, if anything was accepted, the augmented one.
+
+    The augmented model holds the declared one, so its fit cannot be worse. Where it is, its descent ended
+    beside the minimum: it begins again at the declared model, with the effects at zero.
+    """
     bases = {BEFORE: found.search.first} | ({AFTER: found.search.final} if found.accepted else {})
     places = [(name, base.model, base.values, validation) for name, base in bases.items()]
-    return context.each("before and after", refitted, places, lambda one: one.name)
+    models = context.each("before and after", refitted, places, lambda one: one.name)
+    if len(models) < 2 or models[1].estimate.cost <= models[0].estimate.cost:
+        return models
+    before, after = models
+    nothing = {
+        f"{term.name}.{p.name}": 0.0
+        for term in after.model.terms[len(before.model.terms) :]
+        for p in term.effect.parameters
+        if p.nests and not p.fixed
+    }
+    start = {**after.estimate.values, **before.estimate.values, **nothing}
+    again = context.one(refitted, AFTER, after.model, start, validation)
+    return [before, min(after, again, key=lambda one: one.estimate.cost)]
 
 
 def refitted(name: str, model: Model, values: Mapping[str, float], validation: Validation) -> FittedModel:

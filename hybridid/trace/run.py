@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from hybridid.advice.decay import free_decay
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
 from hybridid.effects.sampled import sampled
@@ -19,18 +18,14 @@ from hybridid.settings.choices import AskedIntegrator
 from hybridid.simulation.chosen import AUTO, EXPLICIT, as_integrator
 from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.by_recording import by_recording, check_split
+from hybridid.trace.cautions import cautions
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
-from hybridid.trace.decay_class import in_their_place, with_decay_classes
-from hybridid.trace.doubted import revision_advised
-from hybridid.trace.free_run import worse_in_free_run
-from hybridid.trace.horizon_advice import other_horizons_advised
-from hybridid.trace.hystereses import several_hystereses
+from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_effort import missing_efforts
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
-from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.sharper import narrowed
 from hybridid.trace.split import automatic_horizon, check_measured, divided
 from hybridid.trace.summary import summary
@@ -116,12 +111,8 @@ def trace(
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     limit = time_limit if found.out_of_time else None
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
-    doubts = revision_advised(found, context) + several_hystereses(found.accepted)
-    doubts += within_half_a_sample(found.accepted, fitted[0].dt)
-    if found.verdict == "unexplained":
-        doubts += other_horizons_advised(found.search.final, split)
-    beware = _confounded(fitted) + in_their_place(found.search) if traced.accepted else ""
-    return replace(traced, sentence=sentence(traced) + doubts + beware + worse_in_free_run(traced))
+    said = sentence(traced) + cautions(found, traced, fitted, context)
+    return replace(traced, sentence=said)
 
 
 def _solving(searched_with: str) -> AskedIntegrator:
@@ -141,8 +132,3 @@ def _of_one_decay(found: Conclusion, records: Sequence[Record], context: Context
     several = any(len(one.alike) > 1 for one in searched.accepted)
     ambiguous = found.verdict == "effect_found" and several
     return replace(found, search=searched, verdict="ambiguous" if ambiguous else found.verdict)
-
-
-def _confounded(records: Sequence[Record]) -> str:
-    """That a name may stand for another one, where all records are one free decay; else empty."""
-    return "".join(f" Beware: {one.said}." for one in free_decay(records))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -98,3 +99,28 @@ def test_the_check_is_complete_unless_a_gain_is_worth_having_and_significant(fou
 
 def test_without_effort_ports_there_is_nothing_to_check():
     assert completeness([], Rules()) is None
+
+
+def test_an_augmented_model_that_fits_worse_begins_again_at_the_declared_one(make_model):
+    """It holds the declared model, so its descent ended beside the minimum."""
+    declared = make_model(("viscous",))
+    augmented = declared.plus(effect_named("offset"), "carriage")
+    values = {p.name: 7.0 for p in augmented.parameters}
+    fits = {BEFORE: [2.0], AFTER: [3.0, 1.0]}
+    begun = []
+
+    def fitted(name, model, start, validation):
+        begun.append((name, start.get("carriage.offset.offset")))
+        return SimpleNamespace(
+            name=name, model=model, estimate=SimpleNamespace(cost=fits[name].pop(0), values=values)
+        )
+
+    context = SimpleNamespace(
+        each=lambda stage, function, places, label: [fitted(*place) for place in places],
+        one=lambda function, *given: fitted(*given),
+    )
+    bases = {"first": SimpleNamespace(model=declared, values=values)}
+    search = SimpleNamespace(**bases, final=SimpleNamespace(model=augmented, values=values))
+    before, after = before_and_after(SimpleNamespace(search=search, accepted=True), None, context)
+    assert (before.estimate.cost, after.estimate.cost) == (2.0, 1.0)
+    assert begun[-1] == (AFTER, 0.0)

@@ -72,7 +72,12 @@ def test_a_law_that_falls_short_of_the_learned_effort_over_its_variable_has_anot
     learned = ceiling(base, split_of(df_v=DF_V), "carriage", Over("velocity"))
     assert _unless_short(one, base, [learned], Rules()) is one
     part = one.refit.score
-    worse = replace(part, squares=0.5 * base.score.squares, likelihood=part.likelihood - 1.0)
+    worse = replace(
+        part,
+        squares=0.5 * base.score.squares,
+        block_squares=0.5 * base.score.block_squares,
+        likelihood=part.likelihood - 1.0,
+    )
     short = replace(one, refit=replace(one.refit, score=worse), comparison=compare(base.score, worse))
     refused = _unless_short(short, base, [learned], Rules())
     assert refused.status == REJECTED

@@ -1,0 +1,38 @@
+"""What stands behind a verdict: names whose interval includes zero."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.cautions import not_told_from_zero
+from hybridid.trace.entries import Value
+
+
+def told(effect: str, port: str, **values: tuple[float, float]) -> str:
+    candidate = Candidate(effect_named(effect), port)
+    accepted = SimpleNamespace(name=candidate.name, trial=SimpleNamespace(candidate=candidate))
+    parameters = {name: Value(value, std, "1") for name, (value, std) in values.items()}
+    return not_told_from_zero([accepted], [SimpleNamespace(name=candidate.name, parameters=parameters)])
+
+
+def test_a_lag_of_a_second_that_is_known_to_four_is_doubted():
+    assert told("sensor_lag", "angle", T=(1.3, 2.3)) == (
+        " Beware: beside all others these records hardly show angle.sensor_lag: its interval includes zero."
+    )
+    assert told("sensor_lag", "angle", T=(1.3, 0.3)) == ""
+
+
+@pytest.mark.parametrize(("second", "silent"), [((0.01, 0.1), False), ((0.5, 0.1), True)])
+def test_of_two_amplitudes_one_is_enough(second, silent):
+    said = told("cogging", "joint", A_s=(0.1, 0.2), A_c=second, pitch=(0.1, 0.001))
+    assert (said == "") is silent
+
+
+def test_a_limit_that_is_hard_is_not_doubted():
+    stop = effect_named("end_stop")
+    hard = {p.name: (1.0, 10.0) for p in stop.parameters if not p.fixed}
+    assert told("end_stop", "joint", **hard) == ""
