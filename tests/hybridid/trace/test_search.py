@@ -324,8 +324,8 @@ def test_a_sine_of_less_than_three_periods_that_does_better_withdraws_the_names(
 
 
 def scaled(score, factor):
-    """Every horizon's squares times ``factor``."""
-    return replace(score, squares=score.squares * factor)
+    """Every horizon's and every block's squares times ``factor``."""
+    return replace(score, squares=score.squares * factor, block_squares=score.block_squares * factor)
 
 
 @pytest.mark.parametrize(
