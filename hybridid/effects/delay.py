@@ -11,7 +11,7 @@ magnitude of u for any window. For a constant u only ζ_0 is not zero.
 
 For 0 ≤ delay ≤ W the error is below 0.7 % of the amplitude up to 3 / W rad/s (48 Hz for 10 ms) and below
 9 % up to 5 / W. So W is best a little larger than the delay. A trace tries ``WINDOW``, its half and its
-quarter, and keeps the one that explains most.
+quarter, keeps the one that explains most, and then sets it a little above the delay.
 """
 
 from __future__ import annotations
@@ -76,6 +76,7 @@ INPUT_DELAY = Effect(
             lower=1e-9,
             fixed=True,
             absolute=True,
+            above="delay",
         ),
     ),
     states=tuple(

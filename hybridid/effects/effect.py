@@ -42,7 +42,8 @@ class EffectParameter:
     undetermined or at a bound.
 
     A ``fixed`` parameter belongs to the form of the law (a smoothing width, the window of a
-    delay). It is not estimated. Its ``starts`` are alternative values, each kept fixed in a fit.
+    delay). It is not estimated. Its ``starts`` are alternative values, each kept fixed in a fit. One that is
+    best a little ``above`` another parameter is set there once that one is known.
 
     Raises:
         ValueError: if the guess or a start lies outside the bounds.
@@ -61,6 +62,7 @@ class EffectParameter:
     fixed: bool = False
     minor: bool = False
     sought: Literal["", "period", "place", "frequency", "mean"] = ""
+    above: str = ""
 
     def __post_init__(self) -> None:
         for value in (self.guess, *self.starts):

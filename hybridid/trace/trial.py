@@ -29,6 +29,8 @@ from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
 
+ABOVE = 1.2
+"""Times another parameter that a fixed one is set to: see ``EffectParameter.above``."""
 PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED = "passed", "rejected", "unidentifiable", "untried"
 
 
@@ -124,6 +126,7 @@ def _attempt(
         found = refit_beside(base, model, split, starts, numerics, to_beat, least)
         found = _begun_anew(found, base, split) if found.converged else found
         found = _unless_better_from_shorter(found, candidate, base, split, least)
+        found = _with_form_fitted(found, candidate, base, split, least)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):
@@ -143,6 +146,23 @@ def _begun_anew(found: Refit, base: Refit, split: Split) -> Refit:
         return found
     begun = begun_at_the_record(base, base.values, split)
     return refit(found.model, split, [found.values], begun, found.numerics)
+
+
+def _with_form_fitted(found: Refit, candidate: Candidate, base: Refit, split: Split, least: float) -> Refit:
+    """``found``, or its refit with each fixed parameter that is best a little above another one set there, if
+    that explains more. What explains too little stays."""
+    values, name = dict(found.values), candidate.name
+    for p in candidate.effect.parameters:
+        if p.above:
+            values[f"{name}.{p.name}"] = max(ABOVE * values[f"{name}.{p.above}"], p.lower)
+    enough = found.score.loss <= (1 - least) * base.score.loss
+    if values == found.values or not enough:
+        return found
+    try:
+        again = refit(found.model, split, [values], found, found.numerics)
+    except FAILURES:
+        return found
+    return again if again.cost < found.cost else found
 
 
 def _unless_better_from_shorter(
