@@ -7,10 +7,11 @@ from itertools import combinations, product
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from statsmodels.stats.multitest import multipletests
 
 from hybridid.estimators.noise import MOST_LAGS
-from hybridid.trace.evidence import by_signs, compare, holm
+from hybridid.trace.evidence import _by_t, by_signs, compare, holm
 from hybridid.trace.score import BLOCKS, score_of
 
 HORIZONS, LENGTH = 24, 200
@@ -95,6 +96,17 @@ def test_half_the_comparisons_of_equals_favour_either():
         for s in range(200)
     ]
     assert np.mean(np.array(p) < 0.05) < 0.1
+
+
+@pytest.mark.parametrize("memory", [0.2, 1.0, 4.0])
+def test_blocks_of_errors_with_a_memory_are_not_significant_more_often_than_they_say(memory):
+    """The squares of two errors, equal on the average, that remember for ``memory`` blocks."""
+    blocks, samples, draws = 48, 20, 4000
+    generator, keeps = np.random.default_rng(2), np.exp(-1 / (memory * samples))
+    white = generator.normal(size=(2, draws, blocks * samples + 500))
+    both, one = lfilter([np.sqrt(1 - keeps**2)], [1, -keeps], white)[..., 500:]
+    differences = ((both + 0.5 * one) ** 2 - (both - 0.5 * one) ** 2).reshape(draws, blocks, samples).mean(2)
+    assert np.mean([_by_t(each) < 0.01 for each in differences]) < 0.015
 
 
 def test_one_lucky_horizon_is_not_significant():
