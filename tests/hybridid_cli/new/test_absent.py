@@ -36,6 +36,8 @@ def test_every_driven_template_but_the_servo_may_coast():
     """A servo whose goal is not recorded is another machine: its controller works all the same."""
     driven = {kind for kind in kinds() if template(kind).inputs}
     assert driven - {kind for kind, _ in LACKS} == {"servo"}
+    unmeasured = [(kind, name) for kind, name in LACKS if lacking(kind, name).hides]
+    assert unmeasured == [("two_tanks", "upper_level")], "as docs/your-machine.md says"
 
 
 @pytest.mark.parametrize(("kind", "name"), [*LACKS, ("two_tanks", "inflow upper_level")])
