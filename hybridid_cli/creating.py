@@ -150,6 +150,9 @@ def _told(machine: Machine) -> list[RenderableType]:
         signals.add_row(
             one.signal.name, one.column.name, one.signal.unit, f"{one.scale:.6g}", _HOW[one.told], between
         )
+    for lacking in machine.template.absent:
+        why = f"none: {machine.template.lack_of(lacking)}"
+        signals.add_row(lacking.name, why, lacking.unit, "–", "–", "–")
     time = machine.time
     axis = f"column {time.column} in {time.unit}" if time.column else "no column"
     lines = [

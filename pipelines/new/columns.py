@@ -15,6 +15,8 @@ from pipelines.shared.errors import ConfigError
 
 EXPLAINED = 2
 """Columns that cannot be read, of which a line says why."""
+NONE = "none"
+"""What is said in place of a column: the machine lacks the signal."""
 Ask = Callable[[str, Sequence[str]], str | None]
 """Puts a question with its possible answers to the user; None where nobody is there to answer."""
 
@@ -45,30 +47,39 @@ def chosen(
 ) -> tuple[Chosen, ...]:
     """A column for each signal: the one ``given``, else the only one whose name says it, else the only one
     whose unit fits, else the only one that is left, else the one that the user answers. ``unusable`` says why
-    further columns are none.
+    further columns are none. A signal that is ``none``, where the template can do without it, is left out.
 
     Raises:
         ConfigError: if a signal has no column, or a unit that no factor turns into the signal's.
     """
     signals = (*template.inputs, *template.outputs)
-    found = _given(columns, given, unusable)
+    found = _given(template, columns, given, unusable)
     while len(found) < len(signals):
         _settle(template, columns, found)
         left = [signal for signal in signals if signal.name not in found]
         if left:
             free = [one for one in columns if one not in found.values()]
-            found[left[0].name] = _answered(left, free, ask, unusable)
-    return tuple(_in_unit(template, signal, found[signal.name], scales) for signal in signals)
+            found[left[0].name] = _answered(template, left, free, ask, unusable)
+    pairs = ((signal, found[signal.name]) for signal in signals)
+    return tuple(_in_unit(template, signal, one, scales) for signal, one in pairs if one is not None)
+
+
+_Found = dict[str, ColumnFound | None]
+"""The column of each signal, None where the machine lacks it."""
 
 
 def _given(
-    columns: Sequence[ColumnFound], given: Mapping[str, str], unusable: Mapping[str, str]
-) -> dict[str, ColumnFound]:
+    template: Template, columns: Sequence[ColumnFound], given: Mapping[str, str], unusable: Mapping[str, str]
+) -> _Found:
     """The columns that the user named, by signal."""
     by_name = {column.name: column for column in columns}
-    found: dict[str, ColumnFound] = {}
+    found: _Found = {}
     for signal, said in given.items():
         name = full_name(said, by_name)
+        if name == NONE and name not in (*by_name, *unusable):
+            _check_lack(template, signal, _listed(by_name, unusable))
+            found[signal] = None
+            continue
         if name in unusable:
             raise ConfigError(f"signal {signal}: column {name!r} cannot be a signal: {unusable[name]}")
         if name not in by_name:
@@ -76,11 +87,20 @@ def _given(
                 f"signal {signal}: there is no column {name!r}{nearest(name, by_name)}; "
                 f"columns: {_listed(by_name, unusable)}"
             )
-        taken = next((other for other, one in found.items() if one.name == name), None)
+        taken = next((other for other, one in found.items() if one is not None and one.name == name), None)
         if taken is not None:
             raise ConfigError(f"column {name!r} is given for {taken} and {signal}: a column is one signal")
         found[signal] = by_name[name]
     return found
+
+
+def _check_lack(template: Template, signal: str, listed: str) -> None:
+    """Whether the template can do without a ``signal``."""
+    able = template.about.without
+    if signal not in able:
+        others = f", only without {' or '.join(able)}" if able else ""
+        needs = f"template {template.kind} cannot do without the signal{others}"
+        raise ConfigError(f"signal {signal}: there is no column {NONE!r}, and {needs}; columns: {listed}")
 
 
 def full_name(said: str, names: Iterable[str]) -> str:
@@ -98,7 +118,7 @@ def _listed(names: Iterable[str], unusable: Mapping[str, str]) -> str:
     return f"{listed}; no numbers: {', '.join(bad)}" if bad else listed
 
 
-def _settle(template: Template, columns: Sequence[ColumnFound], found: dict[str, ColumnFound]) -> None:
+def _settle(template: Template, columns: Sequence[ColumnFound], found: _Found) -> None:
     """Add to ``found`` what one rule after the other leaves no doubt about."""
     signals = (*template.inputs, *template.outputs)
     for rule in (_by_name(template), _by_unit, _last_one):
@@ -147,17 +167,34 @@ def _may_be(signal: Signal, column: ColumnFound, driven: bool) -> bool:
 
 
 def _answered(
-    left: Sequence[Signal], free: Sequence[ColumnFound], ask: Ask, unusable: Mapping[str, str]
-) -> ColumnFound:
-    """The column that the user answers for the first of the signals that are ``left``; where nobody answers,
-    a line asks for all of them."""
+    template: Template,
+    left: Sequence[Signal],
+    free: Sequence[ColumnFound],
+    ask: Ask,
+    unusable: Mapping[str, str],
+) -> ColumnFound | None:
+    """The column that the user answers for the first of the signals that are ``left``, None for ``none``;
+    where nobody answers, a line asks for all of them."""
     by_name, first = {column.name: column for column in free}, left[0]
-    answer = ask(f"Which column is {first.name}, the {first.meaning} [{first.unit}]?", list(by_name))
+    lacks = {one.name: template.lack_of(one) for one in left if one.name in template.about.without}
+    question = f"Which column is {_described(first)} [{first.unit}]?"
+    if first.name not in lacks or NONE in by_name:
+        answer = ask(question, list(by_name))
+    else:
+        answer = ask(f"{question} {NONE.capitalize()}: {lacks[first.name]}.", [*by_name, NONE])
     if answer is not None:
-        return by_name[answer]
-    asked = ", which ".join(f"is {signal.name}, the {signal.meaning}" for signal in left)
+        return by_name.get(answer)
+    asked = "; which ".join(f"is {_described(signal)}" for signal in left)
     flags = " ".join(f"--signal {signal.name}=COLUMN" for signal in left)
-    raise ConfigError(f"which column {asked}? Give {flags}; columns left: {_listed(by_name, unusable)}")
+    without = "".join(f", or, if {why}, --signal {name}={NONE}" for name, why in lacks.items())
+    raise ConfigError(
+        f"which column {asked}? Give {flags}{without}; columns left: {_listed(by_name, unusable)}"
+    )
+
+
+def _described(signal: Signal) -> str:
+    """``force, the force of the drive``."""
+    return f"{signal.name}, the {signal.meaning}"
 
 
 def _in_unit(template: Template, signal: Signal, column: ColumnFound, scales: Mapping[str, float]) -> Chosen:

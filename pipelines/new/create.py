@@ -17,10 +17,11 @@ from hybridid.records.mapping import SignalMap, TimeMap, build_record
 from hybridid.records.readers import read_columns
 from hybridid.records.record import Record
 from hybridid.records.survey import NoTimeError, TimeFound, columns_found, time_found
-from pipelines.new.columns import Ask, Chosen, chosen, full_name
+from pipelines.new.absent import UNDRIVEN
+from pipelines.new.columns import NONE, Ask, Chosen, chosen, full_name
 from pipelines.new.machine import Machine, Recording
 from pipelines.new.pages import text_of
-from pipelines.new.scales import scales
+from pipelines.new.scales import StillError, scales
 from pipelines.new.template import Template, template
 from pipelines.shared.errors import ConfigError, unknown
 from pipelines.shared.tree import discard_unfinished, replacing, write_text
@@ -28,7 +29,8 @@ from pipelines.shared.tree import discard_unfinished, replacing, write_text
 
 @dataclass(frozen=True)
 class Request:
-    """What the user asks for: the files of each recording; columns, scales and holds by signal; the column of
+    """What the user asks for: the files of each recording; columns (``none``: the machine lacks the signal),
+    scales and holds by signal; the column of
     ``time`` or the ``rate`` in Hz, where the files do not tell it. ``constants`` are columns that hold one
     number, by the parameter that it is. ``simulated``: the files hold no measurement."""
 
@@ -62,6 +64,8 @@ def new(request: Request, ask: Ask) -> Machine:
     clocks = (times[0].column, *times[0].same)
     found = [one for one in columns_found(tables[0]) if one.name not in clocks]
     picked = chosen(plan, found, request.signals, request.scales, ask, tables[0].unusable)
+    plan = _without(plan, picked)
+    _check_absent(plan, request)
     picked = tuple(_with_gaps(_with_hold(one, plan, request), plan, tables) for one in picked)
     times = [_aligned(time, table, picked) for time, table in zip(times, tables, strict=True)]
     names = _record_names(request.recordings)
@@ -129,6 +133,18 @@ def _check_signals(plan: Template, request: Request) -> None:
             raise ConfigError(f"template {plan.kind} has no signal {given!r}; it has {', '.join(known)}")
 
 
+def _without(plan: Template, picked: Sequence[Chosen]) -> Template:
+    """The template without the signals for which no column was picked."""
+    taken = [one.signal for one in picked]
+    return plan.without([one for one in (*plan.inputs, *plan.outputs) if one not in taken])
+
+
+def _check_absent(plan: Template, request: Request) -> None:
+    for signal in plan.absent:
+        if signal.name in (*request.scales, *request.holds):
+            raise ConfigError(f"signal {signal.name} is none, so it has no scale and no hold")
+
+
 def _constants(table: Columns, request: Request) -> dict[str, float]:
     """The parameters that a recording gives, in the parameters' units."""
     found = {}
@@ -185,8 +201,18 @@ def _read(
     return build_record(name, paths, axis, inputs, outputs, resample=None if time.even else time.step)
 
 
+def _scales(machine: Machine) -> dict[str, float]:
+    """The magnitudes at the head of the plant's file; a driving signal that is zero is better none."""
+    lackable = [one.name for one in machine.template.inputs if one.name in machine.template.about.without]
+    try:
+        return scales(machine.template.about.scales, machine.records)
+    except StillError as still:
+        told = f". If {UNDRIVEN}, give --signal {still.signal}={NONE}" if still.signal in lackable else ""
+        raise ConfigError(f"{still}{told}") from still
+
+
 def _write(machine: Machine) -> None:
-    code = machine.template.code(machine.name, scales(machine.template.about.scales, machine.records))
+    code = machine.template.code(machine.name, _scales(machine))
     case, about = text_of("case.yaml", machine), text_of("README.md", machine)
     discard_unfinished(machine.folder)
     with replacing(machine.folder) as folder:

@@ -120,8 +120,11 @@ class Machine:
         return proposed_horizon(step, min(record.time[-1] - record.time[0] for record in self.records))
 
     @property
-    def horizon_samples(self) -> int:
-        """The same in samples of the records as the case makes them."""
+    def horizon_samples(self) -> int | None:
+        """The same in samples of the records as the case makes them. None, the whole record, where a state is
+        hidden: each horizon has an initial state of its own, and what no output shows could fit it alone."""
+        if self.template.hides:
+            return None
         step = self.resample or max(record.dt for record in self.records)
         return max(2, round(self.horizon / step))
 

@@ -18,11 +18,19 @@ _WINDOWS = (7, 51)
 _SHARE = 0.005  # of the record: over that much a derivative is smoothed, within _WINDOWS samples
 
 
+class StillError(ConfigError):
+    """A ``signal`` never changes, so nothing tells how large it is."""
+
+    def __init__(self, signal: str, kind: str) -> None:
+        super().__init__(f"signal {signal} never changes: its {kind.replace('_', ' ')} is zero")
+        self.signal = signal
+
+
 def scales(wanted: Mapping[str, Scale], records: Sequence[Record]) -> dict[str, float]:
     """The number of each scale over all ``records``, to two digits.
 
     Raises:
-        ConfigError: if one is zero, because its signal never changes.
+        StillError: if one is zero, because its signal never changes.
     """
     return {name: _rounded(name, scale, records) for name, scale in wanted.items()}
 
@@ -30,7 +38,7 @@ def scales(wanted: Mapping[str, Scale], records: Sequence[Record]) -> dict[str, 
 def _rounded(name: str, scale: Scale, records: Sequence[Record]) -> float:
     found = max(_magnitude(scale, record) for record in records)
     if not found > 0:
-        raise ConfigError(f"signal {scale.of} never changes: its {scale.kind.replace('_', ' ')} is zero")
+        raise StillError(scale.of, scale.kind)
     return float(f"{found:.2g}")
 
 

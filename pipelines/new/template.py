@@ -5,8 +5,8 @@ from __future__ import annotations
 import importlib
 import inspect
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeGuard
 
@@ -15,8 +15,10 @@ import yaml
 from hybridid.declarations import Signal
 from hybridid.plain import build
 from hybridid.plants.plant import Plant
+from pipelines.new.absent import UNDRIVEN, without
 from pipelines.shared.errors import ConfigError, unknown
 
+UNMEASURED = "not measured"
 _HERE = Path(__file__).parent / "templates"
 
 
@@ -40,8 +42,34 @@ class Derivative:
 
 
 @dataclass(frozen=True)
+class Lack:
+    """A template without one of its signals. A recording can then not tell the parameter ``known``, which is
+    fixed. ``head`` gives the lines that take the place of a constant at the head of the plant's file,
+    ``scales`` the constants that another signal tells, ``words`` what the texts say in place of what."""
+
+    known: str
+    remark: str = ""
+    head: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    scales: Mapping[str, Scale] = field(default_factory=dict)
+    words: Mapping[str, str] = field(default_factory=dict)
+
+    def headed(self, source: str) -> str:
+        """A plant's ``source`` with the lines of ``head`` in place of the constants."""
+        block = {constant: "".join(f"{line}\n" for line in lines) for constant, lines in self.head.items()}
+        constants = "|".join(block)
+        return re.sub(rf"(?m)^({constants}) = .*\n", lambda at: block[at[1]], source) if block else source
+
+    def worded(self, text: str) -> str:
+        """``text`` with the ``words`` in it replaced."""
+        for said, now in self.words.items():
+            text = text.replace(said, now)
+        return text
+
+
+@dataclass(frozen=True)
 class _Described:
-    """A template's YAML file: other names of each signal, and ``remarks`` on what the user is to set."""
+    """A template's YAML file: other names of each signal, and ``remarks`` on what the user is to set.
+    ``without`` holds the signals that a machine may lack."""
 
     meaning: str
     signals: Mapping[str, tuple[str, ...]]
@@ -49,21 +77,25 @@ class _Described:
     derivatives: Mapping[str, Derivative] = field(default_factory=dict)
     effects: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+    without: Mapping[str, Lack] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Template:
-    """A plant to begin with, its source text, and what turns a recording into its signals."""
+    """A plant to begin with, its source text, and what turns a recording into its signals. ``absent`` are the
+    signals of the plant that this machine lacks."""
 
     kind: str
     about: _Described
     plant: type[Plant]
     source: str
+    absent: tuple[Signal, ...] = ()
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
         """The recorded signals that drive the plant."""
-        return tuple(signal for signal in self.plant.inputs if signal.name not in self.about.derivatives)
+        gone = (*self.about.derivatives, *(signal.name for signal in self.absent))
+        return tuple(signal for signal in self.plant.inputs if signal.name not in gone)
 
     @property
     def made(self) -> tuple[tuple[Signal, Derivative], ...]:
@@ -74,7 +106,34 @@ class Template:
     @property
     def outputs(self) -> tuple[Signal, ...]:
         """The signals that are measured."""
-        return self.plant.outputs
+        return tuple(signal for signal in self.plant.outputs if signal not in self.absent)
+
+    @property
+    def hides(self) -> bool:
+        """Whether an output is not measured, so that a state of the plant is hidden."""
+        return any(signal in self.plant.outputs for signal in self.absent)
+
+    def lack_of(self, signal: Signal) -> str:
+        """What it means that the machine lacks ``signal``, in words."""
+        return UNMEASURED if signal in self.plant.outputs else UNDRIVEN
+
+    def without(self, signals: Sequence[Signal]) -> Template:
+        """The template of a machine that lacks ``signals``, each of which is in ``about.without``."""
+        made = self
+        for signal in signals:
+            made = made._lacking(signal, self.about.without[signal.name])
+        return made
+
+    def _lacking(self, signal: Signal, lack: Lack) -> Template:
+        source = lack.headed(without(self.source, signal.name, lack.known))
+        kept = {name: one for name, one in self.about.scales.items() if name not in lack.head}
+        about = replace(
+            self.about,
+            meaning=lack.worded(self.about.meaning),
+            scales={**kept, **lack.scales},
+            remarks=(*self.about.remarks, *filter(None, [lack.remark])),
+        )
+        return replace(self, about=about, source=lack.worded(source), absent=(*self.absent, signal))
 
     def code(self, name: str, scales: Mapping[str, float]) -> str:
         """The plant's file for the machine ``name``, with these numbers for its constants."""

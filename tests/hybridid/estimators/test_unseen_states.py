@@ -57,6 +57,22 @@ def test_a_run_that_leaves_the_numbers_counts_as_zero(joint):
     assert (states[-1] == 0).all()
 
 
+def test_a_plant_s_states_are_estimated_for_each_horizon_and_an_effect_s_handed_on(joint):
+    """As docs/write-your-own.md says; with ``initial_state: measured`` a hidden state begins at zero."""
+    record, _ = joint
+    model = compose(ESEA(), ["viscous", "maxwell"])
+    of_plant = np.arange(len(model.states)) < len(model.plant.states)
+    hidden = ~np.array(initial.observed(model))
+    assert (hidden & of_plant).any()
+    assert (hidden & ~of_plant).any()
+    problem = build_problem(model, [record], 200, 4)
+    np.testing.assert_array_equal(problem.carried, ~of_plant)
+    np.testing.assert_array_equal(problem.moving, np.tile(of_plant, (problem.windows.count, 1)))
+    measured = build_problem(model, [record], 200, 4, estimate_x0=False)
+    assert not measured.moving.any()
+    assert not measured.measured_x0()[:, hidden].any()
+
+
 def test_horizons_may_start_from_a_free_run(joint):
     record, states = joint
     model = compose(ESEA(), ["viscous"])

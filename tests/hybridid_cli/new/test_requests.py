@@ -96,13 +96,19 @@ def test_stamps_may_count_from_1970(say, rig, own_folder):
 TABLE = "t,a,b,still\n" + "\n".join(
     f"{0.01 * k},{np.sin(0.1 * k):.5f},{np.cos(0.3 * k):.5f},1" for k in range(200)
 )
+WITH_ZERO = TABLE.replace("\n", ",0\n").replace("still,0", "still,zero") + ",0"
+FREE = ["--signal", "torque=none", "--signal", "angle=a"]
 REFUSED = {
     "template": (["--template", "rotari"], "unknown template 'rotari': did you mean 'rotary'?"),
     "unknown signal": (["--signal", "angel=a"], "template rotary has no signal 'angel'; it has"),
     "unknown column": (["--signal", "angle=A1"], "there is no column 'A1'"),
     "column twice": (["--signal", "angle=a", "--signal", "torque=a"], "'a' is given for angle and torque"),
-    "which columns": ([], "which column is torque, the torque of the drive, which is angle, the angle"),
-    "columns left": ([], "Give --signal torque=COLUMN --signal angle=COLUMN; columns left: a, b, still"),
+    "which columns": ([], "which column is torque, the torque of the drive; which is angle, the angle of"),
+    "columns left": ([], "angle=COLUMN, or, if nothing drives it, --signal torque=none; columns left: a, b"),
+    "needed": (["--signal", "angle=none"], "cannot do without the signal, only without torque; columns: a"),
+    "hold of none": ([*FREE, "--hold", "torque=zoh"], "torque is none, so it has no scale and no hold"),
+    "scale of none": ([*FREE, "--scale", "torque=2"], "torque is none, so it has no scale and no hold"),
+    "always zero": (["--signal", "torque=zero", *FREE[2:]], "nothing drives it, give --signal torque=none"),
     "no number": (["--scale", "torque=much"], "--scale torque=much: it must be a number"),
     "zero": (["--scale", "torque=0"], "it must be a number, finite and not 0"),
     "no pair": (["--signal", "torque"], "--signal torque: write --signal SIGNAL=COLUMN"),
@@ -119,7 +125,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("wrong", REFUSED)
 def test_what_is_wrong_costs_one_line_and_writes_nothing(wrong, say, own_folder, rig):
-    (own_folder / "run.csv").write_text(TABLE)
+    (own_folder / "run.csv").write_text(WITH_ZERO if wrong == "always zero" else TABLE)
     words, line = REFUSED[wrong]
     template = [] if "--template" in words else ["--template", "rotary"]
     said = say("new", rig, "--from", "run.csv", *template, *words)
@@ -190,7 +196,7 @@ def test_a_column_of_text_is_told_as_such(say, own_folder, rig):
     )
     assert (
         "columns: esc.a, x; no numbers: mode (it holds the text 'eco' at sample 0"
-        in say("new", *words, "angle=none").complaint
+        in say("new", *words, "angle=nothing").complaint
     )
 
 
