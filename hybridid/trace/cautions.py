@@ -26,7 +26,7 @@ SURE = 2.0
 def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], context: Context) -> str:
     """Sentences for the trace of the fitted ``records``, each after a space; empty if there is none."""
     told = [revision_advised(found, context), several_hystereses(found.accepted)]
-    told += [within_half_a_sample(found.accepted, records[0].dt)]
+    told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     if found.verdict == "unexplained":
         told += [other_horizons_advised(found.search.final, context.split)]
     if traced.accepted:

@@ -15,13 +15,15 @@ from hybridid.effects.dimension import TIME
 from hybridid.effects.sampled import PATHS
 from hybridid.naming import listed
 from hybridid.quantities import quantity
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.refit import Refit
 from hybridid.trace.search import Accepted
 
 
-def within_half_a_sample(accepted: Sequence[Accepted], dt: float) -> str:
+def within_half_a_sample(accepted: Sequence[Accepted], final: Refit, dt: float) -> str:
     """That the sampling every ``dt`` s may make as much as an accepted delay or lag, in words; empty where
-    each is longer than half a sample, by more than two standard errors."""
-    short = [told for one in accepted for told in _short_times(one, dt / 2)]
+    each is longer than half a sample in the ``final`` model, by more than two standard errors."""
+    short = [told for one in accepted for told in _short_times(one.trial.candidate, final, dt / 2)]
     if not short:
         return ""
     return (
@@ -30,10 +32,9 @@ def within_half_a_sample(accepted: Sequence[Accepted], dt: float) -> str:
     )
 
 
-def _short_times(one: Accepted, half: float) -> Iterator[str]:
+def _short_times(candidate: Candidate, found: Refit, half: float) -> Iterator[str]:
     """The times of the effect's path that are not clearly longer than ``half`` [s], in words."""
-    candidate, found = one.trial.candidate, one.trial.refit
-    if candidate.effect.kind not in PATHS or found is None:
+    if candidate.effect.kind not in PATHS:
         return
     for p in candidate.effect.parameters:
         name = f"{candidate.name}.{p.name}"
