@@ -12,7 +12,7 @@ from hybridid.trace.decay_class import in_their_place
 from hybridid.trace.doubted import revision_advised
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.free_run import worse_in_free_run
-from hybridid.trace.horizon_advice import other_horizons_advised
+from hybridid.trace.horizon_advice import other_horizons_advised, parts_of_all_advised
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.result import Trace
 from hybridid.trace.sampling import within_half_a_sample
@@ -29,6 +29,8 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     if found.verdict == "unexplained":
         told += [other_horizons_advised(found.search.final, context.split)]
+    if found.verdict == "undecided" and traced.refused:
+        told += [parts_of_all_advised(context.split)]
     if traced.accepted:
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
         told += [in_their_place(found.search)]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from hybridid.naming import listed
+from hybridid.naming import counted, listed
 from hybridid.trace.refit import Refit
 from hybridid.trace.shorter import SHARE
 from hybridid.trace.split import FEWEST, Split
+
+MANY_MORE = 1.5
+"""Times the horizons that judge, from which as many more are worth another trace."""
 
 
 def other_horizons_advised(final: Refit, split: Split) -> str:
@@ -30,6 +33,18 @@ def other_horizons_advised(final: Refit, split: Split) -> str:
     return (
         f" Over horizons of {seconds} s the fit has other parameters: what is missing bends it over longer "
         f"ones. trace.horizon={seconds} may show more."
+    )
+
+
+def parts_of_all_advised(split: Split) -> str:
+    """That parts of every record judge better than a short record alone, in words; empty where as many
+    horizons judge already."""
+    judging, every = len(split.held_out), len(split.fitted) + len(split.held_out)
+    if split.gap or every < MANY_MORE * 2 * judging:
+        return ""
+    return (
+        f" Only {counted(judging, 'horizon')} judge. With trace.records=null trace.held_out=null parts of every "
+        "record do, which may decide more."
     )
 
 

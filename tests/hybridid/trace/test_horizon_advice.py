@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hybridid.trace.horizon_advice import other_horizons_advised
+from hybridid.trace.horizon_advice import other_horizons_advised, parts_of_all_advised
 
 
 def final(*hidden: str, shorter: object = None):
@@ -42,3 +42,18 @@ def test_longer_ones_where_no_output_shows_a_state():
 @pytest.mark.parametrize("horizons", [4, 7])
 def test_none_where_the_records_give_no_longer_ones(horizons):
     assert other_horizons_advised(final("h"), split(horizons)) == ""
+
+
+@pytest.mark.parametrize(("fitted", "judging", "advised"), [(23, 10, True), (10, 10, False), (15, 10, False)])
+def test_parts_of_every_record_judge_where_few_horizons_do(fitted, judging, advised):
+    numbers = tuple(range(fitted + judging))
+    whole = SimpleNamespace(fitted=numbers[:fitted], held_out=numbers[fitted:], gap=0)
+    said = parts_of_all_advised(whole)
+    assert bool(said) is advised
+    if advised:
+        assert said == (
+            " Only 10 horizons judge. With trace.records=null trace.held_out=null parts of every record do, "
+            "which may decide more."
+        )
+    whole.gap = 3
+    assert parts_of_all_advised(whole) == "", "parts of every record judge already"
