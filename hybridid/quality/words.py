@@ -19,12 +19,21 @@ def where(view: View) -> str:
 
 def worse_than_nothing(views: Sequence[View]) -> str:
     """Of which outputs a constant predicts as well."""
-    said = "; ".join(
-        f"{v.output} {where(v)}: RMSE {quantity(v.rmse, v.unit, 3)}, "
-        f"doing nothing {quantity(v.nothing, v.unit, 3)}"
-        for v in views
-    )
+    said = "; ".join(f"{v.output} {where(v)}: {_beside_nothing(v)}" for v in views)
     return f"the model is no better than doing nothing ({said})"
+
+
+def drifts(views: Sequence[View], horizons: View) -> str:
+    """That the free runs ``views`` are bad by nature, and that ``horizons`` are to be looked at."""
+    said = "; ".join(f"{v.output}: {_beside_nothing(v)}" for v in views)
+    return (
+        f"the free run drifts ({said}), since the model integrates: nothing brings it back within a record, "
+        f"and small errors add up; judge it {where(horizons)}"
+    )
+
+
+def _beside_nothing(view: View) -> str:
+    return f"RMSE {quantity(view.rmse, view.unit, 3)}, doing nothing {quantity(view.nothing, view.unit, 3)}"
 
 
 def explained(named: Sequence[Hypothesis], best: Trial, given: Trial) -> str:
