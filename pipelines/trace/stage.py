@@ -56,11 +56,9 @@ def run(job: Job) -> None:
     prepared = prepared_records(job.tree)
     asked = request_of(job.settings)
     request = fitting_horizon(asked, prepared, job.settings)
-    if request.horizon < asked.horizon:
-        job.watcher.warn(
-            f"trace.horizon: {request.horizon:.3g} s; the records are too short for {asked.horizon:g} s"
-        )
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
+    if line := _shortened(request.horizon, asked.horizon, fitted[0].dt):
+        job.watcher.warn(line)
     estimate, report = fit_of(job.tree).estimate, _Report(job)
     groups = groupings_of(job.settings, model_of(job.settings))
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
@@ -70,6 +68,13 @@ def run(job: Job) -> None:
         for failure in found.shown.failures:
             job.watcher.warn(failure)
         _write(job, found, request.processes)
+
+
+def _shortened(horizon: float, asked: float, step: float) -> str:
+    """That the horizon has fewer samples, of ``step`` s, than was ``asked`` for; else empty."""
+    if round(horizon / step) >= round(asked / step):
+        return ""
+    return f"trace.horizon: {horizon:.3g} s; the records are too short for {asked:g} s"
 
 
 def traced(
