@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from hybridid.estimators.estimate import Estimate, Left
+from hybridid.estimators.floor import FAR
 from hybridid.quality.hypotheses import Hypothesis
 from hybridid.quality.trial import Trial
 from hybridid.quality.verdict import Verdict, View
@@ -119,7 +120,17 @@ def sentence(verdict: Verdict, estimate: Estimate) -> str:
     if untold:
         outputs = " and ".join(untold)
         return f"sound, as far as records tell that do not show the sensor's noise in {outputs}"
-    return "sound: the model leaves no more than noise and simulation do"
+    return f"sound: the model leaves {_within_the_limit(estimate.left)}"
+
+
+def _within_the_limit(left: Sequence[Left]) -> str:
+    """How much a sound fit leaves of the output that it leaves most of, beside noise and simulation."""
+    more = [one for one in left if _two_digits(one.times) > 1.0]
+    if not more:
+        return "no more than noise and simulation do"
+    worst = max(more, key=lambda one: one.times)
+    times = number(worst.times, 2)
+    return f"{times} times what noise and simulation leave of {worst.output}, within the limit of {FAR:g}"
 
 
 def _two_digits(share: float) -> float:
