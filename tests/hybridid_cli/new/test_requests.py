@@ -81,6 +81,15 @@ def test_uneven_stamps_are_resampled(say, own_folder, rig):
     assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
 
 
+def test_the_stamps_of_a_video_are_resampled_at_its_rate(say, own_folder, rig):
+    """Milliseconds, and a picture that was lost; with steps of 33 ms each sample would be interpolated."""
+    t = np.delete(np.arange(400) / 30, 40)
+    rows = "\n".join(f"{a:.3f},{np.sin(a):.6f}" for a in t)
+    (own_folder / "swing.csv").write_text(f"t,angle\n{rows}\n")
+    assert say("new", rig, "--from", "swing.csv", "--template", "pendulum").code == 0
+    assert signals_of(own_folder, rig)["resample"] == pytest.approx(1 / 30, rel=1e-9)
+
+
 def test_stamps_may_count_from_1970(say, rig, own_folder):
     t = 1.7e9 + 0.01 * np.arange(400)
     rows = "\n".join(f"{a:.2f},{np.sin(a):.6f}" for a in t)
