@@ -28,6 +28,7 @@ from pipelines.shared.imports import code_digests
 from pipelines.shared.kept_results import kept_results
 from pipelines.shared.limits import check_processes
 from pipelines.shared.modelling import fit_settings, groupings_of, model_of, named_code
+from pipelines.shared.one_step import check_one_step
 from pipelines.shared.page import Picture
 from pipelines.shared.pool import mapper_of
 from pipelines.shared.prepared import prepared_records
@@ -208,13 +209,15 @@ def check(settings: Settings) -> None:
 
 
 def check_records(settings: Settings, tree: Path) -> None:
-    """Check that a horizon holds samples: a trace would end with that after the fit.
+    """Check that the records have one sampling time, and that a horizon holds samples: a trace would end with
+    that after the fit.
 
     Raises:
-        ConfigError: if it does not; the message says which horizon would.
+        ConfigError: if not; the message says which keys and which horizon would do.
     """
     prepared = prepared_records(tree)
-    fitted, _ = division(prepared, settings)
+    fitted, held_out = division(prepared, settings)
+    check_one_step([*fitted, *held_out])
     horizon, first = fitting_horizon(request_of(settings), prepared, settings).horizon, fitted[0]
     if round(horizon / first.dt) < SHORTEST:
         proposed = proposed_horizon(first.dt, min(record.seconds for record in fitted))
