@@ -162,6 +162,21 @@ def test_a_unit_of_another_quantity_needs_a_scale(recorded, say, rig):
     assert said.complaint.endswith("column 'motor current [A]' in A: give --scale force=NUMBER, in N per A")
 
 
+def test_all_scales_that_are_missing_are_asked_for_at_once(say, own_folder, rig):
+    """A dryer: the voltage of its heater, and that of its thermocouple."""
+    rows = "\n".join(f"{0.1 * k:.1f},{k % 3},{np.sin(k / 9):.4f}" for k in range(100))
+    (own_folder / "dryer.csv").write_text(f"t [s],power [V],temp [V]\n{rows}\n")
+    words = ("new", rig, "--from", "dryer.csv", "--template", "heater")
+    said = say(*words)
+    assert said.code == 2
+    assert said.complaint.endswith(
+        "signal power is in W, column 'power [V]' in V, and signal temperature is in °C, column 'temp [V]' "
+        "in V: give --scale power=NUMBER, in W per V, and --scale temperature=NUMBER, in °C per V"
+    )
+    asked = ("--scale", "power=1", "--scale", "temperature=1")
+    assert say(*words, *asked).code == 0
+
+
 def test_a_speed_is_no_position_whatever_the_scale(say, own_folder, rig):
     (own_folder / "run.csv").write_text(TABLE.replace("a,b", "force,v_kmh", 1))
     words = ("--template", "carriage", "--signal", "position=v_kmh", "--scale", "position=0.2778")
