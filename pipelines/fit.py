@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from hybridid.estimators.demand import fit_demand
 from hybridid.estimators.estimate import Progress
 from hybridid.estimators.fit import fit
@@ -13,6 +15,7 @@ from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import Fit, describe_model
 from pipelines.shared.limits import check_and_tell, check_demand
 from pipelines.shared.modelling import fit_settings, model_of
+from pipelines.shared.one_step import check_one_step
 from pipelines.shared.prepared import prepared_records
 from pipelines.shared.sources import fitted_records, sources_of
 from pipelines.shared.stage import Job, Stage
@@ -68,6 +71,15 @@ def check(settings: Settings) -> None:
         raise ConfigError(f"{error}{missing}") from error
 
 
+def check_records(settings: Settings, tree: Path) -> None:
+    """Check that the fitted records have one sampling time.
+
+    Raises:
+        ConfigError: if they have not; the message gives the keys that make it so.
+    """
+    check_one_step(fitted_records(prepared_records(tree), settings))
+
+
 FIT = Stage(
     "fit",
     KEYS,
@@ -75,4 +87,5 @@ FIT = Stage(
     run,
     inputs=modelling.named_code,
     check=check,
+    check_records=check_records,
 )

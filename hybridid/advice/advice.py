@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["bound", "scale", "decay", "range", "horizon", "stopped", "valley", "open", "same"]
+Kind = Literal["bound", "scale", "decay", "range", "horizon", "stopped", "valley", "open", "same", "drift"]
 
 
 @dataclass(frozen=True)
@@ -18,6 +18,7 @@ class Advice:
     descent used all its iterations, and needs more, or another tolerance. ``valley``: too few starts tell
     whether the valley that is kept is the lowest. ``open``: a standard error is larger than its parameter,
     which is positive. ``same``: a held-out record holds samples that were fitted.
+    ``drift``: a free run is bad by nature, since the model integrates; horizons judge it.
     """
 
     kind: Kind

@@ -23,7 +23,8 @@ SHORTEST = 2
 SHARE = 0.1
 """Of the shortest record, that a horizon should have at most: there are some to judge by."""
 TOLERATED = 1.5
-"""Times ``SHARE`` that are not told: a part of a recording may be fitted with the horizon of the whole."""
+"""Times ``SHARE`` that are not told: a part of a recording may be fitted with the horizon of the whole. A
+horizon that does not show the slowest dynamics is worth proposing if it is so many times as long."""
 RESOLVED = 1 / 3
 """Of the shortest record, that the slowest dynamics may take and still be seen."""
 PROBES = 50
@@ -48,15 +49,26 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
         yield Advice("horizon", _said(problem, estimate, shortest, proposed_horizon(step, shortest)))
         return
     slowest = slowest_time(problem, estimate, RESOLVED * shortest)
-    if seconds < min(slowest, 0.99 * SHARE * shortest):
-        wanted = max(2 * slowest, proposed_horizon(step, shortest))
-        better = max(SHORTEST, round(min(wanted, SHARE * shortest) / step))
-        yield Advice(
-            "horizon",
-            f"estimator.horizon={estimate.settings.horizon} is {number(seconds, 3)} s, shorter than the "
-            f"slowest dynamics that the records resolve ({number(slowest, 2)} s): their parameters show "
-            f"little in one horizon; estimator.horizon={better} ({number(better * step, 2)} s) is proposed",
-        )
+    if seconds < slowest:
+        yield Advice("horizon", _too_short(problem, estimate, shortest, slowest))
+
+
+def _too_short(problem: Problem, estimate: Estimate, shortest: float, slowest: float) -> str:
+    """What to do where one horizon does not show the slowest dynamics: a longer one, if there is any."""
+    step, horizon = problem.windows.dt, estimate.settings.horizon or 0
+    wanted = max(2 * slowest, proposed_horizon(step, shortest))
+    better = max(SHORTEST, round(min(wanted, SHARE * shortest) / step))
+    begins = (
+        f"estimator.horizon={horizon} is {number(horizon * step, 3)} s, shorter than the slowest dynamics "
+        f"that the records resolve ({number(slowest, 2)} s): their parameters show little in one horizon; "
+    )
+    if better > horizon and (better * step >= slowest or better >= TOLERATED * horizon):
+        return begins + f"estimator.horizon={better} ({number(better * step, 2)} s) is proposed"
+    return begins + (
+        "these records are too short for a longer one, which would leave few horizons to judge by (the "
+        f"shortest fitted record has {number(shortest, 3)} s); longer records show more, or "
+        "estimator.horizon=null, which fits whole records"
+    )
 
 
 def _said(problem: Problem, estimate: Estimate, shortest: float, proposed: float) -> str:

@@ -2,6 +2,9 @@
 
 A channel whose sign is reversed, that is in another unit than declared, or two columns that are swapped: the
 record is changed back. A parameter that wants to leave its bounds: they are released.
+
+A signal that preprocessing made of a recorded one is no column of the file. It has no sign and no unit of its
+own, and is swapped with nothing: a mistake in the recorded one is a mistake in both.
 """
 
 from __future__ import annotations
@@ -41,6 +44,11 @@ class Hypothesis:
     def reorders(self) -> bool:
         """Whether columns change places."""
         return self.order != tuple(range(len(self.order)))
+
+    @property
+    def other_outputs(self) -> bool:
+        """Whether an input takes the place of an output."""
+        return min(self.order[self.inputs :]) < self.inputs
 
     @property
     def by_input(self) -> Array:
@@ -88,17 +96,18 @@ def hypotheses(model: Model, records: Sequence[Record], at_bound: Sequence[str])
     """
     channels = (*records[0].input_channels, *records[0].output_channels)
     n_u = len(records[0].input_channels)
-    moving = [k for k in range(len(channels)) if _moves(records, k, n_u)]
+    of = _columns(channels)
+    moving = [k for k in range(len(channels)) if of[k] == k and _moves(records, k, n_u)]
     groups = _groups(channels, moving, n_u)
     found = [
-        _changed("sign", f"the sign of {said} is reversed", len(channels), n_u, columns, -1.0)
+        _changed("sign", f"the sign of {said} is reversed", of, n_u, columns, -1.0)
         for said, columns in groups
         if set(columns) <= set(range(n_u)) or len(columns) == 1
     ]
     for said, columns in groups:
         for unit, factor in _units(channels[columns[0]].unit):
             what = f"{said} is in {unit}"
-            found.append(_changed("unit", what, len(channels), n_u, columns, 1.0 / factor))
+            found.append(_changed("unit", what, of, n_u, columns, 1.0 / factor))
     lively = {k: _lively(records, k, n_u) for k in moving}
     for a, b in combinations(moving, 2):
         if (a < n_u) != (b < n_u) and lively[a] < SAMPLED * lively[b]:
@@ -115,6 +124,14 @@ def hypotheses(model: Model, records: Sequence[Record], at_bound: Sequence[str])
             )
         )
     return found
+
+
+def _columns(channels: Sequence[Channel]) -> list[int]:
+    """For each channel the one that stands for its column of the file: itself, if it was recorded, or the
+    recorded one that it was made of. Where a model uses only what was made of it, the first of these."""
+    recorded = [one.made_of or one.name for one in channels]
+    names = [one.name for one in channels]
+    return [names.index(one) if one in names else recorded.index(one) for one in recorded]
 
 
 def _moves(records: Sequence[Record], k: int, n_u: int) -> bool:
@@ -148,10 +165,11 @@ def _groups(
 
 
 def _changed(
-    kind: Kind, said: str, count: int, n_u: int, columns: Sequence[int], factor: float
+    kind: Kind, said: str, of: Sequence[int], n_u: int, columns: Sequence[int], factor: float
 ) -> Hypothesis:
-    factors = tuple(factor if k in columns else 1.0 for k in range(count))
-    return Hypothesis(kind, said, factors, tuple(range(count)), n_u)
+    """``columns`` times ``factor``, and what was made of them; ``of`` as ``_columns`` has it."""
+    factors = tuple(factor if column in columns else 1.0 for column in of)
+    return Hypothesis(kind, said, factors, tuple(range(len(of))), n_u)
 
 
 def _units(unit: str) -> Iterator[tuple[str, float]]:

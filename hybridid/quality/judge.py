@@ -2,9 +2,9 @@
 
 1. What the fit leaves is set beside what doing nothing leaves, over its horizons and in free run.
 2. Is it no more than the sensor's noise and the simulation leave (``estimators.floor``), nothing more is
-asked. 3. Else the records are asked which channels they confirm (``doubt``). For the others another sign,
-another unit and another column are tried by real refits (``trial``); so is leaving the bounds that a
-parameter stands at.
+asked. A free run that drifts by nature (``drift``) does not condemn a fit whose horizons are good. 3. Else
+the records are asked which channels they confirm (``doubt``). For the others another sign, another unit and
+another column are tried by real refits (``trial``); so is leaving the bounds that a parameter stands at.
 """
 
 from __future__ import annotations
@@ -16,19 +16,21 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.advice import advise
+from hybridid.advice import Advice, advise
 from hybridid.estimators.estimate import Estimate, Left
 from hybridid.estimators.findings import several_valleys
 from hybridid.estimators.pieces import pieces
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.model import Model
 from hybridid.quality.doubt import doubt_of
+from hybridid.quality.drift import drifting
 from hybridid.quality.hypotheses import Hypothesis, hypotheses
 from hybridid.quality.smoothing import steady_horizon
 from hybridid.quality.trial import MOST_OF, Data, Trial, tried
 from hybridid.quality.verdict import WRONG, Finding, Quality, Verdict, View
 from hybridid.quality.views import views_of
 from hybridid.quality.words import (
+    drifts,
     explained,
     explains_little,
     incomplete,
@@ -69,7 +71,9 @@ def judge(
     views = views_of(model, records, estimate, problem)
     more = any(one.exceeded for one in estimate.left)
     unknown = any(math.isnan(one.noise) for one in estimate.left)
-    bad = [v for v in views if v.worse_than_nothing and (more or v.horizon == views[0].horizon)]
+    drift = drifting(views, model, model.values(estimate.values), records)
+    worse = [v for v in views if v.worse_than_nothing and v not in drift]
+    bad = [v for v in worse if more or v.horizon == views[0].horizon]
     findings = [Finding("worse_than_nothing", worse_than_nothing(bad))] if bad else []
     if bad or more or unknown:
         findings += _explanations(model, problem, estimate, bool(bad or more))
@@ -79,8 +83,9 @@ def judge(
     findings += [Finding("valley", said) for said in several_valleys(estimate.starts)]
     verdict = _verdict(estimate, findings)
     said = sentence(verdict, estimate)
-    advice = advise(problem, estimate, held_out)
-    return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began, advice)
+    advice = [Advice("drift", drifts(drift, views[0]))] if drift and verdict != "wrong" else []
+    advice += advise(problem, estimate, held_out)
+    return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began, tuple(advice))
 
 
 def _verdict(estimate: Estimate, findings: Sequence[Finding]) -> Verdict:

@@ -4,6 +4,10 @@ It explains what the fit leaves if it leaves less than half of the squared error
 stretch by stretch: by Clarke's test of two models that do not nest, a sign test of their log-likelihoods. Its
 unit is a stretch of the record here, since residuals of neighbouring samples are alike.
 
+With an input in the place of an output the model predicts another signal. Signals are not predicted with the
+same ease: that of an integral hardly leaves its tangent. So such a hypothesis must leave less than half of
+what straight lines leave too, and less than half of what the fit leaves in that measure.
+
 Source: Clarke (2007), "A simple distribution-free test for nonnested model selection", Political Analysis
 15(3), 347-363.
 """
@@ -71,7 +75,8 @@ class Data:
 @dataclass(frozen=True)
 class Trial:
     """Where a fit of ``data`` ended: parameters ``p`` (n_p,), initial states ``x0`` (w, n_x), and the share
-    that it leaves of what doing nothing leaves, in all and by stretches (infinite: it diverges)."""
+    that it leaves of what doing nothing leaves, in all and by stretches (infinite: it diverges). ``of_lines``
+    is the share of what a straight line through each output leaves, over the horizons."""
 
     hypothesis: Hypothesis | None
     data: Data
@@ -79,9 +84,13 @@ class Trial:
     x0: Array
     share: float
     shares: Array
+    of_lines: float
 
     def explains(self, other: Trial) -> bool:
         """Whether it explains most of what ``other`` leaves, and most of the motion."""
+        other_outputs = self.hypothesis is not None and self.hypothesis.other_outputs
+        if other_outputs and not self.of_lines < MOST_OF * min(other.of_lines, 1.0):
+            return False
         return self.share < MOST_OF and explains((self.share, self.shares), (other.share, other.shares))
 
 
@@ -110,7 +119,7 @@ def tried(
     best = found[int(np.argmin([one.cost for one in found]))]
     residual = problem.residuals(problem.shooter(best.x0, best.p))
     shares = stretches(residual, problem.windows.used)
-    return Trial(hypothesis, data, best.p, best.x0, best.cost / half, shares)
+    return Trial(hypothesis, data, best.p, best.x0, best.cost / half, shares, _of_lines(problem, residual))
 
 
 def stretches(residual: Array, used: NDArray[np.bool_]) -> Array:
@@ -121,11 +130,34 @@ def stretches(residual: Array, used: NDArray[np.bool_]) -> Array:
     return np.array([part.mean() for part in parts])
 
 
+def _of_lines(problem: Problem, residual: Array) -> float:
+    """Mean squares of a weighted ``residual`` (w, H, n_y), each output's over what straight lines leave of
+    it."""
+    windows = problem.windows
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        left = (residual**2).sum(axis=(0, 1)) / windows.counts * problem.scale**2
+        return float(np.mean(np.nan_to_num(left / _straight(windows), nan=np.inf)))
+
+
+def _straight(windows: Windows) -> Array:
+    """Mean squares (n_y,) of the outputs about the straight line through each horizon."""
+    used = windows.cells
+    time = np.broadcast_to(np.arange(used.shape[1], dtype=float)[:, None], used.shape)
+    moved, run = _about_mean(windows.outputs, used), _about_mean(time, used)
+    size = np.maximum((run**2).sum(axis=1, keepdims=True), 1.0)
+    slope = (run * moved).sum(axis=1, keepdims=True) / size
+    return np.asarray(((moved - slope * run) ** 2).sum(axis=(0, 1)) / windows.counts)
+
+
+def _about_mean(values: Array, used: NDArray[np.bool_]) -> Array:
+    """``values`` (w, H, n_y) less their mean over what is ``used`` of each horizon, 0 where it is not."""
+    count = np.maximum(used.sum(axis=1, keepdims=True), 1)
+    mean = np.where(used, values, 0.0).sum(axis=1, keepdims=True) / count
+    return np.where(used, values - mean, 0.0)
+
+
 def _of_nothing(windows: Windows) -> Array:
     """RMS (n_y,) of the outputs about the mean of each horizon: what a constant leaves."""
-    used = windows.cells
-    count = np.maximum(used.sum(axis=1, keepdims=True), 1)
-    mean = np.where(used, windows.outputs, 0.0).sum(axis=1, keepdims=True) / count
-    moved = np.where(used, windows.outputs - mean, 0.0)
+    moved = _about_mean(windows.outputs, windows.cells)
     rms = np.sqrt((moved**2).sum(axis=(0, 1)) / windows.counts)
     return np.where(rms > 0, rms, 1.0)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from hybridid.estimators.estimate import Estimate, Left
+from hybridid.estimators.floor import FAR
 from hybridid.quality.hypotheses import Hypothesis
 from hybridid.quality.trial import Trial
 from hybridid.quality.verdict import Verdict, View
@@ -19,12 +20,21 @@ def where(view: View) -> str:
 
 def worse_than_nothing(views: Sequence[View]) -> str:
     """Of which outputs a constant predicts as well."""
-    said = "; ".join(
-        f"{v.output} {where(v)}: RMSE {quantity(v.rmse, v.unit, 3)}, "
-        f"doing nothing {quantity(v.nothing, v.unit, 3)}"
-        for v in views
-    )
+    said = "; ".join(f"{v.output} {where(v)}: {_beside_nothing(v)}" for v in views)
     return f"the model is no better than doing nothing ({said})"
+
+
+def drifts(views: Sequence[View], horizons: View) -> str:
+    """That the free runs ``views`` are bad by nature, and that ``horizons`` are to be looked at."""
+    said = "; ".join(f"{v.output}: {_beside_nothing(v)}" for v in views)
+    return (
+        f"the free run drifts ({said}), since the model integrates: nothing brings it back within a record, "
+        f"and small errors add up; judge it {where(horizons)}"
+    )
+
+
+def _beside_nothing(view: View) -> str:
+    return f"RMSE {quantity(view.rmse, view.unit, 3)}, doing nothing {quantity(view.nothing, view.unit, 3)}"
 
 
 def explained(named: Sequence[Hypothesis], best: Trial, given: Trial) -> str:
@@ -110,7 +120,17 @@ def sentence(verdict: Verdict, estimate: Estimate) -> str:
     if untold:
         outputs = " and ".join(untold)
         return f"sound, as far as records tell that do not show the sensor's noise in {outputs}"
-    return "sound: the model leaves no more than noise and simulation do"
+    return f"sound: the model leaves {_within_the_limit(estimate.left)}"
+
+
+def _within_the_limit(left: Sequence[Left]) -> str:
+    """How much a sound fit leaves of the output that it leaves most of, beside noise and simulation."""
+    more = [one for one in left if _two_digits(one.times) > 1.0]
+    if not more:
+        return "no more than noise and simulation do"
+    worst = max(more, key=lambda one: one.times)
+    times = number(worst.times, 2)
+    return f"{times} times what noise and simulation leave of {worst.output}, within the limit of {FAR:g}"
 
 
 def _two_digits(share: float) -> float:

@@ -24,7 +24,8 @@ class Channel:
     ``hold`` is the course of the signal between its samples: ``zoh`` constant (the command of a
     digital controller), ``foh`` linear, ``bandlimited`` (measured through an anti-alias filter).
     Only inputs use it. ``assumed``: the hold is not declared, so that a trace varies it. ``constant``: it is
-    a number that belongs to the record, declared with it.
+    a number that belongs to the record, declared with it. ``made_of``: the recorded signal that a step of
+    preprocessing made it of; empty for one that was recorded.
 
     Raises:
         RecordError: if ``hold`` is none of these.
@@ -36,6 +37,7 @@ class Channel:
     meaning: str = ""
     assumed: bool = False
     constant: bool = False
+    made_of: str = ""
 
     def __post_init__(self) -> None:
         if self.hold not in HOLDS:

@@ -9,6 +9,7 @@ import numpy as np
 from hybridid.records.channel import Array, Channel, RecordError, Signals
 from hybridid.records.clipping import clipped_runs
 from hybridid.records.masked import Cells, Counts
+from hybridid.records.usual_step import in_digits, usual_step
 
 MINIMUM_SAMPLES = 10
 # Time stamps printed with too few digits deviate by less than this, a lost or late sample by more.
@@ -106,10 +107,12 @@ def check_increasing(time: Array, where: str) -> None:
         )
 
 
-def set_resample(name: str, dt: float) -> str:
-    """What to set so that the record ``name`` is resampled at ``dt`` s, for a message."""
+def set_resample(name: str, time: Array) -> str:
+    """What to set so that the record ``name`` is resampled at the usual step of ``time`` (n,) in s, for a
+    message."""
+    dt = in_digits([usual_step(time)])
     return (
-        f"set signals.resample={dt:.3g} to interpolate onto an even grid (records.{name}.resample for this "
+        f"set signals.resample={dt:.12g} to interpolate onto an even grid (records.{name}.resample for this "
         "record alone)"
     )
 
@@ -125,7 +128,7 @@ def check_even(time: Array, where: str) -> None:
     """
     steps = np.diff(time)
     dt = float(np.median(steps))
-    resample = set_resample(where.removeprefix("record "), dt)
+    resample = set_resample(where.removeprefix("record "), time)
     remedy = f"{resample}, or give signals.time.dt in place of its column if only the stamps are rounded"
     off = np.abs(steps - dt)
     if off.max() > STEP_TOLERANCE * dt:

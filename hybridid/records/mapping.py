@@ -280,10 +280,9 @@ def _clocks(
     if all(len(one) == len(table[of_time[1]]) and np.array_equal(one, table[of_time[1]]) for one in stamps):
         return None
     if not resampling:
-        step = float(np.median(np.diff(table[of_time[1]])))
         raise RecordError(
             f"{said} is stamped by {clock[1]} ({len(table[clock[1]])} samples), time is {of_time[1]} "
-            f"({len(table[of_time[1]])}): {set_resample(name, step)}"
+            f"({len(table[of_time[1]])}): {set_resample(name, table[of_time[1]])}"
         )
     return stamps
 

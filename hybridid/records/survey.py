@@ -15,6 +15,7 @@ from hybridid.records.checks import check_even, check_increasing
 from hybridid.records.columns import Columns
 from hybridid.records.mapping import SECONDS
 from hybridid.records.units import factor, is_unit
+from hybridid.records.usual_step import UsualStep, usual_step
 
 TIME_NAMES = ("t", "time", "timestamp", "stamp", "stamps", "ts", "epoch", "seconds", "zeit", "temps", "tempo")
 SINCE_1970 = (1e9, 4e9)
@@ -41,15 +42,20 @@ class Labelled(NamedTuple):
 @dataclass(frozen=True)
 class TimeFound:
     """The time axis: its ``column``, in a ``unit`` of ``SECONDS`` (``assumed`` where no header told it), the
-    usual ``step`` in s, and whether the stamps are ``even``. Without a column they are 0, ``step``, ...
+    ``usual`` step in s, and whether the stamps are ``even``. Without a column they are 0, ``step``, ...
     ``same`` are further columns with the same stamps, of other files of the recording."""
 
     column: str | None
     unit: str
     assumed: bool
-    step: float
+    usual: UsualStep
     even: bool
     same: tuple[str, ...] = ()
+
+    @property
+    def step(self) -> float:
+        """The usual step in s."""
+        return self.usual.seconds
 
 
 class NoTimeError(RecordError):
@@ -107,7 +113,7 @@ def time_found(columns: Columns, column: str | None = None, step: float | None =
         RecordError: if its unit is none of time, or if the stamps do not increase.
     """
     if column is None and step is not None:
-        return TimeFound(None, "s", False, step, True)
+        return TimeFound(None, "s", False, UsualStep(step, 0.0), True)
     name, *same = [column] if column is not None else _looks_like_time(columns)
     stamps = columns[name]
     told = _unit_of_time(name, columns)
@@ -122,7 +128,7 @@ def time_found(columns: Columns, column: str | None = None, step: float | None =
         even = True
     except RecordError:
         even = False
-    return TimeFound(name, unit, not told, float(np.median(np.diff(seconds))), even, tuple(same))
+    return TimeFound(name, unit, not told, usual_step(seconds), even, tuple(same))
 
 
 def _looks_like_time(columns: Columns) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from hybridid.records.masked import Cells
-from hybridid.records.record import Array, Channel, Record
+from hybridid.records.record import Array, Channel, Hold, Record
 
 Role = Literal["output", "input", "auxiliary"]
 
@@ -83,9 +83,15 @@ class Target:
             return edited(record, {self.name: values}, self.unit)
         if self.name in {channel.name for channel in record.channels}:
             raise StepError(f"record {record.name} already has a signal {self.name!r}; choose another name")
-        channel = Channel(self.name, self.unit, "foh" if self.role == "input" else "zoh")
+        hold: Hold = "foh" if self.role == "input" else "zoh"
+        channel = Channel(self.name, self.unit, hold, made_of=_recorded(record, self.source))
         appended = _appended(record, channel, values, self.role, self.source)
         return _demoted(appended, self.source, self.role == "output") if self.demote else appended
+
+
+def _recorded(record: Record, source: str) -> str:
+    """The recorded signal that ``source`` is, or was itself made of."""
+    return next(c.made_of for c in record.channels if c.name == source) or source
 
 
 def in_place(

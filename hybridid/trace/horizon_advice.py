@@ -43,8 +43,8 @@ def parts_of_all_advised(split: Split) -> str:
     if split.gap or every < MANY_MORE * 2 * judging:
         return ""
     return (
-        f" Only {counted(judging, 'horizon')} judge. With trace.records=null trace.held_out=null parts of every "
-        "record do, which may decide more."
+        f" Only {counted(judging, 'horizon')} judge. With trace.records=null trace.held_out=null parts of "
+        "every record do, which may decide more."
     )
 
 

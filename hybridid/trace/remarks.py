@@ -99,7 +99,11 @@ def _what_the_network_finds(found: Trace, check: Completeness) -> str:
     if check.gain < found.rules.worth:
         return f"That is less than {percent(found.rules.worth)}: it finds nothing more that is worth having"
     if check.complete:
-        return "That is not significant: it finds nothing more"
+        level = percent(found.rules.alpha)
+        return (
+            f"At the level of {level} that is not shown to be more than chance, which does not say that "
+            "nothing is missing"
+        )
     if not found.remains:
         return "That gain does not survive other ways of solving the equations"
     return "It finds what no effect in the library names"

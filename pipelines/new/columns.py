@@ -60,8 +60,12 @@ def chosen(
         if left:
             free = [one for one in columns if one not in found.values()]
             found[left[0].name] = _answered(template, left, free, ask, unusable)
-    pairs = ((signal, found[signal.name]) for signal in signals)
-    return tuple(_in_unit(template, signal, one, scales) for signal, one in pairs if one is not None)
+    every = ((signal, found[signal.name]) for signal in signals)
+    pairs = [(signal, column) for signal, column in every if column is not None]
+    for signal, column in pairs:
+        _check_quantity(template, signal, column)
+    _check_scales([pair for pair in pairs if pair[0].name not in scales])
+    return tuple(_in_unit(signal, column, scales) for signal, column in pairs)
 
 
 _Found = dict[str, ColumnFound | None]
@@ -197,26 +201,46 @@ def _described(signal: Signal) -> str:
     return f"{signal.name}, the {signal.meaning}"
 
 
-def _in_unit(template: Template, signal: Signal, column: ColumnFound, scales: Mapping[str, float]) -> Chosen:
+def _check_quantity(template: Template, signal: Signal, column: ColumnFound) -> None:
+    """Whether the column of an output is neither its signal's rate nor what the signal is the rate of."""
     apart = _steps_of_time(signal, column) if signal in template.outputs else ""
     if apart:
-        where = f"signal {signal.name} is in {signal.unit}, column {column.name!r} in {column.unit}"
         raise ConfigError(
-            f"{where}: it is {apart}, and no scale makes one of the other; hybridid new lists what each "
-            "template measures"
+            f"{_units(signal, column)}: it is {apart}, and no scale makes one of the other; "
+            "hybridid new lists what each template measures"
         )
+
+
+def _check_scales(pairs: Sequence[tuple[Signal, ColumnFound]]) -> None:
+    """Whether the unit of each column can be turned into that of its signal; one line asks for all scales
+    that are missing."""
+    missing = [(signal, column) for signal, column in pairs if _scale_of(signal, column) is None]
+    if missing:
+        where = ", and ".join(_units(*pair) for pair in missing)
+        flags = ", and ".join(
+            f"--scale {signal.name}=NUMBER, in {signal.unit} per {column.unit}" for signal, column in missing
+        )
+        raise ConfigError(f"{where}: give {flags}")
+
+
+def _units(signal: Signal, column: ColumnFound) -> str:
+    return f"signal {signal.name} is in {signal.unit}, column {column.name!r} in {column.unit}"
+
+
+def _scale_of(signal: Signal, column: ColumnFound) -> float | None:
+    """``signal = scale · column`` by their units; 1 where there is none to convert, None where none fits."""
+    return factor(column.unit, signal.unit) if column.unit and signal.unit != "1" else 1.0
+
+
+def _in_unit(signal: Signal, column: ColumnFound, scales: Mapping[str, float]) -> Chosen:
     if signal.name in scales:
         return Chosen(signal, column, scales[signal.name], "user")
     if not column.unit:
         return Chosen(signal, column, 1.0, "nothing")
     if signal.unit == "1":
         return Chosen(signal, column, 1.0, "bare")
-    scale = factor(column.unit, signal.unit)
-    if scale is None:
-        raise ConfigError(
-            f"signal {signal.name} is in {signal.unit}, column {column.name!r} in {column.unit}: give "
-            f"--scale {signal.name}=NUMBER, in {signal.unit} per {column.unit}"
-        )
+    scale = _scale_of(signal, column)
+    assert scale is not None  # checked before
     return Chosen(signal, column, scale, "header")
 
 

@@ -17,6 +17,7 @@ from hybridid.records.mapping import SignalMap, TimeMap, build_record
 from hybridid.records.readers import read_columns
 from hybridid.records.record import Record
 from hybridid.records.survey import NoTimeError, TimeFound, columns_found, time_found
+from hybridid.records.usual_step import in_digits
 from pipelines.new.absent import UNDRIVEN
 from pipelines.new.columns import NONE, Ask, Chosen, chosen, full_name
 from pipelines.new.machine import Machine, Recording
@@ -198,7 +199,8 @@ def _read(
     if time.column is not None:
         axis = TimeMap(time.column, time.unit, same=time.same)
     inputs, outputs = ([signals[one.name] for one in ours] for ours in (plan.inputs, plan.outputs))
-    return build_record(name, paths, axis, inputs, outputs, resample=None if time.even else time.step)
+    resample = None if time.even else in_digits([time.usual])
+    return build_record(name, paths, axis, inputs, outputs, resample=resample)
 
 
 def _scales(machine: Machine) -> dict[str, float]:

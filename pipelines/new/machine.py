@@ -11,6 +11,7 @@ from hybridid.advice.decay import free_decay
 from hybridid.advice.horizon import proposed_horizon
 from hybridid.records.record import Record
 from hybridid.records.survey import TimeFound
+from hybridid.records.usual_step import in_digits
 from pipelines.new.columns import Chosen
 from pipelines.new.scales import cutoff
 from pipelines.new.template import Derivative, Template
@@ -65,8 +66,8 @@ class Machine:
     @property
     def resample(self) -> float | None:
         """The even step in s, where the stamps of a recording are uneven."""
-        uneven = [one.time.step for one in self.recordings if not one.time.even]
-        return float(f"{min(uneven):.2g}") if uneven else None
+        uneven = [one.time.usual for one in self.recordings if not one.time.even]
+        return in_digits(uneven) if uneven else None
 
     @property
     def parts(self) -> tuple[Part, ...]:

@@ -28,6 +28,7 @@ from pipelines.shared.imports import code_digests
 from pipelines.shared.kept_results import kept_results
 from pipelines.shared.limits import check_processes
 from pipelines.shared.modelling import fit_settings, groupings_of, model_of, named_code
+from pipelines.shared.one_step import check_one_step
 from pipelines.shared.page import Picture
 from pipelines.shared.pool import mapper_of
 from pipelines.shared.prepared import prepared_records
@@ -56,11 +57,9 @@ def run(job: Job) -> None:
     prepared = prepared_records(job.tree)
     asked = request_of(job.settings)
     request = fitting_horizon(asked, prepared, job.settings)
-    if request.horizon < asked.horizon:
-        job.watcher.warn(
-            f"trace.horizon: {request.horizon:.3g} s; the records are too short for {asked.horizon:g} s"
-        )
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
+    if line := _shortened(request.horizon, asked.horizon, fitted[0].dt):
+        job.watcher.warn(line)
     estimate, report = fit_of(job.tree).estimate, _Report(job)
     groups = groupings_of(job.settings, model_of(job.settings))
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
@@ -70,6 +69,13 @@ def run(job: Job) -> None:
         for failure in found.shown.failures:
             job.watcher.warn(failure)
         _write(job, found, request.processes)
+
+
+def _shortened(horizon: float, asked: float, step: float) -> str:
+    """That the horizon has fewer samples, of ``step`` s, than was ``asked`` for; else empty."""
+    if round(horizon / step) >= round(asked / step):
+        return ""
+    return f"trace.horizon: {horizon:.3g} s; the records are too short for {asked:g} s"
 
 
 def traced(
@@ -203,13 +209,15 @@ def check(settings: Settings) -> None:
 
 
 def check_records(settings: Settings, tree: Path) -> None:
-    """Check that a horizon holds samples: a trace would end with that after the fit.
+    """Check that the records have one sampling time, and that a horizon holds samples: a trace would end with
+    that after the fit.
 
     Raises:
-        ConfigError: if it does not; the message says which horizon would.
+        ConfigError: if not; the message says which keys and which horizon would do.
     """
     prepared = prepared_records(tree)
-    fitted, _ = division(prepared, settings)
+    fitted, held_out = division(prepared, settings)
+    check_one_step([*fitted, *held_out])
     horizon, first = fitting_horizon(request_of(settings), prepared, settings).horizon, fitted[0]
     if round(horizon / first.dt) < SHORTEST:
         proposed = proposed_horizon(first.dt, min(record.seconds for record in fitted))

@@ -245,6 +245,18 @@ def test_a_horizon_that_does_not_suit_its_records_is_told(make_model, carriage, 
         assert "estimator.horizon=200 (1 s)" in said[0]
 
 
+@pytest.mark.parametrize("samples", [51, 60])
+def test_a_longer_horizon_is_proposed_only_where_it_helps(make_model, carriage, samples):
+    """The slowest dynamics take 0.47 s; a tenth of 2.6 s is 52 samples, which show little more."""
+    (said,) = told("horizon", make_model(), [carriage.record(n=521)], FitSettings(horizon=samples))
+    assert said.startswith(
+        f"estimator.horizon={samples} is {0.005 * samples:.3g} s, shorter than the slowest"
+    )
+    assert "these records are too short for a longer one" in said
+    assert said.count("estimator.horizon=") == 2
+    assert "estimator.horizon=null" in said
+
+
 def test_the_proposed_horizon_is_a_second_fifty_samples_or_a_tenth():
     assert proposed_horizon(1e-3, 24.8) == 1.0
     assert proposed_horizon(1.0, 4000.0) == 50.0

@@ -60,6 +60,24 @@ def test_the_noise_is_told(model, record):
     assert left.times < 1.5
 
 
+@pytest.mark.parametrize(
+    ("rmse", "said"),
+    [
+        (NOISE, "sound: the model leaves no more than noise and simulation do"),
+        (
+            2.58 * NOISE,
+            "sound: the model leaves 2.6 times what noise and simulation leave of position, within the limit "
+            "of 3",
+        ),
+    ],
+)
+def test_a_sound_fit_says_how_near_the_limit_it_is(model, record, rmse, said):
+    given = fit(model, [record])
+    left = replace(given.left[0], rmse=rmse, noise=NOISE, simulation=0.0, step=0.0, exceeded=False)
+    found = judge(model, [record], replace(given, left=(left,)))
+    assert (found.verdict, found.said) == ("sound", said)
+
+
 @pytest.mark.parametrize("factors", [{"force": -1.0}, {"position": -1.0}])
 def test_a_reversed_sign_is_told(verdict, record, factors):
     found = verdict(changed(record, **factors))

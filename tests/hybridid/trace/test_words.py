@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hybridid.records.record import Channel, Record
+from hybridid.trace.completeness import Completeness
 from hybridid.trace.entries import (
     AcceptedEffect,
     Floor,
@@ -20,6 +21,7 @@ from hybridid.trace.entries import (
     Width,
 )
 from hybridid.trace.remarks import (
+    completeness_in_words,
     idle_in_words,
     narrowed_in_words,
     refused_rivals,
@@ -325,3 +327,29 @@ def test_a_free_decay_warns_beside_a_name(make_decay):
         " Beware: amplitude and time cannot be told apart in decay: a free decay"
     )
     assert _confounded([make_decay(), make_decay(amplitude=0.3)]) == ""
+
+
+@pytest.mark.parametrize(
+    ("gain", "p_value", "complete", "said"),
+    [
+        (
+            0.431,
+            0.017,
+            True,
+            "At the level of 1 % that is not shown to be more than chance, which does not say that nothing "
+            "is missing",
+        ),
+        (
+            0.041,
+            0.0005,
+            True,
+            "That is less than 5 %: it finds nothing more that is worth having",
+        ),
+        (0.431, 0.0005, False, "That gain does not survive other ways of solving the equations"),
+    ],
+)
+def test_a_gain_that_is_not_significant_is_no_proof_that_nothing_is_missing(
+    nothing, gain, p_value, complete, said
+):
+    network = Completeness("12 bumps over velocity at cart", gain, p_value, complete, gain)
+    assert completeness_in_words(replace(nothing(), completeness=network)).endswith(said)

@@ -113,7 +113,7 @@ def test_uneven_stamps_of_the_page_end_with_the_key_to_set(laboratory, fit):
     assert refused.code == 1
     (line,) = [one for one in refused.err.splitlines() if one.startswith("hybridid:")]
     assert re.search(
-        r"record second: time is uneven: .*set signals.resample=0.00501 .*records.second.resample", line
+        r"record second: time is uneven: .*set signals.resample=0.005 .*records.second.resample", line
     )
 
 

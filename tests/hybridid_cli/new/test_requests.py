@@ -81,6 +81,15 @@ def test_uneven_stamps_are_resampled(say, own_folder, rig):
     assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
 
 
+def test_the_stamps_of_a_video_are_resampled_at_its_rate(say, own_folder, rig):
+    """Milliseconds, and a picture that was lost; with steps of 33 ms each sample would be interpolated."""
+    t = np.delete(np.arange(400) / 30, 40)
+    rows = "\n".join(f"{a:.3f},{np.sin(a):.6f}" for a in t)
+    (own_folder / "swing.csv").write_text(f"t,angle\n{rows}\n")
+    assert say("new", rig, "--from", "swing.csv", "--template", "pendulum").code == 0
+    assert signals_of(own_folder, rig)["resample"] == pytest.approx(1 / 30, rel=1e-9)
+
+
 def test_stamps_may_count_from_1970(say, rig, own_folder):
     t = 1.7e9 + 0.01 * np.arange(400)
     rows = "\n".join(f"{a:.2f},{np.sin(a):.6f}" for a in t)
@@ -157,6 +166,21 @@ def test_a_unit_of_another_quantity_needs_a_scale(recorded, say, rig):
     words = recorded("carriage")
     said = say("new", rig, *words[:4])
     assert said.complaint.endswith("column 'motor current [A]' in A: give --scale force=NUMBER, in N per A")
+
+
+def test_all_scales_that_are_missing_are_asked_for_at_once(say, own_folder, rig):
+    """A dryer: the voltage of its heater, and that of its thermocouple."""
+    rows = "\n".join(f"{0.1 * k:.1f},{k % 3},{np.sin(k / 9):.4f}" for k in range(100))
+    (own_folder / "dryer.csv").write_text(f"t [s],power [V],temp [V]\n{rows}\n")
+    words = ("new", rig, "--from", "dryer.csv", "--template", "heater")
+    said = say(*words)
+    assert said.code == 2
+    assert said.complaint.endswith(
+        "signal power is in W, column 'power [V]' in V, and signal temperature is in °C, column 'temp [V]' "
+        "in V: give --scale power=NUMBER, in W per V, and --scale temperature=NUMBER, in °C per V"
+    )
+    asked = ("--scale", "power=1", "--scale", "temperature=1")
+    assert say(*words, *asked).code == 0
 
 
 def test_a_speed_is_no_position_whatever_the_scale(say, own_folder, rig):

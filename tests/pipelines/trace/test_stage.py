@@ -1,12 +1,14 @@
-"""The stage ``trace`` keeps its numbers where a figure cannot be drawn."""
+"""What the stage ``trace`` warns of: a shorter horizon, and a figure that cannot be drawn."""
 
 from __future__ import annotations
 
 from functools import partial
 from types import SimpleNamespace
 
+import pytest
+
 from hybridid.plotting.trace_waterfall import Level, waterfall_plot
-from pipelines.trace.stage import _drawn
+from pipelines.trace.stage import _drawn, _shortened
 
 
 def test_a_figure_that_cannot_be_drawn_costs_only_itself(monkeypatch, tmp_path):
@@ -24,3 +26,15 @@ def test_a_figure_that_cannot_be_drawn_costs_only_itself(monkeypatch, tmp_path):
     assert picture.path == tmp_path / "velocity.waterfall.svg"
     (warning,) = warnings
     assert warning.startswith("figure position.waterfall cannot be drawn: ")
+
+
+@pytest.mark.parametrize(
+    ("horizon", "warning"),
+    [
+        (0.2795, ""),  # as many samples as were asked for
+        (0.28, ""),
+        (0.264, "trace.horizon: 0.264 s; the records are too short for 0.28 s"),
+    ],
+)
+def test_a_horizon_of_fewer_samples_is_told(horizon, warning):
+    assert _shortened(horizon, 0.28, 0.01) == warning

@@ -1,0 +1,115 @@
+"""A free run that drifts by nature condemns no fit; any other does. All simulated."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.torture.pendulum import Pendulum
+from hybridid.declarations import Parameter, Port, Signal, State
+from hybridid.estimators import FitSettings, fit
+from hybridid.model import compose
+from hybridid.plants.plant import Motion, Plant
+from hybridid.quality import judge
+from hybridid.quality.drift import outputs_that_drift
+from hybridid.records.record import Channel, Record
+
+DT, N = 0.1, 600
+
+
+class Ball(Plant):
+    """``q'' = b angle - F - k q``: a ball on a beam, with no spring unless one is told."""
+
+    name, meaning, source = "ball", "a ball on a beam", "a test"
+    states = (
+        State("q", "m", scale=0.2, observed_by="position", derivative=0),
+        State("v", "m/s", scale=0.2, observed_by="position", derivative=1),
+    )
+    inputs = (Signal("angle", "rad"),)
+    outputs = (Signal("position", "m"), Signal("speed", "m/s"))
+    parameters = (Parameter("b", "m/s²", 5.0, 0.01, 100.0), Parameter("k", "1/s²", 0.0, 0.0).fixed_at(0.0))
+    ports = (Port("beam", "effort", "m/s²", 0.1, "m", 0.2, 0.2, 0.001),)
+
+    def motion(self, x, u, p):
+        return {"beam": Motion(position=x.q, velocity=x.v)}
+
+    def derivative(self, x, u, p, effort):
+        return {"q": x.v, "v": p.b * u.angle - effort["beam"] - p.k * x.q}
+
+    def output(self, x, u, p):
+        return {"position": x.q, "speed": x.v}
+
+
+class Position(Ball):
+    """The same where the speed is not measured."""
+
+    outputs = (Signal("position", "m"),)
+
+    def output(self, x, u, p):
+        return {"position": x.q}
+
+
+def rolled(tilt=0.002, n_y=1):
+    """A ball held near the middle by hand, on a beam whose foot stands ``tilt`` rad askew, which changes
+    now and then; the angle that is recorded does not have it."""
+    generator, q, v = np.random.default_rng(3), 0.0, 0.0
+    askew = tilt * np.repeat(generator.choice([-1.0, 0.5], N // 50), 50)
+    time, both, angle = DT * np.arange(N), np.empty((N, 2)), np.empty(N)
+    for k in range(N):
+        goal = 0.1 * np.sin(0.9 * time[k])
+        angle[k] = np.clip(0.3 * (goal - q) - 0.5 * v, -0.05, 0.05)
+        both[k] = q, v
+        for _ in range(10):
+            v += DT / 10 * 5.0 * (angle[k] + askew[k])
+            q += DT / 10 * v
+    both += generator.normal(0.0, 2e-4, both.shape)
+    channels = (Channel("position", "m"), Channel("speed", "m/s"))[:n_y]
+    return Record(
+        "rolled", time, angle[:, None], both[:, :n_y], (Channel("angle", "rad"),), channels, simulated=True
+    )
+
+
+def test_a_free_run_of_a_plant_that_integrates_is_no_accusation():
+    record, model = rolled(), compose(Position(), ["viscous"])
+    found = judge(model, [record], fit(model, [record], FitSettings(horizon=30)))
+    horizons, free = found.views
+    assert free.worse_than_nothing
+    assert horizons.rmse < 0.3 * horizons.nothing
+    assert (found.verdict, [one.kind for one in found.findings]) == ("incomplete", ["incomplete"])
+    (said,) = (one.said for one in found.advice if one.kind == "drift")
+    assert said.startswith("the free run drifts (position: RMSE ")
+    assert said.endswith("small errors add up; judge it over horizons of 3 s")
+
+
+def test_a_reversed_sign_is_no_matter_of_drift():
+    """The same ball pushed the wrong way: it has nothing that brings it back, and is wrong all the same."""
+    reversed_sign = {"b": {"upper": -0.01, "lower": -100.0, "guess": -5.0}}
+    record, model = rolled(), compose(Position(), ["viscous"], reversed_sign)
+    found = judge(model, [record], fit(model, [record], FitSettings(horizon=30)))
+    assert found.verdict == "wrong"
+    assert "sign" in {one.kind for one in found.findings}
+    assert not [one for one in found.advice if one.kind == "drift"]
+
+
+@pytest.mark.parametrize(
+    ("values", "drift"),
+    [
+        ({}, [True, True]),  # a double integrator: an offset of the force reaches both
+        ({"beam.viscous.f_v": 2.0}, [True, False]),  # friction holds the speed
+        ({"k": 1.0, "beam.viscous.f_v": 0.01}, [False, False]),  # a spring brings it back
+        ({"k": 1e-5, "beam.viscous.f_v": 0.0}, [True, True]),  # not within this record
+    ],
+)
+def test_an_output_drifts_if_nothing_brings_it_back_within_the_record(values, drift):
+    model = compose(Ball(), ["viscous"])
+    p = model.values({"beam.viscous.f_v": 0.0, **values})
+    assert outputs_that_drift(model, p, [rolled(n_y=2)]) == drift
+
+
+def test_a_pendulum_does_not_drift():
+    model, time = compose(Pendulum(), ["viscous"]), 0.02 * np.arange(400)
+    record = Record(
+        "swung", time, np.zeros((400, 1)), np.sin(3 * time)[:, None],
+        (Channel("torque", "N·m", "zoh"),), (Channel("angle", "rad"),), simulated=True,
+    )  # fmt: skip
+    assert outputs_that_drift(model, model.values(), [record]) == [False]
