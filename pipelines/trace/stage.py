@@ -18,6 +18,7 @@ from hybridid.trace.candidates import admissible
 from hybridid.trace.mapper import Mapper, Report, unheard
 from hybridid.trace.missing_effort import Missing
 from hybridid.trace.result import Trace
+from hybridid.trace.split import ENOUGH
 from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
@@ -75,7 +76,10 @@ def _shortened(horizon: float, asked: float, step: float) -> str:
     """That the horizon has fewer samples, of ``step`` s, than was ``asked`` for; else empty."""
     if round(horizon / step) >= round(asked / step):
         return ""
-    return f"trace.horizon: {horizon:.3g} s; the records are too short for {asked:g} s"
+    return (
+        f"trace.horizon: {horizon:.3g} s instead of {asked:g} s, so that {ENOUGH} horizons can judge; "
+        f"trace.horizon={asked:g} asks for the longer ones all the same"
+    )
 
 
 def traced(
