@@ -35,8 +35,8 @@ def test_a_figure_that_cannot_be_drawn_costs_only_itself(monkeypatch, tmp_path):
         (0.28, ""),
         (
             0.264,
-            "trace.horizon: 0.264 s instead of 0.28 s, so that 10 horizons can judge; trace.horizon=0.28 asks "
-            "for the longer ones all the same",
+            "trace.horizon: 0.264 s instead of 0.28 s, so that 10 horizons can judge; trace.horizon=0.28 "
+            "asks for the longer ones all the same",
         ),
     ],
 )
