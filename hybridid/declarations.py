@@ -38,8 +38,9 @@ class State:
 
     ``scale`` is a typical magnitude; the optimiser works with ``x / scale``.
     ``observed_by`` names an output: the state is its ``derivative``-th time derivative.
-    A fit takes the state's initial value from that output. Without it, the initial value is zero; of a state
-    that ``begins_as`` an input, it is that input where the record begins.
+    A fit takes the state's initial value from that output. Without it, a fit estimates that of a plant's state
+    for each horizon. That of an effect's state is zero where the record begins, or the input that it
+    ``begins_as``; further horizons take it over.
 
     Raises:
         ValueError: if the scale is not positive and finite, the bounds are crossed, or derivative is below 0.

@@ -14,13 +14,11 @@ from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.free_run import worse_in_free_run
 from hybridid.trace.horizon_advice import other_horizons_advised, parts_of_all_advised
 from hybridid.trace.hystereses import several_hystereses
+from hybridid.trace.idle import SURE
 from hybridid.trace.result import Trace
 from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.search import Accepted
 from hybridid.trace.verdict import Conclusion
-
-SURE = 2.0
-"""Standard errors within which an amplitude is not told from zero."""
 
 
 def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], context: Context) -> str:
