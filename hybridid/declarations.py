@@ -38,7 +38,7 @@ class State:
 
     ``scale`` is a typical magnitude; the optimiser works with ``x / scale``.
     ``observed_by`` names an output: the state is its ``derivative``-th time derivative.
-    A fit takes the state's initial value from that output. Without it, a fit estimates that of a plant's state
+    A fit takes its initial value from that output. Without it, a fit estimates that of a plant's state
     for each horizon. That of an effect's state is zero where the record begins, or the input that it
     ``begins_as``; further horizons take it over.
 
