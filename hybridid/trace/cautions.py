@@ -15,6 +15,7 @@ from hybridid.trace.free_run import worse_in_free_run
 from hybridid.trace.horizon_advice import other_horizons_advised, parts_of_all_advised
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.idle import SURE
+from hybridid.trace.one_way import judged_the_other_way
 from hybridid.trace.result import Trace
 from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.search import Accepted
@@ -24,6 +25,7 @@ from hybridid.trace.verdict import Conclusion
 def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], context: Context) -> str:
     """Sentences for the trace of the fitted ``records``, each after a space; empty if there is none."""
     told = [revision_advised(found, context), several_hystereses(found.accepted)]
+    told += [judged_the_other_way(found.search.first, context)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     if found.verdict == "unexplained":
         told += [other_horizons_advised(found.search.final, context.split)]
