@@ -22,9 +22,7 @@ def moved(record, direction: int):
 
 
 @pytest.mark.parametrize(("ours", "theirs", "told"), [(1, -1, True), (-1, 1, True), (1, 1, False)])
-def test_what_judges_in_a_direction_that_was_not_fitted_is_told(
-    make_model, two_records, fitted, judged, told
-):
+def test_what_judges_in_a_direction_that_was_not_fitted(make_model, two_records, ours, theirs, told):
     first, second = two_records()
     split = by_record([moved(first, ours)], [moved(second, theirs)], LENGTH)
     base = refit(make_model(("viscous", "coulomb", "offset")), split)
