@@ -60,7 +60,7 @@ CYCLIC_FRICTION = Effect(
         "flips with the direction of motion, and its level is higher on one side of the turn than on the "
         "other. Its mean over a turn is Coulomb friction's; gravity and cogging do not flip"
     ),
-    look_alikes=("gravity", "cogging", "position_friction", "cyclic_inertia", "load_friction"),
+    look_alikes=("coulomb", "gravity", "cogging", "position_friction", "cyclic_inertia", "load_friction"),
     separating_experiment=(
         "slow turns at a constant speed in both directions: half the difference between the directions is "
         "friction over the angle, half the sum is gravity and cogging"

@@ -10,7 +10,8 @@ moved if
 n being the number of the effect's amplitudes. The first condition is on the size of the change
 (``Rules.steady``), the second on its significance. Both fits must have converged. Amplitudes of one unit are
 compared with the largest of them: relative to itself, one near zero would move by a large share. The standard
-errors are those of coloured residuals, so they include the share of what the model does not explain. The
+errors are those of coloured residuals, so they include the share of what the model does not explain. An
+amplitude that ends at nothing, its bound, has no standard error: that of the other records stands for it. The
 stiffness of a limit is excepted: the records may only tell that it is large.
 
 Where two effects explain the errors equally well, this test may still tell them apart: it compares how each
@@ -35,6 +36,8 @@ from hybridid.trace.context import Context
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.rules import Rules
 
+NOTHING = 1e-3
+"""Share of an amplitude in the other records up to which one is nothing."""
 NO_CONSTANT = "its amplitude is no constant"
 """Begins the reason for which an effect is refused here."""
 
@@ -53,7 +56,7 @@ class Amplitude:
     @property
     def p_value(self) -> float:
         """Of one amplitude in both; 1 where a standard error is not known."""
-        error = math.hypot(self.here[1], self.there[1])
+        error = math.hypot(_error(self.here, self.there), _error(self.there, self.here))
         if not (math.isfinite(error) and error > 0):
             return 1.0
         return float(2 * norm.sf(abs(self.here[0] - self.there[0]) / error))
@@ -68,6 +71,12 @@ class Amplitude:
             f"{self.name} = {estimated(*self.here, self.unit)} in the fitted records, "
             f"{estimated(*self.there, self.unit)} in those held out"
         )
+
+
+def _error(one: tuple[float, float], other: tuple[float, float]) -> float:
+    """The standard error of ``one`` amplitude; where it is nothing, and has none, that of the ``other``."""
+    value, std = one
+    return std if math.isfinite(std) or abs(value) > NOTHING * abs(other[0]) else other[1]
 
 
 def fitted_to_held_out(fitted: Sequence[Refit], context: Context) -> list[Refit | None]:

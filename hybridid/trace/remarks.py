@@ -13,8 +13,7 @@ def idle_in_words(found: Trace) -> str:
     """Which declared effects the records show nothing of; empty if there is none."""
     if not found.idle:
         return ""
-    them = "they end" if len(found.idle) > 1 else "it ends"
-    return f"These records show nothing of {listed(found.idle)}, which was declared: {them} at zero."
+    return f"These records do not tell {listed(found.idle)}, which was declared, from zero."
 
 
 def narrowed_in_words(found: Trace) -> str:

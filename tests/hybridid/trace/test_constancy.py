@@ -77,6 +77,8 @@ def test_at_the_noise_nothing_is_left_to_doubt(traced):
         ((1.0, 0.1), (-1.0, 0.1), 1.0, True),
         ((0.01, 0.001), (0.1, 0.001), 5.0, False),  # small beside another amplitude of the effect
         ((1.0, math.nan), (9.0, 0.1), 1.0, False),  # unknown
+        ((1.0, 0.1), (0.0, math.nan), 0.0, True),  # nothing there, at its bound
+        ((1.0, 0.5), (0.0, math.nan), 0.0, False),
     ],
 )
 def test_it_must_matter_and_be_no_chance(monkeypatch, here, there, size, said):

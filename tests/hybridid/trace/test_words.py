@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hybridid.records.record import Channel, Record
+from hybridid.trace.cautions import _confounded
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.entries import (
     AcceptedEffect,
@@ -30,7 +31,6 @@ from hybridid.trace.remarks import (
 )
 from hybridid.trace.result import Estimates, LearnedGains, Trace
 from hybridid.trace.rules import Rules
-from hybridid.trace.run import _confounded
 from hybridid.trace.words import _members, error_left, sentence
 
 
@@ -268,7 +268,7 @@ def test_what_speaks_against_the_declared_physics_is_told(nothing):
     said = sentence(replace(found, replacements=(better, same, worse)))
     assert " The declared carriage.viscous or carriage.offset may be wrong: " in said
     assert idle_in_words(found) == (
-        "These records show nothing of carriage.offset, which was declared: it ends at zero."
+        "These records do not tell carriage.offset, which was declared, from zero."
     )
     assert idle_in_words(nothing()) == ""
 
