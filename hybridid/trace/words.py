@@ -6,7 +6,13 @@ from collections.abc import Mapping, Sequence
 
 from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
-from hybridid.trace.entries import AcceptedEffect, DifferingParameter, ReplacedEffect, Value
+from hybridid.trace.entries import (
+    AcceptedEffect,
+    DifferingParameter,
+    ReplacedEffect,
+    TriedEffect,
+    Value,
+)
 from hybridid.trace.remarks import named_effects
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED, UNTRIED
@@ -19,6 +25,8 @@ VERDICTS = {
     "undecided": "undecided",
     "unexplained": "unexplained",
 }
+FEW = 3
+"""Members of a class up to which each is told with its parameters."""
 WORTH_TELLING = 3.0
 """The error of the parameters is told from the sensor's noise over this: it then counts by more than 5 %."""
 
@@ -260,11 +268,19 @@ def _named(entry: AcceptedEffect) -> str:
 
 
 def _members(entry: AcceptedEffect) -> str:
-    """``{dahl, coulomb} at motor``, or each with its port where these differ."""
-    if {member.port for member in entry.class_members} <= {entry.port}:
-        return f"{{{', '.join(entry.alike)}}} at {entry.port}"
-    each = dict.fromkeys(f"{member.effect} at {member.port}" for member in entry.class_members)
-    return f"{{{', '.join(each)}}}"
+    """``{dahl, coulomb} at motor``, or each with its port where these differ; a few with their parameters."""
+    there = {member.port for member in entry.class_members} <= {entry.port}
+    each = dict.fromkeys(_member(member, entry, there) for member in entry.class_members)
+    return f"{{{', '.join(each)}}}" + (f" at {entry.port}" if there else "")
+
+
+def _member(member: TriedEffect, entry: AcceptedEffect, there: bool) -> str:
+    """A member of the class of ``entry``: as fitted in its step, the accepted one as in the last model."""
+    text = member.effect if there else f"{member.effect} at {member.port}"
+    if len(entry.class_members) > FEW:
+        return text
+    values = entry.parameters if member.name == entry.name else member.parameters
+    return f"{text} ({', '.join(parameters_in_words(values))})" if values else text
 
 
 def parameters_in_words(values: Mapping[str, Value]) -> list[str]:

@@ -149,7 +149,27 @@ def test_a_class_names_each_port_where_these_differ():
         (one, other), (), 0.0, 0.2, {}, 1.0, 1, (),
     )  # fmt: skip
     assert _members(entry) == "{input_saturation at force, load_friction at carriage}"
-    assert _members(replace(entry, class_members=(one,))) == "{input_saturation, load_friction} at force"
+    both = (one, replace(other, port="force"))
+    assert _members(replace(entry, class_members=both)) == "{input_saturation, load_friction} at force"
+
+
+def test_of_a_few_that_cannot_be_told_apart_each_is_told_with_its_numbers():
+    lag = replace(tried("sensor_lag", 0.2, ""), port="angle", parameters={"T": Value(0.0126, 1e-4, "s")})
+    delay = replace(
+        tried("input_delay", 0.2, ""), port="torque", parameters={"delay": Value(0.0121, 1e-4, "s")}
+    )
+    entry = AcceptedEffect(
+        "sensor_lag", "angle", "", "", "", "", {"T": Value(0.0128, 2e-4, "s")}, {},
+        ("sensor_lag", "input_delay"), (lag, delay), (), 0.0, 0.2, {}, 1.0, 1, (),
+    )  # fmt: skip
+    said = (
+        "sensor_lag at angle (T = 0.01280 ± 0.00039 s), input_delay at torque (delay = 0.01210 ± 0.00020 s)"
+    )
+    assert _members(entry) == f"{{{said}}}"
+    assert (
+        _members(replace(entry, class_members=(lag, delay) * 2))
+        == "{sensor_lag at angle, input_delay at torque}"
+    )
 
 
 def test_what_is_learned_at_a_level_is_a_flow(nothing):
