@@ -23,7 +23,8 @@ from hybridid.simulation.chosen import as_integrator
 from hybridid.trace import run
 from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.context import Context
-from hybridid.trace.revision import Replacement, idle_terms
+from hybridid.trace.idle import idle_terms
+from hybridid.trace.revision import Replacement
 from hybridid.trace.verdict import Conclusion, conclude
 
 NAME, WHOLE = "ours", "whole"

@@ -204,6 +204,6 @@ def test_what_speaks_against_the_declared_physics_has_a_section(section, stored)
             "viscous@cart, coulomb@cart, quadratic_drag@cart",
         ),
     )  # fmt: skip
-    assert "nothing of cart.offset" in shown.paragraphs[0]
+    assert "do not tell cart.offset" in shown.paragraphs[0]
     titles = [one.title for one in trace_page(stored(), ()).sections]
     assert "The declared physics" not in titles
