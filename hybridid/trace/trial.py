@@ -15,13 +15,13 @@ from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.periodic import not_shown
 from hybridid.trace.refit import (
-    FAILURES,
     LEAST_DECREASE,
     Refit,
     begun_at_the_record,
     least_of,
     refit,
     refit_beside,
+    refit_if_possible,
 )
 from hybridid.trace.rules import Rules
 from hybridid.trace.shorter import from_shorter, same_valley, seeks, strays
@@ -158,11 +158,8 @@ def _with_form_fitted(found: Refit, candidate: Candidate, base: Refit, split: Sp
     enough = found.score.loss <= (1 - least) * base.score.loss
     if values == found.values or not enough:
         return found
-    try:
-        again = refit(found.model, split, [values], found, found.numerics)
-    except FAILURES:
-        return found
-    return again if again.cost < found.cost else found
+    again = refit_if_possible(found.model, split, [values], found, found.numerics, math.inf)
+    return found if again is None or again.cost >= found.cost else again
 
 
 def _unless_better_from_shorter(
@@ -182,10 +179,6 @@ def _unless_better_from_shorter(
     if shorter is None or same_valley(candidate, shorter[0], found.values):
         return found
     start, begun = shorter
-    try:
-        again = refit(
-            found.model, split, [start], begun, found.numerics, std_up_to=(1 - least) * base.score.loss
-        )
-    except FAILURES:
-        return found
-    return again if again.cost < (1 - LEAST_DECREASE) * found.cost else found
+    std_up_to = (1 - least) * base.score.loss
+    again = refit_if_possible(found.model, split, [start], begun, found.numerics, std_up_to)
+    return found if again is None or again.cost >= (1 - LEAST_DECREASE) * found.cost else again

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -14,10 +14,12 @@ from hybridid.plants.plant import Plant
 from hybridid.records.record import Channel, Record
 from hybridid.simulation import simulate
 from hybridid.simulation.initial import measured_states
-from hybridid.trace.candidates import admissible
+from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.numerics import DECLARED
+from hybridid.trace.refit import refit
 from hybridid.trace.run import trace
 from hybridid.trace.split import by_record
+from hybridid.trace.trial import _with_form_fitted
 
 DT, LATE, TAU = 0.08, 3, 0.5  # s, samples, s
 AT_REST = 5.0  # V before the record
@@ -121,3 +123,12 @@ def test_the_rate_of_an_output_that_jumps_with_the_input_is_unknown():
     assert not list(admissible(compose(Oven(direct=True), []), [lag]))
     with pytest.raises(ValueError, match="output T depends on an input at once"):
         _ = compose(Oven(direct=True), ["sensor_lag"]).f
+
+
+def test_a_window_that_would_be_too_stiff_is_not_taken():
+    """The trial that was found stays: it must not be lost for the sake of a better window."""
+    split, delay = by_record([recorded(1)], [recorded(2)], 30), Candidate(effect_named("input_delay"), "u")
+    base = refit(compose(Oven(), []), split)
+    (start,) = delay.starts(delay.added_to(base.model), base.values)[:1]
+    found = replace(base, model=delay.added_to(base.model), values={**start, f"{delay.name}.delay": 1e-9})
+    assert _with_form_fitted(found, delay, base, split, least=-1.0) is found
