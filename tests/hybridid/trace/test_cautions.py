@@ -1,14 +1,16 @@
-"""What stands behind a verdict: names whose interval includes zero."""
+"""What stands behind a verdict: names whose interval includes zero, and free decays."""
 
 from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.records.record import Channel, Record
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.cautions import not_told_from_zero
+from hybridid.trace.cautions import _confounded, not_told_from_zero
 from hybridid.trace.entries import Value
 
 
@@ -36,3 +38,30 @@ def test_a_limit_that_is_hard_is_not_doubted():
     stop = effect_named("end_stop")
     hard = {p.name: (1.0, 10.0) for p in stop.parameters if not p.fixed}
     assert told("end_stop", "joint", **hard) == ""
+
+
+@pytest.fixture
+def make_decay():
+    """A free swing from ``amplitude`` rad, simulated: 10 s at 100 Hz."""
+
+    def make(amplitude=1.0):
+        t = np.arange(0, 10, 0.01)
+        return Record(
+            name="decay",
+            time=t,
+            inputs=np.empty((len(t), 0)),
+            outputs=(amplitude * np.exp(-0.2 * t) * np.cos(12 * t))[:, None],
+            input_channels=(),
+            output_channels=(Channel("angle", "rad"),),
+            simulated=True,
+        )
+
+    return make
+
+
+def test_a_free_decay_warns_beside_a_name(make_decay):
+    """Amplitude and time are one there, so a friction over the one may be a friction over the other."""
+    assert _confounded([make_decay()]).startswith(
+        " Beware: amplitude and time cannot be told apart in decay: a free decay"
+    )
+    assert _confounded([make_decay(), make_decay(amplitude=0.3)]) == ""

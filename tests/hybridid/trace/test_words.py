@@ -3,11 +3,8 @@
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from hybridid.records.record import Channel, Record
-from hybridid.trace.cautions import _confounded
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.entries import (
     AcceptedEffect,
@@ -320,33 +317,6 @@ def test_a_narrower_smoothing_is_told(nothing):
         "an error of its own."
     )
     assert narrowed_in_words(nothing()) == ""
-
-
-@pytest.fixture
-def make_decay():
-    """A free swing from ``amplitude`` rad, simulated: 10 s at 100 Hz."""
-
-    def make(amplitude=1.0):
-        t = np.arange(0, 10, 0.01)
-        return Record(
-            name="decay",
-            time=t,
-            inputs=np.empty((len(t), 0)),
-            outputs=(amplitude * np.exp(-0.2 * t) * np.cos(12 * t))[:, None],
-            input_channels=(),
-            output_channels=(Channel("angle", "rad"),),
-            simulated=True,
-        )
-
-    return make
-
-
-def test_a_free_decay_warns_beside_a_name(make_decay):
-    """Amplitude and time are one there, so a friction over the one may be a friction over the other."""
-    assert _confounded([make_decay()]).startswith(
-        " Beware: amplitude and time cannot be told apart in decay: a free decay"
-    )
-    assert _confounded([make_decay(), make_decay(amplitude=0.3)]) == ""
 
 
 @pytest.mark.parametrize(
