@@ -93,7 +93,7 @@ def by_signs(differences: Array) -> float:
     """
     if not np.isfinite(differences).all() or len(differences) < 2:
         return 1.0
-    independent = int(_independent(differences, _autocorrelation(differences)))
+    independent = int(_independent(len(differences), _autocorrelation(differences)))
     groups = np.array_split(differences, max(2, min(MOST_GROUPS, independent)))
     sums = np.array([group.sum() for group in groups])
     sizes, total = np.abs(sums), float(np.abs(sums).sum())
@@ -123,19 +123,19 @@ def _by_t(differences: Array) -> float:
     if spread <= np.finfo(float).eps * float(differences @ differences):
         return 0.0 if differences[0] > 0 else 1.0
     first, n = _autocorrelation(differences), len(differences)
-    independent = _independent(differences, min(1.0, first + (1 + 3 * first) / n))
+    independent = _independent(n, min(1.0, first + (1 + 3 * first) / n))
     t = differences.mean() / np.sqrt(spread / (n - 1) / independent)
     return float(stats.t.sf(t, independent - 1))
 
 
-def _independent(differences: Array, r: float) -> float:
-    """How many of n blocks with the autocorrelation ``r`` at one block's distance count as independent,
+def _independent(n: int, r: float) -> float:
+    """How many of ``n`` blocks with the autocorrelation ``r`` at one block's distance count as independent,
 
         n (1 - r) / (1 + r),  at least two.
 
     Source: Bayley, Hammersley (1946), J. R. Stat. Soc. Suppl. 8(2), 184-197.
     """
-    return max(len(differences) * (1 - r) / (1 + r), 2.0)
+    return max(n * (1 - r) / (1 + r), 2.0)
 
 
 def _autocorrelation(differences: Array) -> float:

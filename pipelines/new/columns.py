@@ -21,6 +21,10 @@ Ask = Callable[[str, Sequence[str]], str | None]
 """Puts a question with its possible answers to the user; None where nobody is there to answer."""
 
 
+_Found = dict[str, ColumnFound | None]
+"""The column of each signal, None where the machine lacks it."""
+
+
 @dataclass(frozen=True)
 class Chosen:
     """A signal and its column: ``signal = scale · column``. ``told`` says how the scale is known: from the
@@ -66,10 +70,6 @@ def chosen(
         _check_quantity(template, signal, column)
     _check_scales([pair for pair in pairs if pair[0].name not in scales])
     return tuple(_in_unit(signal, column, scales) for signal, column in pairs)
-
-
-_Found = dict[str, ColumnFound | None]
-"""The column of each signal, None where the machine lacks it."""
 
 
 def _given(

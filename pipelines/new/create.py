@@ -31,9 +31,9 @@ from pipelines.shared.tree import discard_unfinished, replacing, write_text
 @dataclass(frozen=True)
 class Request:
     """What the user asks for: the files of each recording; columns (``none``: the machine lacks the signal),
-    scales and holds by signal; the column of
-    ``time`` or the ``rate`` in Hz, where the files do not tell it. ``constants`` are columns that hold one
-    number, by the parameter that it is. ``simulated``: the files hold no measurement."""
+    scales and holds by signal; the column of ``time`` or the ``rate`` in Hz, where the files do not tell it.
+    ``constants`` are columns that hold one number, by the parameter that it is. ``simulated``: the files hold
+    no measurement."""
 
     folder: Path
     recordings: tuple[tuple[Path, ...], ...]
