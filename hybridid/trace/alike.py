@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from hybridid.effects.composed import is_composed
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import undetermined
 from hybridid.trace.rules import Rules
@@ -49,6 +50,20 @@ def look_alikes(one: Trial, other: Trial) -> bool:
 def related(one: Trial, other: Trial) -> bool:
     """Whether both are the same law, perhaps at several ports, or declared look-alikes."""
     return one.candidate.effect.id == other.candidate.effect.id or look_alikes(one, other)
+
+
+def strangers(one: Trial, alike: Sequence[Trial]) -> list[Trial]:
+    """The members of the class ``alike`` that no chain of look-alikes joins to ``one``.
+
+    A composed law claims nothing physical, and neither do the laws that do as well.
+    """
+    if is_composed(one.candidate.effect):
+        return []
+    joined, left = [one], [t for t in alike if t is not one]
+    while near := [t for t in left if any(related(t, other) for other in joined)]:
+        joined += near
+        left = [t for t in left if t not in near]
+    return left
 
 
 def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:

@@ -27,8 +27,8 @@ from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit, values_without
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Search
 from hybridid.trace.split import Split
+from hybridid.trace.steps import Search
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED
 
 

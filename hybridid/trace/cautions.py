@@ -18,7 +18,7 @@ from hybridid.trace.idle import SURE
 from hybridid.trace.one_way import judged_the_other_way
 from hybridid.trace.result import Trace
 from hybridid.trace.sampling import within_half_a_sample
-from hybridid.trace.search import Accepted
+from hybridid.trace.steps import Accepted
 from hybridid.trace.verdict import Conclusion
 
 

@@ -58,7 +58,11 @@ class Context:
     @property
     def out_of_time(self) -> bool:
         """Whether nothing further is to be begun."""
-        return time.monotonic() >= self.until
+        return not self.has_time_for(0.0)
+
+    def has_time_for(self, seconds: float) -> bool:
+        """Whether what takes so long would end before nothing further is to be begun."""
+        return time.monotonic() + seconds < self.until
 
     @cached_property
     def noise(self) -> Noise:

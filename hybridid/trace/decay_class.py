@@ -33,7 +33,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import refit_if_possible
-from hybridid.trace.search import Accepted, Search
+from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import PASSED, Trial
 
 POWERS = ("coulomb", "viscous", "quadratic_drag")

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from hybridid.trace.alike import look_alikes
 from hybridid.trace.candidates import Candidate
+from hybridid.trace.evidence import compare
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
+from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
+from hybridid.trace.trial import Trial
 
 
 def exchanged(
@@ -26,3 +30,16 @@ def exchanged(
         own = {key: value for key, value in lent.items() if key.startswith(f"{candidate.name}.")}
         starts = [*starts[:-1], {**others, **own}]
     return refit_if_possible(model, split, starts, final, final.numerics)
+
+
+def still_alike(final: Refit, one: Trial, rival: Trial, split: Split, rules: Rules) -> bool:
+    """Whether ``rival``, in the place of the accepted ``one``, explains the records as well in ``final``."""
+    lent = rival.refit.values if rival.refit else {}
+    other = exchanged(final, one.candidate.name, rival.candidate, split, lent)
+    if other is None:
+        return False
+    advantage = compare(other.score, final.score)
+    if advantage.gain < rules.tie or advantage.p_value > rules.alpha:
+        return True
+    more = other.score.loss**2 - final.score.loss**2
+    return look_alikes(one, rival) and more < rules.tie * one.taken

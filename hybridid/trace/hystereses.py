@@ -16,7 +16,7 @@ from hybridid.effects.dimension import EFFORT
 from hybridid.effects.effect import Effect
 from hybridid.naming import listed
 from hybridid.trace.alike import look_alikes
-from hybridid.trace.search import Accepted
+from hybridid.trace.steps import Accepted
 
 
 def several_hystereses(accepted: Sequence[Accepted]) -> str:

@@ -35,8 +35,9 @@ from hybridid.trace.promise import Promise, promises
 from hybridid.trace.refit import least_of
 from hybridid.trace.robustness import objection
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, Step, survivals_of, without_needless
+from hybridid.trace.search import survivals_of, without_needless
 from hybridid.trace.sensitivity import seen
+from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, attempt
 
 

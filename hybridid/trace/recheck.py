@@ -16,17 +16,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from hybridid.trace.alike import equivalents, look_alikes
+from hybridid.trace.alike import equivalents
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.exchange import exchanged
+from hybridid.trace.exchange import still_alike
 from hybridid.trace.judgement import judge
-from hybridid.trace.refit import Refit, refit_if_possible, values_without
-from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search
-from hybridid.trace.split import Split
-from hybridid.trace.trial import PASSED, Trial, attempt
+from hybridid.trace.refit import refit_if_possible, values_without
+from hybridid.trace.steps import Accepted, Search
+from hybridid.trace.trial import PASSED, attempt
 
 
 def recheck(found: Search, context: Context) -> Search:
@@ -38,26 +36,14 @@ def recheck(found: Search, context: Context) -> Search:
 def _without_worse(found: Search, context: Context) -> Search:
     """Every rival takes the accepted effect's place; one that then explains less leaves the class."""
     rivals = [(one, rival) for one in found.accepted for rival in one.alike if rival is not one.trial]
-    given = [(found.final, one, rival, context.split, context.rules) for one, rival in rivals]
-    verdicts = zip(rivals, context.mapper(_still_alike, given), strict=True)
+    given = [(found.final, one.trial, rival, context.split, context.rules) for one, rival in rivals]
+    verdicts = zip(rivals, context.mapper(still_alike, given), strict=True)
     left = [rival for (_, rival), alike in verdicts if alike]
     kept = (
         replace(one, alike=(one.trial, *(t for t in one.alike if any(t is rival for rival in left))))
         for one in found.accepted
     )
     return replace(found, accepted=tuple(kept))
-
-
-def _still_alike(final: Refit, one: Accepted, rival: Trial, split: Split, rules: Rules) -> bool:
-    lent = rival.refit.values if rival.refit else {}
-    other = exchanged(final, one.name, rival.candidate, split, lent)
-    if other is None:
-        return False
-    advantage = compare(other.score, final.score)
-    if advantage.gain < rules.tie or advantage.p_value > rules.alpha:
-        return True
-    more = other.score.loss**2 - final.score.loss**2
-    return look_alikes(one.trial, rival) and more < rules.tie * one.trial.taken
 
 
 def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accepted:

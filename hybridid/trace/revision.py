@@ -50,7 +50,8 @@ from hybridid.trace.judgement import differs_from_zero
 from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, continued, without_needless
+from hybridid.trace.search import continued, without_needless
+from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import attempt
 
 MORE = 2

@@ -17,7 +17,7 @@ from hybridid.naming import listed
 from hybridid.quantities import quantity
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import Refit
-from hybridid.trace.search import Accepted
+from hybridid.trace.steps import Accepted
 
 
 def within_half_a_sample(accepted: Sequence[Accepted], final: Refit, dt: float) -> str:

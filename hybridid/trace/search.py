@@ -3,111 +3,32 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from hybridid.model import Model
-from hybridid.trace.alike import equivalents, indistinguishable
+from hybridid.trace.alike import equivalents, indistinguishable, strangers
 from hybridid.trace.candidates import admissible
-from hybridid.trace.ceiling import Ceiling, ceilings
+from hybridid.trace.ceiling import ceilings
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.exchange import exchanged
+from hybridid.trace.exchange import exchanged, still_alike
 from hybridid.trace.judgement import judge
-from hybridid.trace.law_curve import LawOverLearned
 from hybridid.trace.minor import may_be_minor, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.pair import PairTrial
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough
 from hybridid.trace.shorter import with_shorter
+from hybridid.trace.steps import AT_FLOOR, AT_FLOOR_TOGETHER, NONE_PASSES, OUT_OF_TIME, Accepted, Search, Step
 from hybridid.trace.together import meets_noise_together
 from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 
-AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
-OUT_OF_TIME = "the time limit was reached"
-AT_FLOOR_TOGETHER = "fitted to all horizons together, the model leaves no more than the sensors' noise"
 Otherwise = dict[Numerics, Refit | None]
 """A model's refits under other numerics."""
-
-
-@dataclass(frozen=True)
-class Accepted:
-    """An effect taken into the model, with those the records cannot tell from it.
-
-    A composed law is also ``drawn`` over the learned effort that it explains. Of a pair, ``together`` names
-    the other effect; the trial is then the one beside it.
-    """
-
-    trial: Trial
-    alike: tuple[Trial, ...]
-    survivals: tuple[Survival, ...]
-    drawn: LawOverLearned | None = None
-    together: str = ""
-
-    @property
-    def name(self) -> str:
-        """``port.effect`` of the accepted effect."""
-        return self.trial.candidate.name
-
-
-@dataclass(frozen=True)
-class Step:
-    """One forward step: what the model was, every trial, and what was taken, if anything.
-
-    Where no effect passed, ``pairs`` may have been refitted, of ``family`` that could be formed. Of a pair
-    that was taken, ``accepted`` is the first effect and ``together`` the second. ``learned`` are the learned
-    efforts beside ``base``, where the step was held against them. ``minor`` says why an effect that passed is
-    no name beside one of them.
-    """
-
-    base: Refit
-    trials: tuple[Trial, ...]
-    accepted: Accepted | None
-    dropped: tuple[str, ...] = ()
-    pairs: tuple[PairTrial, ...] = ()
-    family: int = 0
-    together: Accepted | None = None
-    learned: tuple[Ceiling, ...] = ()
-    minor: str = ""
-
-    @property
-    def taken(self) -> tuple[Accepted, ...]:
-        """What was accepted: nothing, an effect, or a pair."""
-        return tuple(one for one in (self.accepted, self.together) if one is not None)
-
-
-@dataclass(frozen=True)
-class Search:
-    """The path from the declared model to the last; ``stopped`` says why it ended.
-
-    ``withdrawn`` says why an effect that had passed was withdrawn afterwards, if one was.
-    """
-
-    steps: tuple[Step, ...]
-    final: Refit
-    accepted: tuple[Accepted, ...]
-    stopped: str
-    withdrawn: str = ""
-
-    @property
-    def first(self) -> Refit:
-        """The declared model as it was first fitted."""
-        return self.steps[0].base if self.steps else self.final
-
-    @property
-    def at_noise(self) -> bool:
-        """Whether it ended at the sensors' noise."""
-        return self.stopped in (AT_FLOOR, AT_FLOOR_TOGETHER)
-
-    @property
-    def before_any(self) -> Search:
-        """The search as if its first step had accepted nothing."""
-        first = replace(self.steps[0], accepted=None, together=None, dropped=())
-        return replace(self, steps=(first,), final=first.base, accepted=(), withdrawn="")
 
 
 def search(
@@ -132,13 +53,14 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
     begins ``anew`` from the declared model, with the narrower smoothing.
     """
     base = found.final
-    steps, accepted = list(found.steps), list(found.accepted)
+    steps, accepted, took = list(found.steps), list(found.accepted), 0.0
     while True:
+        began = time.monotonic()
         sharp = sharp_enough(base, context)
         if anew and sharp is not base and not context.out_of_time and _outdone(sharp, steps, context):
             return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
         base = sharp
-        if stopped := _nothing_to_seek(base, accepted, context) or _out_of_time(steps, context):
+        if stopped := _nothing_to_seek(base, accepted, context) or _out_of_time(steps, took, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
         base = context.one(with_shorter, base, context.split)
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
@@ -156,6 +78,9 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
             step.accepted.trial.refit, [*accepted, step.accepted], context
         )
         steps.append(replace(step, dropped=dropped))
+        took = time.monotonic() - began
+        if why := _by_chance_alone(base, accepted, context):
+            return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=why)
 
 
 def _outdone(sharp: Refit, steps: Sequence[Step], context: Context) -> bool:
@@ -184,6 +109,24 @@ def _begun_anew(found: Search, sharp: Refit, context: Context) -> Search:
     return continued(Search((), declared, (), ""), context, anew=True)
 
 
+def _by_chance_alone(base: Refit, accepted: Sequence[Accepted], context: Context) -> str:
+    """Why no effect is sought beside those of the last model ``base``; empty if one is.
+
+    Where a class shares nothing physical, chance chose the member that was accepted. The next effect may tell
+    it from the others. If it does not, and was chosen by chance itself, each further effect would be judged
+    beside a model that is one of many.
+    """
+    chosen = [(one, strangers(one.trial, one.alike)) for one in accepted]
+    if not chosen or not chosen[-1][1]:
+        return ""
+    split, rules = context.split, context.rules
+    for one, others in chosen[:-1]:
+        given = [(base, one.trial, other, split, rules) for other in others]
+        if any(context.mapper(still_alike, given)):
+            return f"neither {one.name} nor {chosen[-1][0].name} can be told from effects unrelated to it"
+    return ""
+
+
 def _nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context) -> str:
     """Why no effect is sought beside ``base``; empty if one is."""
     if context.meets_noise(base.score):
@@ -194,10 +137,10 @@ def _nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context
     return f"{most} effects accepted, the most allowed" if len(accepted) >= most else ""
 
 
-def _out_of_time(steps: Sequence[Step], context: Context) -> str:
-    """Why no further step begins after ``steps``, where the time is over; empty if one does. The first step
-    always begins."""
-    return OUT_OF_TIME if steps and context.out_of_time else ""
+def _out_of_time(steps: Sequence[Step], took: float, context: Context) -> str:
+    """Why no further step begins after ``steps``, where less time is left than the last one ``took`` [s];
+    empty if one does. The first step always begins."""
+    return OUT_OF_TIME if steps and not context.has_time_for(took) else ""
 
 
 def _step(base: Refit, context: Context, number: int) -> Step:

@@ -41,9 +41,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from hybridid.effects.composed import is_composed
 from hybridid.naming import listed
-from hybridid.trace.alike import related
+from hybridid.trace.alike import related, strangers
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
@@ -52,8 +51,8 @@ from hybridid.trace.law_curve import is_curve_over
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import Split
+from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE
 from hybridid.trace.varying import not_constant
 
@@ -101,29 +100,14 @@ def without_mixed_classes(found: Search) -> Search:
     law at several ports, the class is a finding. Where they are not, they have only their flexibility in
     common: the truth is something else, to which each of them can bend.
     """
-    kept = {one.name for one in found.accepted}
+    now = {one.name: one for one in found.accepted}
     for number, step in enumerate(found.steps):
-        for name in (one.name for one in step.taken if one.name in kept):
-            strangers = _unrelated(next(one for one in found.accepted if one.name == name))
-            if strangers:
-                it = name if len(step.taken) > 1 else "it"
-                why = f"these records cannot tell {it} from {listed(strangers)}, physically unrelated to it"
+        for one in (now[taken.name] for taken in step.taken if taken.name in now):
+            if unrelated := [t.candidate.name for t in strangers(one.trial, one.alike)]:
+                it = one.name if len(step.taken) > 1 else "it"
+                why = f"these records cannot tell {it} from {listed(unrelated)}, physically unrelated to it"
                 return _ended_at(found, number, why)
     return found
-
-
-def _unrelated(one: Accepted) -> list[str]:
-    """The members of the class that no chain of look-alikes joins to the accepted effect.
-
-    A composed law claims nothing physical, and neither do the laws that do as well.
-    """
-    if is_composed(one.trial.candidate.effect):
-        return []
-    joined, left = [one.trial], [t for t in one.alike if t is not one.trial]
-    while near := [t for t in left if any(related(t, other) for other in joined)]:
-        joined += near
-        left = [t for t in left if t not in near]
-    return [t.candidate.name for t in left]
 
 
 def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tuple[int, str] | None:

@@ -34,7 +34,7 @@ from hybridid.trace.result import Estimates, Evidence, LearnedGains, Trace
 from hybridid.trace.revision import Replacement
 from hybridid.trace.robustness import Survival
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, Step
+from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial
 from hybridid.trace.verdict import Conclusion
 

@@ -30,7 +30,7 @@ from hybridid.trace.refit import Refit
 from hybridid.trace.revision import Replacement, replacements
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import AT_FLOOR_TOGETHER, OUT_OF_TIME, Accepted, Search, continued, search
+from hybridid.trace.search import continued, search
 from hybridid.trace.split import Split
 from hybridid.trace.stand_in import (
     unless_minor,
@@ -42,6 +42,7 @@ from hybridid.trace.stand_in import (
     without_stand_ins,
 )
 from hybridid.trace.steady_error import steady_over
+from hybridid.trace.steps import AT_FLOOR_TOGETHER, OUT_OF_TIME, Accepted, Search
 
 Array = NDArray[np.float64]
 MOST_TOLD = 3
@@ -147,9 +148,9 @@ def _is_left(settled: _Settled, rules: Rules) -> bool:
 def _with_more(settled: _Settled, context: Context) -> tuple[_Settled, bool]:
     """``settled`` with pairs and laws, and whether the time limit left these or further steps out."""
     for seek in (_with_pairs, _with_laws) if context.laws else (_with_pairs,):
-        if context.out_of_time:
-            open_still = _is_left(settled, context.rules) or settled.found.stopped == OUT_OF_TIME
-            return settled, open_still
+        cut = settled.found.stopped == OUT_OF_TIME
+        if cut or context.out_of_time:
+            return settled, cut or _is_left(settled, context.rules)
         settled = seek(settled, context)
     return settled, settled.found.stopped == OUT_OF_TIME
 

@@ -63,7 +63,8 @@ class TraceSection:
     )
     time_limit: float | None = setting(
         None,
-        "after that time no further step begins, nor pairs or laws; the step under way is ended",
+        "no step begins that would end later, should it take as long as the one before; after it no pairs or "
+        "laws begin; the step under way is ended",
         unit="s",
         above=0,
         null="no limit",

@@ -14,7 +14,7 @@ from hybridid.trace.laws import with_law
 from hybridid.trace.path import Path
 from hybridid.trace.refit import refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Search
+from hybridid.trace.steps import Search
 
 SLOPE = 6000.0  # N s/m²
 DAMPING = Over("position", "velocity")

@@ -18,7 +18,7 @@ from hybridid.trace.decay_class import in_their_place, over_time, takes_power, w
 from hybridid.trace.rules import Rules
 from hybridid.trace.run import _of_one_decay
 from hybridid.trace.score import Score
-from hybridid.trace.search import Accepted, Search, Step
+from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import PASSED, REJECTED, Trial
 from hybridid.trace.verdict import Conclusion
 

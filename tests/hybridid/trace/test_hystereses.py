@@ -7,7 +7,7 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.hystereses import several_hystereses
-from hybridid.trace.search import Accepted
+from hybridid.trace.steps import Accepted
 from hybridid.trace.trial import Trial
 
 

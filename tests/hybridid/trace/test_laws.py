@@ -17,8 +17,8 @@ from hybridid.trace.law_starts import law_starts
 from hybridid.trace.laws import _unless_short, law_in_place, with_law
 from hybridid.trace.refit import refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import by_blocks
+from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import REJECTED, Trial, attempt
 from hybridid.trace.verdict import conclude
 

@@ -10,7 +10,8 @@ from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
 from hybridid.trace.minor import may_be_minor, minor_beside
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Search, search
+from hybridid.trace.search import search
+from hybridid.trace.steps import Search
 
 LENIENT = Rules(alpha=0.999, worth=0.01, kept=-9.0, steady=100.0)
 """So that an effect passes that explains little."""

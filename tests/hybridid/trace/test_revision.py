@@ -12,7 +12,8 @@ from hybridid.trace.numerics import DECLARED
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.revision import _without, replacements
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Search, Step, continued
+from hybridid.trace.search import continued
+from hybridid.trace.steps import Search, Step
 
 TRUE = tuple(map(effect_named, ("coulomb", "quadratic_drag")))
 WRONG = ("viscous", "offset")

@@ -9,7 +9,7 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.sampling import within_half_a_sample
-from hybridid.trace.search import Accepted
+from hybridid.trace.steps import Accepted
 from hybridid.trace.trial import Trial
 
 DT = 1e-3

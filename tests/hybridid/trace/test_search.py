@@ -12,6 +12,7 @@ from hybridid.effects.library import effect_named
 from hybridid.effects.over import OVERS, OVERS_OF_A_FLOW, Over
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace import ceiling as ceiling_module
+from hybridid.trace import search as searching
 from hybridid.trace import stand_in
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
@@ -21,7 +22,8 @@ from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import Accepted, Search, Step, search
+from hybridid.trace.search import search
+from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import attempt
 from hybridid.trace.verdict import conclude
 
@@ -258,6 +260,26 @@ def test_a_class_that_shares_nothing_physical_is_no_finding(worn):
         assert bool(found.accepted) is trusted, other
         assert (found.withdrawn == "") is trusted
     assert "these records cannot tell it from carriage.cubic_stiffness, physically" in found.withdrawn
+
+
+def test_the_search_ends_at_two_classes_that_chance_decides(worn, split_of, monkeypatch):
+    """As if a spring explained the record as well as either of two frictions."""
+    (one,), (step, *_) = worn.accepted, worn.search.steps
+    by_id = {t.candidate.effect.id: t for t in step.trials}
+    drag, spring, context = by_id["quadratic_drag"], by_id["cubic_stiffness"], Context(split_of(df_v=DF_V))
+    first, second = replace(one, alike=(one.trial, spring)), replace(one, trial=drag, alike=(drag, spring))
+
+    def why(*accepted):
+        return searching._by_chance_alone(worn.search.final, accepted, context)
+
+    assert why(first, second) == ""  # in the last model the spring explains less than the first
+    monkeypatch.setattr(searching, "still_alike", lambda *_: True)
+    both = (
+        "neither carriage.asymmetric_viscous nor carriage.quadratic_drag can be told from effects unrelated"
+    )
+    assert why(first, second).startswith(both)
+    assert why(first, replace(second, alike=(drag,))) == ""
+    assert why(first) == ""
 
 
 def test_what_a_withdrawn_effect_had_made_needless_is_back(worn):

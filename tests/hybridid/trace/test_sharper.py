@@ -9,8 +9,9 @@ from hybridid.trace import search as search_module
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
-from hybridid.trace.search import Accepted, Step, search
+from hybridid.trace.search import search
 from hybridid.trace.sharper import narrowed, sharp_enough
+from hybridid.trace.steps import Accepted, Step
 from hybridid.trace.trial import attempt
 
 

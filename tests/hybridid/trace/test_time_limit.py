@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from itertools import count
+from types import SimpleNamespace
 
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.trace import search
 from hybridid.trace.context import Context
 from hybridid.trace.run import trace
-from hybridid.trace.search import OUT_OF_TIME
+from hybridid.trace.steps import OUT_OF_TIME
 from hybridid.trace.verdict import conclude
 
 DF_V = 75.0
@@ -29,6 +32,16 @@ def test_the_first_step_is_ended_and_no_other_begins(make_model, context):
     found = conclude(make_model(("viscous", "offset")), context)
     assert [one.name for one in found.accepted] == ["carriage.coulomb"]
     assert found.search.stopped == OUT_OF_TIME
+    assert found.out_of_time
+
+
+def test_no_step_begins_that_would_end_too_late(make_model, context, monkeypatch):
+    hours = count(step=3600.0)
+    monkeypatch.setattr(search, "time", SimpleNamespace(monotonic=lambda: next(hours)))
+    found = conclude(make_model(("viscous", "offset")), replace(context, until=time.monotonic() + 1800.0))
+    assert [one.name for one in found.accepted] == ["carriage.coulomb"]
+    assert found.search.stopped == OUT_OF_TIME
+    assert [step.family for step in found.search.steps] == [0]
     assert found.out_of_time
 
 

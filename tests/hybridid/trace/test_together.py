@@ -7,7 +7,7 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
-from hybridid.trace.search import AT_FLOOR_TOGETHER
+from hybridid.trace.steps import AT_FLOOR_TOGETHER
 from hybridid.trace.together import meets_noise_together
 from hybridid.trace.verdict import conclude
 

@@ -15,9 +15,9 @@ from hybridid.effects.over import Over
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
-from hybridid.trace.search import Accepted, Search, Step
 from hybridid.trace.split import by_record
 from hybridid.trace.stand_in import unless_varying
+from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import attempt
 from hybridid.trace.varying import _overs, held_at, not_constant, varying
 

@@ -1,0 +1,92 @@
+"""What a search has done: the effects that were accepted, its steps, and the path that they make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from hybridid.trace.ceiling import Ceiling
+from hybridid.trace.law_curve import LawOverLearned
+from hybridid.trace.pair import PairTrial
+from hybridid.trace.refit import Refit
+from hybridid.trace.robustness import Survival
+from hybridid.trace.trial import Trial
+
+AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
+OUT_OF_TIME = "the time limit was reached"
+AT_FLOOR_TOGETHER = "fitted to all horizons together, the model leaves no more than the sensors' noise"
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """An effect taken into the model, with those the records cannot tell from it.
+
+    A composed law is also ``drawn`` over the learned effort that it explains. Of a pair, ``together`` names
+    the other effect; the trial is then the one beside it.
+    """
+
+    trial: Trial
+    alike: tuple[Trial, ...]
+    survivals: tuple[Survival, ...]
+    drawn: LawOverLearned | None = None
+    together: str = ""
+
+    @property
+    def name(self) -> str:
+        """``port.effect`` of the accepted effect."""
+        return self.trial.candidate.name
+
+
+@dataclass(frozen=True)
+class Step:
+    """One forward step: what the model was, every trial, and what was taken, if anything.
+
+    Where no effect passed, ``pairs`` may have been refitted, of ``family`` that could be formed. Of a pair
+    that was taken, ``accepted`` is the first effect and ``together`` the second. ``learned`` are the learned
+    efforts beside ``base``, where the step was held against them. ``minor`` says why an effect that passed is
+    no name beside one of them.
+    """
+
+    base: Refit
+    trials: tuple[Trial, ...]
+    accepted: Accepted | None
+    dropped: tuple[str, ...] = ()
+    pairs: tuple[PairTrial, ...] = ()
+    family: int = 0
+    together: Accepted | None = None
+    learned: tuple[Ceiling, ...] = ()
+    minor: str = ""
+
+    @property
+    def taken(self) -> tuple[Accepted, ...]:
+        """What was accepted: nothing, an effect, or a pair."""
+        return tuple(one for one in (self.accepted, self.together) if one is not None)
+
+
+@dataclass(frozen=True)
+class Search:
+    """The path from the declared model to the last; ``stopped`` says why it ended.
+
+    ``withdrawn`` says why an effect that had passed was withdrawn afterwards, if one was.
+    """
+
+    steps: tuple[Step, ...]
+    final: Refit
+    accepted: tuple[Accepted, ...]
+    stopped: str
+    withdrawn: str = ""
+
+    @property
+    def first(self) -> Refit:
+        """The declared model as it was first fitted."""
+        return self.steps[0].base if self.steps else self.final
+
+    @property
+    def at_noise(self) -> bool:
+        """Whether it ended at the sensors' noise."""
+        return self.stopped in (AT_FLOOR, AT_FLOOR_TOGETHER)
+
+    @property
+    def before_any(self) -> Search:
+        """The search as if its first step had accepted nothing."""
+        first = replace(self.steps[0], accepted=None, together=None, dropped=())
+        return replace(self, steps=(first,), final=first.base, accepted=(), withdrawn="")
