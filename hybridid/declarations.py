@@ -158,7 +158,7 @@ class Port:
             raise ValueError(f"{where}: {unknown('kind', self.kind, kinds)}")
         scales = {"position_scale": self.position_scale, "velocity_scale": self.velocity_scale}
         _check_positive(where, effort_scale=self.effort_scale, epsilon=self.epsilon, **scales)
-        if self.kind == "flow" and self.knows:
+        if self.kind == "flow" and self.carries:
             raise ValueError(f"{where}: a flow port carries no load; leave out its drive, load and level")
 
     @property
@@ -173,15 +173,20 @@ class Port:
         return 0 if self.kind == "flow" else 1
 
     @property
+    def carries(self) -> bool:
+        """Whether ``Plant.loads`` gives something for it."""
+        return bool(self.drive or self.load or self.level)
+
+    @property
     def knows(self) -> frozenset[Need]:
         """What of the drive, the load and the level is declared; ``load``: one of the first two. Of an output
-        the rate of change is known."""
+        and of the level at a flow port the rate of change is known."""
         known: dict[Need, bool] = {
             "load": bool(self.drive or self.load),
             "drive": bool(self.drive),
             "both_sides": bool(self.drive and self.load),
             "level": bool(self.level),
-            "rate": self.kind == "output",
+            "rate": self.kind in ("output", "flow"),
         }
         return frozenset(need for need, given in known.items() if given)
 

@@ -128,10 +128,10 @@ class EffectState:
 class Local:
     """The quantities at a port that an effect may use, as CasADi scalars.
 
-    ``position``, ``velocity``, ``acceleration`` of an effort port; ``position`` (the level) and ``velocity``
-    (the net flow of the declared model, as the rate of the level) of a flow port; or ``signal`` of an input
-    or output port, and the ``rate`` of change of an output; ``p`` its parameters, ``z`` its states by name;
-    ``time`` in s.
+    ``position``, ``velocity``, ``acceleration`` of an effort port; ``position`` (the level), its ``rate`` of
+    change and ``velocity`` (that rate without what the effects take) of a flow port; or ``signal`` of an
+    input or output port, and the ``rate`` of change of an output; ``p`` its parameters, ``z`` its states by
+    name; ``time`` in s. At a flow port only the ``dynamics`` of an effect may use the rate.
     ``channels`` holds the inputs of the model and its auxiliary channels by name, as they were recorded: an
     effect that uses some names them in ``Effect.channels``.
 

@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from hybridid.blame import imported
 from hybridid.declarations import PortKind, Signal
 from hybridid.effects import (
+    actuator,
+    capacity,
     contact,
     dampers,
     delay,
@@ -72,6 +74,7 @@ EFFECTS: tuple[Effect, ...] = (
     flows.ORIFICE_LEAK,
     flows.OVERFLOW,
     flows.PERIODIC_FLOW,
+    capacity.SIDE_CAPACITY,
     inertia.ADDED_INERTIA,
     varying_inertia.VARYING_INERTIA,
     varying_inertia.CYCLIC_INERTIA,
@@ -85,6 +88,8 @@ EFFECTS: tuple[Effect, ...] = (
     paths.INPUT_LAG,
     limits.INPUT_SATURATION,
     limits.INPUT_DEAD_ZONE,
+    actuator.INPUT_NONLINEARITY,
+    actuator.INPUT_RATE_LIMIT,
     paths.SENSOR_LAG,
     paths.SENSOR_SCALE,
     paths.SENSOR_OFFSET,

@@ -94,7 +94,7 @@ INPUT_LAG = Effect(
     states=(EffectState("z", EFFORT, "lagged input", follows=True),),
     source=_ASTROM + ", sec. 6.3 (first-order lag); its floor as in hybridid.effects.paths",
     pattern="late as a delay is at low frequency, but weaker too at high frequency; steps arrive rounded",
-    look_alikes=("input_delay", "sensor_lag", "stribeck", "flexible_mode"),
+    look_alikes=("input_delay", "sensor_lag", "input_rate_limit", "stribeck", "flexible_mode"),
     separating_experiment=(
         "steps or a chirp of the command beyond 1/(2π T), with the drive's output measured: a lag rounds "
         "and attenuates, a delay only shifts"

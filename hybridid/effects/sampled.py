@@ -2,8 +2,9 @@
 
 A delay or a lag on the path of a signal is seen if it is neither far shorter than a sample nor longer than
 the record is lively. The numbers of the library are those for samples of 1 ms: a delay of at most 10 samples,
-lags that start at 2 and 20 samples, a fastest pole of half a sample. Records with longer samples get as many
-samples. With shorter ones the numbers stay, in seconds.
+lags that start at 2 and 20 samples, a fastest pole of half a sample, a rate that takes 100 samples from zero
+to the scale of the input. Records with longer samples get as many samples. With shorter ones the numbers
+stay, in seconds.
 
 Source: Ljung (1999), System Identification, 2nd ed., sec. 13.7 (choice of the sampling interval).
 """
@@ -13,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from hybridid.effects.dimension import TIME
 from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.effects.library import EFFECTS
 
@@ -36,7 +36,7 @@ def _at(effect: Effect, times: float) -> Effect:
 
 
 def _is_time(p: EffectParameter) -> bool:
-    return p.absolute and p.dimension == TIME
+    return p.dimension.time == 1
 
 
 def _longer(p: EffectParameter, times: float) -> EffectParameter:

@@ -55,7 +55,7 @@ def outputs_of(plant: Plant, at: Symbols, efforts: Mapping[str, ca.SX]) -> dict[
 
 def loads_of(plant: Plant, at: Symbols) -> dict[str, Load]:
     """What every port carries that declares it."""
-    declared = [port.name for port in plant.equation_ports if port.knows]
+    declared = [port.name for port in plant.equation_ports if port.carries]
     given = _mapping(plant.loads, declared, "port that declares a drive, load or level", *at)
     for name, load in given.items():
         if not isinstance(load, Load):

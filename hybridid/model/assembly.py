@@ -122,16 +122,19 @@ class _Locals:
             **_carried(port, loads),
         )
 
-    def at_flow_port(self, term: Term, port: str, motion: Motion) -> Local:
-        """The level and the net flow; an effect that asks for more is refused."""
+    def at_flow_port(self, term: Term, port: str, motion: Motion, rate: ca.SX) -> Local:
+        """The level, its rate and the net flow; an effect that asks for more is refused."""
         absent = {"acceleration": ca.SX.sym("a"), "epsilon": ca.SX.sym("epsilon")}
-        seen = self.see(term, position=motion.position, velocity=motion.velocity, **absent)
-        used = ca.vertcat(law_of(term.effect, seen), *self.rates(term, seen).values())
+        seen = self.see(term, position=motion.position, velocity=motion.velocity, rate=rate, **absent)
+        law = law_of(term.effect, seen)
+        used = ca.vertcat(law, *self.rates(term, seen).values())
         if ca.depends_on(used, ca.vertcat(*absent.values())):
             raise ValueError(
                 f"effect {term.effect.id}: flow port {port} has a level and a net flow, but no acceleration "
                 "and no smoothed sign of a velocity"
             )
+        if ca.depends_on(law, rate):
+            raise ValueError(f"effect {term.effect.id}: its flow at {port} uses the rate that it changes")
         return seen
 
     def rates(self, term: Term, local: Local) -> dict[str, ca.SX]:
@@ -174,17 +177,19 @@ def _resolve_acceleration(
     motion: Mapping[str, Motion],
     plant_at: Symbols,
 ) -> tuple[dict[tuple[str, str], ca.SX], dict[str, ca.SX], Mapping[str, ca.SX]]:
-    """Efforts by term and port, term rates and plant rates, with port accelerations eliminated.
+    """Efforts by term and port, term rates and plant rates, with port accelerations and the rates of levels
+    eliminated.
 
     An effect may use the port's acceleration a (added inertia). The equations of motion are
     affine in the efforts and therefore in a: one Newton step solves ``a = g(a)`` exactly. Where a rig
-    prescribes the motion, a is given.
+    prescribes the motion, a is given. The rate of a level follows from the flows, which do not depend on it.
 
     Raises:
         ValueError: if an effect is not linear in the acceleration, or uses one at a flow port.
     """
     moving = [port.name for port in plant.equation_ports if port.kind == "effort"]
     a = ca.vertcat(*[ca.SX.sym(f"a_{name}") for name in moving])
+    flowing = {port.name: ca.SX.sym(f"r_{port.name}") for port in plant.equation_ports if port.kind == "flow"}
     loads = loads_of(plant, plant_at)
     efforts: dict[tuple[str, str], ca.SX] = {}
     term_rates: dict[str, ca.SX] = {}
@@ -193,17 +198,20 @@ def _resolve_acceleration(
         if name in moving:
             seen = local.at_effort_port(term, plant.port(name), motion[name], a[moving.index(name)], loads)
         else:
-            seen = local.at_flow_port(term, name, motion[name])
+            seen = local.at_flow_port(term, name, motion[name], flowing[name])
         efforts[term.name, name] = law_of(term.effect, seen)
         term_rates.update(local.rates(term, seen))
     rates = rates_of(plant, plant_at, _sums(plant, efforts))
+    state = ca.vertcat(*[getattr(plant_at[0], s.name) for s in plant.states])
+    state_rate = ca.vertcat(*[rates[s.name] for s in plant.states])
+    for name, rate in flowing.items():
+        level_rate = ca.jtimes(motion[name].position, state, state_rate)
+        term_rates = {of: ca.substitute(value, rate, level_rate) for of, value in term_rates.items()}
     used = ca.vertcat(*efforts.values(), *term_rates.values())
     if not moving or not ca.depends_on(used, a):
         return efforts, term_rates, rates
-    names = [s.name for s in plant.states]
-    state = ca.vertcat(*[getattr(plant_at[0], name) for name in names])
     velocity = ca.vertcat(*[motion[name].velocity for name in moving])
-    follows = ca.jtimes(velocity, state, ca.vertcat(*[rates[name] for name in names]))
+    follows = ca.jtimes(velocity, state, state_rate)
     given = [motion[name].acceleration for name in moving]
     gap = a - ca.vertcat(*[follows[k] if one is None else one for k, one in enumerate(given)])
     if not ca.is_linear(gap, a):

@@ -128,7 +128,7 @@ def test_every_parameter_stands_in_the_equation(effect):
         "sigma": "σ",
         "f_v": "f_v",
     }
-    realisation = {"width", "window", "inverse_limit"}
+    realisation = {"width", "window", "inverse_limit", "inverse_rate", "size"}
     for p in effect.parameters:
         if p.name not in realisation:
             assert letters.get(p.name, p.name) in effect.equation, p.name

@@ -37,6 +37,8 @@ PLANTED = {
     "varying_force_factor": {"b_1": 2.0, "b_2": 300.0},
     "torque_ripple": {"b_s": 0.1, "b_c": 0.05, "pitch": 0.02},
     "back_emf_limit": {"inverse_limit": 1 / 60, "v_0": 0.5},
+    "input_nonlinearity": {"c_2": 1e-3, "c_3": -2e-5},
+    "input_rate_limit": {"inverse_rate": 1 / 1500},
     "sensor_nonlinearity": {"c_2": 0.5, "c_3": 5.0},
     "sensor_periodic_error": {"period": 0.01},
     "two_sided_load_friction": {"mu_d": 0.03, "mu_l": 0.2},
@@ -88,7 +90,8 @@ def test_a_planted_effect_is_fitted_back(effect, pressed):
         name for name in truth if name.rsplit(".", 1)[1] in {p.name for p in effect.parameters if p.nests}
     }
     # its limit out of reach, a saturation shows no slope
-    share = 0.5 if "inverse_limit" in {p.name for p in effect.parameters} else 0.0
+    limited = {"inverse_limit", "inverse_rate"} & {p.name for p in effect.parameters}
+    share = 0.5 if limited else 0.0
     start = {name: value * (share if name in amplitudes else 1.0) for name, value in truth.items()}
     before = np.std(position_of(model, start) - record.output("position"))
     assert before > 1e-6, "the effect must change the motion"

@@ -53,12 +53,37 @@ def test_a_periodic_flow_is_the_periodic_disturbance_of_a_level(bench):
     assert frequency.at(fast).guess == pytest.approx(1000 * frequency.at(slow).guess)
 
 
+def test_a_side_capacity_takes_what_its_level_gains(bench):
+    """A step of the level by 0.3 m: τ later the second one has 63 % of it, and the flow has filled k τ times
+    that."""
+    k, tau, rise = 2e-3, 50.0, 0.01
+    side = bench("side_capacity", k=k, tau=tau)
+    time = np.linspace(0.0, rise + tau, 20001)
+    flow, states = side.run(lambda t: {"rate": 0.3 / rise if t < rise else 0.0}, time)
+    behind = states[:, 0]
+    assert behind[-1] == pytest.approx(0.3 * np.exp(-1), rel=1e-3)
+    assert np.trapezoid(flow, time) == pytest.approx(k * tau * (0.3 - behind[-1]), rel=1e-3)
+
+
+def test_the_rate_of_a_level_counts_every_flow(tank):
+    """Beside a leak the second capacity sees the level as it moves, not as the plant alone would move it."""
+    model = compose(tank, ["side_capacity", "linear_leak"])
+    values = {"tank.linear_leak.k": 2e-3, "tank.side_capacity.k": 3e-3, "tank.side_capacity.tau": 40.0}
+    names = [s.name for s in model.states]
+    x = np.array([0.02 if name.endswith(".d") else 0.4 for name in names])
+    rates = np.asarray(model.f(0.0, x, np.zeros(model.f.size1_in(2)), model.values(values))).ravel()
+    of = dict(zip(names, rates, strict=True))
+    level = next(rate for name, rate in of.items() if not name.endswith(".d"))
+    assert of["tank.side_capacity.d"] == pytest.approx(level - 0.02 / 40.0, rel=1e-12)
+
+
 PLANTED = {
     "steady_leak": {"flow": 3e-4},
     "linear_leak": {"k": 1e-3},
     "orifice_leak": {"c": 6e-4, "h": 1.0},
     "overflow": {"k": 0.02, "limit": 0.4, "h": 1.0},
     "periodic_flow": {"A_s": 1e-4, "A_c": 5e-5, "frequency": 0.02},
+    "side_capacity": {"k": 2e-3, "tau": 60.0},
 }
 
 
@@ -69,7 +94,8 @@ def test_a_planted_flow_is_fitted_back(tank, leaking, name):
     known = {full: {"fixed": value} for full, value in truth.items() if full.endswith(".h")}
     model = compose(tank, [name], known)
     record = leaking().record()
-    planted = simulate(model, truth, record, np.array([0.35]), substeps=4).outputs
+    rest = np.zeros(len(model.states) - 1)
+    planted = simulate(model, truth, record, np.array([0.35, *rest]), substeps=4).outputs
     record = replace(record, outputs=planted)
     amplitudes = {f"tank.{name}.{p.name}" for p in effect_named(name).parameters if p.nests}
     start = {full: 0.0 if full in amplitudes else 0.95 * value for full, value in truth.items()}
@@ -97,7 +123,7 @@ def test_a_weir_and_a_hole_are_found_again(tank, leaking):
 
 def test_flows_are_tried_at_levels_only_and_nothing_else_of_the_equations_is(tank):
     """No friction, spring or inertia at a level, no flow at a carriage."""
-    flows = {"steady_leak", "linear_leak", "orifice_leak", "overflow", "periodic_flow"}
+    flows = {"steady_leak", "linear_leak", "orifice_leak", "overflow", "periodic_flow", "side_capacity"}
     level, (carriage, *_) = tank.port("tank"), EMPS().ports
     assert {effect.id for effect in EFFECTS if effect.admissible_at(level)} == flows
     assert not {effect.id for effect in EFFECTS if effect.admissible_at(carriage)} & flows
@@ -152,6 +178,8 @@ def test_a_flow_port_has_no_acceleration_no_smoothing_and_no_load(tank):
     for law in (lambda at: at.p.c * at.acceleration, lambda at: at.p.c * at.sign):
         with pytest.raises(ValueError, match="effect own: flow port tank has a level and a net flow, but no"):
             _ = compose(tank, [own(law)]).f
+    with pytest.raises(ValueError, match="effect own: its flow at tank uses the rate that it changes"):
+        _ = compose(tank, [own(lambda at: at.p.c * at.rate)]).f
     seen = compose(tank, [own(lambda at: at.p.c * at.velocity * at.position)])
     assert float(seen.efforts(0, [0.5], [1e-3], [0.02, 2.0])) == pytest.approx(2.0 * 0.05 * 0.5)
     with pytest.raises(ValueError, match="port tank: a flow port carries no load"):

@@ -84,7 +84,7 @@ BLIND_TO_VELOCITY = (
 )
 ODD_ALTOGETHER = (
     *("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play"),
-    "hardening_hysteresis",
+    *("hardening_hysteresis", "side_capacity"),
 )
 OF_THE_SPEED = ("warming_friction", "back_emf_limit")
 
@@ -108,7 +108,7 @@ def test_effects_with_memory_have_no_side(bench, name):
     effect, rng = bench(name), np.random.default_rng(5)
     for _ in range(5):
         z = rng.uniform(-0.9, 0.9, len(effect.effect.states))
-        seen = {"position": rng.normal(), "velocity": rng.normal(), "acceleration": rng.normal()}
+        seen = {name: rng.normal() for name in ("position", "velocity", "acceleration", "rate")}
         law, rates = effect(z, **seen)
         mirrored, back = effect(-z, **{name: -value for name, value in seen.items()})
         assert mirrored == pytest.approx(-law, rel=1e-9)

@@ -116,6 +116,33 @@ def test_dead_zone_loses_its_width_and_nothing_else(bench):
     assert out(-0.7) == -out(0.7)
 
 
+def test_a_rate_limit_arrives_by_a_ramp_of_one_slope(bench):
+    """Steps of 2 and 8 V at 100 V/s take 20 and 80 ms, both ways."""
+    effect, time = bench("input_rate_limit", inverse_rate=0.01), np.linspace(0.0, 0.1, 10001)
+    for step in (2.0, 8.0, -8.0):
+        added, _ = effect.run(lambda t, to=step: {"signal": to}, time)
+        out = step + added
+        arrived = abs(step) / 100.0
+        half = np.searchsorted(time, arrived / 2)
+        assert out[half] == pytest.approx(step / 2, rel=0.01)
+        assert out[np.searchsorted(time, arrived + 5e-3)] == pytest.approx(step, rel=0.01)
+
+
+def test_a_rate_limit_passes_what_is_slow(bench):
+    """A sine whose steepest slope is half the rate is late by the floor, no more."""
+    effect, time = bench("input_rate_limit", inverse_rate=0.01), np.linspace(0.0, 2.0, 20001)
+    omega = 2 * np.pi
+    added, _ = effect.run(lambda t: {"signal": 50 / omega * np.sin(omega * t)}, time)
+    late = effect.p["floor"]
+    assert np.abs(added).max() <= 1.3 * 50 * late
+
+
+def test_a_bent_characteristic_is_a_cubic(bench):
+    effect = bench("input_nonlinearity", c_2=0.02, c_3=-0.003)
+    for u in (-7.0, -1.0, 0.0, 2.0, 9.0):
+        assert effect.law(signal=u) == pytest.approx(0.02 * u**2 - 0.003 * u**3)
+
+
 def test_gains_scale_and_offsets_add(bench):
     assert bench("input_gain", g=0.1).law(signal=3.0) == pytest.approx(0.3)
     assert bench("sensor_scale", e=-0.02).law(signal=3.0) == pytest.approx(-0.06)

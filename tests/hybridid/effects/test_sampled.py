@@ -33,10 +33,17 @@ def test_a_delay_has_as_many_samples_whatever_they_last():
     assert (parameter(lag, "T").guess, parameter(lag, "floor").guess) == pytest.approx((0.16, 0.04))
 
 
+def test_a_rate_limit_takes_as_many_samples_over_the_range():
+    fast = parameter(effect_named("input_rate_limit"), "inverse_rate")
+    slow = parameter(named(sampled(EFFECTS, 2.0), "input_rate_limit"), "inverse_rate")
+    assert (slow.guess, slow.starts) == (pytest.approx(200.0), pytest.approx((40.0, 2000.0)))
+    assert fast.guess == pytest.approx(0.1)
+
+
 def test_all_else_stays_and_ones_own_effects_too():
     pairs = zip(EFFECTS, sampled(EFFECTS, 0.1), strict=True)
     changed = {effect.id for effect, one in pairs if effect is not one}
-    assert changed == {"input_delay", "input_lag", "sensor_lag"}
+    assert changed == {"input_delay", "input_lag", "input_rate_limit", "sensor_lag"}
     mine = replace(effect_named("input_delay"), id="own_delay")
     assert sampled([mine], 0.1) == (mine,)
 
