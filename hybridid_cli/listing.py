@@ -61,7 +61,7 @@ _NEEDS = {
     "drive": "the effort of the drive at the port",
     "both_sides": "the efforts of the drive and of the load at the port",
     "level": "what sets the level of the port's friction, such as a field or a pressure",
-    "rate": "the rate of change of the output, which no input may change at once",
+    "rate": "the rate of change of the level, or of an output that no input changes at once",
 }
 # Stands for any input or channel of a case.
 _CHANNEL = Signal("CHANNEL", "its unit")
