@@ -51,6 +51,14 @@ def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
             return
 
 
+def settles(record: Record, after: float) -> bool:
+    """Whether nothing drives ``record``, and ``after`` that time [s] an output varies by less than half of
+    what it did before: what is small there shows little of the machine."""
+    late = record.time >= after
+    falls = FALLS * record.outputs[late].std(axis=0) < record.outputs[~late].std(axis=0)
+    return _undriven(record) and bool(falls.any())
+
+
 def swing(record: Record) -> float:
     """Period [s] of the strongest oscillation of the output that oscillates fastest."""
     centred = record.outputs - record.outputs.mean(axis=0)

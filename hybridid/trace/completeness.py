@@ -14,7 +14,8 @@ from hybridid.trace.before_after import FittedModel, ScoreRow, Validation, score
 from hybridid.trace.ceiling import Ceiling, ceiling, strongest
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
-from hybridid.trace.verdict import Ceilings, Conclusion
+from hybridid.trace.settled import Ceilings
+from hybridid.trace.verdict import Conclusion
 
 WITH_NETWORK = "{} + network"
 """What a model is called with the network beside it."""

@@ -26,8 +26,9 @@ from hybridid.trace.entries import (
 )
 from hybridid.trace.missing_effort import Missing
 from hybridid.trace.rules import Rules
+from hybridid.trace.settled import Ceilings
 from hybridid.trace.split import Split
-from hybridid.trace.verdict import Ceilings, Conclusion, Verdict
+from hybridid.trace.verdict import Conclusion, Verdict
 
 
 @dataclass(frozen=True)
@@ -74,9 +75,9 @@ class Trace:
     record. ``declared`` and ``effects`` name the terms of these two models, ``estimates`` hold their
     parameters, ``ceilings`` the gains of learned efforts beside them, ``path`` the error at each change.
     ``remains`` names where structure is left that no effect explains, ``stopped`` says why the search ended.
-    ``times`` is the held-out error over what the sensor's noise and the simulation alone would leave, and
-    ``refused`` the gain worth having that a test refused, where that leaves the verdict open. So does an
-    error that is as large over horizons of ``steady`` s.
+    ``times`` is the held-out error over what the sensor's noise and the simulation alone would leave,
+    ``times_fitted`` that of the fitted horizons, and ``refused`` the gain worth having that a test refused,
+    where that leaves the verdict open. So does an error that is as large over horizons of ``steady`` s.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
@@ -101,6 +102,7 @@ class Trace:
     ceilings: LearnedGains
     remains: tuple[str, ...]
     times: float
+    times_fitted: float
     refused: str
     completeness: Completeness | None
     stopped: str

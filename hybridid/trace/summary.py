@@ -60,6 +60,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         ceilings=LearnedGains(learned_gains(evidence.ceilings[0]), learned_gains(evidence.ceilings[-1])),
         remains=found.remains,
         times=found.times,
+        times_fitted=found.times_fitted,
         refused=found.refused,
         steady=found.steady,
         completeness=completeness(networks, rules),

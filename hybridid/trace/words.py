@@ -112,10 +112,16 @@ def _concluded(found: Trace) -> str:
             f"and over horizons of {found.steady:.2g} s it is as large. So it may be a noise with a memory, "
             f"an error of the sensor, or an effect that is faster. {error_left(found)}"
         )
-    if found.verdict == "undecided":
+    if found.verdict == "undecided" and found.refused:
         return (
             f"These records do not decide whether something is missing: {where} the RMSE would fall by "
             f"{found.refused}. {error_left(found)}"
+        )
+    if found.verdict == "undecided":
+        return (
+            "These records do not decide whether something is missing: the fitted horizons leave "
+            f"{_times(found.times_fitted)} what noise and simulation alone leave, but {_unnamed(found)} the "
+            f"error {where}, which may show too little of the machine. {error_left(found)}"
         )
     if found.verdict == "unexplained":
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
@@ -235,11 +241,11 @@ def error_left(found: Trace) -> str:
             parts["error of the parameters that the noise has moved"] = one.parameters
         told = ", ".join(f"{what} {quantity(value, one.unit, 2)}" for what, value in parts.items())
         each.append(f"{rmse} of {name} ({told})")
-    return f"The error left is {listed(each)}: {_times(found)} what noise and simulation alone leave."
+    return f"The error left is {listed(each)}: {_times(found.times)} what noise and simulation alone leave."
 
 
-def _times(found: Trace) -> str:
-    return f"{found.times:.1f} times" if found.times < 1000 else "more than a thousand times"
+def _times(times: float) -> str:
+    return f"{times:.1f} times" if times < 1000 else "more than a thousand times"
 
 
 def _cut_short(found: Trace) -> str:
@@ -313,6 +319,6 @@ def _more_is_missing(found: Trace) -> str:
     if found.times <= found.rules.far:
         return ""
     return (
-        f" More is missing: the error left is {_times(found)} what noise and simulation alone leave. "
+        f" More is missing: the error left is {_times(found.times)} what noise and simulation alone leave. "
         "A name may stand for a part of that."
     )

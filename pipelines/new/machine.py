@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from hybridid.advice.decay import free_decay
+from hybridid.advice.decay import free_decay, settles
 from hybridid.advice.horizon import proposed_horizon
 from hybridid.records.record import Record
 from hybridid.records.survey import TimeFound
@@ -104,10 +104,12 @@ class Machine:
 
     @property
     def decays(self) -> bool:
-        """Whether what is fitted is one free decay, beside which there is another recording: one decay cannot
-        tell a friction over the amplitude from one over the time, so a trace takes all recordings."""
-        fitted = self.records[:-1]
-        return bool(fitted) and any(free_decay(fitted))
+        """Whether parts of all recordings are to judge: what is fitted is one free decay, which alone cannot
+        tell a friction over the amplitude from one over the time; or the only recording has settled where it
+        would judge."""
+        if self.split is not None:
+            return settles(self.records[0], self.split)
+        return any(free_decay(self.records[:-1]))
 
     def cutoff(self, derivative: Derivative) -> float:
         """Of the low-pass, in Hz, under which a derivative is taken."""

@@ -150,7 +150,7 @@ def test_nothing_changes_where_the_machine_is_driven_or_a_spring_was_found():
     ("verdict", "then"), [("effect_found", "ambiguous"), ("law_proposed", "law_proposed")]
 )
 def test_the_verdict_is_no_longer_that_one_effect_was_found(verdict, then):
-    concluded = Conclusion(verdict, found(*TRIALS), {}, (), (), (), {}, 1.0)
+    concluded = Conclusion(verdict, found(*TRIALS), {}, (), (), (), 1.0, 1.0)
     assert _of_one_decay(concluded, [decay()], context()).verdict == then
     assert _of_one_decay(concluded, [decay(torque=0.1)], context()).verdict == verdict
 

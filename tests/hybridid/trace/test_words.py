@@ -61,6 +61,7 @@ def nothing():
             ceilings=LearnedGains((), ()),
             remains=(),
             times=1.0,
+            times_fitted=1.0,
             refused="",
             completeness=None,
             stopped=stopped,
@@ -105,6 +106,15 @@ def test_a_gain_that_was_refused_is_told(nothing):
 
 def test_a_gain_that_a_complete_model_could_take_is_told_without_more(nothing):
     assert "A complete model" not in sentence(replace(nothing(SPRING), times=1.2))
+
+
+def test_what_judges_may_show_too_little(nothing):
+    said = sentence(replace(nothing(DRAG), verdict="undecided", times_fitted=9.4))
+    assert said.startswith(
+        "These records do not decide whether something is missing: the fitted horizons leave 9.4 times what "
+        "noise and simulation alone leave, but the one effect tried does not explain the error on held-out "
+        "horizons of 1 s (simulated), which may show too little of the machine. The error left is 3 µm"
+    )
 
 
 def test_nothing_was_tried_because_nothing_is_left(nothing):

@@ -65,6 +65,18 @@ def test_of_free_decays_all_are_traced(say, own_folder, rig):
     assert case["trace"] == {"records": ["high", "low"], "held_out": None}
 
 
+def test_of_a_body_that_cools_parts_of_the_recording_judge(say, own_folder, rig):
+    """Its last part is as cold as the room: there the loss shows little."""
+    time = np.arange(0.0, 6000.0, 20.0)
+    rows = np.column_stack([time, 22.0 + 60.0 * np.exp(-time / 1500.0)])
+    np.savetxt(own_folder / "mug.csv", rows, delimiter=",", header="time [s],temperature [°C]", comments="")
+    words = ("--from", "mug.csv", "--template", "heater", "--signal", "power=none")
+    said = say("new", rig, *words)
+    assert said.code == 0, said.complaint
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert case["trace"] == {"records": ["fitted", "judging"], "held_out": None}
+
+
 @pytest.mark.parametrize(("kind", "made"), [("test_rig", "differentiate"), ("vehicle", "integrate")])
 def test_each_of_several_recordings_has_its_own_steps(recorded, say, own_folder, rig, kind, made):
     words = recorded(kind)

@@ -110,6 +110,7 @@ FOUND = Trace(
     ),
     remains=(),
     times=1.4,
+    times_fitted=1.3,
     refused="",
     completeness=Completeness("12 bumps over velocity at cart", -0.02, 0.9, complete=True, gain_before=0.5),
     stopped="no further effect passes",

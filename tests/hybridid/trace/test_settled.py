@@ -1,0 +1,52 @@
+"""A search that ends at the noise is doubted where a learned effort still takes a part of that noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.context import Context
+from hybridid.trace.rules import Rules
+from hybridid.trace.settled import Settled
+from hybridid.trace.steps import AT_FLOOR
+from hybridid.trace.verdict import _verdict, conclude
+
+DF_V = 80.0
+TRIED = tuple(map(effect_named, ("asymmetric_viscous", "cubic_stiffness")))
+
+
+@pytest.fixture(scope="module")
+def context(split_of):
+    """All that is missing is taken for noise."""
+    return Context(split_of(df_v=DF_V), TRIED, Rules(near_floor=1e6), variables=("velocity", "position"))
+
+
+@pytest.fixture(scope="module")
+def below(make_model, context):
+    return conclude(make_model(), context)
+
+
+def test_what_is_taken_for_noise_and_is_not_is_named(below):
+    assert [one.name for one in below.accepted] == ["carriage.asymmetric_viscous"]
+    assert below.search.first.score.loss > 10 * below.search.final.score.loss
+
+
+def test_what_is_noise_stays_noise(make_model, split_of, context):
+    nothing = conclude(make_model(), replace(context, split=split_of()))
+    assert (nothing.verdict, nothing.search.steps, nothing.search.stopped) == (
+        "nothing_missing",
+        (),
+        AT_FLOOR,
+    )
+
+
+def test_the_fitted_horizons_count_too(below):
+    """Where they leave far more than noise, what judges shows too little of the machine."""
+    assert np.isfinite(below.times_fitted)
+    nothing = replace(below.search, accepted=(), withdrawn="")
+    left = Settled(nothing, (), (), below.accuracy, times=1.0, remains=())
+    for times, verdict in ((2.9, "nothing_missing"), (3.1, "undecided")):
+        assert _verdict(left, "", None, times, Rules()) == verdict
