@@ -11,6 +11,7 @@ from hybridid.trace.entries import (
     DifferingParameter,
     ReplacedEffect,
     TriedEffect,
+    TriedPair,
     Value,
 )
 from hybridid.trace.remarks import named_effects
@@ -205,22 +206,20 @@ def _none_passes(found: Trace, where: str) -> str:
 
 
 def _most_refused(found: Trace) -> str:
-    """The largest gain of an effect or a pair that was refused in the last step, and why; empty if none of
-    them is worth having, or possible."""
+    """The gain of an effect or a pair that was refused in the last step and has the most evidence, and why;
+    empty if none of them is worth having, or possible. Of significant ones that is the largest."""
     last = found.steps[-1] if found.steps else None
     if last is None or last.taken:
         return ""
-    tried = [
-        (one.gain, one.name, one.reason) for one in last.trials if one.status != PASSED and not one.is_law
-    ]
-    tried += [(pair.gain, " and ".join(pair.effects), pair.reason) for pair in last.pairs]
-    possible = [
-        one for one in tried if one[0] >= found.rules.worth and not _more_than_possible(one[0], found.times)
-    ]
+    worth, alpha = found.rules.worth, found.rules.alpha
+    effects = [one for one in last.trials if one.status != PASSED and not one.is_law]
+    refused: list[TriedEffect | TriedPair] = [*effects, *last.pairs]
+    possible = [o for o in refused if o.gain >= worth and not _more_than_possible(o.gain, found.times)]
     if not possible:
         return ""
-    gain, name, reason = max(possible)
-    return f" The largest gain, {share(gain)} with {name}, is refused: {reason}."
+    most = min(possible, key=lambda one: (max(one.p_value, alpha), -one.gain))
+    name = " and ".join(most.effects) if isinstance(most, TriedPair) else most.name
+    return f" The best supported of the refused gains is {share(most.gain)} with {name}: {most.reason}."
 
 
 def _more_than_possible(gain: float, times: float) -> str:

@@ -273,9 +273,13 @@ def test_pairs_that_were_tried_are_told(nothing):
     step = StepTaken(nothing().path[0], None, (), (), pairs=(pair, pair), family=741)
     found = replace(nothing(DRAG, SPRING), verdict="unexplained", times=12.3, steps=(step,))
     assert sentence(found).startswith(
-        "Something is missing that none of the 2 effects tried explains, alone or in 2 pairs. The largest "
-        "gain, 10.0 % with carriage.spring and carriage.offset, is refused: adjusted p = 0.1 over 0.01. The "
+        "Something is missing that none of the 2 effects tried explains, alone or in 2 pairs. The best "
+        "supported of the refused gains is 10.0 % with carriage.spring and carriage.offset: adjusted p = 0.1 "
+        "over 0.01. The "
     )
+    likelier = replace(tried("coulomb", 0.07, "adjusted p = 0.02 over 0.01"), p_value=0.02)
+    said = sentence(replace(found, steps=(replace(step, trials=(likelier,)),)))
+    assert "gains is 7.0 % with carriage.coulomb: adjusted p = 0.02 over 0.01." in said
     at_noise = replace(found, times=1.1)
     assert "refused" not in sentence(at_noise), "no complete model could take 10 %"
     assert tried_in_words(found) == "2 effects and 2 of 741 pairs of them"
