@@ -47,12 +47,14 @@ def fit(
     settings: FitSettings | None = None,
     progress: Callable[[Progress], None] | None = None,
     start_values: Mapping[str, float] | None = None,
+    start_states: Array | None = None,
 ) -> Estimate:
     """Fit the free parameters of ``model`` to ``records``.
 
     Minimises the output error over the horizons that ``settings`` lays out, from one or
     several starts, and keeps the lowest cost. With the loss "huber" it goes on from there
-    (``robust``). ``start_values`` (by qualified name) replaces the automatic start.
+    (``robust``). ``start_values`` (by qualified name) replaces the automatic start. ``start_states`` (w, n_x)
+    are initial states of the horizons to start from where they fit better than those at hand.
 
     Raises:
         ValueError: if a record does not fit the model, an output never changes, nothing is free to estimate,
@@ -74,7 +76,7 @@ def fit(
     built = time.perf_counter()
     plan = descent_of(settings)
     values = scattered(model, first, settings.starts, settings.seed)
-    found = descend(_starts(problem, short, values, settings, progress), plan)
+    found = descend(_starts(problem, short, values, settings, progress, start_states), plan)
     if not np.isfinite(found.solution.cost):
         names = ", ".join(r.name for r in records)
         raise ValueError(f"the model diverges from every start on {names}: {found.solution.status}")
@@ -223,13 +225,16 @@ def _starts(
     values: Sequence[Array],
     settings: FitSettings,
     progress: Callable[[Progress], None] | None,
+    states: Array | None,
 ) -> Iterator[Start]:
     """A start at each of ``values`` (n_p,), improved over short horizons where they help, from the best
-    initial states at hand."""
+    initial states at hand, ``states`` (w, n_x) among them."""
     for k, p in enumerate(values):
         stage = "fit" if len(values) == 1 else f"start {k + 1} of {len(values)}"
         watch = _reporter(progress, stage, k / len(values))
         if short is not None:
             p = short_horizon_start(short, p, settings.continuation[0], watch)
         candidates = x0_candidates(problem, p) if problem.estimate_x0 else [problem.measured_x0()]
+        if states is not None and problem.estimate_x0:
+            candidates.append(states)
         yield Start(problem, p, best_initial_states(problem, p, candidates), tuple(candidates), watch)

@@ -5,15 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hybridid.estimators import Estimate, FitSettings, fit
 from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
+from hybridid.trace.refit import Refit
 from hybridid.trace.verdict import Conclusion
 from hybridid.validation import Metrics, Prediction, diverged, free_run, horizon_run, metrics
 
+Array = NDArray[np.float64]
 BEFORE, AFTER = "gray box", "gray box + effects"
 """What the two models are called wherever a person reads of them."""
 FITTED, HELD_OUT = "fitted", "held out"
@@ -71,7 +76,10 @@ def before_and_after(found: Conclusion, validation: Validation, context: Context
     beside the minimum: it begins again at the declared model, with the effects at zero.
     """
     bases = {BEFORE: found.search.first} | ({AFTER: found.search.final} if found.accepted else {})
-    places = [(name, base.model, base.values, validation) for name, base in bases.items()]
+    places = [
+        (name, base.model, base.values, validation, _states(base, validation, context))
+        for name, base in bases.items()
+    ]
     models = context.each("before and after", refitted, places, lambda one: one.name)
     if len(models) < 2 or models[1].estimate.cost <= models[0].estimate.cost:
         return models
@@ -87,10 +95,23 @@ def before_and_after(found: Conclusion, validation: Validation, context: Context
     return [before, min(after, again, key=lambda one: one.estimate.cost)]
 
 
-def refitted(name: str, model: Model, values: Mapping[str, float], validation: Validation) -> FittedModel:
-    """Refit ``model`` from ``values`` on all fitted records; score it on every record, in both views."""
+def _states(base: Refit, validation: Validation, context: Context) -> Array:
+    """The initial states (w, n_x) of the horizons of the fitted records in ``base``."""
+    origins = base.problem(context.split).windows.origin
+    return base.x0[[index < len(validation.fitted) for index, *_ in origins]]
+
+
+def refitted(
+    name: str,
+    model: Model,
+    values: Mapping[str, float],
+    validation: Validation,
+    states: Array | None = None,
+) -> FittedModel:
+    """Refit ``model`` from ``values``, and from ``states`` (w, n_x) where they fit better than those at hand,
+    on all fitted records; score it on every record, in both views."""
     settings = replace(validation.settings, continuation=(1.0,), starts=1)
-    estimate = fit(model, validation.fitted, settings, start_values=values)
+    estimate = fit(model, validation.fitted, settings, start_values=values, start_states=states)
     rows, predictions = scored(name, model, estimate.values, validation)
     return FittedModel(name, model, estimate, rows, predictions)
 
