@@ -31,9 +31,12 @@ def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Tria
 
 
 def _insignificant(trial: Trial, best: Trial, rules: Rules) -> bool:
-    """Whether only significance refused the trial, which takes at least half of what ``best`` takes."""
+    """Whether only significance refused the trial, which takes at least half of what ``best`` takes. A trial
+    of which no standard errors were asked for is not known to be determined."""
     only = trial.status == REJECTED and trial.gain >= rules.worth and trial.p_adjusted > rules.alpha
-    return only and 2 * trial.taken >= best.taken and not (trial.not_shown or undetermined(trial, rules))
+    if not only or 2 * trial.taken < best.taken or trial.refit is None or not trial.refit.std:
+        return False
+    return not (trial.not_shown or undetermined(trial, rules))
 
 
 def _nearly_alike(best: Trial, other: Trial, rules: Rules) -> bool:

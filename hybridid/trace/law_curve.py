@@ -16,7 +16,7 @@ from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
 BINS, LEAST = 40, 10
-"""Of the variable, and the samples that a bin must hold."""
+"""Of the variable at most, and the samples that a bin must hold. A short record has fewer bins."""
 BINS_A_TERM = 3
 """So many bins at least for each of the model's own terms, or these would meet any curve."""
 ONE_CURVE = 0.9
@@ -33,6 +33,11 @@ class LawCurve:
     at: Array
     value: Array
     samples: Array
+
+    def over(self, seen: Array) -> Array:
+        """The curve (n,) at the values ``seen`` (n,) of the variable, straight between its points; zero if it
+        has none."""
+        return np.interp(seen, self.at, self.value) if len(self.at) else np.zeros_like(seen)
 
 
 @dataclass(frozen=True)
@@ -110,14 +115,14 @@ def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -
     if len(columns) < BINS_A_TERM * columns.shape[1]:
         return curve
     weight = np.sqrt(curve.samples)
-    apart = curve.value - np.interp(curve.at, law.at, law.value)
+    apart = curve.value - law.over(curve.at)
     shares, *_ = np.linalg.lstsq(columns * weight[:, None], apart * weight, rcond=1e-9)
     return replace(curve, value=curve.value - columns @ shares)
 
 
 def _is_curve(effort: Array, curve: LawCurve, seen: Array, factor: Array) -> bool:
     """Whether ``effort`` (n,) follows from the variable and the factor alone."""
-    rest = effort - np.interp(seen, curve.at, curve.value) * factor
+    rest = effort - curve.over(seen) * factor
     return float(rest @ rest) <= (1 - ONE_CURVE) * float(effort @ effort)
 
 
@@ -136,10 +141,11 @@ def _seen(path: Path, own: Path, port: str, over: Over) -> Array:
 
 def binned(seen: Array, effort: Array, factor: Array) -> LawCurve:
     """What ``effort`` (n,) is over ``factor`` (n,), by least squares in bins of ``seen`` (n,)."""
-    edges = np.linspace(seen.min(), seen.max(), BINS + 1)
-    bins = np.clip(np.digitize(seen, edges) - 1, 0, BINS - 1)
+    count = int(np.clip(len(seen) // (2 * LEAST), 1, BINS))
+    edges = np.linspace(seen.min(), seen.max(), count + 1)
+    bins = np.clip(np.digitize(seen, edges) - 1, 0, count - 1)
     found = []
-    for k in range(BINS):
+    for k in range(count):
         inside = bins == k
         weight = float(np.sum(factor[inside] ** 2))
         if inside.sum() >= LEAST and weight > 0:

@@ -36,3 +36,16 @@ def test_a_bin_with_few_samples_is_not_shown():
     assert curve.at.max() <= 1.0
     assert curve.samples.min() >= LEAST
     assert curve.value == pytest.approx(2.0 * curve.at)
+
+
+def test_a_short_record_has_fewer_bins():
+    curve = binned(VELOCITY[:200], 3.0 * VELOCITY[:200], ONE[:200])
+    assert len(curve.at) >= 3
+    assert _is_curve(3.0 * VELOCITY[:200], curve, VELOCITY[:200], ONE[:200])
+
+
+def test_without_any_factor_there_is_no_curve():
+    nothing = 0.0 * ONE
+    curve = binned(VELOCITY, VELOCITY, nothing)
+    assert len(curve.at) == 0
+    assert not _is_curve(VELOCITY, curve, VELOCITY, nothing)
