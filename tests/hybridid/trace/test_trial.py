@@ -199,7 +199,7 @@ def test_a_class_holds_what_is_not_significant_alone_but_not_shown_worse(trial):
         return replace(made, refit=scored, comparison=compare(BASE, scored.score))
 
     near, small = doubtful("asymmetric_coulomb", 0.52), doubtful("quadratic_drag", 0.9)
-    vague, unknown = doubtful("linear_stiffness", 0.52, std=0.8), doubtful("offset", 0.52)
+    vague, unknown = doubtful("linear_stiffness", 0.52, std=0.8), doubtful("stribeck", 0.52)
     unknown = replace(unknown, refit=replace(unknown.refit, std={}))  # none was asked for
     judged = judge([best, near, small, vague, unknown], RULES)
     assert [t.status for t in judged] == [PASSED, *4 * [REJECTED]]
