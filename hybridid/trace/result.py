@@ -74,7 +74,8 @@ class Trace:
     effect that was tried, ``before`` and ``after`` the scores of the declared and the last model on every
     record. ``declared`` and ``effects`` name the terms of these two models, ``estimates`` hold their
     parameters, ``ceilings`` the gains of learned efforts beside them, ``path`` the error at each change.
-    ``remains`` names where structure is left that no effect explains, ``stopped`` says why the search ended.
+    ``remains`` names where structure is left that no effect explains, ``stopped`` says why the search ended,
+    and ``withdrawn`` which effect that had passed was withdrawn in the end, and why, if one was.
     ``times`` is the held-out error over what the sensor's noise and the simulation alone would leave,
     ``times_fitted`` that of the fitted horizons, and ``refused`` the gain worth having that a test refused,
     where that leaves the verdict open. So does an error that is as large over horizons of ``steady`` s.
@@ -106,6 +107,7 @@ class Trace:
     refused: str
     completeness: Completeness | None
     stopped: str
+    withdrawn: str
     split: str
     horizon: float
     horizons: tuple[int, int]

@@ -171,7 +171,7 @@ def unless_minor(found: Search, times: float, rules: Rules) -> Search:
     names = listed([one.name for one in found.accepted])
     return _ended_at(
         found,
-        0,
+        next(number for number, step in enumerate(found.steps) if step.taken),
         f"with {names} the squared error falls by {taken:.0%}, to {times:.1f} times the error that noise and "
         "simulation alone leave: most of what is missing is something else",
     )

@@ -65,6 +65,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         steady=found.steady,
         completeness=completeness(networks, rules),
         stopped=found.search.stopped,
+        withdrawn=found.search.stopped if found.search.withdrawn else "",
         split=split.described,
         horizon=validation.seconds,
         horizons=(len(split.fitted), len(split.held_out)),

@@ -126,9 +126,9 @@ def _concluded(found: Trace) -> str:
         )
     if found.verdict == "unexplained":
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
-        return (
-            f"Something is missing that {_unnamed(found)}{place}.{_most_refused(found)} {error_left(found)}"
-        )
+        withdrawn = f" {found.withdrawn}." if found.withdrawn else ""
+        told = f"{place}.{withdrawn}{_most_refused(found)} {error_left(found)}"
+        return f"Something is missing that {_unnamed(found)}{told}"
     them = "them" if len(found.accepted) > 1 else "it"
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
     names = [one for one in found.accepted if not one.is_law]

@@ -315,14 +315,16 @@ def test_effects_that_one_learned_effort_outdoes_are_withdrawn(worn, share, trus
 def test_effects_that_take_less_than_half_of_an_error_far_above_the_noise_are_no_names(
     worn, left, times, trusted
 ):
-    """As if the accepted effect left this share of the squared error."""
+    """As if the accepted effect left this share of the squared error, after a step that found nothing."""
     base = worn.search.steps[0].base
     final = replace(worn.search.final, score=scaled(base.score, left))
-    found = stand_in.unless_minor(replace(worn.search, final=final), times, Rules())
+    steps = (Step(base, (), None), *worn.search.steps)
+    found = stand_in.unless_minor(replace(worn.search, final=final, steps=steps), times, Rules())
     assert [a.name for a in found.accepted] == (["carriage.asymmetric_viscous"] if trusted else [])
     if not trusted:
         assert found.final is base
         assert "the squared error falls by 40%, to 3.1 times the error" in found.withdrawn
+        assert found.stopped.startswith("carriage.asymmetric_viscous stands in for something else: ")
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,7 @@ def nothing():
             refused="",
             completeness=None,
             stopped=stopped,
+            withdrawn="",
             split="",
             horizon=1.0,
             horizons=(4, 4),
@@ -283,6 +284,14 @@ def test_pairs_that_were_tried_are_told(nothing):
     at_noise = replace(found, times=1.1)
     assert "refused" not in sentence(at_noise), "no complete model could take 10 %"
     assert tried_in_words(found) == "2 effects and 2 of 741 pairs of them"
+
+
+def test_what_had_passed_and_was_withdrawn_is_told(nothing):
+    why = "carriage.coulomb stands in for something else: its amplitude is another one there"
+    said = sentence(replace(nothing(DRAG), verdict="unexplained", withdrawn=why, times=9.0))
+    assert said.startswith(
+        f"Something is missing that the one effect tried does not explain. {why}. The error left is 3 µm"
+    )
 
 
 def test_what_speaks_against_the_declared_physics_is_told(nothing):

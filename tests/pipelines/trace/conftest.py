@@ -114,6 +114,7 @@ FOUND = Trace(
     refused="",
     completeness=Completeness("12 bumps over velocity at cart", -0.02, 0.9, complete=True, gain_before=0.5),
     stopped="no further effect passes",
+    withdrawn="",
     split="fitted on a, judged on b",
     horizon=1.0,
     horizons=(10, 12),
