@@ -29,7 +29,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     if found.verdict == "unexplained":
         told += [other_horizons_advised(found.search.final, context.split)]
-    if found.verdict == "undecided" and traced.steady is None:
+    if found.verdict == "undecided" and traced.steady is None and traced.longer is None:
         told += [parts_of_all_advised(context.split)]
     if traced.accepted:
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]

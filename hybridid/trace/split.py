@@ -59,6 +59,19 @@ class Split:
             gap=0,
         )
 
+    def longer(self, samples: int) -> Split:
+        """The same records in horizons of ``samples``, divided in the same way.
+
+        Raises:
+            ValueError: if there are too few of them for a verdict.
+        """
+        origins = cut(self.records, self.horizon, 1).origin
+        ours, theirs = ({origins[k][0] for k in chosen} for chosen in (self.fitted, self.held_out))
+        if ours & theirs:
+            return by_blocks(self.records, samples)
+        fitted, held_out = ([self.records[k] for k in sorted(chosen)] for chosen in (ours, theirs))
+        return by_record(fitted, held_out, samples)
+
     def __post_init__(self) -> None:
         if min(len(self.fitted), len(self.held_out)) < FEWEST:
             raise ValueError(

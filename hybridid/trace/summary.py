@@ -63,6 +63,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         times_fitted=found.times_fitted,
         refused=found.refused,
         steady=found.steady,
+        longer=found.longer,
         completeness=completeness(networks, rules),
         stopped=found.search.stopped,
         withdrawn=found.search.stopped if found.search.withdrawn else "",

@@ -22,6 +22,7 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.constancy import fitted_to_held_out
 from hybridid.trace.context import Context
 from hybridid.trace.laws import law_in_place, with_law
+from hybridid.trace.longer import Longer, more_over_longer
 from hybridid.trace.numerics import numerics_for
 from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.refit import Refit
@@ -48,7 +49,8 @@ class Conclusion:
     ``remains`` names where structure is left that no effect of the library explains.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
     ``steady`` is the length [s] of shorter horizons over which the error is as large, where that leaves the
-    verdict open. ``replacements`` do better in the place of a declared effect, where that was asked.
+    verdict open. So does what is left over ``longer`` horizons. ``replacements`` do better in the place of a
+    declared effect, where that was asked.
     ``there`` is the last model, fitted to the held-out horizons alone, if effects were accepted.
     ``out_of_time``: the time limit left out steps, pairs, laws or replacements.
     """
@@ -63,6 +65,7 @@ class Conclusion:
     times_fitted: float
     refused: str = ""
     steady: float | None = None
+    longer: Longer | None = None
     replacements: tuple[Replacement, ...] = ()
     there: Refit | None = None
     out_of_time: bool = False
@@ -99,10 +102,13 @@ def conclude(
     settled, cut = _with_more(settle_below_noise(found, context), context)
     refused, steady = _refused(settled, rules), _steady(settled, context)
     fitted = settled.accuracy.times(settled.found.final.fitted_rmse)
+    verdict, longer = _verdict(settled, refused, steady, fitted, rules), None
+    if verdict == "nothing_missing" and (longer := more_over_longer(settled.found.final, context)):
+        verdict = "undecided"
     revises = context.revise and not context.out_of_time
     revised = replacements(model, settled.found, context) if revises else ()
     return Conclusion(
-        verdict=_verdict(settled, refused, steady, fitted, rules),
+        verdict=verdict,
         search=settled.found,
         accuracy=settled.accuracy,
         ceilings=settled.left,
@@ -112,6 +118,7 @@ def conclude(
         times_fitted=fitted,
         refused=refused,
         steady=steady,
+        longer=longer,
         replacements=revised,
         there=fitted_to_held_out([settled.found.final], context)[0] if settled.found.accepted else None,
         out_of_time=cut or revises != context.revise,

@@ -118,6 +118,13 @@ def _concluded(found: Trace) -> str:
             f"These records do not decide whether something is missing: {where} the RMSE would fall by "
             f"{found.refused}. {error_left(found)}"
         )
+    if found.longer is not None:
+        seconds, times = f"{found.longer.seconds:.2g}", _times(found.longer.times)
+        return (
+            f"These records do not decide whether something is missing: {where} nothing that can be found "
+            f"is, but over horizons of {seconds} s the model leaves {times} what noise and simulation alone "
+            f"leave. trace.horizon={seconds} may show what is missing. {error_left(found)}"
+        )
     if found.verdict == "undecided":
         return (
             "These records do not decide whether something is missing: the fitted horizons leave "
