@@ -13,11 +13,12 @@ from hybridid.trace.remarks import (
     completeness_in_words,
     idle_in_words,
     narrowed_in_words,
+    parameters_in_words,
     refused_rivals,
     tried_in_words,
 )
 from hybridid.trace.result import Trace
-from hybridid.trace.words import VERDICTS, parameters_in_words
+from hybridid.trace.words import VERDICTS
 from hybridid_cli.tables import provenance, table, view
 from pipelines.shared.fitted import ESTIMATE, fit_of
 from pipelines.shared.traced import trace_of

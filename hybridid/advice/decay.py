@@ -23,8 +23,10 @@ FEWEST, MOST = 5, 20
 """Pieces of a record."""
 ALONE = -0.95
 """Rank correlation of amplitude and time below which they are one."""
-FALLS = 2.0
+FALLS = 1.5
 """Ratio of the largest and the smallest amplitude of what counts as a decay."""
+SETTLED = 2.0
+"""Ratio of the variations before and after from which a record has settled."""
 
 
 def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
@@ -55,7 +57,7 @@ def settles(record: Record, after: float) -> bool:
     """Whether nothing drives ``record``, and ``after`` that time [s] an output varies by less than half of
     what it did before: what is small there shows little of the machine."""
     late = record.time >= after
-    falls = FALLS * record.outputs[late].std(axis=0) < record.outputs[~late].std(axis=0)
+    falls = SETTLED * record.outputs[late].std(axis=0) < record.outputs[~late].std(axis=0)
     return _undriven(record) and bool(falls.any())
 
 

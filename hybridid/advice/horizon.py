@@ -22,6 +22,9 @@ SHORTEST = 2
 """Samples that a horizon needs at least."""
 SHARE = 0.1
 """Of the shortest record, that a horizon should have at most: there are some to judge by."""
+FEW = 20
+"""Samples below which a horizon shows little: its initial state is fitted to them. So it is longer then, up
+to half of the shortest record."""
 TOLERATED = 1.5
 """Times ``SHARE`` that are not told: a part of a recording may be fitted with the horizon of the whole. A
 horizon that does not show the slowest dynamics is worth proposing if it is so many times as long."""
@@ -34,7 +37,7 @@ PROBES = 50
 def proposed_horizon(step: float, shortest: float) -> float:
     """The horizon in s for records of ``shortest`` s at least, sampled every ``step`` s, to two digits."""
     usual = max(USUAL, STEPS * step if step > LONG_STEP else 0.0)
-    return float(f"{min(usual, SHARE * shortest):.2g}")
+    return float(f"{min(usual, max(SHARE * shortest, min(FEW * step, shortest / 2))):.2g}")
 
 
 def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
@@ -45,8 +48,9 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
     step = problem.windows.dt
     shortest = min(float(record.time[-1] - record.time[0]) for record in problem.records)
     seconds = estimate.settings.horizon * step
-    if seconds > TOLERATED * SHARE * shortest:
-        yield Advice("horizon", _said(problem, estimate, shortest, proposed_horizon(step, shortest)))
+    proposed = proposed_horizon(step, shortest)
+    if seconds > TOLERATED * max(SHARE * shortest, proposed):
+        yield Advice("horizon", _said(problem, estimate, shortest, proposed))
         return
     slowest = slowest_time(problem, estimate, RESOLVED * shortest)
     if seconds < slowest:

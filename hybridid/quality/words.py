@@ -119,7 +119,10 @@ def sentence(verdict: Verdict, estimate: Estimate) -> str:
     untold = [one.output for one in estimate.left if math.isnan(one.noise)]
     if untold:
         outputs = " and ".join(untold)
-        return f"sound, as far as records tell that do not show the sensor's noise in {outputs}"
+        return (
+            f"no fault found, but the records do not show the sensor's noise in {outputs}: how much less "
+            "error a better model would leave is not known"
+        )
     return f"sound: the model leaves {_within_the_limit(estimate.left)}"
 
 

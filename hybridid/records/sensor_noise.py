@@ -76,13 +76,14 @@ def _joined(y: Array, counts: Counts) -> Array:
 
 
 def _quantisation(y: Array) -> float:
-    """Smallest difference between levels, when the levels lie on a grid; else 0."""
+    """Smallest difference between levels, when the levels lie on a grid, wherever that begins; else 0."""
     steps = np.unique(np.abs(np.diff(np.unique(y))))
     steps = steps[steps > 1e-12 * np.ptp(y)]
     if not len(steps):
         return 0.0
     step = float(steps[0])
-    on_grid = np.abs(y / step - np.round(y / step)) < 0.05
+    steps_off = (y - y[0]) / step
+    on_grid = np.abs(steps_off - np.round(steps_off)) < 0.05
     return step if on_grid.mean() > 0.99 and np.ptp(y) / step < 1e9 else 0.0
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from hybridid.naming import counted, listed
-from hybridid.quantities import percent, probability, quantity, share
+from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.constancy import NO_CONSTANT
+from hybridid.trace.entries import Value
 from hybridid.trace.result import Trace
 
 
@@ -106,3 +109,8 @@ def _what_the_network_finds(found: Trace, check: Completeness) -> str:
     if not found.remains:
         return "That gain does not survive other ways of solving the equations"
     return "It finds what no effect in the library names"
+
+
+def parameters_in_words(values: Mapping[str, Value]) -> list[str]:
+    """``df_v = 73.9 ± 8.9 N·s/m`` of each parameter: its value and half its 95 % interval."""
+    return [f"{name} = {estimated(p.value, p.std, p.unit)}" for name, p in values.items()]

@@ -52,7 +52,7 @@ from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
-from hybridid.trace.steps import Accepted, Search, Step
+from hybridid.trace.steps import WITHDRAWN, Accepted, Search, Step
 from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE
 from hybridid.trace.varying import not_constant
 
@@ -225,7 +225,7 @@ def _needed(found: Search, one: Accepted, both: Refit, split: Split, rules: Rule
 def _ended_at(found: Search, number: int, why: str) -> Search:
     """The search as if the step ``number`` had found nothing."""
     step = found.steps[number]
-    name, reason = " + ".join(one.name for one in step.taken), f"stands in for something else: {why}"
+    name, reason = " + ".join(one.name for one in step.taken), f"{WITHDRAWN}: {why}"
     trials = tuple(
         replace(t, status=REJECTED, reason=reason) if t.candidate.name == name else t for t in step.trials
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
 
 from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
@@ -12,9 +12,9 @@ from hybridid.trace.entries import (
     ReplacedEffect,
     TriedEffect,
     TriedPair,
-    Value,
 )
-from hybridid.trace.remarks import named_effects
+from hybridid.trace.law_words import passed_before, proposed
+from hybridid.trace.remarks import named_effects, parameters_in_words
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED, UNTRIED
 
@@ -145,7 +145,10 @@ def _concluded(found: Trace) -> str:
         return f"{lacked}: {fall}.{_only_together(found)}{_rest(found)}"
     before, something = (f"{lacked}. ", "Something else") if names else ("", "Something")
     rest = _only_together(found) + _rest(found)
-    return f"{before}{something} is missing that {_unnamed(found)}. {_proposed(laws)}: {fall}.{rest}"
+    withdrawn = passed_before(laws, found)
+    return (
+        f"{before}{something} is missing that {_unnamed(found)}. {proposed(laws)}: {fall}.{withdrawn}{rest}"
+    )
 
 
 def _only_together(found: Trace) -> str:
@@ -181,21 +184,6 @@ def _unnamed(found: Trace) -> str:
     )
 
 
-def _proposed(laws: Sequence[AcceptedEffect]) -> str:
-    """``The law proposed at carriage is F = k |v| (k = ...)``."""
-    said = [f"at {one.port} is {_law(one)}" for one in laws]
-    return f"The law proposed {said[0]}" + "".join(f"; the law proposed {more}" for more in said[1:])
-
-
-def _law(entry: AcceptedEffect) -> str:
-    """A composed law with its parameters and the laws that do as well."""
-    text = f"{entry.equation} ({', '.join(parameters_in_words(entry.parameters))})"
-    if entry.form_of:
-        text += f", which is the form of {entry.form_of}"
-    others = [member.effect for member in entry.class_members if member.effect != entry.effect]
-    return f"{text}; these records cannot tell it from {listed(others)}" if others else text
-
-
 def _none_passes(found: Trace, where: str) -> str:
     """Why nothing was accepted; a gain that was refused is told, or the sentence would hide it."""
     tried, worth = found.rejected, found.rules.worth
@@ -221,7 +209,8 @@ def _most_refused(found: Trace) -> str:
     worth, alpha = found.rules.worth, found.rules.alpha
     effects = [one for one in last.trials if one.status != PASSED and not one.is_law]
     refused: list[TriedEffect | TriedPair] = [*effects, *last.pairs]
-    possible = [o for o in refused if o.gain >= worth and not _more_than_possible(o.gain, found.times)]
+    times = math.inf if found.times > found.rules.far else found.times  # far above it no gain is the noise's
+    possible = [o for o in refused if o.gain >= worth and not _more_than_possible(o.gain, times)]
     if not possible:
         return ""
     most = min(possible, key=lambda one: (max(one.p_value, alpha), -one.gain))
@@ -293,11 +282,6 @@ def _member(member: TriedEffect, entry: AcceptedEffect, there: bool) -> str:
         return text
     values = entry.parameters if member.name == entry.name else member.parameters
     return f"{text} ({', '.join(parameters_in_words(values))})" if values else text
-
-
-def parameters_in_words(values: Mapping[str, Value]) -> list[str]:
-    """``df_v = 73.9 ± 8.9 N·s/m`` of each parameter: its value and half its 95 % interval."""
-    return [f"{name} = {estimated(p.value, p.std, p.unit)}" for name, p in values.items()]
 
 
 def _fall(found: Trace) -> str:

@@ -22,12 +22,13 @@ from hybridid.trace.remarks import (
     idle_in_words,
     learned,
     narrowed_in_words,
+    parameters_in_words,
     refused_rivals,
     structure_in_words,
 )
 from hybridid.trace.result import Trace
 from hybridid.trace.robustness import Survival
-from hybridid.trace.words import VERDICTS, error_left, gained, parameters_in_words
+from hybridid.trace.words import VERDICTS, error_left, gained
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.traced import TraceFile
 from pipelines.trace.scores import score_tables

@@ -261,3 +261,8 @@ def test_the_proposed_horizon_is_a_second_fifty_samples_or_a_tenth():
     assert proposed_horizon(1e-3, 24.8) == 1.0
     assert proposed_horizon(1.0, 4000.0) == 50.0
     assert proposed_horizon(1e-3, 3.0) == 0.3
+
+
+def test_a_horizon_has_twenty_samples_where_the_record_allows_it():
+    assert proposed_horizon(0.02, 1.0) == 0.4
+    assert proposed_horizon(0.02, 0.6) == 0.3

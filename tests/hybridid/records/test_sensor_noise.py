@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import welch
 
 from hybridid.records.record import Channel, Record
-from hybridid.records.sensor_noise import _density, noise_level
+from hybridid.records.sensor_noise import _density, noise_level, rounding
 
 TIME = np.arange(4000) * 1e-3
 MOTION = 0.1 * np.sin(2 * np.pi * 0.7 * TIME)
@@ -24,9 +24,12 @@ def test_white_noise_on_a_motion(std, noise):
     assert found == pytest.approx(std, rel=0.05)
 
 
+@pytest.mark.parametrize("zero", [0.0, np.pi / 2])
 @pytest.mark.parametrize("step", [1e-7, 1e-5, 1e-3])
-def test_quantisation(step):
-    (found,) = noise_level(record_of(step * np.round(MOTION / step)))
+def test_quantisation(step, zero):
+    """Wherever the sensor's zero lies."""
+    (found,) = noise_level(record_of(zero + step * np.round(MOTION / step)))
+    assert rounding(record_of(zero + step * np.round(MOTION / step))) == pytest.approx([step / np.sqrt(12)])
     # rounding errors are not Gaussian: the local estimate may exceed the grid's own by a fifth
     assert found == pytest.approx(step / np.sqrt(12), rel=0.25)
 

@@ -18,6 +18,7 @@ from hybridid.trace.entries import (
     Value,
     Width,
 )
+from hybridid.trace.longer import Longer
 from hybridid.trace.remarks import (
     completeness_in_words,
     idle_in_words,
@@ -107,6 +108,15 @@ def test_a_gain_that_was_refused_is_told(nothing):
 
 def test_a_gain_that_a_complete_model_could_take_is_told_without_more(nothing):
     assert "A complete model" not in sentence(replace(nothing(SPRING), times=1.2))
+
+
+def test_longer_horizons_may_show_what_short_ones_do_not(nothing):
+    said = sentence(replace(nothing(DRAG), verdict="undecided", longer=Longer(0.3, 7.12)))
+    assert said.startswith(
+        "These records do not decide whether something is missing: on held-out horizons of 1 s (simulated) "
+        "nothing that can be found is, but over horizons of 0.3 s the model leaves 7.1 times what noise and "
+        "simulation alone leave. trace.horizon=0.3 may show what is missing. The error left is 3 µm"
+    )
 
 
 def test_what_judges_may_show_too_little(nothing):
@@ -216,6 +226,21 @@ def test_a_proposed_law_is_told_as_a_formula_and_no_name(nothing):
         "from 3 µm to 1.5 µm (50 % less) in position."
     )
     assert tried_in_words(found) == "1 effect and 2 laws"
+
+
+def test_an_effect_with_the_form_of_the_law_that_was_withdrawn_is_told(nothing):
+    """Moving one way, v² and v |v| are one."""
+    alike = ("signed_square_of_velocity", *(f"law_{k}" for k in range(6)))
+    law = accepted("square_of_velocity", "F = k v²", True, alike)
+    drag = replace(DRAG, reason="stands in for something else: these records cannot tell it from a spring")
+    path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
+    said = sentence(replace(nothing(drag), verdict="law_proposed", accepted=(law,), path=path))
+    assert "cannot tell it from signed_square_of_velocity (the form of quadratic_drag), law_0, law_1" in said
+    assert "law_3 and 2 others: with it" in said
+    assert said.endswith(
+        "in position. carriage.quadratic_drag had passed, but stands in for something else: these records "
+        "cannot tell it from a spring."
+    )
 
 
 def test_names_are_told_before_a_law(nothing):

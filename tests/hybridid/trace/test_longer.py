@@ -1,0 +1,49 @@
+"""Over horizons of a few samples a fitted initial state takes up what a missing effort does."""
+
+from __future__ import annotations
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.context import Context
+from hybridid.trace.longer import more_over_longer
+from hybridid.trace.refit import CONTINUATION, refit
+from hybridid.trace.split import by_blocks, by_record
+from hybridid.trace.verdict import conclude
+
+SHORT = 10  # samples, 0.05 s
+DF_V = 20.0
+TRIED = (effect_named("asymmetric_viscous"),)
+
+
+@pytest.fixture(scope="module")
+def short(two_records):
+    """Horizons over which nothing is missing, and over which what is missing stays within the noise."""
+    return {df_v: by_record(*([one] for one in two_records(df_v=df_v)), SHORT) for df_v in (0.0, DF_V)}
+
+
+@pytest.mark.parametrize(("df_v", "verdict"), [(0.0, "nothing_missing"), (DF_V, "undecided")])
+def test_nothing_is_missing_only_if_longer_horizons_agree(make_model, short, df_v, verdict):
+    found = conclude(make_model(), Context(short[df_v], TRIED, variables=("velocity",)))
+    assert found.verdict == verdict
+    assert (found.longer is None) is (df_v == 0.0)
+    if found.longer:
+        assert found.longer.seconds == pytest.approx(0.5)
+        assert found.longer.times > 3.0
+
+
+def test_what_cannot_be_asked_is_no_doubt(make_model, short):
+    """Four horizons on either side are the fewest: none longer is left."""
+    split = by_record(*([one.part(0, 4 * SHORT)] for one in short[DF_V].records), SHORT)
+    base = refit(make_model(), split, factors=CONTINUATION)
+    assert more_over_longer(base, Context(split, TRIED)) is None
+
+
+def test_longer_horizons_are_divided_in_the_same_way(short):
+    split = short[0.0]
+    assert split.longer(50).described == split.described
+    assert split.longer(50).horizon == 50
+    blocks = by_blocks(split.records, SHORT)
+    assert blocks.longer(50).held_out == by_blocks(split.records, 50).held_out
+    with pytest.raises(ValueError, match="at least 4 horizons"):
+        split.longer(400)
