@@ -21,7 +21,6 @@ from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.judgement import undetermined
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.periodic import not_shown
 from hybridid.trace.promise import Promise
 from hybridid.trace.refit import (
     Refit,
@@ -31,6 +30,7 @@ from hybridid.trace.refit import (
     values_without,
 )
 from hybridid.trace.rules import Rules
+from hybridid.trace.shown import not_shown
 from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.split import Split
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial

@@ -25,7 +25,7 @@ OF_A_RESONANCE = 1
 """Periods of a resonance that the longest record must cover."""
 
 
-def not_shown(candidate: Candidate, found: Refit, split: Split) -> str:
+def not_repeated(candidate: Candidate, found: Refit, split: Split) -> str:
     """Why the records do not show the fitted period or frequency of the effect; empty if they do."""
     if candidate.effect.kind == "input":
         return ""

@@ -28,8 +28,8 @@ learned effort is, but for those to which it is declared to look alike.
 Several effects together may take so much of an unknown effort that a learned effort beside them finds little.
 So one learned effort is also put in place of them all. If it alone takes more from the squared error, by a
 share above ``Rules.stands_in``, they are withdrawn. A periodic effect that shows less than three periods is
-such a curve, too: it is not accepted, but where it explains more than the accepted effects do, these are
-withdrawn.
+such a curve, too, and so is a contact that is never left: it is not accepted, but where it explains more than
+the accepted effects do, these are withdrawn.
 
 Last, every test above asks whether an effect explains more than noise would. Where the error that is left is
 far above the noise, most of it comes from something unknown, and every flexible law resembles a part of that.
@@ -136,11 +136,11 @@ def _most_beside(final: Refit, one: Accepted, learned: Ceiling, split: Split, ru
 
 def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Search:
     """``found`` without its effects if one curve does better than all of them: one of ``before``, learned
-    efforts beside the declared model, or in any step a periodic effect of less than three periods."""
+    efforts beside the declared model, or in any step an effect whose form the records do not show."""
     kept = {one.name for one in found.accepted}
     learned = [(0, c.refit, f"{c.described} alone") for c in before]
     bent = [
-        (number, t.refit, f"{t.candidate.name}, which is not shown to repeat,")
+        (number, t.refit, f"{t.candidate.name}, whose form the records do not show,")
         for number, step in enumerate(found.steps)
         if any(one.name in kept for one in step.taken)
         for t in step.trials

@@ -13,7 +13,6 @@ from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.periodic import not_shown
 from hybridid.trace.refit import (
     LEAST_DECREASE,
     Refit,
@@ -25,6 +24,7 @@ from hybridid.trace.refit import (
 )
 from hybridid.trace.rules import Rules
 from hybridid.trace.shorter import from_shorter, same_valley, seeks, strays
+from hybridid.trace.shown import not_shown
 from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split

@@ -344,7 +344,7 @@ def test_a_sine_of_less_than_three_periods_that_does_better_withdraws_the_names(
     found = stand_in.unless_outdone(replace(worn.search, steps=(step,), final=named), (), Rules())
     assert bool(found.accepted) is trusted
     if not trusted:
-        assert "not shown to repeat" in found.withdrawn
+        assert "whose form the records do not show" in found.withdrawn
 
 
 def scaled(score, factor):

@@ -8,8 +8,9 @@ import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.periodic import not_shown
+from hybridid.trace.periodic import not_repeated
 from hybridid.trace.refit import refit
+from hybridid.trace.shown import not_shown
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +35,7 @@ def name_of(effect: str, sought: str) -> str:
 
 @pytest.mark.parametrize(("pitch", "shown"), [(0.001, True), (10.0, False)])
 def test_a_period_as_long_as_the_stroke_is_a_bend(fitted, pitch, shown):
-    why = not_shown(*fitted("cogging", **{name_of("cogging", "period"): pitch}))
+    why = not_repeated(*fitted("cogging", **{name_of("cogging", "period"): pitch}))
     assert (why == "") is shown
     if not shown:
         assert "3 are needed to show that it repeats" in why
@@ -42,7 +43,7 @@ def test_a_period_as_long_as_the_stroke_is_a_bend(fitted, pitch, shown):
 
 @pytest.mark.parametrize(("period", "shown"), [(0.001, True), (10.0, False)])
 def test_a_sensors_period_repeats_over_what_it_shows(fitted, period, shown):
-    why = not_shown(*fitted("sensor_periodic_error", "position", period=period))
+    why = not_repeated(*fitted("sensor_periodic_error", "position", period=period))
     assert (why == "") is shown
     assert shown or "of its periods of 10 m" in why
 
@@ -50,19 +51,27 @@ def test_a_sensors_period_repeats_over_what_it_shows(fitted, period, shown):
 @pytest.mark.parametrize(("hertz", "why"), [(10.0, ""), (150.0, "half the sampling"), (0.1, "are needed")])
 def test_a_frequency_lies_between_three_periods_and_nyquist(fitted, hertz, why):
     frequency = name_of("periodic_disturbance", "frequency")
-    said = not_shown(*fitted("periodic_disturbance", **{frequency: hertz}))
+    said = not_repeated(*fitted("periodic_disturbance", **{frequency: hertz}))
     assert why in said
     assert (said == "") is (why == "")
 
 
 def test_other_effects_need_no_period(fitted):
-    assert not_shown(*fitted("quadratic_drag")) == ""
+    assert not_repeated(*fitted("quadratic_drag")) == ""
 
 
 @pytest.mark.parametrize(("periods", "shown"), [(0.9, False), (1.1, True)])
 def test_a_resonance_swings_once_in_a_record(fitted, split_of, periods, shown):
     longest = max(record.n * record.dt for record in split_of().records)
     frequency = name_of("flexible_mode", "frequency")
-    why = not_shown(*fitted("flexible_mode", **{frequency: periods / longest}))
+    why = not_repeated(*fitted("flexible_mode", **{frequency: periods / longest}))
     assert (why == "") is shown
     assert shown or "shorter than one period" in why
+
+
+@pytest.mark.parametrize(("d", "shown"), [(0.02, True), (-0.5, False)])
+def test_a_stop_that_is_never_left_is_a_spring(fitted, d, shown):
+    """The stroke is some centimetres about the middle."""
+    why = not_shown(*fitted("end_stop", k=100.0, d=d))
+    assert (why == "") is shown
+    assert shown or why == "it acts in every fitted sample: the records do not show its edge"
