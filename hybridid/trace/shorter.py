@@ -38,11 +38,12 @@ they are large just where much is missing."""
 STRAYS = 0.01
 """Held-out error, over the outputs' standard deviation, above which a path strays from the measured one.
 Along a path that does not, an effect is evaluated where it acted, and long horizons hide nothing that short
-ones show. A pitch or a place may be much smaller than the whole motion, so this does not judge these."""
+ones show. A pitch, a place or a resonance may be much smaller than the whole motion, so this does not judge
+these."""
 ALIKE = 0.02
-"""Relative difference up to which two values of a pitch or a place are in one valley of the cost."""
-SOUGHT = ("period", "place")
-"""What long horizons may hide."""
+"""Relative difference up to which two values of a pitch, a place or a frequency are in one valley."""
+SOUGHT = ("period", "place", "frequency")
+"""What long horizons may hide. The longer they are, the narrower are the valleys over a frequency."""
 
 
 def with_shorter(base: Refit, split: Split) -> Refit:
@@ -77,9 +78,10 @@ def from_shorter(
     """Values to start the augmented ``model`` from, and ``base`` with the initial states that go with them.
 
     None where short horizons show nothing that long ones hide, where the effect explains nothing over short
-    ones, and where no fit over these succeeds.
+    ones, and where no fit over these succeeds. What a resonance does is lost over long ones whether the fit
+    differs over these or not.
     """
-    poorer = base.shorter
+    poorer = over_shorter(base, split) if base.shorter is None and _resonates(candidate) else base.shorter
     if poorer is None:
         return None
     shorter, numerics = split.shorter(split.horizon // SHARE), base.numerics
@@ -103,8 +105,14 @@ def strays(base: Refit) -> bool:
 
 
 def seeks(candidate: Candidate) -> bool:
-    """Whether the effect has a pitch or a place."""
+    """Whether the effect has a pitch, a place or a frequency."""
     return any(p.sought in SOUGHT for p in candidate.effect.parameters)
+
+
+def _resonates(candidate: Candidate) -> bool:
+    """Whether the effect has a resonance."""
+    effect = candidate.effect
+    return bool(effect.states) and any(p.sought == "frequency" for p in effect.parameters)
 
 
 def same_valley(candidate: Candidate, one: Mapping[str, float], other: Mapping[str, float]) -> bool:

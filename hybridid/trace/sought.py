@@ -4,7 +4,8 @@ The cost has many local minima over such a parameter, and a descent stays in the
 effect is set to zero at each value of a grid, and the decrease of the cost that one Gauss-Newton step
 predicts there (a score test) shows where the effect would help. The highest peaks of the grid become starts.
 This only chooses where refits begin; the refits decide. The frequency of a disturbance is read from the
-spectrum of the residual.
+spectrum of the residual; that of a resonance is sought on a grid, as what a load does to the motion need not
+be the strongest line there.
 """
 
 from __future__ import annotations
@@ -27,8 +28,10 @@ from hybridid.trace.split import Split
 Array = NDArray[np.float64]
 PEAKS = 2
 """Of a grid or a spectrum that become starts."""
-PERIODS, PLACES = 40, 16
-"""Most periods within the visited range, and places along it, that are tried."""
+PERIODS, PLACES, RESONANCES = 40, 16, 24
+"""Most periods within the visited range, places along it, and frequencies of a resonance that are tried."""
+FASTEST = 0.2
+"""Highest frequency of a resonance that is tried, over that of the sampling: a fifth of a period a sample."""
 LOOKED_AT = 10
 """Fitted horizons by which a grid is judged."""
 
@@ -60,13 +63,16 @@ def _starts(
     declared = parameter.at(model.plant.port(candidate.port))
     at_nothing = candidate.starts(model, base.values)[0]
     path = Path.of(base, split, split.fitted)
-    if parameter.sought == "frequency":
+    if parameter.sought == "frequency" and not candidate.effect.states:
         for value in _spectral_peaks(base, split, path):
             if declared.lower <= value <= declared.upper:
                 yield {**at_nothing, name: value}
         return
-    visited = path.place(candidate.port)
-    grid = _grid(parameter, float(visited.min()), float(visited.max()))
+    if parameter.sought == "frequency":
+        grid = _frequencies(split)
+    else:
+        visited = path.place(candidate.port)
+        grid = _grid(parameter, float(visited.min()), float(visited.max()))
     grid = grid[(grid >= declared.lower) & (grid <= declared.upper)]
     for variant in _variants(candidate, model, at_nothing):
         signed = grid if variant.get(f"{candidate.name}.side", 1.0) > 0 else -grid
@@ -90,6 +96,12 @@ def _grid(parameter: EffectParameter, low: float, high: float) -> Array:
         return np.linspace(low, high, PLACES + 2)[1:-1]
     # what tells two periods apart is half a period over the whole range
     return span / np.arange(0.5, PERIODS, 0.5) if span > 0 else np.empty(0)
+
+
+def _frequencies(split: Split) -> Array:
+    """Those of a resonance [Hz], from one period a horizon on."""
+    dt = split.records[0].dt
+    return np.geomspace(1.0 / (split.horizon * dt), max(FASTEST, 2.0 / split.horizon) / dt, RESONANCES)
 
 
 def _promised(model: Model, base: Refit, split: Split, starts: list[dict[str, float]]) -> Array:

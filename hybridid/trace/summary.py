@@ -302,11 +302,11 @@ def _tried_pair(pair: PairTrial) -> TriedPair:
 def _tried(trial: Trial, number: int) -> TriedEffect:
     found, comparison = trial.refit, trial.comparison
     prefix = f"{trial.candidate.name}."
-    units = {p.name: p.unit for p in found.model.parameters} if found else {}
+    units = {p.name: p.unit for p in found.model.parameters if not p.fixed} if found else {}
     own = {
         name.removeprefix(prefix): Value(value, found.std.get(name, math.nan), units[name])
         for name, value in (found.values.items() if found and comparison else ())
-        if found and name.startswith(prefix)
+        if found and name.startswith(prefix) and name in units
     }
     return TriedEffect(
         effect=trial.candidate.effect.id,
