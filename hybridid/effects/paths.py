@@ -129,7 +129,7 @@ SENSOR_SCALE = Effect(
     law=lambda at: at.p.e * at.signal,
     parameters=(
         EffectParameter(
-            "e", ONE, "relative error of the scale", guess=0.01, lower=-0.9, upper=10.0, nests=True
+            "e", ONE, "relative error of the scale", guess=0.01, lower=-0.3, upper=0.3, nests=True
         ),
     ),
     source="Fraden (2016), Handbook of Modern Sensors, 5th ed., ch. 3 (calibration error)",

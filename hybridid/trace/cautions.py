@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from hybridid.advice.decay import free_decay
 from hybridid.naming import listed
+from hybridid.quantities import quantity, share
 from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
@@ -18,8 +20,11 @@ from hybridid.trace.idle import SURE
 from hybridid.trace.one_way import judged_the_other_way
 from hybridid.trace.result import Trace
 from hybridid.trace.sampling import within_half_a_sample
-from hybridid.trace.steps import Accepted
+from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.verdict import Conclusion
+
+THIN = 0.01
+"""Of the squared error that all accepted effects take, below which one is thin."""
 
 
 def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], context: Context) -> str:
@@ -33,6 +38,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [parts_of_all_advised(context.split)]
     if traced.accepted:
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
+        told += [_thin(found.search), _moved(found.search)]
         told += [in_their_place(found.search)]
     return "".join([*told, worse_in_free_run(traced)])
 
@@ -61,6 +67,34 @@ def not_told_from_zero(accepted: Sequence[Accepted], entries: Sequence[AcceptedE
         return ""
     its = "their intervals include" if len(unsure) > 1 else "its interval includes"
     return f" Beware: beside all others these records hardly show {listed(unsure)}: {its} zero."
+
+
+def _thin(search: Search) -> str:
+    """Which accepted effects, but for the first, take little of what all take; else empty.
+
+    A first effect whose law is off by a tenth of its amplitude leaves a hundredth of the square of what it
+    takes. So what takes less than that may only mend the form of what was found before.
+    """
+    every = search.first.score.loss**2 - search.final.score.loss**2
+    thin = [one for one in search.accepted[1:] if one.trial.taken < THIN * every and not one.together]
+    return "".join(
+        f" Beware: {one.name} takes {share(one.trial.taken / every)} of the squared error that all take: it "
+        "may only mend the form of what was found before it."
+        for one in thin
+    )
+
+
+def _moved(search: Search) -> str:
+    """Which parameters of the plant are less than half or more than twice what they were; else empty."""
+    before, after = search.first.values, search.final.values
+    free = [p for p in search.final.model.plant.parameters if p.name in search.final.std]
+    moved = [p for p in free if not 0.5 <= after[p.name] / (before[p.name] or math.inf) <= 2.0]
+    told = [
+        f"{p.name} moves from {quantity(before[p.name], p.unit, 3)} to {quantity(after[p.name], p.unit, 3)}"
+        for p in moved
+    ]
+    known = "compare that with what you know of the machine"
+    return f" With what was accepted {listed(told)}: {known}." if told else ""
 
 
 def _confounded(records: Sequence[Record]) -> str:

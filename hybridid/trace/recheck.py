@@ -7,13 +7,16 @@ that model, and with it the answer:
   place once more;
 - an effect of that step's model may have been taken out since. Then all trials of the step were judged beside
   a model that has been discarded since. So those that passed in any step are tried in the accepted one's
-  place.
+  place;
+- sign(v) may have been smoothed more narrowly since. Then what took nearly as much in that step is tried: the
+  wider smoothing may have decided between them.
 
 Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2nd ed., Chapman & Hall, ch. 3.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from hybridid.trace.alike import equivalents
@@ -25,6 +28,9 @@ from hybridid.trace.judgement import judge
 from hybridid.trace.refit import refit_if_possible, values_without
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import PASSED, attempt
+
+NEARLY = 0.9
+"""Of what the accepted effect took, that a rival took which a wider smoothing may have kept out."""
 
 
 def recheck(found: Search, context: Context) -> Search:
@@ -47,11 +53,16 @@ def _without_worse(found: Search, context: Context) -> Search:
 
 
 def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accepted:
-    """``one`` with those that do as well in its place, if it was judged beside an effect that is gone.
+    """``one`` with those that do as well in its place, if it was judged beside an effect that is gone, or
+    with a wider smoothing.
 
     Held-out horizons chose which are tried, so p counts all that the first step tried.
     """
-    rivals = _passed_before(found, one, context) if _judged_beside_others(found, one) else []
+    if _judged_beside_others(found, one):
+        wanted = {t.candidate.name for step in found.steps for t in step.trials if t.status == PASSED}
+    else:
+        wanted = _expelled_by_smoothing(found, one)
+    rivals = _in_its_place(found, one, wanted, context)
     if not rivals:
         return one
     rules, final = context.rules, found.final
@@ -76,9 +87,21 @@ def _judged_beside_others(found: Search, one: Accepted) -> bool:
     return not beside | {other.name for other in judged[-1].taken} <= left
 
 
-def _passed_before(found: Search, one: Accepted, context: Context) -> list[Candidate]:
-    """What passed in any step and could take the place of ``one``, each once."""
-    passed = {t.candidate.name for step in found.steps for t in step.trials if t.status == PASSED}
-    wanted = passed - {t.candidate.name for t in one.alike}
+def _expelled_by_smoothing(found: Search, one: Accepted) -> set[str]:
+    """What passed in the step of ``one`` and took nearly as much, if sign(v) is smoothed more narrowly in the
+    last model."""
+    return {
+        t.candidate.name
+        for step in found.steps
+        if any(other.name == one.name for other in step.taken)
+        and step.base.model.adjustments != found.final.model.adjustments
+        for t in step.trials
+        if t.status == PASSED and t.taken >= NEARLY * one.trial.taken
+    }
+
+
+def _in_its_place(found: Search, one: Accepted, wanted: Collection[str], context: Context) -> list[Candidate]:
+    """Of the candidates ``wanted`` those that could take the place of ``one``, and are not in its class."""
+    alike = {t.candidate.name for t in one.alike}
     possible = admissible(found.final.model.without(one.name), context.effects, context.ports)
-    return [candidate for candidate in possible if candidate.name in wanted]
+    return [candidate for candidate in possible if candidate.name in wanted and candidate.name not in alike]

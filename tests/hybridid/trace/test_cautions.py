@@ -7,10 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hybridid.declarations import Parameter
 from hybridid.effects.library import effect_named
+from hybridid.quantities import quantity
 from hybridid.records.record import Channel, Record
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.cautions import _confounded, not_told_from_zero
+from hybridid.trace.cautions import _confounded, _moved, _thin, not_told_from_zero
 from hybridid.trace.entries import Value
 
 
@@ -38,6 +40,44 @@ def test_a_limit_that_is_hard_is_not_doubted():
     stop = effect_named("end_stop")
     hard = {p.name: (1.0, 10.0) for p in stop.parameters if not p.fixed}
     assert told("end_stop", "joint", **hard) == ""
+
+
+def found(takes=(99.5, 0.5), mass=(2.0, 1.9)):
+    """A search that accepted effects that took so much of a squared error of 100, and moved a mass."""
+    names = ["cart.coulomb", "cart.detent"]
+    accepted = [
+        SimpleNamespace(name=name, trial=SimpleNamespace(taken=taken), together="")
+        for name, taken in zip(names, takes, strict=True)
+    ]
+    plant = SimpleNamespace(parameters=(Parameter("M", "kg", 1.0),))
+    first, final = (
+        SimpleNamespace(
+            values={"M": value},
+            std={"M": 0.1},
+            model=SimpleNamespace(plant=plant),
+            score=SimpleNamespace(loss=loss),
+        )
+        for value, loss in zip(mass, (10.0, 0.0), strict=True)
+    )
+    return SimpleNamespace(first=first, final=final, accepted=accepted)
+
+
+def test_what_takes_less_than_a_hundredth_may_mend_what_came_before():
+    assert _thin(found()) == (
+        " Beware: cart.detent takes 0.5 % of the squared error that all take: it may only mend the form of "
+        "what was found before it."
+    )
+    assert _thin(found(takes=(98.0, 2.0))) == ""
+    assert _thin(found(takes=(0.5, 99.5))) == "", "what came first mends nothing"
+
+
+@pytest.mark.parametrize("mass", [(2.0, 0.9), (2.0, 4.1), (2.0, -1.0)])
+def test_a_mass_that_is_halved_is_told(mass):
+    assert _moved(found(mass=mass)) == (
+        f" With what was accepted M moves from 2 kg to {quantity(mass[1], 'kg', 3)}: compare that with what "
+        "you know of the machine."
+    )
+    assert _moved(found()) == ""
 
 
 @pytest.fixture

@@ -60,6 +60,18 @@ def test_what_does_as_well_joins_the_class_if_the_effect_was_judged_beside_one_t
     assert twin.gain == pytest.approx(kept.trial.gain, rel=1e-3)
 
 
+def test_what_a_wider_smoothing_kept_out_is_tried_again(passed_before):
+    """As if sign(v) had been smoothed over twice the width when the asymmetry was accepted."""
+    found, context = passed_before
+    step = found.steps[0]
+    wider = replace(step.base.model, adjustments={"carriage.epsilon": {"guess": 2e-3}})
+    judged_wider = replace(
+        found, steps=(replace(step, base=replace(step.base, model=wider)), *found.steps[1:])
+    )
+    (kept,) = recheck(judged_wider, context).accepted
+    assert [t.candidate.name for t in kept.alike] == ["carriage.asymmetric_viscous", "carriage.twin"]
+
+
 def test_otherwise_nothing_is_tried_again(passed_before):
     found, context = passed_before
     said = []
