@@ -13,7 +13,7 @@ import casadi as ca
 from hybridid.effects.dimension import EFFORT, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
 from hybridid.effects.paths import FLOOR
-from hybridid.effects.sensors import CUBIC, QUADRATIC
+from hybridid.effects.sensors import QUADRATIC
 
 INVERSE_RATE = Dimension(effort=-1, time=1)
 
@@ -21,19 +21,18 @@ INPUT_NONLINEARITY = Effect(
     id="input_nonlinearity",
     kind="input",
     title="actuator whose characteristic is bent",
-    equation="u → u + c_2 u² + c_3 u³",
-    law=lambda at: (at.p.c_2 + at.p.c_3 * at.signal) * at.signal**2,
+    equation="u → u + c u |u|",
+    law=lambda at: at.p.c * at.signal * ca.fabs(at.signal),
     parameters=(
-        EffectParameter("c_2", QUADRATIC, "quadratic part of the characteristic", guess=0.05, nests=True),
-        EffectParameter("c_3", CUBIC, "cubic part of the characteristic", guess=0.05, nests=True),
+        EffectParameter("c", QUADRATIC, "how much the gain grows with the input", guess=0.05, nests=True),
     ),
     source=(
         "Hammerstein model: Ljung (1999), System Identification, 2nd ed., sec. 5.2; characteristic of a "
         "control valve: Seborg, Edgar, Mellichamp (2004), Process Dynamics and Control, 2nd ed., sec. 9.2"
     ),
     pattern=(
-        "the input does more or less than its share, by a curve over the input alone: a valve, a pump, a "
-        "lamp, a magnet. The even part acts one way whatever the sign of the input; a saturation is odd"
+        "the gain grows or falls with the size of the input, alike in both directions: a valve, a pump, a "
+        "lamp, a motor whose iron saturates. A saturation leaves small inputs as they are"
     ),
     look_alikes=(
         "input_gain",

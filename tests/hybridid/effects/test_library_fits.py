@@ -37,7 +37,7 @@ PLANTED = {
     "varying_force_factor": {"b_1": 2.0, "b_2": 300.0},
     "torque_ripple": {"b_s": 0.1, "b_c": 0.05, "pitch": 0.02},
     "back_emf_limit": {"inverse_limit": 1 / 60, "v_0": 0.5},
-    "input_nonlinearity": {"c_2": 1e-3, "c_3": -2e-5},
+    "input_nonlinearity": {"c": -2e-3},
     "input_rate_limit": {"inverse_rate": 1 / 1500},
     "sensor_nonlinearity": {"c_2": 0.5, "c_3": 5.0},
     "sensor_periodic_error": {"period": 0.01},
