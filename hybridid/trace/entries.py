@@ -13,7 +13,11 @@ from hybridid.trace.robustness import Survival
 
 @dataclass(frozen=True)
 class Value:
-    """A parameter's value and standard error in ``unit``; ``std`` is nan where none was asked for."""
+    """A parameter's value and standard error in ``unit``.
+
+    ``std`` is nan where none was asked for, and where the 95 % interval would be wider than all that is
+    allowed: then the records say nothing of it.
+    """
 
     value: float
     std: float

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from hybridid.declarations import Parameter
 from hybridid.effects.composed import FORMS, is_composed
 from hybridid.estimators import Estimate
 from hybridid.naming import listed
@@ -212,8 +213,10 @@ def used_records(fitted: Sequence[Record], held_out: Sequence[Record]) -> tuple[
 
 def _accepted(one: Accepted, number: int, estimate: Estimate, there: Refit | None) -> AcceptedEffect:
     trial, effect, prefix = one.trial, one.trial.candidate.effect, f"{one.name}."
+    assert trial.refit is not None
+    declared = {p.name: p for p in trial.refit.model.parameters}
     own = {
-        p.name.removeprefix(prefix): Value(p.value, p.std, p.unit)
+        p.name.removeprefix(prefix): _told(declared[p.name], p.value, p.std)
         for p in estimate.parameters
         if p.name.startswith(prefix)
     }
@@ -238,12 +241,19 @@ def _accepted(one: Accepted, number: int, estimate: Estimate, there: Refit | Non
         is_law=is_composed(effect),
         form_of=FORMS.get(effect.id, ""),
         together=one.together,
-        by_held_out={} if there is None else {n: _value(there, prefix + n, v.unit) for n, v in own.items()},
+        by_held_out={} if there is None else {n: _value(there, declared[prefix + n]) for n in own},
     )
 
 
-def _value(fitted: Refit, name: str, unit: str) -> Value:
-    return Value(fitted.values[name], fitted.std.get(name, math.nan), unit)
+def _value(fitted: Refit, parameter: Parameter) -> Value:
+    name = parameter.name
+    return _told(parameter, fitted.values[name], fitted.std.get(name, math.nan))
+
+
+def _told(parameter: Parameter, value: float, std: float) -> Value:
+    """Without a standard error where the 95 % interval is wider than all that is allowed."""
+    known = 2 * Z95 * std <= parameter.upper - parameter.lower
+    return Value(value, std if known else math.nan, parameter.unit)
 
 
 def _short(found: Survival) -> Survival:
@@ -302,12 +312,8 @@ def _tried_pair(pair: PairTrial) -> TriedPair:
 def _tried(trial: Trial, number: int) -> TriedEffect:
     found, comparison = trial.refit, trial.comparison
     prefix = f"{trial.candidate.name}."
-    units = {p.name: p.unit for p in found.model.parameters if not p.fixed} if found else {}
-    own = {
-        name.removeprefix(prefix): Value(value, found.std.get(name, math.nan), units[name])
-        for name, value in (found.values.items() if found and comparison else ())
-        if found and name.startswith(prefix) and name in units
-    }
+    free = [p for p in found.model.parameters if not p.fixed] if found and comparison else []
+    own = {p.name.removeprefix(prefix): _value(found, p) for p in free if found and p.name.startswith(prefix)}
     return TriedEffect(
         effect=trial.candidate.effect.id,
         port=trial.candidate.port,

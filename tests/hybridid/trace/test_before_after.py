@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
@@ -102,15 +103,16 @@ def test_without_effort_ports_there_is_nothing_to_check():
 
 
 def test_an_augmented_model_that_fits_worse_begins_again_at_the_declared_one(make_model):
-    """It holds the declared model, so its descent ended beside the minimum."""
+    """It holds the declared model, so its descent ended beside the minimum. The others begin at the initial
+    states of the search, of the fitted record alone."""
     declared = make_model(("viscous",))
     augmented = declared.plus(effect_named("offset"), "carriage")
     values = {p.name: 7.0 for p in augmented.parameters}
     fits = {BEFORE: [2.0], AFTER: [3.0, 1.0]}
     begun = []
 
-    def fitted(name, model, start, validation):
-        begun.append((name, start.get("carriage.offset.offset")))
+    def fitted(name, model, start, validation, states=None):
+        begun.append((name, start.get("carriage.offset.offset"), None if states is None else states.tolist()))
         return SimpleNamespace(
             name=name, model=model, estimate=SimpleNamespace(cost=fits[name].pop(0), values=values)
         )
@@ -118,9 +120,12 @@ def test_an_augmented_model_that_fits_worse_begins_again_at_the_declared_one(mak
     context = SimpleNamespace(
         each=lambda stage, function, places, label: [fitted(*place) for place in places],
         one=lambda function, *given: fitted(*given),
+        split=None,
     )
-    bases = {"first": SimpleNamespace(model=declared, values=values)}
-    search = SimpleNamespace(**bases, final=SimpleNamespace(model=augmented, values=values))
-    before, after = before_and_after(SimpleNamespace(search=search, accepted=True), None, context)
+    windows = SimpleNamespace(origin=[(0, 0, 10), (1, 0, 10)])  # of the fitted and of the held-out record
+    shown = {"problem": lambda split: SimpleNamespace(windows=windows), "x0": np.array([[0.1], [0.2]])}
+    first, final = (SimpleNamespace(model=one, values=values, **shown) for one in (declared, augmented))
+    search, validation = SimpleNamespace(first=first, final=final), SimpleNamespace(fitted=("first",))
+    before, after = before_and_after(SimpleNamespace(search=search, accepted=True), validation, context)
     assert (before.estimate.cost, after.estimate.cost) == (2.0, 1.0)
-    assert begun[-1] == (AFTER, 0.0)
+    assert begun == [(BEFORE, 7.0, [[0.1]]), (AFTER, 7.0, [[0.1]]), (AFTER, 0.0, None)]
