@@ -97,6 +97,18 @@ def test_the_best_of_several_starts_is_kept(symmetric, noisy, free_run_fit):
     assert found.cost == pytest.approx(free_run_fit.cost, rel=1e-6)
 
 
+def test_initial_states_that_are_known_are_taken_where_they_fit_better(carriage, make_model):
+    """A sensor that errs where each horizon begins: the record shows a wrong state there."""
+    model, record = make_model(("viscous", "coulomb", "offset")), carriage.record()
+    settings = FitSettings(horizon=100, max_iterations=1)
+    states = build_problem(model, [record], 100, 2).measured_x0()
+    begins = np.arange(record.n)[:, None] % 100 < 5
+    spoilt = replace(record, outputs=record.outputs + 1e-2 * begins)
+    without = fit(model, [spoilt], settings, start_values=carriage.truth)
+    given = fit(model, [spoilt], settings, start_values=carriage.truth, start_states=states)
+    assert given.cost < without.cost
+
+
 def test_starts_that_end_higher_are_mentioned(carriage, make_model):
     """A ripple of 10 mm looked for at 25 mm: a valley of its own, which a declared start escapes."""
     model = make_model(("viscous", "coulomb", "offset")).plus(RIPPLE)
