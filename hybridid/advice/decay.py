@@ -25,7 +25,7 @@ ALONE = -0.95
 """Rank correlation of amplitude and time below which they are one."""
 FALLS = 1.5
 """Ratio of the largest and the smallest amplitude of what counts as a decay."""
-SETTLED = 2.0
+SETTLED = 5.0
 """Ratio of the variations before and after from which a record has settled."""
 
 
@@ -54,7 +54,7 @@ def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
 
 
 def settles(record: Record, after: float) -> bool:
-    """Whether nothing drives ``record``, and ``after`` that time [s] an output varies by less than half of
+    """Whether nothing drives ``record``, and ``after`` that time [s] an output varies by less than a fifth of
     what it did before: what is small there shows little of the machine."""
     late = record.time >= after
     falls = SETTLED * record.outputs[late].std(axis=0) < record.outputs[~late].std(axis=0)

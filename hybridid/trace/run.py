@@ -83,7 +83,7 @@ def trace(
     began = time.perf_counter()
     fitted, others = tuple(records), tuple(held_out)
     ours, theirs = ([float(r.counts.sum()) * r.dt for r in part] for part in (fitted, others))
-    seconds = horizon or automatic_horizon(ours, theirs, fitted[0].dt)
+    seconds = horizon or automatic_horizon(ours, theirs)
     split = divided(fitted, others, seconds)
     check_measured(split)
     tried = library_for(model.channels) if effects is None else _known(effects, model)

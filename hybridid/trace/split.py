@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybridid.advice.horizon import FEW
 from hybridid.records.record import Record
 from hybridid.simulation.windows import cut
 
@@ -117,17 +116,14 @@ def check_measured(split: Split) -> None:
                 )
 
 
-def automatic_horizon(
-    fitted: Sequence[float], held_out: Sequence[float], step: float, longest: float = LONGEST
-) -> float:
+def automatic_horizon(fitted: Sequence[float], held_out: Sequence[float], longest: float = LONGEST) -> float:
     """Seconds of a horizon: ``longest``, or less where the records are short.
 
-    ``fitted`` and ``held_out`` are the durations [s] of the records, ``step`` their sampling time [s]. Either
-    side gets at least ``ENOUGH`` horizons, or fewer, but ``FEWEST``, where these would have less than ``FEW``
-    samples. If nothing is held out, both sides share the fitted records.
+    ``fitted`` and ``held_out`` are the durations [s] of the records. Either side gets at least ``ENOUGH``
+    horizons; if nothing is held out, both sides share the fitted records.
     """
     least = min(sum(fitted), sum(held_out)) if held_out else sum(fitted) / 2
-    return min(longest, max(least / ENOUGH, min(FEW * step, least / FEWEST)))
+    return min(longest, least / ENOUGH)
 
 
 def by_record(fitted: Sequence[Record], held_out: Sequence[Record], horizon: int) -> Split:

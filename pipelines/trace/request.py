@@ -129,9 +129,8 @@ def fitting_horizon(request: Request, prepared: Sequence[Prepared], settings: Se
     """``request`` with a shorter horizon if the horizon is automatic and the records are short."""
     if not isinstance(section_of(settings).horizon, str):  # auto
         return request
-    fitted, held_out = division(prepared, settings)
-    ours, theirs = ([r.seconds for r in part] for part in (fitted, held_out))
-    return replace(request, horizon=automatic_horizon(ours, theirs, fitted[0].dt, request.horizon))
+    fitted, held_out = ([r.seconds for r in part] for part in division(prepared, settings))
+    return replace(request, horizon=automatic_horizon(fitted, held_out, request.horizon))
 
 
 def _library(section: TraceSection, settings: Settings, seen: Sequence[Signal]) -> tuple[Effect, ...]:

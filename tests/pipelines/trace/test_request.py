@@ -46,12 +46,6 @@ def test_short_records_get_short_horizons(fitted, judged, expected):
     assert horizon_of(records) == pytest.approx(expected)
 
 
-def test_where_ten_horizons_would_be_too_short_there_are_fewer():
-    """Half a second: ten horizons would have five samples each; four have twelve."""
-    records = [Recorded("a", "identification", 300), Recorded("b", "validation", 50)]
-    assert horizon_of(records) == pytest.approx(0.5 / 4)
-
-
 def test_one_record_serves_both_sides():
     assert horizon_of([Recorded("a", "identification", 600)]) == pytest.approx(3.0 / ENOUGH)
 
