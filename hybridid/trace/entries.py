@@ -16,7 +16,7 @@ class Value:
     """A parameter's value and standard error in ``unit``.
 
     ``std`` is nan where none was asked for, and where the 95 % interval would be wider than all that is
-    allowed: then the records say nothing of it.
+    allowed, or narrower than a billionth of the value.
     """
 
     value: float

@@ -39,6 +39,9 @@ from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial
 from hybridid.trace.verdict import Conclusion
 
+ROUNDING = 1e-9
+"""Of a value: the width of an interval that no record with noise can give."""
+
 
 def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: float) -> Trace:
     """The trace that ``evidence`` shows, its sentence left empty; ``seconds`` is how long it took."""
@@ -251,8 +254,9 @@ def _value(fitted: Refit, parameter: Parameter) -> Value:
 
 
 def _told(parameter: Parameter, value: float, std: float) -> Value:
-    """Without a standard error where the 95 % interval is wider than all that is allowed."""
-    known = 2 * Z95 * std <= parameter.upper - parameter.lower
+    """Without a standard error where the 95 % interval is wider than all that is allowed, or so narrow that
+    only rounding errors make it."""
+    known = ROUNDING * abs(value) <= 2 * Z95 * std <= parameter.upper - parameter.lower
     return Value(value, std if known else math.nan, parameter.unit)
 
 
