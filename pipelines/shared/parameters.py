@@ -91,7 +91,7 @@ def _leaves(node: Mapping[str, Any], path: str) -> Iterator[tuple[str, dict[str,
             yield from _leaves(below, name)
         elif path:
             no_setting = unknown(f"setting of parameter {path}", str(key), SETTINGS)
-            raise ConfigError(f"{no_setting}; for a parameter of that name, parameters.{name}.fixed or .guess")
+            raise ConfigError(f"{no_setting}; of a parameter, parameters.{name}.fixed or .guess")
         else:
             raise ConfigError(f"parameters.{name} is {below!r}: say which of {', '.join(ADJUSTABLE)} that is")
 
