@@ -114,6 +114,10 @@ def _of_input(term: Term, eq: Equation, predicted: Array) -> Array:
         missing = u - lfilter([1 - kept], [1, -kept], u, zi=[kept * u[0]])[0]
     elif term.effect.id == "input_gain":
         missing = -u
+    elif term.effect.id == "input_nonlinearity":
+        missing = u * np.abs(u)
+    elif term.effect.id == "input_rate_limit":
+        missing = u - _slewed(u, value * dt)
     else:
         signal = predicted[: len(u)] if rows == 1 and not eq.scaled else u
         clipped = np.clip(signal, -value, value)
@@ -125,12 +129,23 @@ def _of_input(term: Term, eq: Equation, predicted: Array) -> Array:
     return made
 
 
+def _slewed(u: Array, most: float) -> Array:
+    """The input (n,) as it follows where it may change by ``most`` a sample."""
+    found, last = np.empty_like(u), float(u[0])
+    for k, wanted in enumerate(u.tolist()):
+        last += min(max(wanted - last, -most), most)
+        found[k] = last
+    return found
+
+
 def _input_grid(what: str, u: Array) -> Array:
     largest = float(np.abs(u).max())
     return {
         "input_delay": np.geomspace(5e-4, 0.02, 10),
         "input_lag": np.geomspace(5e-4, 0.05, 10),
         "input_gain": np.array([0.0]),
+        "input_nonlinearity": np.array([0.0]),
+        "input_rate_limit": largest / np.geomspace(0.005, 0.5, 10),
         "input_saturation": largest * np.linspace(0.3, 0.95, 10),
         "input_dead_zone": largest * np.geomspace(0.005, 0.3, 10),
     }[what]

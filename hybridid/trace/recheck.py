@@ -5,18 +5,17 @@ that model, and with it the answer:
 
 - later effects may tell apart what could not be told apart before, so every rival takes the accepted effect's
   place once more;
+- sign(v) may have been smoothed more narrowly since. So what took nearly as much in that step takes its
+  place, too: the wider smoothing may have decided between them;
 - an effect of that step's model may have been taken out since. Then all trials of the step were judged beside
   a model that has been discarded since. So those that passed in any step are tried in the accepted one's
-  place;
-- sign(v) may have been smoothed more narrowly since. Then what took nearly as much in that step is tried: the
-  wider smoothing may have decided between them.
+  place.
 
 Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2nd ed., Chapman & Hall, ch. 3.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 
 from hybridid.trace.alike import equivalents
@@ -27,7 +26,7 @@ from hybridid.trace.exchange import still_alike
 from hybridid.trace.judgement import judge
 from hybridid.trace.refit import refit_if_possible, values_without
 from hybridid.trace.steps import Accepted, Search
-from hybridid.trace.trial import PASSED, attempt
+from hybridid.trace.trial import PASSED, Trial, attempt
 
 NEARLY = 0.9
 """Of what the accepted effect took, that a rival took which a wider smoothing may have kept out."""
@@ -35,34 +34,45 @@ NEARLY = 0.9
 
 def recheck(found: Search, context: Context) -> Search:
     """``found`` with the classes of its accepted effects as its last model shows them."""
-    kept = _without_worse(found, context)
+    kept = _with_those_alike(found, context)
     return replace(kept, accepted=tuple(_with_passed_before(kept, one, context) for one in kept.accepted))
 
 
-def _without_worse(found: Search, context: Context) -> Search:
-    """Every rival takes the accepted effect's place; one that then explains less leaves the class."""
-    rivals = [(one, rival) for one in found.accepted for rival in one.alike if rival is not one.trial]
-    given = [(found.final, one.trial, rival, context.split, context.rules) for one, rival in rivals]
-    verdicts = zip(rivals, context.mapper(still_alike, given), strict=True)
-    left = [rival for (_, rival), alike in verdicts if alike]
-    kept = (
-        replace(one, alike=(one.trial, *(t for t in one.alike if any(t is rival for rival in left))))
+def _with_those_alike(found: Search, context: Context) -> Search:
+    """Every rival takes the accepted effect's place; one that then explains less is not in the class."""
+    rivals = [
+        (one, rival)
         for one in found.accepted
-    )
+        for rival in (*one.alike, *_kept_out(found, one))
+        if rival is not one.trial
+    ]
+    given = [(found.final, one.trial, rival, context.split, context.rules) for one, rival in rivals]
+    alike = [pair for pair, is_so in zip(rivals, context.mapper(still_alike, given), strict=True) if is_so]
+    classes = [(one.trial, *(rival for of, rival in alike if of is one)) for one in found.accepted]
+    kept = (replace(one, alike=its) for one, its in zip(found.accepted, classes, strict=True))
     return replace(found, accepted=tuple(kept))
 
 
+def _kept_out(found: Search, one: Accepted) -> list[Trial]:
+    """What passed in the step of ``one``, took nearly as much and is not in its class, if sign(v) is smoothed
+    more narrowly in the last model."""
+    known = {t.candidate.name for t in one.alike}
+    return [
+        t
+        for step in found.steps
+        if any(other.name == one.name for other in step.taken)
+        and step.base.model.adjustments != found.final.model.adjustments
+        for t in step.trials
+        if t.status == PASSED and t.taken >= NEARLY * one.trial.taken and t.candidate.name not in known
+    ]
+
+
 def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accepted:
-    """``one`` with those that do as well in its place, if it was judged beside an effect that is gone, or
-    with a wider smoothing.
+    """``one`` with those that do as well in its place, if it was judged beside an effect that is gone.
 
     Held-out horizons chose which are tried, so p counts all that the first step tried.
     """
-    if _judged_beside_others(found, one):
-        wanted = {t.candidate.name for step in found.steps for t in step.trials if t.status == PASSED}
-    else:
-        wanted = _expelled_by_smoothing(found, one)
-    rivals = _in_its_place(found, one, wanted, context)
+    rivals = _passed_before(found, one, context) if _judged_beside_others(found, one) else []
     if not rivals:
         return one
     rules, final = context.rules, found.final
@@ -87,21 +97,9 @@ def _judged_beside_others(found: Search, one: Accepted) -> bool:
     return not beside | {other.name for other in judged[-1].taken} <= left
 
 
-def _expelled_by_smoothing(found: Search, one: Accepted) -> set[str]:
-    """What passed in the step of ``one`` and took nearly as much, if sign(v) is smoothed more narrowly in the
-    last model."""
-    return {
-        t.candidate.name
-        for step in found.steps
-        if any(other.name == one.name for other in step.taken)
-        and step.base.model.adjustments != found.final.model.adjustments
-        for t in step.trials
-        if t.status == PASSED and t.taken >= NEARLY * one.trial.taken
-    }
-
-
-def _in_its_place(found: Search, one: Accepted, wanted: Collection[str], context: Context) -> list[Candidate]:
-    """Of the candidates ``wanted`` those that could take the place of ``one``, and are not in its class."""
-    alike = {t.candidate.name for t in one.alike}
+def _passed_before(found: Search, one: Accepted, context: Context) -> list[Candidate]:
+    """What passed in any step and could take the place of ``one``, each once."""
+    passed = {t.candidate.name for step in found.steps for t in step.trials if t.status == PASSED}
+    wanted = passed - {t.candidate.name for t in one.alike}
     possible = admissible(found.final.model.without(one.name), context.effects, context.ports)
-    return [candidate for candidate in possible if candidate.name in wanted and candidate.name not in alike]
+    return [candidate for candidate in possible if candidate.name in wanted]

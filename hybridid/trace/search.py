@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hybridid.model import Model
+from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.alike import equivalents, indistinguishable, strangers
 from hybridid.trace.candidates import admissible
 from hybridid.trace.ceiling import ceilings
@@ -23,7 +24,16 @@ from hybridid.trace.robustness import Survival, objection, refitted_under, survi
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough
 from hybridid.trace.shorter import with_shorter
-from hybridid.trace.steps import AT_FLOOR, AT_FLOOR_TOGETHER, NONE_PASSES, OUT_OF_TIME, Accepted, Search, Step
+from hybridid.trace.steps import (
+    AT_FLOOR,
+    AT_FLOOR_TOGETHER,
+    AT_SIMULATION,
+    NONE_PASSES,
+    OUT_OF_TIME,
+    Accepted,
+    Search,
+    Step,
+)
 from hybridid.trace.together import meets_noise_together
 from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 
@@ -109,6 +119,12 @@ def _begun_anew(found: Search, sharp: Refit, context: Context) -> Search:
     return continued(Search((), declared, (), ""), context, anew=True)
 
 
+def _is_simulated_away(base: Refit, context: Context) -> bool:
+    """Whether noise and the error of the simulation are all that ``base`` leaves. Beside an effect that was
+    found, another one would take a part of the latter."""
+    return Accuracy.of(base, context).times(base.score.rmse) <= context.rules.near_floor
+
+
 def _by_chance_alone(base: Refit, accepted: Sequence[Accepted], context: Context) -> str:
     """Why no effect is sought beside those of the last model ``base``; empty if one is.
 
@@ -133,6 +149,8 @@ def _nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context
         return AT_FLOOR
     if meets_noise_together(base, context):
         return AT_FLOOR_TOGETHER
+    if accepted and _is_simulated_away(base, context):
+        return AT_SIMULATION
     most = context.rules.most_effects
     return f"{most} effects accepted, the most allowed" if len(accepted) >= most else ""
 

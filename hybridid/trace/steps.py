@@ -15,6 +15,7 @@ WITHDRAWN = "stands in for something else"
 """How the reason begins why an effect that had passed is no name."""
 AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
 OUT_OF_TIME = "the time limit was reached"
+AT_SIMULATION = "the residual is no more than the sensors' noise and the error of the simulation"
 AT_FLOOR_TOGETHER = "fitted to all horizons together, the model leaves no more than the sensors' noise"
 
 
@@ -85,7 +86,7 @@ class Search:
     @property
     def at_noise(self) -> bool:
         """Whether it ended at the sensors' noise."""
-        return self.stopped in (AT_FLOOR, AT_FLOOR_TOGETHER)
+        return self.stopped in (AT_FLOOR, AT_FLOOR_TOGETHER, AT_SIMULATION)
 
     @property
     def before_any(self) -> Search:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from hybridid.trace.refit import refit
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
-from hybridid.trace.steps import Accepted, Search, Step
+from hybridid.trace.steps import AT_SIMULATION, Accepted, Search, Step
 from hybridid.trace.trial import attempt
 from hybridid.trace.verdict import conclude
 
@@ -260,6 +261,18 @@ def test_a_class_that_shares_nothing_physical_is_no_finding(worn):
         assert bool(found.accepted) is trusted, other
         assert (found.withdrawn == "") is trusted
     assert "these records cannot tell it from carriage.cubic_stiffness, physically" in found.withdrawn
+
+
+@pytest.mark.parametrize(("times", "ends"), [(1.04, True), (1.06, False)])
+def test_the_search_ends_at_the_error_of_the_simulation(worn, split_of, monkeypatch, times, ends):
+    """As if noise and simulation left so much less than the last model does, far above the noise."""
+    accuracy = SimpleNamespace(times=lambda rmse: times)
+    monkeypatch.setattr(searching.Accuracy, "of", lambda final, context: accuracy)
+    monkeypatch.setattr(searching, "meets_noise_together", lambda base, context: False)
+    far = replace(worn.search.final, score=scaled(worn.search.first.score, 1.0))
+    context = Context(split_of(df_v=DF_V))
+    assert (searching._nothing_to_seek(far, worn.accepted, context) == AT_SIMULATION) is ends
+    assert searching._nothing_to_seek(far, (), context) == "", "the declared model may lack what hides there"
 
 
 def test_the_search_ends_at_two_classes_that_chance_decides(worn, split_of, monkeypatch):

@@ -381,7 +381,7 @@ def test_a_narrower_smoothing_is_told(nothing):
             0.041,
             0.0005,
             True,
-            "That is less than 5 %: it finds nothing more that is worth having",
+            "That is less than 5 %: it finds nothing more worth having",
         ),
         (0.431, 0.0005, False, "That gain does not survive other ways of solving the equations"),
     ],
