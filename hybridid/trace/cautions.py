@@ -23,8 +23,8 @@ from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.verdict import Conclusion
 
-THIN = 0.01
-"""Of the squared error that all accepted effects take, below which one is thin."""
+LITTLE = 0.01
+"""Of the squared error that all accepted effects take: what takes less is told."""
 
 
 def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], context: Context) -> str:
@@ -38,7 +38,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [parts_of_all_advised(context.split)]
     if traced.accepted:
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
-        told += [_thin(found.search), _moved(found.search)]
+        told += [_takes_little(found.search), _moved(found.search)]
         told += [in_their_place(found.search)]
     return "".join([*told, worse_in_free_run(traced)])
 
@@ -69,18 +69,19 @@ def not_told_from_zero(accepted: Sequence[Accepted], entries: Sequence[AcceptedE
     return f" Beware: beside all others these records hardly show {listed(unsure)}: {its} zero."
 
 
-def _thin(search: Search) -> str:
+def _takes_little(search: Search) -> str:
     """Which accepted effects, but for the first, take little of what all take; else empty.
 
     A first effect whose law is off by a tenth of its amplitude leaves a hundredth of the square of what it
     takes. So what takes less than that may only mend the form of what was found before.
     """
     every = search.first.score.loss**2 - search.final.score.loss**2
-    thin = [one for one in search.accepted[1:] if one.trial.taken < THIN * every and not one.together]
+    later = [one for one in search.accepted[1:] if not one.together]
     return "".join(
         f" Beware: {one.name} takes {share(one.trial.taken / every)} of the squared error that all take: it "
         "may only mend the form of what was found before it."
-        for one in thin
+        for one in later
+        if one.trial.taken < LITTLE * every
     )
 
 

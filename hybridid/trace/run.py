@@ -69,9 +69,10 @@ def trace(
     ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect explains what is
     missing, ``pairs`` of effects are tried, the most promising ones (0: none); with ``laws``, a law is
     composed. With ``revise``, each declared effect is left out in turn, and others are sought in its place.
-    With ``recordings``, each parameter is tried with a value for each record. After ``time_limit`` s (None:
-    no limit) no further step begins, nor pairs, laws or a revision; the step under way is ended, and its
-    names are doubted as always. Of a sample at which one output was not measured the others count.
+    With ``recordings``, each parameter is tried with a value for each record. No step begins that would end
+    after ``time_limit`` s (None: no limit), should it take as long as the one before, and after that no
+    pairs, laws or revision; the step under way is ended, and its names are doubted as always. Of a sample at
+    which one output was not measured the others count.
     ``mapper`` runs the refits, one after another or side by side; ``report`` follows them. ``say`` is told
     what each step decides, as it falls.
 

@@ -89,7 +89,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         )
         steps.append(replace(step, dropped=dropped))
         took = time.monotonic() - began
-        if why := _by_chance_alone(base, accepted, context):
+        if why := _two_mixed_classes(base, accepted, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=why)
 
 
@@ -119,14 +119,14 @@ def _begun_anew(found: Search, sharp: Refit, context: Context) -> Search:
     return continued(Search((), declared, (), ""), context, anew=True)
 
 
-def _is_simulated_away(base: Refit, context: Context) -> bool:
+def _at_simulation_error(base: Refit, context: Context) -> bool:
     """Whether noise and the error of the simulation are all that ``base`` leaves. Beside an effect that was
     found, another one would take a part of the latter."""
     return Accuracy.of(base, context).times(base.score.rmse) <= context.rules.near_floor
 
 
-def _by_chance_alone(base: Refit, accepted: Sequence[Accepted], context: Context) -> str:
-    """Why no effect is sought beside those of the last model ``base``; empty if one is.
+def _two_mixed_classes(base: Refit, accepted: Sequence[Accepted], context: Context) -> str:
+    """Why no effect is sought after two whose classes are mixed in the last model ``base``; empty if one is.
 
     Where a class shares nothing physical, chance chose the member that was accepted. The next effect may tell
     it from the others. If it does not, and was chosen by chance itself, each further effect would be judged
@@ -149,7 +149,7 @@ def _nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context
         return AT_FLOOR
     if meets_noise_together(base, context):
         return AT_FLOOR_TOGETHER
-    if accepted and _is_simulated_away(base, context):
+    if accepted and _at_simulation_error(base, context):
         return AT_SIMULATION
     most = context.rules.most_effects
     return f"{most} effects accepted, the most allowed" if len(accepted) >= most else ""

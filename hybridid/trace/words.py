@@ -209,7 +209,8 @@ def _most_refused(found: Trace) -> str:
     worth, alpha = found.rules.worth, found.rules.alpha
     effects = [one for one in last.trials if one.status != PASSED and not one.is_law]
     refused: list[TriedEffect | TriedPair] = [*effects, *last.pairs]
-    times = math.inf if found.times > found.rules.far else found.times  # far above it no gain is the noise's
+    # where the error is far above the noise, no gain can come from fitting the noise
+    times = math.inf if found.times > found.rules.far else found.times
     possible = [o for o in refused if o.gain >= worth and not _more_than_possible(o.gain, times)]
     if not possible:
         return ""

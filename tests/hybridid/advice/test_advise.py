@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from benchmarks.torture.pendulum import Pendulum
-from hybridid.advice.decay import free_decay
+from hybridid.advice.decay import free_decay, settles
 from hybridid.advice.horizon import proposed_horizon
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.estimators import FitSettings, fit
@@ -159,6 +159,15 @@ def decaying(amplitude, name, n=3000, dt=0.01, torque=None):
     inputs = np.empty((n, 0)) if torque is None else np.array([[torque(t)] for t in time])
     channels = () if torque is None else (Channel("torque", "N·m"),)
     return Record(name, time, inputs, angle[:, None], channels, (Channel("angle", "rad"),), simulated=True)
+
+
+@pytest.mark.parametrize(
+    ("after", "driven", "settled"), [(25.0, False, True), (5.0, False, False), (25.0, True, False)]
+)
+def test_a_record_has_settled_where_it_varies_by_a_fifth_of_before(after, driven, settled):
+    """A swing of 30 s that decays with a time constant of 10 s; a driven one may start again."""
+    swing = decaying(0.6, "swing", torque=(lambda t: 1e-9 * np.sin(t)) if driven else None)
+    assert settles(swing, after) is settled
 
 
 def test_decays_from_one_amplitude_are_told_and_from_two_are_not():

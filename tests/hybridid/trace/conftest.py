@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from hybridid.effects.library import effect_named
 from hybridid.records.record import Channel, Record
+from hybridid.trace.context import Context
 from hybridid.trace.split import Split, by_record
+from hybridid.trace.verdict import Conclusion, conclude
 
 Array = NDArray[np.float64]
 HORIZON = 50  # samples, 0.25 s
@@ -76,3 +79,23 @@ def held_as() -> Callable[..., Record]:
         return replace(record, input_channels=(Channel("force", "N", hold, assumed=True),))
 
     return make
+
+
+@pytest.fixture(scope="session")
+def decided() -> list[str]:
+    """The lines that the trace ``worn`` says of its steps."""
+    return []
+
+
+@pytest.fixture(scope="session")
+def worn_context(split_of, decided) -> Context:
+    """A carriage whose friction differs by direction, by 80 N s/m, and six effects to try."""
+    frictions = ("stribeck", "asymmetric_viscous", "asymmetric_coulomb", "quadratic_drag")
+    tried = tuple(map(effect_named, (*frictions, "cubic_stiffness", "input_gain")))
+    return Context(split_of(df_v=80.0), tried, say=decided.append)
+
+
+@pytest.fixture(scope="session")
+def worn(make_model, worn_context) -> Conclusion:
+    """Its trace."""
+    return conclude(make_model(), worn_context)

@@ -12,7 +12,7 @@ from hybridid.effects.library import effect_named
 from hybridid.quantities import quantity
 from hybridid.records.record import Channel, Record
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.cautions import _confounded, _moved, _thin, not_told_from_zero
+from hybridid.trace.cautions import _confounded, _moved, _takes_little, not_told_from_zero
 from hybridid.trace.entries import Value
 
 
@@ -63,12 +63,12 @@ def found(takes=(99.5, 0.5), mass=(2.0, 1.9)):
 
 
 def test_what_takes_less_than_a_hundredth_may_mend_what_came_before():
-    assert _thin(found()) == (
+    assert _takes_little(found()) == (
         " Beware: cart.detent takes 0.5 % of the squared error that all take: it may only mend the form of "
         "what was found before it."
     )
-    assert _thin(found(takes=(98.0, 2.0))) == ""
-    assert _thin(found(takes=(0.5, 99.5))) == "", "what came first mends nothing"
+    assert _takes_little(found(takes=(98.0, 2.0))) == ""
+    assert _takes_little(found(takes=(0.5, 99.5))) == "", "what came first mends nothing"
 
 
 @pytest.mark.parametrize("mass", [(2.0, 0.9), (2.0, 4.1), (2.0, -1.0)])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.simulation import simulate
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.shorter import from_shorter, same_valley, strays, with_shorter
@@ -33,6 +34,26 @@ def test_the_ripple_is_found_that_long_horizons_hide(strong, request, monkeypatc
     assert found.own("values")["pitch"] == pytest.approx(request.node.callspec.params["strong"], rel=1e-4)
     monkeypatch.setattr("hybridid.trace.trial.from_shorter", lambda *given: None)
     assert attempt(RIPPLE, base, split).gain < 0.1
+
+
+def test_a_resonance_is_sought_over_short_horizons_though_the_fit_is_the_same(make_model, two_records):
+    """A load of a fifth of the mass, behind a spring: the fit without it bends at neither length."""
+    mode, model = Candidate(effect_named("flexible_mode"), "carriage"), make_model()
+    truth = {"M": 75.0, "carriage.viscous.f_v": 200.0, "carriage.coulomb.f_c": 20.0}
+    truth |= {f"{mode.name}.{name}": v for name, v in {"m_l": 15.0, "frequency": 15.0, "zeta": 0.03}.items()}
+    with_mode = mode.added_to(model)
+    full = with_mode.values({**{p.name: p.guess for p in with_mode.parameters}, **truth})
+    values = dict(zip((p.name for p in with_mode.parameters), full, strict=True))
+    records = [
+        replace(r, outputs=simulate(with_mode, values, r, np.zeros(len(with_mode.states)), 4).outputs)
+        for r in two_records()
+    ]
+    split = by_record(records[:1], records[1:], LONG)
+    base = replace(refit(model, split, factors=CONTINUATION), shorter=None)
+    found, _ = from_shorter(mode, with_mode, base, split)
+    assert found[f"{mode.name}.frequency"] == pytest.approx(15.0, rel=0.05)
+    drag = Candidate(effect_named("quadratic_drag"), "carriage")
+    assert from_shorter(drag, drag.added_to(model), base, split) is None
 
 
 def test_short_horizons_lie_in_the_long_ones(two_records):
