@@ -31,7 +31,7 @@ SETTLED = 5.0
 
 def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
     """Whether all ``records`` are decays that nothing drives, their amplitude a function of time."""
-    if not all(_undriven(record) for record in records):
+    if not all(undriven(record) for record in records):
         return
     from scipy.stats import spearmanr  # takes a while, and most machines are driven
 
@@ -53,12 +53,17 @@ def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
             return
 
 
+def undriven(record: Record) -> bool:
+    """Whether no input of ``record`` ever changes."""
+    return not any(np.ptp(column) > 0 for column in record.inputs.T)
+
+
 def settles(record: Record, after: float) -> bool:
     """Whether nothing drives ``record``, and ``after`` that time [s] an output varies by less than a fifth of
     what it did before: what is small there shows little of the machine."""
     late = record.time >= after
     falls = SETTLED * record.outputs[late].std(axis=0) < record.outputs[~late].std(axis=0)
-    return _undriven(record) and bool(falls.any())
+    return undriven(record) and bool(falls.any())
 
 
 def swing(record: Record) -> float:
@@ -70,10 +75,6 @@ def swing(record: Record) -> float:
 def _cycles(y: Array) -> int:
     """How often ``y`` (n,), without its mean, oscillates at its strongest frequency."""
     return int(np.argmax((np.abs(np.fft.rfft(y)) ** 2)[1:])) + 1
-
-
-def _undriven(record: Record) -> bool:
-    return not any(np.ptp(column) > 0 for column in record.inputs.T)
 
 
 def _amplitudes(record: Record, k: int) -> tuple[Array, Array] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from hybridid.advice.advice import Advice
 from hybridid.estimators.estimate import Estimate
 from hybridid.estimators.problem import Problem
+from hybridid.model import Model
 from hybridid.quantities import number
+from hybridid.records.record import Record
 from hybridid.simulation.unobserved import filled_states
 
 Array = NDArray[np.float64]
@@ -34,9 +36,12 @@ PROBES = 50
 """Samples of each record at which the time constants are computed."""
 
 
-def proposed_horizon(step: float, shortest: float) -> float:
-    """The horizon in s for records of ``shortest`` s at least, sampled every ``step`` s, to two digits."""
-    usual = max(USUAL, STEPS * step if step > LONG_STEP else 0.0)
+def proposed_horizon(step: float, shortest: float, undriven: bool = False) -> float:
+    """The horizon in s for records of ``shortest`` s at least, sampled every ``step`` s, to two digits.
+
+    Where nothing drives the machine, what a friction takes adds up over all of the decay: then as long as
+    still leaves horizons to judge by."""
+    usual = np.inf if undriven else max(USUAL, STEPS * step if step > LONG_STEP else 0.0)
     return float(f"{min(usual, max(SHARE * shortest, min(FEW * step, shortest / 2))):.2g}")
 
 
@@ -52,7 +57,7 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
     if seconds > TOLERATED * max(SHARE * shortest, proposed):
         yield Advice("horizon", _said(problem, estimate, shortest, proposed))
         return
-    slowest = slowest_time(problem, estimate, RESOLVED * shortest)
+    slowest = slowest_time(problem.model, estimate.values, problem.records, RESOLVED * shortest)
     if seconds < slowest:
         yield Advice("horizon", _too_short(problem, estimate, shortest, slowest))
 
@@ -85,26 +90,29 @@ def _said(problem: Problem, estimate: Estimate, shortest: float, proposed: float
     )
 
 
-def slowest_time(problem: Problem, estimate: Estimate, longest: float) -> float:
-    """The slowest dynamics in s: a decay's time constant or an oscillation's period, of those up to
-    ``longest`` s, at the typical sample; 0 where there is none."""
-    p = problem.model.values(estimate.values)
+def slowest_time(
+    model: Model, values: Mapping[str, float], records: Sequence[Record], longest: float
+) -> float:
+    """The slowest dynamics of ``model`` at the parameters ``values`` in s: a decay's time constant or an
+    oscillation's period, of those up to ``longest`` s, at the typical sample; 0 where there is none."""
+    p = model.values(values)
     times: list[float] = []
-    for record in problem.records:
-        path = filled_states(problem.model, p, record)
+    for record in records:
+        path = filled_states(model, p, record)
         for k in np.unique(np.linspace(0, record.n - 1, PROBES).astype(int)):
-            matrix = np.asarray(problem.model.by_state(record.time[k], path[k], record.inputs[k], p))
+            matrix = np.asarray(model.by_state(record.time[k], path[k], record.inputs[k], p))
             own = _times(matrix, longest)
             times.append(float(own.max(initial=0.0)))
     return float(np.median(times)) if times else 0.0
 
 
 def _times(matrix: Array, longest: float) -> Array:
-    """Time constants and periods in s of the stable modes of x' = A x, up to ``longest``."""
+    """Time constants of the decays and periods of the oscillations of x' = A x in s, up to ``longest``."""
     if not np.isfinite(matrix).all():
         return np.empty(0)
     modes = np.linalg.eigvals(matrix)
-    modes = modes[(modes.real < 0) & (np.abs(modes) * longest >= 1.0)]
     swings = np.abs(modes.imag) > np.abs(modes.real)
+    seen = ((modes.real < 0) | swings) & (np.abs(modes) * longest >= 1.0)
+    modes, swings = modes[seen], swings[seen]
     times = np.where(swings, 2 * np.pi, 1.0) / np.abs(modes)
     return np.asarray(times[times <= longest])

@@ -55,11 +55,14 @@ def _left(what: str, unit: str, fitted: Array, own: Array) -> str:
     margin = BEYOND * ((high - low) or max(abs(high), abs(most)))
     if least >= low - margin and most <= high + margin:
         return ""
-    return f"{what} {_range(least, most, unit)}, fitted {_range(low, high, unit)}"
+    widths = [width for width in (high - low, most - least) if width > 0]
+    beside = max(map(abs, (low, high, least, most))) / min(widths) if widths else 1.0
+    digits = 3 + max(0, int(np.log10(max(beside, 1.0))))  # enough to see how wide either range is
+    return f"{what} {_range(least, most, unit, digits)}, fitted {_range(low, high, unit, digits)}"
 
 
-def _range(low: float, high: float, unit: str) -> str:
-    return f"{quantity(float(low), unit, 3)} to {quantity(float(high), unit, 3)}"
+def _range(low: float, high: float, unit: str, digits: int) -> str:
+    return f"{quantity(float(low), unit, digits)} to {quantity(float(high), unit, digits)}"
 
 
 def _quantities(model: Model, p: Array, records: Sequence[Record]) -> tuple[dict[str, str], dict[str, Array]]:

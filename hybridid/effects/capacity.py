@@ -41,7 +41,7 @@ SIDE_CAPACITY = Effect(
         "after a change of the inflow the level moves at once, and then creeps on; what a leak loses is "
         "lost, what a second capacity takes comes back"
     ),
-    look_alikes=("linear_leak", "orifice_leak", "sensor_lag", "input_lag"),
+    look_alikes=("linear_leak", "orifice_leak", "natural_convection", "sensor_lag", "input_lag"),
     separating_experiment=(
         "raise the level fast, close all flows, and wait: a second capacity lets the level sink to a new "
         "constant value, a leak to the surroundings'"

@@ -53,7 +53,7 @@ LINEAR_LEAK = Effect(
         "a loss that doubles with the level, where that through an orifice grows by 1.4; the level that is "
         "left alone decays exponentially"
     ),
-    look_alikes=("steady_leak", "orifice_leak", "overflow"),
+    look_alikes=("steady_leak", "orifice_leak", "overflow", "natural_convection"),
     separating_experiment=(
         "let the tank run empty from its highest level, with the inflow closed: the logarithm of the level "
         "falls on a straight line over time"

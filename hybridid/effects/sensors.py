@@ -11,6 +11,8 @@ from hybridid.effects.effect import Effect, EffectParameter, Local
 
 QUADRATIC = Dimension(effort=-1)
 CUBIC = Dimension(effort=-2)
+MOST = 0.3
+"""Of the signal's scale, that either term may err by there: no sensor that is in use is bent by more."""
 
 SENSOR_NONLINEARITY = Effect(
     id="sensor_nonlinearity",
@@ -19,8 +21,8 @@ SENSOR_NONLINEARITY = Effect(
     equation="y → y + c_2 y² + c_3 y³",
     law=lambda at: (at.p.c_2 + at.p.c_3 * at.signal) * at.signal**2,
     parameters=(
-        EffectParameter("c_2", QUADRATIC, "quadratic error of the sensor", guess=0.01, nests=True),
-        EffectParameter("c_3", CUBIC, "cubic error of the sensor", guess=0.01, nests=True),
+        EffectParameter("c_2", QUADRATIC, "quadratic error of the sensor", 0.01, -MOST, MOST, nests=True),
+        EffectParameter("c_3", CUBIC, "cubic error of the sensor", 0.01, -MOST, MOST, nests=True),
     ),
     source=(
         "Fraden (2016), Handbook of Modern Sensors, 5th ed., ch. 3 (nonlinearity error); Rivera, Herrera, "

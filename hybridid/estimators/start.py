@@ -82,7 +82,8 @@ def _equation_error(model: Model, records: Sequence[Record]) -> Array:
     )
     scale = rate.std(axis=0)
     scale[scale == 0] = 1.0
-    free = [k for k, q in enumerate(model.parameters) if not q.fixed]
+    periods = _periods(model)
+    free = [k for k, q in enumerate(model.parameters) if not (q.fixed or q.name in periods)]
     chosen = [model.parameters[k] for k in free]
     size = np.array([q.scale for q in chosen])
     p = model.values()
@@ -111,6 +112,17 @@ def _equation_error(model: Model, records: Sequence[Record]) -> Array:
         f_scale=0.1,
     )
     return full(fit.x)
+
+
+def _periods(model: Model) -> set[str]:
+    """Names of the pitches and frequencies. The equation error has many minima over each, and begins to move
+    it before the amplitudes are right; so it keeps the guess."""
+    return {
+        f"{term.name}.{p.name}"
+        for term in model.terms
+        for p in term.effect.parameters
+        if p.sought in ("period", "frequency")
+    }
 
 
 def _sampled(model: Model, record: Record) -> tuple[Array, Array, Array, Array]:

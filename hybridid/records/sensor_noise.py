@@ -88,13 +88,14 @@ def _quantisation(y: Array) -> float:
 
 
 def _local(y: Array) -> float:
-    """What a local cubic over ``2 HALF_WIDTH + 1`` samples leaves, less what it absorbs of noise itself.
+    """What a local cubic over ``2 HALF_WIDTH + 1`` samples leaves, less what it absorbs of noise itself; in a
+    short record, what third differences leave.
 
     The median makes it a floor: jerks in the motion do not raise it.
     """
     width = 2 * HALF_WIDTH + 1
     if len(y) < 3 * width:
-        return 0.0
+        return float(np.median(np.abs(np.diff(y, 3))) / 0.6745 / np.sqrt(20)) if len(y) > 3 else 0.0
     rest = (y - savgol_filter(y, width, ORDER))[width:-width]
     kept = 1.0 - savgol_coeffs(width, ORDER)[HALF_WIDTH]
     # The median of |rest| is 0.6745 standard deviations of Gaussian noise.

@@ -87,7 +87,7 @@ def labelled(name: str) -> Labelled:
     for pattern in _UNIT_AT_END:
         match = pattern.match(name)
         if match and not match["unit"].isdigit() and (pattern is _BRACKETS or is_unit(match["unit"])):
-            return Labelled(match["label"], match["unit"])
+            return Labelled(match["label"], match["unit"].strip())
     return Labelled(name, "")
 
 

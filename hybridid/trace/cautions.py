@@ -40,7 +40,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
         told += [_takes_little(found.search), _moved(found.search)]
         told += [in_their_place(found.search)]
-    return "".join([*told, worse_in_free_run(traced)])
+    return "".join([*told, found.other_hold, worse_in_free_run(traced)])
 
 
 def not_told_from_zero(accepted: Sequence[Accepted], entries: Sequence[AcceptedEffect]) -> str:
@@ -86,10 +86,12 @@ def _takes_little(search: Search) -> str:
 
 
 def _moved(search: Search) -> str:
-    """Which parameters of the plant are less than half or more than twice what they were; else empty."""
-    before, after = search.first.values, search.final.values
-    free = [p for p in search.final.model.plant.parameters if p.name in search.final.std]
-    moved = [p for p in free if not 0.5 <= after[p.name] / (before[p.name] or math.inf) <= 2.0]
+    """Which parameters of the plant are less than half or more than twice what they were, and by more than
+    chance; else empty."""
+    before, after, std = search.first.values, search.final.values, search.final.std
+    free = [p for p in search.final.model.plant.parameters if p.name in std]
+    sure = [p for p in free if abs(after[p.name] - before[p.name]) > SURE * std[p.name]]
+    moved = [p for p in sure if not 0.5 <= after[p.name] / (before[p.name] or math.inf) <= 2.0]
     told = [
         f"{p.name} moves from {quantity(before[p.name], p.unit, 3)} to {quantity(after[p.name], p.unit, 3)}"
         for p in moved

@@ -19,6 +19,10 @@ from hybridid.trace.evidence import holm
 from hybridid.trace.rules import Rules
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial
 
+ORDER = 1.0
+"""Standard error, as a share of the value, up to which the records tell the order of magnitude of a parameter
+that cannot be zero (a time constant, a width): the interval of its logarithm then ends within a factor of 7.5
+to either side. That it is not zero is no question."""
 WELL_KNOWN = 0.05
 """Standard error, as a share of the value, up to which a parameter is known whatever it is collinear with."""
 
@@ -81,7 +85,8 @@ def undetermined(trial: Trial, rules: Rules) -> str:
         return f"{said}: not determined by these records"
     for p, declared in _judged_alone(trial):
         value, std = values[p.name], errors[f"{trial.candidate.name}.{p.name}"]
-        if not math.isfinite(std) or (not p.nests and std > rules.vague * max(abs(value), declared.scale)):
+        vague = ORDER if declared.lower > 0 else rules.vague
+        if not math.isfinite(std) or (not p.nests and std > vague * max(abs(value), declared.scale)):
             return f"{p.name} = {value:.4g} ± {std:.2g} {declared.unit} is not determined by these records"
     return _degenerate(trial) or _collinear(trial, rules)
 

@@ -38,9 +38,12 @@ def _law(entry: AcceptedEffect) -> str:
 
 
 def passed_before(laws: Sequence[AcceptedEffect], found: Trace) -> str:
-    """Which effect of the library with the form of a proposed law, or of one that does as well, had passed
-    before it was withdrawn, and why; empty if none had."""
+    """Which effect of the library with the form of a proposed law, or of one that does as well, passed before
+    it was withdrawn, and why; empty if none did."""
     ids = (member.effect for law in laws for member in law.class_members)
     forms = {FORMS[one] for one in ids if one in FORMS}
     withdrawn = [e for e in found.rejected if e.effect in forms and e.reason.startswith(WITHDRAWN)]
-    return "".join(f" {one.name} had passed, but {one.reason}." for one in withdrawn)
+    return "".join(
+        f" {one.name} passed, but is no sure name: {one.reason.removeprefix(WITHDRAWN + ': ')}."
+        for one in withdrawn
+    )

@@ -16,6 +16,8 @@ from hybridid.trace.context import Context
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.split import Split
 
+LEAST = 20
+"""Samples of a horizon below which its fitted initial state may follow what a missing effort does."""
 TIMES = (10.0, 5.0, 3.0, 2.0)
 """How much longer the horizons are: the first for which enough are left."""
 
@@ -42,6 +44,11 @@ def more_over_longer(final: Refit, context: Context) -> Longer | None:
     if times <= context.rules.far:
         return None
     return Longer(split.horizon * split.records[0].dt, times)
+
+
+def shows_little(split: Split) -> bool:
+    """Whether horizons are so short that they show little, and the records give no longer ones."""
+    return split.horizon < LEAST and _longer(split) is None
 
 
 def _longer(split: Split) -> Split | None:

@@ -15,7 +15,7 @@ and Smoothing, ch. 5 and 12; the augmented input is the "disturbance model" of M
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -32,8 +32,6 @@ from hybridid.simulation.holds import all_held, stage_inputs
 from hybridid.simulation.integrators import sample_step
 from hybridid.simulation.stability import substeps_for
 from hybridid.simulation.unobserved import filled_states
-from hybridid.trace.before_after import FittedModel
-from hybridid.trace.context import Context
 from hybridid.validation.predict import holes_of
 
 Array = NDArray[np.float64]
@@ -238,45 +236,3 @@ class _Linearised:
             np.ascontiguousarray(c),
             np.ascontiguousarray(d),
         )
-
-
-Missing = Mapping[tuple[str, str], Mapping[str, MissingEffort]]
-"""Missing efforts by record and port; within, by model."""
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Why an effort or flow (``kind``) could not be estimated."""
-
-    kind: PortKind
-    place: str
-    what: str
-
-    def __str__(self) -> str:
-        return f"missing {self.kind} at {self.place}: {self.what}"
-
-
-def missing_efforts(
-    models: Sequence[FittedModel], records: Sequence[Record], context: Context
-) -> tuple[Missing, tuple[str, ...]]:
-    """What each of ``models`` lacks at each effort or flow port on every record, and in words what failed."""
-    ports = [port.name for port in context.equation_ports(models[0].model)]
-    places = [(one, record, port) for record in records for port in ports for one in models]
-    results = context.each("missing effort", _attempt, places, _place)
-    found: dict[tuple[str, str], dict[str, MissingEffort]] = {}
-    for (one, record, port), result in zip(places, results, strict=True):
-        if isinstance(result, MissingEffort):
-            found.setdefault((record.name, port), {})[one.name] = result
-    return found, tuple(str(result) for result in results if isinstance(result, Failure))
-
-
-def _attempt(one: FittedModel, record: Record, port: str) -> MissingEffort | Failure:
-    try:
-        return missing_effort(one.model, one.estimate.values, record, port)
-    except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
-        kind = one.model.plant.port(port).kind
-        return Failure(kind, f"{port} on {record.name}, {one.name}", str(error))
-
-
-def _place(result: MissingEffort | Failure) -> str:
-    return result.place if isinstance(result, Failure) else f"{result.record}, {result.port}"

@@ -25,7 +25,7 @@ from hybridid.trace.entries import (
     Width,
 )
 from hybridid.trace.longer import Longer
-from hybridid.trace.missing_effort import Missing
+from hybridid.trace.missing_efforts import Missing
 from hybridid.trace.rules import Rules
 from hybridid.trace.settled import Ceilings
 from hybridid.trace.split import Split
@@ -80,7 +80,8 @@ class Trace:
     ``times`` is the held-out error over what the sensor's noise and the simulation alone would leave,
     ``times_fitted`` that of the fitted horizons, and ``refused`` the gain worth having that a test refused,
     where that leaves the verdict open. So does an error that is as large over horizons of ``steady`` s,
-    or far above the noise over ``longer`` ones.
+    or far above the noise over ``longer`` ones. So do horizons that are ``too_short`` where the records give
+    no longer ones.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
@@ -123,6 +124,7 @@ class Trace:
     time_limit: float | None = None
     steady: float | None = None
     longer: Longer | None = None
+    too_short: bool = False
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     def __str__(self) -> str:

@@ -22,12 +22,14 @@ from hybridid.trace.cautions import cautions
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import with_decay_classes
+from hybridid.trace.horizon import horizon_for
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
-from hybridid.trace.missing_effort import missing_efforts
+from hybridid.trace.missing_efforts import missing_efforts
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.sharper import narrowed
-from hybridid.trace.split import automatic_horizon, check_measured, divided
+from hybridid.trace.split import check_measured, divided
+from hybridid.trace.steps import OUT_OF_TIME
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
 from hybridid.trace.verdict import Conclusion, conclude
@@ -62,8 +64,9 @@ def trace(
     """Find what ``model`` lacks on ``records``, judged on the records ``held_out``.
 
     Without any, alternate horizons of ``records`` judge. ``horizon`` is the length of each in s (None: 1 s,
-    or less where the records are short). ``effects`` (None: the library; a name: that effect of the library)
-    are tried at every port of their kind, or only at ``ports``, by ``rules``. Learned efforts and laws depend
+    more where the model's dynamics are slower, less where the records are short). ``effects`` (None: the
+    library; a name: that effect of the library) are tried at every port of their kind, or only at ``ports``,
+    by ``rules``. Learned efforts and laws depend
     on ``variables`` (None: all that a port has). ``settings`` are those of the fits before and after, and
     give the integrator; ``start`` (values by name; None: by regression) is where the declared model starts.
     ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect explains what is
@@ -83,8 +86,7 @@ def trace(
     """
     began = time.perf_counter()
     fitted, others = tuple(records), tuple(held_out)
-    ours, theirs = ([float(r.counts.sum()) * r.dt for r in part] for part in (fitted, others))
-    seconds = horizon or automatic_horizon(ours, theirs)
+    seconds = horizon or horizon_for(model, start, fitted, others)
     split = divided(fitted, others, seconds)
     check_measured(split)
     tried = library_for(model.channels) if effects is None else _known(effects, model)
@@ -112,6 +114,7 @@ def trace(
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     limit = time_limit if found.out_of_time else None
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
+    traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
     said = sentence(traced) + cautions(found, traced, fitted, context)
     return replace(traced, sentence=said)
 

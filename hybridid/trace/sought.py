@@ -21,6 +21,7 @@ from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import promise
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
+from hybridid.trace.order_spectrum import pitches
 from hybridid.trace.path import Path
 from hybridid.trace.refit import Refit, begin, problem_of
 from hybridid.trace.split import Split
@@ -73,6 +74,9 @@ def _starts(
     else:
         visited = path.place(candidate.port)
         grid = _grid(parameter, float(visited.min()), float(visited.max()))
+        if parameter.sought == "period" and candidate.effect.kind == "effort":
+            fine = pitches(base, split, candidate.port, PERIODS)
+            grid = np.sort(np.concatenate([grid, fine]))[::-1]
     grid = grid[(grid >= declared.lower) & (grid <= declared.upper)]
     for variant in _variants(candidate, model, at_nothing):
         signed = grid if variant.get(f"{candidate.name}.side", 1.0) > 0 else -grid

@@ -16,6 +16,10 @@ LONGEST = 1.0
 """Seconds of an automatic horizon at most."""
 ENOUGH = 10
 """Horizons to fit, and to judge by, that the automatic horizon leaves."""
+FEW = 6
+"""Horizons on each side that are left where the dynamics are slow."""
+SAMPLES = 3
+"""Of an automatic horizon at least."""
 FEWEST = 4
 """Horizons on each side below which no verdict is possible."""
 
@@ -116,14 +120,23 @@ def check_measured(split: Split) -> None:
                 )
 
 
-def automatic_horizon(fitted: Sequence[float], held_out: Sequence[float], longest: float = LONGEST) -> float:
-    """Seconds of a horizon: ``longest``, or less where the records are short.
+def automatic_horizon(
+    fitted: Sequence[float],
+    held_out: Sequence[float],
+    usual: float = LONGEST,
+    slowest: float = 0.0,
+    step: float = 0.0,
+) -> float:
+    """Seconds of a horizon: ``usual``, more where the machine is slow, and less where the records are short.
 
-    ``fitted`` and ``held_out`` are the durations [s] of the records. Either side gets at least ``ENOUGH``
-    horizons; if nothing is held out, both sides share the fitted records.
+    ``fitted`` and ``held_out`` are the durations [s] of the records; if nothing is held out, both sides share
+    the fitted ones. Twice the ``slowest`` dynamics [s] fit into a horizon, if either side still has
+    ``ENOUGH``, and once, if it has ``FEW``: what a shorter one shows, its fitted initial state may hide. It
+    holds ``SAMPLES`` every ``step`` s in any case.
     """
     least = min(sum(fitted), sum(held_out)) if held_out else sum(fitted) / 2
-    return min(longest, least / ENOUGH)
+    seconds = min(max(usual, 2 * slowest), max(least / ENOUGH, min(slowest, least / FEW)))
+    return max(seconds, SAMPLES * step)
 
 
 def by_record(fitted: Sequence[Record], held_out: Sequence[Record], horizon: int) -> Split:

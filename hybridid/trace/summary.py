@@ -68,6 +68,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         refused=found.refused,
         steady=found.steady,
         longer=found.longer,
+        too_short=found.too_short,
         completeness=completeness(networks, rules),
         stopped=found.search.stopped,
         withdrawn=found.search.stopped if found.search.withdrawn else "",

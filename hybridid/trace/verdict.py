@@ -22,8 +22,9 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.constancy import fitted_to_held_out
 from hybridid.trace.context import Context
 from hybridid.trace.laws import law_in_place, with_law
-from hybridid.trace.longer import Longer, more_over_longer
+from hybridid.trace.longer import Longer, more_over_longer, shows_little
 from hybridid.trace.numerics import numerics_for
+from hybridid.trace.other_hold import better_hold
 from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.refit import Refit
 from hybridid.trace.revision import Replacement, replacements
@@ -49,8 +50,9 @@ class Conclusion:
     ``remains`` names where structure is left that no effect of the library explains.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
     ``steady`` is the length [s] of shorter horizons over which the error is as large, where that leaves the
-    verdict open. So does what is left over ``longer`` horizons. ``replacements`` do better in the place of a
-    declared effect, where that was asked.
+    verdict open. So does what is left over ``longer`` horizons, and so do horizons that are ``too_short``.
+    ``replacements`` do better in the place of a declared effect, where that was asked.
+    ``other_hold`` says in words which other hold of the inputs explains what is left.
     ``there`` is the last model, fitted to the held-out horizons alone, if effects were accepted.
     ``out_of_time``: the time limit left out steps, pairs, laws or replacements.
     """
@@ -66,6 +68,8 @@ class Conclusion:
     refused: str = ""
     steady: float | None = None
     longer: Longer | None = None
+    too_short: bool = False
+    other_hold: str = ""
     replacements: tuple[Replacement, ...] = ()
     there: Refit | None = None
     out_of_time: bool = False
@@ -103,12 +107,14 @@ def conclude(
     refused, steady = _refused(settled, rules), _steady(settled, context)
     fitted = settled.accuracy.times(settled.found.final.fitted_rmse)
     verdict, longer = _verdict(settled, refused, steady, fitted, rules), None
-    if verdict == "nothing_missing" and (longer := more_over_longer(settled.found.final, context)):
+    silent = verdict == "nothing_missing"
+    if silent and (longer := more_over_longer(settled.found.final, context)):
         verdict = "undecided"
+    too_short = silent and shows_little(split)
     revises = context.revise and not context.out_of_time
     revised = replacements(model, settled.found, context) if revises else ()
     return Conclusion(
-        verdict=verdict,
+        verdict="undecided" if too_short else verdict,
         search=settled.found,
         accuracy=settled.accuracy,
         ceilings=settled.left,
@@ -119,6 +125,8 @@ def conclude(
         refused=refused,
         steady=steady,
         longer=longer,
+        too_short=too_short,
+        other_hold=better_hold(settled.found.final, context),
         replacements=revised,
         there=fitted_to_held_out([settled.found.final], context)[0] if settled.found.accepted else None,
         out_of_time=cut or revises != context.revise,

@@ -118,6 +118,12 @@ def _concluded(found: Trace) -> str:
             f"These records do not decide whether something is missing: {where} the RMSE would fall by "
             f"{found.refused}. {error_left(found)}"
         )
+    if found.too_short:
+        return (
+            f"These records do not decide whether something is missing: {where} nothing that can be found "
+            "is, but the fitted initial state of so few samples may follow what is missing, and these "
+            f"records are too short for longer horizons. {error_left(found)}"
+        )
     if found.longer is not None:
         seconds, times = f"{found.longer.seconds:.2g}", _times(found.longer.times)
         return (
@@ -145,10 +151,9 @@ def _concluded(found: Trace) -> str:
         return f"{lacked}: {fall}.{_only_together(found)}{_rest(found)}"
     before, something = (f"{lacked}. ", "Something else") if names else ("", "Something")
     rest = _only_together(found) + _rest(found)
-    withdrawn = passed_before(laws, found)
-    return (
-        f"{before}{something} is missing that {_unnamed(found)}. {proposed(laws)}: {fall}.{withdrawn}{rest}"
-    )
+    unsure = passed_before(laws, found)
+    why = f".{unsure}" if unsure else f" that {_unnamed(found)}."
+    return f"{before}{something} is missing{why} {proposed(laws)}: {fall}.{rest}"
 
 
 def _only_together(found: Trace) -> str:
@@ -216,7 +221,8 @@ def _most_refused(found: Trace) -> str:
         return ""
     most = min(possible, key=lambda one: (max(one.p_value, alpha), -one.gain))
     name = " and ".join(most.effects) if isinstance(most, TriedPair) else most.name
-    return f" The best supported of the refused gains is {share(most.gain)} with {name}: {most.reason}."
+    told = f" The best supported of the refused gains is {share(most.gain)} with {name}"
+    return f"{told}." if most.reason in found.withdrawn else f"{told}: {most.reason}."
 
 
 def _more_than_possible(gain: float, times: float) -> str:

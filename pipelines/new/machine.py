@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from hybridid.advice.decay import free_decay, settles
+from hybridid.advice.decay import free_decay, settles, undriven
 from hybridid.advice.horizon import proposed_horizon
+from hybridid.records.checks import MINIMUM_SAMPLES
 from hybridid.records.record import Record
 from hybridid.records.survey import TimeFound
 from hybridid.records.usual_step import in_digits
@@ -74,7 +75,7 @@ class Machine:
         """What each record of the case takes of which recording."""
         whole = [self._usable(record) for record in self.records]
         if self.split is None:
-            roles = ["identification"] * (len(whole) - 1) + ["validation"]
+            roles = ["identification"] * max(1, len(whole) - 1) + ["validation"] * (len(whole) > 1)
             pairs = zip(self.recordings, whole, roles, strict=True)
             return tuple(
                 Part(one.name, one, role, *span, bool(self.template.made)) for one, span, role in pairs
@@ -96,9 +97,10 @@ class Machine:
 
     @property
     def split(self) -> float | None:
-        """The time in s up to which the only recording is fitted; None where there are several."""
+        """The time in s up to which the only recording is fitted; None where there are several, or the rest
+        is too short for a record."""
         record = self.records[0]
-        if len(self.records) > 1:
+        if len(self.records) > 1 or (1 - FITTED_SHARE) * record.n < MINIMUM_SAMPLES + 1:
             return None
         return _instant(record.time[0] + FITTED_SHARE * (record.time[-1] - record.time[0]), record)
 
@@ -106,10 +108,10 @@ class Machine:
     def decays(self) -> bool:
         """Whether parts of all recordings are to judge: what is fitted is one free decay, which alone cannot
         tell a friction over the amplitude from one over the time; or the only recording has settled where it
-        would judge."""
+        would judge, or is too short to be divided."""
         if self.split is not None:
             return settles(self.records[0], self.split)
-        return any(free_decay(self.records[:-1]))
+        return len(self.records) == 1 or any(free_decay(self.records[:-1]))
 
     def cutoff(self, derivative: Derivative) -> float:
         """Of the low-pass, in Hz, under which a derivative is taken."""
@@ -118,9 +120,11 @@ class Machine:
     @property
     def horizon(self) -> float:
         """The horizon in s to fit and to judge by: 1 s, or 50 samples where sampling is slow. It is
-        at most a tenth of the shortest recording, so that there are some to judge by."""
+        at most a tenth of the shortest recording, so that there are some to judge by, and as long as that
+        where nothing drives the machine."""
         step = max(record.dt for record in self.records)
-        return proposed_horizon(step, min(record.time[-1] - record.time[0] for record in self.records))
+        shortest = min(record.time[-1] - record.time[0] for record in self.records)
+        return proposed_horizon(step, shortest, all(map(undriven, self.records)))
 
     @property
     def horizon_samples(self) -> int | None:

@@ -101,6 +101,8 @@ def _number(path: str, key: str, value: Any) -> float:
     where = f"parameters.{path}.{key}"
     if isinstance(value, int) and abs(value) > sys.float_info.max:
         raise ConfigError(f"{where} is {shortened(repr(value), 60)}: too large a number")
+    if key == "fixed" and value is False:
+        raise ConfigError(f"{where} is false: bounds let it be estimated, {where[:-6]}.lower or .upper")
     if isinstance(value, bool) or not isinstance(value, (int, float)) or math.isnan(value):
         raise ConfigError(f"{where} is {value!r}: must be a number")
     if key in ("guess", "fixed") and not math.isfinite(value):

@@ -125,12 +125,18 @@ def check_by_recording(section: TraceSection, fitted: Sequence[Named], held_out:
         )
 
 
+def is_automatic(settings: Settings) -> bool:
+    """Whether ``trace.horizon`` leaves the length of the horizons open."""
+    return isinstance(section_of(settings).horizon, str)
+
+
 def fitting_horizon(request: Request, prepared: Sequence[Prepared], settings: Settings) -> Request:
-    """``request`` with a shorter horizon if the horizon is automatic and the records are short."""
-    if not isinstance(section_of(settings).horizon, str):  # auto
+    """``request`` with a shorter horizon if the horizon is automatic and the records are short. Before the
+    fit the machine's dynamics are not known."""
+    if not is_automatic(settings):
         return request
     fitted, held_out = ([r.seconds for r in part] for part in division(prepared, settings))
-    return replace(request, horizon=automatic_horizon(fitted, held_out, request.horizon))
+    return replace(request, horizon=automatic_horizon(fitted, held_out, request.horizon, step=prepared[0].dt))
 
 
 def _library(section: TraceSection, settings: Settings, seen: Sequence[Signal]) -> tuple[Effect, ...]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from hybridid.advice.horizon import SHORTEST, proposed_horizon
@@ -15,10 +16,11 @@ from hybridid.effects.library import effect_named
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from hybridid.trace.candidates import admissible
+from hybridid.trace.horizon import horizon_for
 from hybridid.trace.mapper import Mapper, Report, unheard
-from hybridid.trace.missing_effort import Missing
+from hybridid.trace.missing_efforts import Missing
 from hybridid.trace.result import Trace
-from hybridid.trace.split import ENOUGH
+from hybridid.trace.split import automatic_horizon
 from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
@@ -45,6 +47,7 @@ from pipelines.trace.request import (
     division,
     fitting_horizon,
     imported_effects,
+    is_automatic,
     request_of,
     section_of,
 )
@@ -57,11 +60,15 @@ def run(job: Job) -> None:
     """Trace the model of the tree, then write the model, the numbers, the figures and the pages."""
     prepared = prepared_records(job.tree)
     asked = request_of(job.settings)
-    request = fitting_horizon(asked, prepared, job.settings)
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
-    if line := _shortened(request.horizon, asked.horizon, fitted[0].dt):
-        job.watcher.warn(line)
     estimate, report = fit_of(job.tree).estimate, _Report(job)
+    request = asked
+    if is_automatic(job.settings):
+        model = model_of(job.settings)
+        seconds = horizon_for(model, estimate.values, fitted, held_out, asked.horizon)
+        request = replace(asked, horizon=seconds)
+    if line := _other_horizon(request.horizon, asked.horizon, fitted[0].dt):
+        job.watcher.warn(line)
     groups = groupings_of(job.settings, model_of(job.settings))
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
         job.watcher.warn(line)
@@ -72,14 +79,21 @@ def run(job: Job) -> None:
         _write(job, found, request.processes)
 
 
-def _shortened(horizon: float, asked: float, step: float) -> str:
-    """That the horizon has fewer samples, of ``step`` s, than was ``asked`` for; else empty."""
-    if round(horizon / step) >= round(asked / step):
-        return ""
-    return (
-        f"trace.horizon: {horizon:.3g} s instead of {asked:g} s, so that {ENOUGH} horizons can judge; "
-        f"trace.horizon={asked:g} asks for the longer ones all the same"
-    )
+def _other_horizon(horizon: float, usual: float, step: float) -> str:
+    """That and why the horizon has fewer or more samples, of ``step`` s, than the ``usual`` one; else
+    empty."""
+    samples, wanted = round(horizon / step), round(usual / step)
+    if samples < wanted:
+        return (
+            f"trace.horizon: {horizon:.3g} s instead of {usual:g} s, so that enough horizons can judge; "
+            f"trace.horizon={usual:g} asks for the longer ones all the same"
+        )
+    if samples > wanted:
+        return (
+            f"trace.horizon: {horizon:.3g} s instead of {usual:g} s, so that one shows the slowest dynamics "
+            f"of the fitted model; trace.horizon={usual:g} asks for the shorter ones all the same"
+        )
+    return ""
 
 
 def traced(
@@ -224,10 +238,11 @@ def check_records(settings: Settings, tree: Path) -> None:
     check_one_step([*fitted, *held_out])
     horizon, first = fitting_horizon(request_of(settings), prepared, settings).horizon, fitted[0]
     if round(horizon / first.dt) < SHORTEST:
-        proposed = proposed_horizon(first.dt, min(record.seconds for record in fitted))
+        ours, theirs = ([record.seconds for record in part] for part in (fitted, held_out))
+        proposed = automatic_horizon(ours, theirs, proposed_horizon(first.dt, min(ours)), step=first.dt)
         raise ConfigError(
             f"trace.horizon is {horizon:g} s: record {first.name} is sampled every {first.dt:.6g} s, a "
-            f"horizon needs at least {SHORTEST} samples; trace.horizon={proposed:g} is proposed"
+            f"horizon needs at least {SHORTEST} samples; trace.horizon={proposed:.2g} is proposed"
         )
 
 

@@ -70,10 +70,10 @@ def test_a_horizon_of_a_second_is_refused_before_the_fit_where_sampling_is_slow(
 
 def test_a_trace_over_such_horizons_is_refused_before_the_fit(slow, heard):
     with pytest.raises(ConfigError) as caught:
-        run_stages(slow({"validate.horizon": 1.0, "trace": {"held_out": None}}), "trace", heard)
+        run_stages(slow({"trace": {"held_out": None, "horizon": 1.0}}), "trace", heard)
     assert str(caught.value) == (
         "trace.horizon is 1 s: record first is sampled every 1 s, a horizon needs at least 2 samples; "
-        "trace.horizon=50 is proposed"
+        "trace.horizon=30 is proposed"
     )
     assert not any(line.startswith("fit") for line in heard.said)
 

@@ -49,7 +49,8 @@ class Heater(Plant):
         return u.power - p.h * (x.T - p.T_0)
 
     def motion(self, x, u, p):
-        return {"body": Motion(position=x.T, velocity=self.net_flow(x, u, p) / p.C)}
+        # effects at the body see how much warmer it is than the surroundings
+        return {"body": Motion(position=x.T - p.T_0, velocity=self.net_flow(x, u, p) / p.C)}
 
     def derivative(self, x, u, p, effort):
         return {"T": (self.net_flow(x, u, p) - effort["body"]) / p.C}

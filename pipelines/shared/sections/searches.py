@@ -19,8 +19,8 @@ class TraceSection:
 
     horizon: Literal["auto"] | float = setting(
         "auto",
-        "length of each horizon; auto: validate.horizon, or shorter where the records would not give "
-        "ten of them to judge by",
+        "length of each horizon; auto: validate.horizon, longer where the fitted model has slower dynamics, "
+        "or nothing drives the machine, shorter where the records would not give ten of them to judge by",
         unit="s",
         above=0,
         below=float("inf"),

@@ -81,6 +81,8 @@ BLIND_TO_VELOCITY = (
     "detent",
     "varying_force_factor",
     "torque_ripple",
+    "natural_convection",
+    "thermal_radiation",
 )
 ODD_ALTOGETHER = (
     *("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play"),

@@ -59,6 +59,17 @@ def test_effects_with_states_keep_their_guess_in_the_regression(carriage, make_m
         assert start[name] == by_name[name]
 
 
+def test_the_regression_keeps_the_guess_of_a_pitch(carriage_like, make_model):
+    """The equation error has many minima over it; a fit stays in the valley where the guess lies."""
+    truth = {"ripple": 15.0, "pitch": 0.02}
+    record, name = carriage_like(**truth).record(800), "carriage.cogging.pitch"
+    model = make_model(("viscous", "coulomb", "offset", "cogging"), {name: {"guess": 0.0201}})
+    start = dict(zip([p.name for p in model.parameters], regression_start(model, [record]), strict=True))
+    assert start[name] == 0.0201
+    found = fit(model, [record], FitSettings(horizon=100)).values[name]
+    assert found == pytest.approx(0.02, rel=2e-3)
+
+
 def test_equations_that_cannot_be_evaluated_at_the_guess_leave_the_guess(carriage, make_model):
     """A root of the position, which is negative at times."""
     root = replace(RIPPLE, id="root", law=lambda at: at.p.A * ca.sqrt(at.position - 0.01) + 0 * at.p.L)

@@ -47,6 +47,17 @@ def test_motion_fast_beside_the_samples_is_no_noise(noise):
     assert found == pytest.approx(1e-4, rel=0.1)
 
 
+def test_a_handful_of_samples_has_a_noise_too(noise):
+    """Third differences take out what moves slowly; of so few samples the level is uncertain."""
+    levels = []
+    for seed in range(200):
+        y = 0.3 * np.exp(-np.arange(25) / 30) + noise(25, 1e-3, seed=seed)
+        given = (np.arange(25.0), np.zeros((25, 1)), y[:, None])
+        one = Record("made", *given, (Channel("force", "N"),), (Channel("level", "m"),))
+        levels.append(noise_level(one)[0])
+    assert np.median(levels) == pytest.approx(1e-3, rel=0.1)
+
+
 @pytest.mark.parametrize(("samples", "length"), [(1000, 256), (999, 255), (300, 75)])
 def test_the_periodogram_is_welchs(samples, length):
     y = np.cumsum(np.random.default_rng(5).normal(size=samples))

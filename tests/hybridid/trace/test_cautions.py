@@ -80,6 +80,10 @@ def test_a_mass_that_is_halved_is_told(mass):
     assert _moved(found()) == ""
 
 
+def test_a_mass_that_moves_within_its_error_is_not_told():
+    assert _moved(found(mass=(0.15, -0.04))) == ""
+
+
 @pytest.fixture
 def make_decay():
     """A free swing from ``amplitude`` rad, simulated: 10 s at 100 Hz."""

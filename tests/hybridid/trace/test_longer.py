@@ -6,7 +6,7 @@ import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
-from hybridid.trace.longer import more_over_longer
+from hybridid.trace.longer import more_over_longer, shows_little
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.split import by_blocks, by_record
 from hybridid.trace.verdict import conclude
@@ -47,3 +47,13 @@ def test_longer_horizons_are_divided_in_the_same_way(short):
     assert blocks.longer(50).held_out == by_blocks(split.records, 50).held_out
     with pytest.raises(ValueError, match="at least 4 horizons"):
         split.longer(400)
+
+
+def test_horizons_of_a_few_samples_show_little_where_the_record_has_no_longer_ones(make_model, two_records):
+    brief = [one.part(0, 12 * SHORT) for one in two_records()]
+    split = by_record(brief[:1], brief[1:], 3 * SHORT)
+    assert not shows_little(split)
+    tiny = by_record(*([one.part(0, 4 * SHORT)] for one in brief), SHORT)
+    assert shows_little(tiny)
+    found = conclude(make_model(), Context(tiny, TRIED, variables=("velocity",)))
+    assert (found.verdict, found.too_short) == ("undecided", True)

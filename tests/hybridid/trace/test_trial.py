@@ -162,6 +162,15 @@ def test_a_shape_at_its_bound_is_a_degenerate_effect(trial):
     assert "bound" in judged.reason
 
 
+def test_of_a_shape_that_cannot_be_zero_the_order_of_magnitude_is_enough(trial):
+    """A Stribeck velocity with a standard error of 70 % lies between a fourth and four times its value."""
+    vague = trial("stribeck")
+    spread = {n: 0.7 * vague.refit.values[n] if n.endswith(".v_s") else s for n, s in vague.refit.std.items()}
+    assert only(replace(vague, refit=replace(vague.refit, std=spread))).status == PASSED
+    lost = {n: 1.2 * vague.refit.values[n] if n.endswith(".v_s") else s for n, s in spread.items()}
+    assert only(replace(vague, refit=replace(vague.refit, std=lost))).status == UNIDENTIFIABLE
+
+
 def test_an_effect_that_another_parameter_mimics_is_not_identifiable(trial):
     judged = only(trial("asymmetric_viscous", correlated="carriage.offset.offset", std=0.1))
     assert judged.status == UNIDENTIFIABLE

@@ -237,9 +237,9 @@ def test_an_effect_with_the_form_of_the_law_that_was_withdrawn_is_told(nothing):
     said = sentence(replace(nothing(drag), verdict="law_proposed", accepted=(law,), path=path))
     assert "cannot tell it from signed_square_of_velocity (the form of quadratic_drag), law_0, law_1" in said
     assert "law_3 and 2 others: with it" in said
-    assert said.endswith(
-        "in position. carriage.quadratic_drag had passed, but stands in for something else: these records "
-        "cannot tell it from a spring."
+    assert said.startswith(
+        "Something is missing. carriage.quadratic_drag passed, but is no sure name: these records cannot "
+        "tell it from a spring. The law proposed at carriage is F = k v²"
     )
 
 

@@ -51,7 +51,7 @@ def test_a_held_input_is_declared_held(recorded, say, own_folder, rig):
 def test_what_is_not_known_to_be_held_is_left_open(recorded, say, own_folder, rig):
     words = [word for word in recorded("carriage") if word not in ("--hold", "force=foh")]
     assert "not given: assumed held" in say("new", rig, *words).out
-    assert "hold" not in signals_of(own_folder, rig)["inputs"]["force"]
+    assert signals_of(own_folder, rig)["inputs"]["force"]["hold"] is None
 
 
 def test_slow_sampling_gets_a_horizon_of_its_own(recorded, say, own_folder, rig):
@@ -69,6 +69,25 @@ def test_horizons_fit_into_a_short_recording(say, rig, own_folder):
     case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
     assert case["validate"] == {"horizon": 0.2}  # of 2 s
     assert case["estimator"] == {"horizon": 20}
+
+
+def test_a_decay_gets_horizons_as_long_as_leave_some_to_judge_by(say, rig, own_folder):
+    """Nothing drives a tank that runs empty: what a leak takes adds up over all of it."""
+    t = np.arange(0.0, 400.0)
+    text = "".join(f"{now:.1f},{(0.9 - now / 1000) ** 2:.6f}\n" for now in t)
+    (own_folder / "empty.csv").write_text(f"t [s],level [m]\n{text}")
+    say("new", rig, "--from", "empty.csv", "--template", "tank", "--signal", "inflow=none")
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert case["validate"] == {"horizon": 40.0}
+
+
+def test_a_recording_too_short_to_be_divided_is_judged_by_parts(say, rig, own_folder):
+    text = "".join(f"{5 * k},{(0.4 - k / 100) ** 2:.4f}\n" for k in range(26))
+    (own_folder / "bottle.csv").write_text(f"t [s],level [m] \n{text}")
+    say("new", rig, "--from", "bottle.csv", "--template", "tank", "--signal", "inflow=none")
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert [one["role"] for one in case["records"].values()] == ["identification"]
+    assert case["trace"] == {"records": list(case["records"]), "held_out": None}
 
 
 def test_uneven_stamps_are_resampled(say, own_folder, rig):

@@ -45,6 +45,7 @@ def test_dotted_names_are_as_good_as_nested_ones(settings):
         ({"guess": float("-inf")}, "M.guess is -inf: must be finite"),
         ({"lower": float("nan")}, "M.lower is nan: must be a number"),
         ({"lower": True}, "M.lower is True: must be a number"),
+        ({"fixed": False}, "M.fixed is false: bounds let it be estimated, parameters.M.lower or .upper"),
         ({"lower": 10**400}, "too large a number"),
     ],
 )

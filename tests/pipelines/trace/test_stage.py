@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from hybridid.plotting.trace_waterfall import Level, waterfall_plot
-from pipelines.trace.stage import _drawn, _shortened
+from pipelines.trace.stage import _drawn, _other_horizon
 
 
 def test_a_figure_that_cannot_be_drawn_costs_only_itself(monkeypatch, tmp_path):
@@ -35,10 +35,15 @@ def test_a_figure_that_cannot_be_drawn_costs_only_itself(monkeypatch, tmp_path):
         (0.28, ""),
         (
             0.264,
-            "trace.horizon: 0.264 s instead of 0.28 s, so that 10 horizons can judge; trace.horizon=0.28 "
+            "trace.horizon: 0.264 s instead of 0.28 s, so that enough horizons can judge; trace.horizon=0.28 "
             "asks for the longer ones all the same",
+        ),
+        (
+            0.56,
+            "trace.horizon: 0.56 s instead of 0.28 s, so that one shows the slowest dynamics of the fitted "
+            "model; trace.horizon=0.28 asks for the shorter ones all the same",
         ),
     ],
 )
-def test_a_horizon_of_fewer_samples_is_told(horizon, warning):
-    assert _shortened(horizon, 0.28, 0.01) == warning
+def test_a_horizon_of_fewer_or_more_samples_is_told(horizon, warning):
+    assert _other_horizon(horizon, 0.28, 0.01) == warning
