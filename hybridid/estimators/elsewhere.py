@@ -22,6 +22,8 @@ from hybridid.estimators.start import best_initial_states, x0_candidates
 from hybridid.estimators.stop import Stop, Watch
 
 Array = NDArray[np.float64]
+SHARE = 10
+"""By which the horizon is divided, at least."""
 CLEARLY = 0.99
 """Share of the first descent's cost above which the second has found nothing new: a rough cost ends a descent
 anywhere in the last percent."""
@@ -33,7 +35,7 @@ def elsewhere(found: Result, plan: Descent, starts: Sequence[Array], watch: Watc
     """Where a descent ends that begins at the best fit over short pieces, itself begun at each of ``starts``
     (n_p,); None if that promises no cost clearly below that of ``found``, or if its horizons are as short."""
     problem = found.problem
-    parts = pieces(problem)
+    parts = pieces(problem, share=SHARE)
     if max(parts.windows.lengths) >= max(problem.windows.lengths):
         return None
     short = best_of(parts, starts)

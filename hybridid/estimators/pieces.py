@@ -30,14 +30,16 @@ MOST, FEWEST = 5000, 4
 LOOSE = Stop(30, 1e-4)
 
 
-def pieces(problem: Problem, parts: int = PARTS, most: int = MOST, fits: int = 1) -> Problem:
-    """``problem`` over pieces of a ``parts``-th of its longest record, evenly chosen, of ``most`` samples
-    together; it shares the compiled code. ``fits`` is how many fits are to come.
+def pieces(problem: Problem, parts: int = PARTS, most: int = MOST, fits: int = 1, share: int = 1) -> Problem:
+    """``problem`` over pieces of a ``parts``-th of its longest record, and of a ``share``-th of its longest
+    horizon at most, evenly chosen, of ``most`` samples together; it shares the compiled code. ``fits`` is how
+    many fits are to come.
 
     Horizons that are short already keep their length.
     """
-    longest = max(record.n for record in problem.records)
-    length = min(max(problem.windows.lengths), int(np.clip(longest // parts, SHORTEST, LONGEST)))
+    longest, horizon = max(record.n for record in problem.records), max(problem.windows.lengths)
+    length = int(np.clip(longest // parts, SHORTEST, LONGEST))
+    length = min(horizon, length, max(SHORTEST, horizon // share))
     windows = cut(problem.records, length, problem.windows.substeps, max(most // length, FEWEST))
     shooter = problem.shooter.over(windows, fits)
     return replace(problem, windows=windows, shooter=shooter, estimate_x0=True)

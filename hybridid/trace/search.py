@@ -52,6 +52,7 @@ def search(
     ``start`` holds parameter values to start the declared model from.
     """
     base = context.one(refit, model, context.split, start, None, numerics, CONTINUATION)
+    base = context.one(with_shorter, base, context.split)
     return continued(Search((), base, (), ""), context, anew=True)
 
 

@@ -2,11 +2,11 @@
 
 Where a strong effect is missing, the simulated path soon leaves the measured one, and the fit of the poorer
 model bends its parameters to that. What is sought along that path (``hybridid.trace.sought``) is sought in
-the wrong places. The cost over a long horizon has many local minima, and also the trial of the true effect
-may stay in one. Over horizons ``SHARE`` times as short, each of which begins where the record is, the path
-stays near the measured one. So the poorer model is fitted over such horizons as well. If a parameter then
-differs, the augmented model is fitted over them, too, and where that ends is one more start over the long
-ones, with the initial states that the record shows.
+the wrong places. The cost over a long horizon has many local minima. The poorer model may stay in one, and
+so may the trial of the true effect. Over horizons ``SHARE`` times as short, each of which begins where the
+record is, the path stays near the measured one. So the poorer model is fitted over such horizons as well. If
+a parameter then differs, it is fitted anew from there. The augmented model is fitted over them, too, and
+where that ends is one more start over the long ones, with the initial states that the record shows.
 
 Source: Ribeiro, Tiels, Umenberger, Schön, Aguirre (2020), On the smoothness of nonlinear system
 identification, Automatica 121, 109158.
@@ -17,15 +17,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import (
     FAILURES,
+    LEAST_DECREASE,
     WITHOUT_STD,
     Refit,
     begun_at_the_record,
     refit,
     refit_if_hopeful,
+    refit_if_possible,
 )
 from hybridid.trace.sought import sought
 from hybridid.trace.split import Split
@@ -47,10 +51,17 @@ SOUGHT = ("period", "place", "frequency")
 
 
 def with_shorter(base: Refit, split: Split) -> Refit:
-    """``base`` with its fit over shorter horizons (``Refit.shorter``), if a parameter differs there; without
-    one where the horizons are too short to be divided, or the model cannot be simulated."""
+    """``base``, or the lower refit from where its model ends over shorter horizons, with that end
+    (``Refit.shorter``) if a parameter differs there; without one where the horizons are too short to be
+    divided, or the model cannot be simulated."""
     found = over_shorter(base, split)
-    return base if found is None or not _differ(base, found) else replace(base, shorter=found)
+    if found is None or not _differ(base, found):
+        return base
+    begun = begun_at_the_record(base, found.values, split)
+    again = refit_if_possible(base.model, split, [found.values], begun, base.numerics, np.inf)
+    if again is not None and again.cost < (1 - LEAST_DECREASE) * base.cost:
+        base = again
+    return replace(base, shorter=found) if _differ(base, found) else base
 
 
 def over_shorter(base: Refit, split: Split) -> Refit | None:

@@ -168,12 +168,9 @@ def _unless_better_from_shorter(
     """``found``, or the refit from where shorter horizons end, if that explains more. That start is fitted as
     sharply as the model is declared, so it is not led there through wider smoothings.
 
-    An effect that seeks neither a pitch nor a place starts there only where the path of ``base`` strays, and
-    the effect takes too little otherwise: what takes its share over long horizons has not stayed in a false
-    minimum.
+    An effect that seeks neither a pitch nor a place starts there only where the path of ``base`` strays.
     """
-    enough = found.score.loss <= (1 - Rules.worth) * base.score.loss
-    if not seeks(candidate) and (enough or not strays(base)):
+    if not (seeks(candidate) or strays(base)):
         return found
     shorter = from_shorter(candidate, found.model, base, split)
     if shorter is None or same_valley(candidate, shorter[0], found.values):

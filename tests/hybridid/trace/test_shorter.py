@@ -13,7 +13,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.shorter import from_shorter, same_valley, strays, with_shorter
 from hybridid.trace.split import Split, by_blocks, by_record
-from hybridid.trace.trial import _begun_anew, attempt
+from hybridid.trace.trial import _begun_anew, _unless_better_from_shorter, attempt
 
 LONG = 200  # samples, 1 s
 RIPPLE = Candidate(effect_named("cogging"), "carriage")
@@ -34,6 +34,34 @@ def test_the_ripple_is_found_that_long_horizons_hide(strong, request, monkeypatc
     assert found.own("values")["pitch"] == pytest.approx(request.node.callspec.params["strong"], rel=1e-4)
     monkeypatch.setattr("hybridid.trace.trial.from_shorter", lambda *given: None)
     assert attempt(RIPPLE, base, split).gain < 0.1
+
+
+def test_a_poorer_model_in_a_false_minimum_is_fitted_anew_from_shorter_horizons(make_model, two_records):
+    """A cylinder's fit over 1 s had ended at nine times its mass: over 0.1 s it does not."""
+    split = by_record(*([one] for one in two_records()), LONG)
+    base = refit(make_model(), split, factors=CONTINUATION)
+    trapped = replace(base, values={**base.values, "M": 9 * base.values["M"]}, cost=10 * base.cost)
+    freed = with_shorter(trapped, split)
+    assert freed.values["M"] == pytest.approx(base.values["M"], rel=1e-3)
+    assert freed.cost == pytest.approx(base.cost, rel=1e-3)
+    assert with_shorter(base, split) is base
+
+
+def test_what_takes_its_share_may_be_in_a_false_minimum_all_the_same(strong, monkeypatch):
+    """Where the path strays, the start from shorter horizons is tried however much an effect takes."""
+    split, base = strong
+    asked = []
+    monkeypatch.setattr("hybridid.trace.trial.from_shorter", lambda *given: asked.append(given))
+    drag = Candidate(effect_named("quadratic_drag"), "carriage")
+    taking = replace(base, model=drag.added_to(base.model), score=halved(base.score))
+    assert strays(base)
+    assert _unless_better_from_shorter(taking, drag, base, split, 0.02) is taking
+    assert len(asked) == 1
+
+
+def halved(score):
+    """The score of half the error."""
+    return replace(score, squares=score.squares / 4)
 
 
 def test_a_resonance_is_sought_over_short_horizons_though_the_fit_is_the_same(make_model, two_records):
