@@ -10,6 +10,7 @@ be the strongest line there.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -29,8 +30,11 @@ from hybridid.trace.split import Split
 Array = NDArray[np.float64]
 PEAKS = 2
 """Of a grid or a spectrum that become starts."""
-PERIODS, PLACES, RESONANCES = 40, 16, 24
-"""Most periods within the visited range, places along it, and frequencies of a resonance that are tried."""
+PERIODS, PLACES, RESONANCES = 40, 16, 16
+"""Most periods within the visited range, places along it, and frequencies of a resonance in a decade that are
+tried."""
+SLOWEST = 3.0
+"""Periods of a resonance in the longest record, at least."""
 FASTEST = 0.2
 """Highest frequency of a resonance that is tried, over that of the sampling: a fifth of a period a sample."""
 LOOKED_AT = 10
@@ -103,9 +107,11 @@ def _grid(parameter: EffectParameter, low: float, high: float) -> Array:
 
 
 def _frequencies(split: Split) -> Array:
-    """Those of a resonance [Hz], from one period a horizon on."""
-    dt = split.records[0].dt
-    return np.geomspace(1.0 / (split.horizon * dt), max(FASTEST, 2.0 / split.horizon) / dt, RESONANCES)
+    """Those of a resonance [Hz], from ``SLOWEST`` periods a record on: its inner states are handed on from
+    horizon to horizon."""
+    dt, longest = split.records[0].dt, max(record.n for record in split.records)
+    slow, fast = SLOWEST / longest, max(FASTEST, 2.0 / split.horizon)
+    return np.geomspace(slow, fast, round(RESONANCES * math.log10(fast / slow))) / dt
 
 
 def _promised(model: Model, base: Refit, split: Split, starts: list[dict[str, float]]) -> Array:

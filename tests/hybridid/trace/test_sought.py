@@ -9,11 +9,14 @@ import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.records.record import Record
+from hybridid.simulation import simulate
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import refit
 from hybridid.trace.sought import sought
+from hybridid.trace.split import by_record
 from hybridid.trace.trial import attempt
 
+HORIZON = 50  # samples, 0.25 s
 PITCH = 0.0137  # m; none of the declared starts is near it
 
 
@@ -72,3 +75,23 @@ def test_a_period_of_a_sensor_is_sought_over_what_it_shows(make_model, split_of)
 def _rippled(record: Record, period: float, amplitude: float) -> Record:
     error = amplitude * np.sin(2 * np.pi * record.outputs / period)
     return replace(record, outputs=record.outputs + error)
+
+
+def test_a_resonance_slower_than_a_horizon_is_sought(make_model, two_records):
+    """A load behind a spring, with a period of two horizons: its inner states are handed on."""
+    slow, mode, model = 2.0, Candidate(effect_named("flexible_mode"), "carriage"), make_model()
+    with_mode, truth = mode.added_to(model), {"m_l": 15.0, "frequency": slow, "zeta": 0.03}
+    values = {p.name: p.guess for p in with_mode.parameters}
+    values |= {"M": 80.0, "carriage.viscous.f_v": 200.0, "carriage.coulomb.f_c": 20.0}
+    values |= {f"{mode.name}.{name}": value for name, value in truth.items()}
+    rest = np.zeros(len(with_mode.states))
+    records = [
+        replace(r, outputs=simulate(with_mode, values, r, rest, substeps=4).outputs) for r in two_records()
+    ]
+    split = by_record(records[:1], records[1:], HORIZON)
+    assert slow * HORIZON * records[0].dt == 0.5
+    base = refit(model, split)
+    found = [start[f"{mode.name}.frequency"] for start in sought(mode, with_mode, base, split)]
+    assert min(abs(frequency / slow - 1) for frequency in found) < 0.15
+    trial = attempt(mode, base, split)
+    assert trial.own("values")["frequency"] == pytest.approx(slow, rel=0.02)
