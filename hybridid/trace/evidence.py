@@ -45,6 +45,7 @@ class Comparison:
     likelihood_gain: float
 
 
+@np.errstate(over="ignore", invalid="ignore")  # held-out errors of a model that nearly diverges
 def compare(poorer: Score, richer: Score) -> Comparison:
     """Held-out evidence for ``richer`` over ``poorer``, scored on the same horizons."""
     ratio = (richer.likelihood - poorer.likelihood).sum(axis=1)

@@ -190,6 +190,17 @@ def test_the_order_of_the_whitening_changes_no_count(noise):
     assert gained[1].likelihood_gain == pytest.approx(-expected, rel=0.05)
 
 
+@pytest.mark.filterwarnings("error")
+def test_errors_as_large_as_numbers_go_are_compared_in_silence():
+    """A model may leave the record by 10^160 on a held-out horizon and not diverge."""
+    fitted, small = errors(1.0, 0), errors(1.0, 1)
+    huge = [*small[:-1], np.full_like(small[-1], 1e152)]
+    scale = np.full(1, 1e-3)
+    found = compare(score_of(fitted, small, scale), score_of(fitted, huge, scale))
+    assert found.p_value == 1.0
+    assert found.gain == 0.0
+
+
 def parts_of_a_long_row(gained):
     """Six long horizons each of a poorer and a richer model; the errors that fall are ``gained`` (6, 480)."""
     noise = np.random.default_rng(7).normal(size=(12, 480))
