@@ -10,8 +10,11 @@ from hybridid.effects.effect import Effect, EffectParameter, Local
 TEMPERATURES = ("[°K]*",)
 """Units of a level that is a temperature."""
 ALIKE = ("linear_leak", "side_capacity", "sensor_nonlinearity")
-CONDUCTANCE = 0.1
-"""Guess of a further conductance, over that of the port's scales."""
+
+
+def _conductance(meaning: str) -> EffectParameter:
+    """The amplitude of a loss: a further conductance."""
+    return EffectParameter("k", STIFFNESS, meaning, guess=0.1, lower=0.0, nests=True)
 
 
 def _convected(at: Local) -> ca.SX:
@@ -27,14 +30,7 @@ NATURAL_CONVECTION = Effect(
     equation="F = k q (|q|/q_r)^(1/4),  |q| ≈ √(q² + w²)",
     law=_convected,
     parameters=(
-        EffectParameter(
-            "k",
-            STIFFNESS,
-            "conductance where the body is q_r warmer",
-            guess=CONDUCTANCE,
-            lower=0.0,
-            nests=True,
-        ),
+        _conductance("conductance where the body is q_r warmer"),
         EffectParameter(
             "q_r",
             POSITION,
@@ -68,14 +64,7 @@ THERMAL_RADIATION = Effect(
     equation="F = k T_s ((1 + q/T_s)⁴ - 1)/4",
     law=lambda at: at.p.k * at.p.T_s / 4 * ((1 + at.position / at.p.T_s) ** 4 - 1),
     parameters=(
-        EffectParameter(
-            "k",
-            STIFFNESS,
-            "conductance where the body is as warm as the surroundings: 4 ε σ A T_s³",
-            guess=CONDUCTANCE,
-            lower=0.0,
-            nests=True,
-        ),
+        _conductance("conductance where the body is as warm as the surroundings: 4 ε σ A T_s³"),
         EffectParameter(
             "T_s",
             POSITION,

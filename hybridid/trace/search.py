@@ -73,7 +73,8 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         base = sharp
         if stopped := _nothing_to_seek(base, accepted, context) or _out_of_time(steps, took, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
-        base = context.one(with_shorter, base, context.split)
+        if base.shorter is None:
+            base = context.one(with_shorter, base, context.split)
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
