@@ -317,6 +317,10 @@ def test_what_had_passed_and_was_withdrawn_is_told(nothing):
     assert said.startswith(
         f"Something is missing that the one effect tried does not explain. {why}. The error left is 3 µm"
     )
+    same = replace(tried("coulomb", 0.3, why.removeprefix("carriage.coulomb ")), p_value=1e-6)
+    step = StepTaken(nothing().path[0], None, (), (same,))
+    again = replace(nothing(DRAG), verdict="unexplained", withdrawn=why, times=9.0, steps=(step,))
+    assert "refused gains is 30.0 % with carriage.coulomb. The error" in sentence(again), "told once"
 
 
 def test_what_speaks_against_the_declared_physics_is_told(nothing):
