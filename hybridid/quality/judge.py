@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 from hybridid.advice import Advice, advise
 from hybridid.estimators.estimate import Estimate, Left
 from hybridid.estimators.findings import several_valleys
+from hybridid.estimators.floor import FAR
 from hybridid.estimators.pieces import pieces
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.model import Model
 from hybridid.quality.doubt import doubt_of
-from hybridid.quality.drift import drifting
+from hybridid.quality.drift import drifting, outputs_that_drift
 from hybridid.quality.hypotheses import Hypothesis, hypotheses
 from hybridid.quality.smoothing import steady_horizon
 from hybridid.quality.trial import MOST_OF, Data, Trial, tried
@@ -82,7 +83,7 @@ def judge(
         findings += _incomplete(estimate, views)
     findings += [Finding("valley", said) for said in several_valleys(estimate.starts)]
     verdict = _verdict(estimate, findings)
-    said = sentence(verdict, estimate)
+    said = sentence(verdict, estimate, views, _astray(views, model, estimate, records))
     advice = [Advice("drift", drifts(drift, views[0]))] if drift and verdict != "wrong" else []
     advice += advise(problem, estimate, held_out)
     return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began, tuple(advice))
@@ -94,6 +95,18 @@ def _verdict(estimate: Estimate, findings: Sequence[Finding]) -> Verdict:
     if any(one.kind in WRONG for one in findings):
         return "wrong"
     return "incomplete" if any(one.kind == "incomplete" for one in findings) else "sound"
+
+
+def _astray(views: Sequence[View], model: Model, estimate: Estimate, records: Sequence[Record]) -> list[View]:
+    """The free runs beside good horizons that leave far more than noise and simulation do, of outputs that do
+    not drift by nature."""
+    limits = {one.output: FAR * one.rmse / one.times for one in estimate.left if one.times > 0}
+    found = [v for v in views[1:] if v.horizon is None and v.rmse > limits.get(v.output, math.inf)]
+    if not found:
+        return []
+    drifts = outputs_that_drift(model, model.values(estimate.values), records)
+    steady = {y.name for y, drift in zip(model.outputs, drifts, strict=True) if not drift}
+    return [v for v in found if v.output in steady]
 
 
 def _steps(estimate: Estimate, views: Sequence[View]) -> list[Finding]:

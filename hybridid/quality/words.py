@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from hybridid.estimators.estimate import Estimate, Left
 from hybridid.estimators.floor import FAR
+from hybridid.naming import listed
 from hybridid.quality.hypotheses import Hypothesis
 from hybridid.quality.trial import Trial
 from hybridid.quality.verdict import Verdict, View
@@ -105,8 +106,9 @@ def smoothing_decides(outputs: Sequence[Left], samples: int | None) -> str:
     )
 
 
-def sentence(verdict: Verdict, estimate: Estimate) -> str:
-    """The verdict in one line: whether to trust the estimates, and why."""
+def sentence(verdict: Verdict, estimate: Estimate, views: Sequence[View], astray: Sequence[View] = ()) -> str:
+    """The verdict in one line: whether to trust the estimates, and why. Of ``views``, those ``astray`` are
+    free runs that leave far more than noise and simulation do."""
     if verdict == "wrong":
         return "WRONG MODEL OR RECORD: the estimates are not to be trusted, and no standard error is stated"
     if verdict == "not_converged":
@@ -123,7 +125,22 @@ def sentence(verdict: Verdict, estimate: Estimate) -> str:
             f"no fault found, but the records do not show the sensor's noise in {outputs}: how much less "
             "error a better model would leave is not known"
         )
-    return f"sound: the model leaves {_within_the_limit(estimate.left)}"
+    over = "" if views[0].horizon is None else f" {where(views[0])}"
+    but = _undetermined(estimate) + _in_free_run(astray, estimate.left)
+    return f"sound{over}: the model leaves {_within_the_limit(estimate.left)}{but}"
+
+
+def _undetermined(estimate: Estimate) -> str:
+    """Which parameters the records do not determine; else empty."""
+    names = [one.name for one in estimate.parameters if not one.identifiable]
+    return f"; but the records do not determine {listed(names)}" if names else ""
+
+
+def _in_free_run(astray: Sequence[View], left: Sequence[Left]) -> str:
+    """How much the free runs ``astray`` leave; empty if there are none."""
+    limits = {one.output: one.rmse / one.times for one in left}
+    said = [f"{number(v.rmse / limits[v.output], 2)} times that of {v.output}" for v in astray]
+    return f"; but in free run it leaves {listed(said)}" if said else ""
 
 
 def _within_the_limit(left: Sequence[Left]) -> str:

@@ -61,8 +61,15 @@ class Accuracy:
 
     def times(self, rmse: Array) -> float:
         """The largest of the outputs' errors ``rmse`` (n_y,), over what a complete model would leave."""
-        limit = np.sqrt(self.noise**2 + self.parameters**2 + self.simulation**2)
-        return float(np.max(rmse / np.where(limit > 0, limit, np.finfo(float).tiny)))
+        return _largest(rmse, np.sqrt(self.noise**2 + self.parameters**2 + self.simulation**2))
+
+    def times_the_least(self, rmse: Array) -> float:
+        """The same over what a complete model would leave whose parameters were known."""
+        return _largest(rmse, np.hypot(self.noise, self.simulation))
+
+
+def _largest(rmse: Array, limit: Array) -> float:
+    return float(np.max(rmse / np.where(limit > 0, limit, np.finfo(float).tiny)))
 
 
 def parameter_error(final: Refit, noise: Array, context: Context) -> Array:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from scipy.stats import norm
+
 from hybridid.advice.decay import free_decay
 from hybridid.naming import listed
-from hybridid.quantities import quantity, share
+from hybridid.quantities import estimated, quantity, share
 from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
@@ -19,10 +21,13 @@ from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.idle import SURE
 from hybridid.trace.one_way import judged_the_other_way
 from hybridid.trace.result import Trace
+from hybridid.trace.rules import Rules
 from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.verdict import Conclusion
 
+OTHER = 0.2
+"""Share of its value by which a parameter must differ to be told: a machine that warms up changes by less."""
 LITTLE = 0.01
 """Of the squared error that all accepted effects take: what takes less is told."""
 
@@ -34,11 +39,16 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     if found.verdict == "unexplained":
         told += [other_horizons_advised(found.search.final, context.split)]
-    if found.verdict == "undecided" and traced.steady is None and traced.longer is None:
+    cut = found.search.cut_within_a_step
+    if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         told += [parts_of_all_advised(context.split)]
     if traced.accepted:
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
-        told += [_takes_little(found.search), _moved(found.search)]
+        told += [
+            _takes_little(found.search),
+            _moved(found.search),
+            _other_held_out(traced.accepted, context.rules),
+        ]
         told += [in_their_place(found.search)]
     return "".join([*told, found.other_hold, worse_in_free_run(traced)])
 
@@ -98,6 +108,25 @@ def _moved(search: Search) -> str:
     ]
     known = "compare that with what you know of the machine"
     return f" With what was accepted {listed(told)}: {known}." if told else ""
+
+
+def _other_held_out(accepted: Sequence[AcceptedEffect], rules: Rules) -> str:
+    """Which parameters of effects are others where the model is fitted to the held-out records alone, and by
+    more than chance; else empty. A law of physics has one value of each."""
+    told = []
+    for one in accepted:
+        both = [(name, here, one.by_held_out[name]) for name, here in one.parameters.items()]
+        for name, here, there in both:
+            apart = abs(here.value - there.value)
+            chance = norm.isf(rules.alpha / (2 * len(both))) * math.hypot(here.std, there.std)
+            if apart > chance and apart > OTHER * min(abs(here.value), abs(there.value)):
+                ours, theirs = (estimated(v.value, v.std, v.unit) for v in (here, there))
+                told.append(
+                    f"{name} of {one.name} is {ours} in the fitted records, {theirs} in those held out"
+                )
+    return (
+        f" Beware: {listed(told)}: the form may be another one, or the machine has changed." if told else ""
+    )
 
 
 def _confounded(records: Sequence[Record]) -> str:

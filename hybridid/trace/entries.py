@@ -216,7 +216,8 @@ class StepTaken:
     """One step of the search: where its model stood, all trials, the accepted effect and the dropped ones.
 
     Where no effect passed, ``pairs`` may have been tried, of ``family`` that could be formed. Of an accepted
-    pair, ``accepted`` is the first effect and ``together`` the second.
+    pair, ``accepted`` is the first effect and ``together`` the second. ``left_out`` names the effects that
+    the time limit left untried; of all they promised least.
     """
 
     base: Level
@@ -226,6 +227,7 @@ class StepTaken:
     pairs: tuple[TriedPair, ...] = ()
     family: int = 0
     together: str | None = None
+    left_out: tuple[str, ...] = ()
 
     @property
     def taken(self) -> tuple[str, ...]:

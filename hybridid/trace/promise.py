@@ -83,6 +83,16 @@ def promises(seen: Sequence[Seen], collinear: float) -> list[Promise]:
     return sorted(found, key=lambda promise: -promise.share)
 
 
+def promised_alone(one: Seen) -> float:
+    """The share of the squared residual that an effect takes at its best shape; 0 if it shows none."""
+    total = float(one.residual @ one.residual)
+    drops = [
+        _Fit.of([shape.columns / _size(shape.columns)], one.residual, [shape.positive]).drop((0,))
+        for shape in one.shapes
+    ]
+    return max(drops, default=0.0) / total if total > 0 else 0.0
+
+
 def overlap(one: Candidate, other: Candidate) -> bool:
     """Whether both are the same effect, and one port has it twice."""
     return one.effect.id == other.effect.id and not set(one.ports).isdisjoint(other.ports)

@@ -81,7 +81,7 @@ class Trace:
     ``times_fitted`` that of the fitted horizons, and ``refused`` the gain worth having that a test refused,
     where that leaves the verdict open. So does an error that is as large over horizons of ``steady`` s,
     or far above the noise over ``longer`` ones. So do horizons that are ``too_short`` where the records give
-    no longer ones.
+    no longer ones, and parameters so ``vague`` that they alone may err by what is left.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
@@ -125,6 +125,7 @@ class Trace:
     steady: float | None = None
     longer: Longer | None = None
     too_short: bool = False
+    vague: bool = False
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     def __str__(self) -> str:

@@ -74,7 +74,8 @@ def trace(
     composed. With ``revise``, each declared effect is left out in turn, and others are sought in its place.
     With ``recordings``, each parameter is tried with a value for each record. No step begins that would end
     after ``time_limit`` s (None: no limit), should it take as long as the one before, and after that no
-    pairs, laws or revision; the step under way is ended, and its names are doubted as always. Of a sample at
+    effect, pairs, laws or revision. At least five effects are tried; a step that leaves one out gives no
+    name. What was accepted is doubted as always. Of a sample at
     which one output was not measured the others count.
     ``mapper`` runs the refits, one after another or side by side; ``report`` follows them. ``say`` is told
     what each step decides, as it falls.

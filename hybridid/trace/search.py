@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hybridid.model import Model
+from hybridid.naming import counted
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.alike import equivalents, indistinguishable, strangers
-from hybridid.trace.candidates import admissible
 from hybridid.trace.ceiling import ceilings
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
@@ -35,7 +35,8 @@ from hybridid.trace.steps import (
     Step,
 )
 from hybridid.trace.together import meets_noise_together
-from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
+from hybridid.trace.trial import PASSED, REJECTED, Trial
+from hybridid.trace.tried import trials_of
 
 Otherwise = dict[Numerics, Refit | None]
 """A model's refits under other numerics."""
@@ -83,7 +84,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
                 steps=(*steps, step),
                 final=base,
                 accepted=tuple(accepted),
-                stopped=step.minor or NONE_PASSES,
+                stopped=step.minor or (OUT_OF_TIME if step.left_out else NONE_PASSES),
                 withdrawn=step.minor,
             )
         base, accepted, dropped = without_needless(
@@ -159,23 +160,17 @@ def _nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context
 
 def _out_of_time(steps: Sequence[Step], took: float, context: Context) -> str:
     """Why no further step begins after ``steps``, where less time is left than the last one ``took`` [s];
-    empty if one does. The first step always begins."""
+    empty if one does. The first step always begins. A step under way ends with the effect that it tries."""
     return OUT_OF_TIME if steps and not context.has_time_for(took) else ""
 
 
 def _step(base: Refit, context: Context, number: int) -> Step:
     """Try every candidate beside ``base`` and accept the best that passes and survives other numerics."""
-    rules = context.rules
-    candidates = list(admissible(base.model, context.effects, context.ports))
-    places = [(candidate, base, context.split, rules.worth) for candidate in candidates]
-    trials = context.each(
-        f"step {number}",
-        attempt,
-        places,
-        lambda trial: trial.candidate.name,
-        lambda candidate, *_: candidate.inner_states,
-    )
-    return decided(base, judge(trials, rules), context)
+    trials, left_out = trials_of(base, context, f"step {number}")
+    judged = judge(trials, context.rules)
+    if left_out:  # one of these may explain more than what passed
+        return Step(base, tuple(judged), None, left_out=left_out)
+    return decided(base, judged, context)
 
 
 def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
@@ -241,6 +236,8 @@ def said_of(step: Step) -> str:
     """What a step decided, in one line."""
     if step.minor:
         return step.minor
+    if step.left_out:
+        return f"the time limit left out {counted(len(step.left_out), 'effect')}"
     if step.accepted is None:
         return f"none of {len(step.trials)} effects passes"
     best = step.accepted

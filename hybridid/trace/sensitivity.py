@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +24,13 @@ from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.refit import FAILURES, Refit, begin, problem_of
-from hybridid.trace.sought import known_means
+from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
 from hybridid.trace.trial import Trial
 
 Array = NDArray[np.float64]
 _Projected = tuple["Shape", Array] | None
+T = TypeVar("T")
 SAMPLES = 10000
 """Of the outputs, evenly chosen, that decide at most."""
 UNSEEN = 1e-6
@@ -60,15 +62,18 @@ class Seen:
 
 
 @np.errstate(all="ignore")  # a start may diverge: it has no shape
-def seen(candidate: Candidate, single: Trial | None, base: Refit, split: Split) -> Seen:
+def seen(
+    candidate: Candidate, single: Trial | None, base: Refit, split: Split, searched: bool = False
+) -> Seen:
     """The shapes of ``candidate`` beside ``base``: those that it starts with, and the one with which its
-    trial ``single`` ended."""
-    found = list(_shapes(candidate, single, base, split))
+    trial ``single`` ended. ``searched``: also those with the pitches and the like that its trial would find
+    in the records."""
+    found = list(_shapes(candidate, single, base, split, searched))
     return Seen(candidate, tuple(shape for shape, _ in found), found[0][1]) if found else Seen(candidate)
 
 
 def _shapes(
-    candidate: Candidate, single: Trial | None, base: Refit, split: Split
+    candidate: Candidate, single: Trial | None, base: Refit, split: Split, searched: bool
 ) -> Iterator[tuple[Shape, Array]]:
     """Shapes with derivatives, each with the residual, and the change that the trial ``single`` made; only if
     there are none of either, with differences."""
@@ -77,6 +82,8 @@ def _shapes(
     amplitudes = {f"{candidate.name}.{p.name}": p.at(port) for p in candidate.effect.parameters if p.nests}
     nothing = dict.fromkeys(amplitudes, 0.0)
     starts = candidate.starts(model, base.values)
+    if searched:
+        starts = [*starts, *(_if_possible(sought, candidate, model, base, split) or ())]
     if single is not None and single.refit is not None:
         own = {n: v for n, v in single.refit.values.items() if n.startswith(f"{candidate.name}.")}
         starts = [{**base.values, **own}, *starts]
@@ -93,8 +100,8 @@ def _shapes(
     yield from filter(None, found)
 
 
-def _if_possible(look: Callable[..., _Projected], *given: object) -> _Projected:
-    """What ``look`` shows; None where the model cannot be simulated from there."""
+def _if_possible(look: Callable[..., T], *given: object) -> T | None:
+    """What ``look`` gives; None where the model cannot be simulated from there."""
     try:
         return look(*given)
     except (ValueError, *FAILURES):

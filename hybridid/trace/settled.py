@@ -113,8 +113,11 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     """The learned efforts beside ``model``, those of a step of ``found`` if it was held against them.
 
     None where the last model meets the noise on all horizons together: only its parameters are uncertain, and
-    a learned effort could take what they err by.
+    a learned effort could take what they err by. None where the time limit ended the first step: there is no
+    name to be doubted.
     """
+    if found.cut_within_a_step and not found.accepted:
+        return ()
     if model is found.final and found.stopped == AT_FLOOR_TOGETHER:
         return ()
     known = (step.learned for step in found.steps if step.base is model and step.learned)

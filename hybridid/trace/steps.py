@@ -46,7 +46,8 @@ class Step:
     Where no effect passed, ``pairs`` may have been refitted, of ``family`` that could be formed. Of a pair
     that was taken, ``accepted`` is the first effect and ``together`` the second. ``learned`` are the learned
     efforts beside ``base``, where the step was held against them. ``minor`` says why an effect that passed is
-    no name beside one of them.
+    no name beside one of them. ``left_out`` names the effects that the time limit left untried; then none is
+    accepted.
     """
 
     base: Refit
@@ -58,6 +59,7 @@ class Step:
     together: Accepted | None = None
     learned: tuple[Ceiling, ...] = ()
     minor: str = ""
+    left_out: tuple[str, ...] = ()
 
     @property
     def taken(self) -> tuple[Accepted, ...]:
@@ -87,6 +89,11 @@ class Search:
     def at_noise(self) -> bool:
         """Whether it ended at the sensors' noise."""
         return self.stopped in (AT_FLOOR, AT_FLOOR_TOGETHER, AT_SIMULATION)
+
+    @property
+    def cut_within_a_step(self) -> bool:
+        """Whether the time limit left out effects of the last step."""
+        return bool(self.steps and self.steps[-1].left_out)
 
     @property
     def before_any(self) -> Search:

@@ -69,6 +69,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         steady=found.steady,
         longer=found.longer,
         too_short=found.too_short,
+        vague=found.vague,
         completeness=completeness(networks, rules),
         stopped=found.search.stopped,
         withdrawn=found.search.stopped if found.search.withdrawn else "",
@@ -142,6 +143,7 @@ def steps_taken(search: Search) -> tuple[StepTaken, ...]:
             tuple(map(_tried_pair, sorted(step.pairs, key=lambda pair: -pair.gain))),
             step.family,
             step.together.name if step.together else None,
+            step.left_out,
         )
         for number, step in enumerate(search.steps, 1)
     )
@@ -288,6 +290,8 @@ def _at_the_end(search: Search, trial: Trial, number: int) -> TriedEffect:
             reason = f"these records cannot tell it from {one.name}"
             return replace(tried, status=UNIDENTIFIABLE, reason=reason, class_of=one.name)
     if trial.status == PASSED:
+        if search.cut_within_a_step:
+            return replace(tried, status=REJECTED, reason=f"{trial.reason}, but others are untried")
         reason = f"{trial.reason}, but less than what was accepted in its step; then {search.stopped}"
         return replace(tried, status=REJECTED, reason=reason)
     return tried

@@ -50,11 +50,12 @@ class Conclusion:
     ``remains`` names where structure is left that no effect of the library explains.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
     ``steady`` is the length [s] of shorter horizons over which the error is as large, where that leaves the
-    verdict open. So does what is left over ``longer`` horizons, and so do horizons that are ``too_short``.
+    verdict open. So does what is left over ``longer`` horizons, and so do horizons that are ``too_short``,
+    and parameters so ``vague`` that they alone may err by what is left.
     ``replacements`` do better in the place of a declared effect, where that was asked.
     ``other_hold`` says in words which other hold of the inputs explains what is left.
     ``there`` is the last model, fitted to the held-out horizons alone, if effects were accepted.
-    ``out_of_time``: the time limit left out steps, pairs, laws or replacements.
+    ``out_of_time``: the time limit left out effects, steps, pairs, laws or replacements.
     """
 
     verdict: Verdict
@@ -69,6 +70,7 @@ class Conclusion:
     steady: float | None = None
     longer: Longer | None = None
     too_short: bool = False
+    vague: bool = False
     other_hold: str = ""
     replacements: tuple[Replacement, ...] = ()
     there: Refit | None = None
@@ -111,10 +113,11 @@ def conclude(
     if silent and (longer := more_over_longer(settled.found.final, context)):
         verdict = "undecided"
     too_short = silent and shows_little(split)
+    vague = silent and _parameters_are_vague(settled, rules)
     revises = context.revise and not context.out_of_time
     revised = replacements(model, settled.found, context) if revises else ()
     return Conclusion(
-        verdict="undecided" if too_short else verdict,
+        verdict="undecided" if too_short or vague else verdict,
         search=settled.found,
         accuracy=settled.accuracy,
         ceilings=settled.left,
@@ -126,6 +129,7 @@ def conclude(
         steady=steady,
         longer=longer,
         too_short=too_short,
+        vague=vague,
         other_hold=better_hold(settled.found.final, context),
         replacements=revised,
         there=fitted_to_held_out([settled.found.final], context)[0] if settled.found.accepted else None,
@@ -226,11 +230,21 @@ def _verdict(
         return "law_proposed"
     if found.accepted:
         return "ambiguous" if any(len(one.alike) > 1 for one in found.accepted) else "effect_found"
-    if steady is not None:
+    if steady is not None or found.cut_within_a_step:
         return "undecided"
     if settled.remains or found.withdrawn or settled.times > rules.far:
         return "unexplained"
     return "undecided" if refused or times_fitted > rules.far else "nothing_missing"
+
+
+def _parameters_are_vague(settled: Settled, rules: Rules) -> bool:
+    """Whether the error that is left is little only beside what the noise may have done to the parameters.
+
+    Where they are so uncertain, an effect that is missing would not be seen beside them. If one fit to all
+    horizons leaves no more than the noise, they are certain enough.
+    """
+    rmse = settled.found.final.score.rmse
+    return not settled.found.at_noise and settled.accuracy.times_the_least(rmse) > rules.far
 
 
 def _refused(settled: Settled, rules: Rules) -> str:

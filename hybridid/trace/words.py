@@ -10,6 +10,7 @@ from hybridid.trace.entries import (
     AcceptedEffect,
     DifferingParameter,
     ReplacedEffect,
+    StepTaken,
     TriedEffect,
     TriedPair,
 )
@@ -107,36 +108,8 @@ def _concluded(found: Trace) -> str:
     where = f"on held-out horizons of {found.horizon:g} s ({found.provenance})"
     if found.verdict == "nothing_missing":
         return f"Nothing that can be found is missing: {_none_passes(found, where)} {error_left(found)}"
-    if found.verdict == "undecided" and found.steady is not None:
-        return (
-            f"These records do not decide whether something is missing: {_unnamed(found)} the error {where}, "
-            f"and over horizons of {found.steady:.2g} s it is as large. So it may be a noise with a memory, "
-            f"an error of the sensor, or an effect that is faster. {error_left(found)}"
-        )
-    if found.verdict == "undecided" and found.refused:
-        return (
-            f"These records do not decide whether something is missing: {where} the RMSE would fall by "
-            f"{found.refused}. {error_left(found)}"
-        )
-    if found.too_short:
-        return (
-            f"These records do not decide whether something is missing: {where} nothing that can be found "
-            "is, but the fitted initial state of so few samples may follow what is missing, and these "
-            f"records are too short for longer horizons. {error_left(found)}"
-        )
-    if found.longer is not None:
-        seconds, times = f"{found.longer.seconds:.2g}", _times(found.longer.times)
-        return (
-            f"These records do not decide whether something is missing: {where} nothing that can be found "
-            f"is, but over horizons of {seconds} s the model leaves {times} what noise and simulation alone "
-            f"leave. trace.horizon={seconds} may show what is missing. {error_left(found)}"
-        )
     if found.verdict == "undecided":
-        return (
-            "These records do not decide whether something is missing: the fitted horizons leave "
-            f"{_times(found.times_fitted)} what noise and simulation alone leave, but {_unnamed(found)} the "
-            f"error {where}, which may show too little of the machine. {error_left(found)}"
-        )
+        return f"{_undecided(found, where)} {error_left(found)}"
     if found.verdict == "unexplained":
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
         withdrawn = f" {found.withdrawn}." if found.withdrawn else ""
@@ -154,6 +127,33 @@ def _concluded(found: Trace) -> str:
     unsure = passed_before(laws, found)
     why = f".{unsure}" if unsure else f" that {_unnamed(found)}."
     return f"{before}{something} is missing{why} {proposed(laws)}: {fall}.{rest}"
+
+
+def _undecided(found: Trace, where: str) -> str:
+    """Why it is open whether something is missing."""
+    if last := _cut_step(found):
+        return f"The best so far: {_best_tried(last)} {where}."
+    nothing = f"{where} nothing that can be found is, but"
+    seconds = f"{found.longer.seconds:.2g}" if found.longer else ""
+    why = (
+        f"{_unnamed(found)} the error {where}, and over horizons of {found.steady:.2g} s it is as large. So "
+        "it may be a noise with a memory, an error of the sensor, or an effect that is faster"
+        if found.steady is not None
+        else f"{where} the RMSE would fall by {found.refused}"
+        if found.refused
+        else f"{nothing} the fitted initial state of so few samples may follow what is missing, and these "
+        "records are too short for longer horizons"
+        if found.too_short
+        else f"{nothing} the fitted records leave the parameters so uncertain that what is missing may hide "
+        "behind them"
+        if found.vague
+        else f"{nothing} over horizons of {seconds} s the model leaves {_times(found.longer.times)} what "
+        f"noise and simulation alone leave. trace.horizon={seconds} may show what is missing"
+        if found.longer
+        else f"the fitted horizons leave {_times(found.times_fitted)} what noise and simulation alone leave, "
+        f"but {_unnamed(found)} the error {where}, which may show too little of the machine"
+    )
+    return f"These records do not decide whether something is missing: {why}."
 
 
 def _only_together(found: Trace) -> str:
@@ -235,15 +235,16 @@ def _more_than_possible(gain: float, times: float) -> str:
 
 def error_left(found: Trace) -> str:
     """How far the error that is left is from what noise and simulation alone leave."""
-    each = []
+    each, leave = [], "noise and simulation alone leave"
     for name, one in found.noise_floor.items():
         rmse = quantity(found.path[-1].held_out_rmse[name], one.unit, 3)
         parts = {"noise of the sensor": one.value, "error of the simulation": one.simulation}
         if one.parameters > one.value / WORTH_TELLING:
             parts["error of the parameters that the noise has moved"] = one.parameters
+            leave = "noise, simulation and parameters may leave"
         told = ", ".join(f"{what} {quantity(value, one.unit, 2)}" for what, value in parts.items())
         each.append(f"{rmse} of {name} ({told})")
-    return f"The error left is {listed(each)}: {_times(found.times)} what noise and simulation alone leave."
+    return f"The error left is {listed(each)}: {_times(found.times)} what {leave}."
 
 
 def _times(times: float) -> str:
@@ -254,9 +255,31 @@ def _cut_short(found: Trace) -> str:
     """That the time limit ended the search, and when; empty if it did not."""
     if found.time_limit is None:
         return ""
+    where = f"after {counted(len(found.steps), 'step')}"
+    if last := _cut_step(found):
+        left, every = len(last.left_out), len(last.left_out) + len(last.trials)
+        where = f"in step {len(found.steps)}, before {left} of {every} effects were tried"
     return (
-        f"The time limit of {found.time_limit:g} s ended the search after "
-        f"{counted(len(found.steps), 'step')}: the verdict holds for what was tried by then. "
+        f"The time limit of {found.time_limit:g} s ended the search {where}: the verdict holds for what was "
+        "tried by then. "
+    )
+
+
+def _cut_step(found: Trace) -> StepTaken | None:
+    """The last step, if the time limit left out effects of it."""
+    return found.steps[-1] if found.steps and found.steps[-1].left_out else None
+
+
+def _best_tried(step: StepTaken) -> str:
+    """What explains most of a step that the time limit ended; one of the others may explain more."""
+    passed = [one for one in step.trials if one.status == PASSED]
+    if not passed:
+        return f"{_none(len(step.trials), 'explain')} the error"
+    best = max(passed, key=lambda one: one.gain)
+    told = ", ".join(parameters_in_words(best.parameters))
+    return (
+        f"{best.effect} at {best.port} ({told}) takes {share(best.gain)}, which is no name while others are "
+        "untried,"
     )
 
 

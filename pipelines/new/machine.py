@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from hybridid.advice.decay import free_decay, settles, undriven
+from hybridid.advice.decay import free_decay, settles, swing, undriven
 from hybridid.advice.horizon import proposed_horizon
 from hybridid.records.checks import MINIMUM_SAMPLES
 from hybridid.records.record import Record
@@ -19,6 +19,9 @@ from pipelines.new.template import Derivative, Template
 
 FITTED_SHARE = 0.7
 """Of the only recording: what is fitted; the rest judges."""
+FEW, SEVERAL = 6, 3
+"""Oscillations of a record that nothing drives, at least, to judge by (a horizon of each), and at least to be
+one."""
 EDGE = 2.0
 """Periods of the cutoff at each end of a record over which a low-pass settles."""
 
@@ -108,10 +111,15 @@ class Machine:
     def decays(self) -> bool:
         """Whether parts of all recordings are to judge: what is fitted is one free decay, which alone cannot
         tell a friction over the amplitude from one over the time; or the only recording has settled where it
-        would judge, or is too short to be divided."""
+        would judge, or is too short to be divided; or the last one, which nothing drives, is too short to
+        judge."""
         if self.split is not None:
             return settles(self.records[0], self.split)
-        return len(self.records) == 1 or any(free_decay(self.records[:-1]))
+        if len(self.records) == 1 or any(free_decay(self.records[:-1])):
+            return True
+        judging, longest = self.records[-1], max(self.records, key=lambda one: one.n * one.dt)
+        oscillates = SEVERAL * swing(longest) <= longest.n * longest.dt
+        return undriven(judging) and oscillates and judging.n * judging.dt < FEW * swing(longest)
 
     def cutoff(self, derivative: Derivative) -> float:
         """Of the low-pass, in Hz, under which a derivative is taken."""

@@ -86,7 +86,7 @@ def mapper_of(processes: int) -> Iterator[Mapper]:
 def _in_order(
     pool: Pool, function: Callable[..., object], arguments: Iterable[tuple[Any, ...]]
 ) -> Iterator[Any]:
-    calls = ((k, _called, call) for k, call in enumerate(_packed(function, list(arguments))))
+    calls = ((k, _called, call) for k, call in enumerate(_packed(function, arguments)))
     early: dict[int, Any] = {}
     due = 0
     for k, kind, said in pool.events(calls):
@@ -103,12 +103,15 @@ def _in_order(
 _Call = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
-def _packed(function: Callable[..., object], arguments: Sequence[tuple[Any, ...]]) -> Iterator[_Call]:
-    """The calls, with each argument that all of them share pickled once."""
-    together = [all(one is first for one in same) for first, *same in zip(*arguments, strict=False)]
-    common = {k: Packed(pickle.dumps(arguments[0][k])) for k, shared in enumerate(together) if shared}
+def _packed(function: Callable[..., object], arguments: Iterable[tuple[Any, ...]]) -> Iterator[_Call]:
+    """The calls, each made when it is asked for; what later ones share with the first is pickled once."""
+    first: list[tuple[Any, Packed]] = []
     for given in arguments:
-        yield function, tuple(common.get(k, one) for k, one in enumerate(given))
+        first = first or [(one, Packed(pickle.dumps(one))) for one in given]
+        yield (
+            function,
+            tuple(packed if one is own else one for one, (own, packed) in zip(given, first, strict=True)),
+        )
 
 
 def _called(call: _Call, watcher: Watcher) -> Any:

@@ -73,7 +73,9 @@ def run(job: Job) -> None:
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
         job.watcher.warn(line)
     with kept_results(job.key, job.settings.lone.force, report.say) as keep:
-        found = traced(job.settings, request, fitted, held_out, report, estimate.values, keep, report.say)
+        # under a time limit the same command need not make the same calls again
+        kept = keep if request.time_limit is None else _unkept
+        found = traced(job.settings, request, fitted, held_out, report, estimate.values, kept, report.say)
         for failure in found.shown.failures:
             job.watcher.warn(failure)
         _write(job, found, request.processes)
@@ -96,6 +98,11 @@ def _other_horizon(horizon: float, usual: float, step: float) -> str:
     return ""
 
 
+def _unkept(mapper: Mapper) -> Mapper:
+    """The mapper itself: an interrupted trace begins anew."""
+    return mapper
+
+
 def traced(
     settings: Settings,
     request: Request,
@@ -103,7 +110,7 @@ def traced(
     held_out: Sequence[Record],
     report: Report,
     start: Mapping[str, float] | None = None,
-    keep: Callable[[Mapper], Mapper] = lambda mapper: mapper,
+    keep: Callable[[Mapper], Mapper] = _unkept,
     say: Callable[[str], None] = unheard,
 ) -> Trace:
     """What the model of ``settings`` lacks on these records, searched as ``request`` says.

@@ -63,8 +63,8 @@ class TraceSection:
     )
     time_limit: float | None = setting(
         None,
-        "no step begins that would end later, should it take as long as the one before; after it no pairs or "
-        "laws begin; the step under way is ended",
+        "no step begins that would end later, should it take as long as the one before; after it no effect, "
+        "pair or law is tried, but the five effects that promise most",
         unit="s",
         above=0,
         null="no limit",

@@ -1,4 +1,4 @@
-"""A time limit ends a search between its steps, and the sentence says so."""
+"""A time limit ends a search between its trials, and the sentence says so."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from types import SimpleNamespace
 import pytest
 
 from hybridid.effects.library import effect_named
-from hybridid.trace import search
+from hybridid.trace import search, tried
 from hybridid.trace.context import Context
 from hybridid.trace.run import trace
 from hybridid.trace.steps import OUT_OF_TIME
+from hybridid.trace.trial import PASSED
 from hybridid.trace.verdict import conclude
 
 DF_V = 75.0
@@ -33,6 +34,34 @@ def test_the_first_step_is_ended_and_no_other_begins(make_model, context):
     assert [one.name for one in found.accepted] == ["carriage.coulomb"]
     assert found.search.stopped == OUT_OF_TIME
     assert found.out_of_time
+
+
+@pytest.fixture(scope="module")
+def many(context):
+    """Seven effects, of which the declared model lacks six; five are tried in any time."""
+    more = ("lugre", "quadratic_drag", "stribeck", "linear_stiffness")
+    return replace(context, effects=(*map(effect_named, more), *TRIED))
+
+
+@pytest.fixture(scope="module")
+def cut(make_model, many):
+    """What a search found that could try five of six effects."""
+    return conclude(make_model(("viscous", "offset")), many)
+
+
+def test_the_quickest_and_most_promising_effects_are_tried_first(cut):
+    (step,) = cut.search.steps
+    assert len(step.trials) == tried.ALWAYS
+    assert step.left_out == ("carriage.lugre",)
+    assert cut.out_of_time
+
+
+def test_a_step_that_left_out_an_effect_gives_no_name(cut):
+    passed = [one.candidate.name for one in cut.search.steps[-1].trials if one.status == PASSED]
+    assert "carriage.coulomb" in passed
+    assert cut.accepted == ()
+    assert cut.verdict == "undecided"
+    assert cut.ceilings == ()
 
 
 def test_no_step_begins_that_would_end_too_late(make_model, context, monkeypatch):
@@ -75,3 +104,14 @@ def test_the_sentence_begins_with_the_limit(make_model, split_of):
         "then. The model lacked coulomb"
     )
     assert trace(make_model(), [first], [second], time_limit=1e3, **asked).time_limit is None
+
+
+def test_the_sentence_tells_what_is_left_out_and_the_best_so_far(make_model, split_of, many):
+    first, second = split_of(df_v=DF_V).records
+    asked = {"effects": many.effects, "variables": ("velocity", "position")}
+    found = trace(make_model(("viscous", "offset")), [first], [second], time_limit=1e-3, **asked)
+    said = found.sentence.replace("\N{NO-BREAK SPACE}", " ")
+    assert "ended the search in step 1, before 1 of 6 effects were tried: the verdict holds for" in said
+    assert "The best so far: stribeck at carriage (df_s = " in said
+    assert "which is no name while others are untried, on held-out horizons of 0.4 s (" in said
+    assert len(found.steps[0].left_out) == 1
