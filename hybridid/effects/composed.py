@@ -122,7 +122,8 @@ class ComposedLaw:
     def equation(self) -> str:
         """``F = k |q| sign(v)``; with a level ``F = k |q| sign(v) |L|, L = drive - load``."""
         text = self.shape.equation.format(x=symbol_of(self.over))
-        if self.level and len(self.shape.amplitudes) > 1:
+        several = len(self.shape.amplitudes) > 1
+        if several and (self.level or self.over.factor not in ("", "acceleration")):
             text = f"({text})"
         text = equation_of(self.over, text)
         level = f" {self.level.equation}" if self.level else ""

@@ -32,8 +32,9 @@ class EffectParameter:
     ``starts`` are further starting values for a shape parameter whose cost has several local
     minima (a Stribeck velocity, a pitch). ``sought`` says that starting values are estimated from
     the record as well: a ``"period"`` over the positions of the port, a ``"place"`` (one of these
-    positions), or a ``"frequency"`` of the model's residual over time. A fixed parameter that is the
-    ``"mean"`` takes the mean over the records of the first channel that the effect sees.
+    positions), a ``"frequency"`` of the model's residual over time, or a ``"load"``, an
+    amplitude that is a part of the inertia which the model without it has found. A fixed parameter that is
+    the ``"mean"`` takes the mean over the records of the first channel that the effect sees.
 
     A ``hard`` amplitude is the stiffness of a limit. As it grows, the law becomes the ideal limit (a wall, an
     edge), so records may show no more than that it is large.
@@ -61,7 +62,7 @@ class EffectParameter:
     absolute: bool = False
     fixed: bool = False
     minor: bool = False
-    sought: Literal["", "period", "place", "frequency", "mean"] = ""
+    sought: Literal["", "period", "place", "frequency", "load", "mean"] = ""
     above: str = ""
 
     def __post_init__(self) -> None:

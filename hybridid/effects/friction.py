@@ -21,8 +21,11 @@ OFFSET = Effect(
         EffectParameter("offset", EFFORT, "constant effort, present at rest too", guess=0.0, nests=True),
     ),
     source="thesis Eq. 6-1; Janot, Gautier, Brunot (2019), Eq. (1)",
-    pattern="the same in both directions of motion and at rest; asymmetric Coulomb friction vanishes at rest",
-    look_alikes=("asymmetric_coulomb", "gravity", "linear_stiffness", "maxwell"),
+    pattern=(
+        "the same in both directions of motion and at rest; asymmetric Coulomb friction vanishes at rest, "
+        "and a motion in one direction alone does not tell it from Coulomb friction"
+    ),
+    look_alikes=("asymmetric_coulomb", "coulomb", "gravity", "linear_stiffness", "maxwell"),
     separating_experiment=(
         "hold still under slowly rising command from both sides until break-away, at several positions: "
         "an offset shifts both break-away efforts alike and everywhere, also at rest"

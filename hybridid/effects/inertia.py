@@ -35,7 +35,9 @@ ADDED_INERTIA = Effect(
     ),
 )
 
-LOAD = EffectParameter("m_l", INERTIA, "inertia of the load behind", guess=0.1, lower=0.0, nests=True)
+LOAD = EffectParameter(
+    "m_l", INERTIA, "inertia of the load behind", guess=0.1, lower=0.0, nests=True, sought="load"
+)
 LOAD_STATES = (
     EffectState("r", POSITION, "displacement of the load relative to the port", scale=0.01),
     EffectState("w", VELOCITY, "velocity of the load relative to the port", scale=0.1),

@@ -87,8 +87,19 @@ def carried_to_the_end(
     if task.needs_handover and solution.cost <= plan.cost_limit:
         solution, x0 = _handed_over(task, solution, x0, final, handover)
     if task.theirs:
-        x0 = run_on(start.problem, solution.p, task.handed_on(solution.p, x0, final))
+        begun = _others_begun(task, solution, x0)
+        x0 = run_on(start.problem, solution.p, task.handed_on(solution.p, begun, final))
     return Result(start.problem, solution, x0)
+
+
+def _others_begun(task: Task, solution: Solution, x0: Array) -> Array:
+    """``x0`` (w, n_x) with the best initial states at hand for the horizons that do not count: those of
+    another model may be far away."""
+    start = task.start
+    if not start.candidates or not np.isfinite(solution.cost):
+        return x0
+    best = best_initial_states(start.problem, solution.p, [x0, *start.candidates])
+    return task.with_ours(best, x0[task.ours])
 
 
 def _second_look(task: Task, solution: Solution, factors: Sequence[float], stop: Stop) -> Solution:

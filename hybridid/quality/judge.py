@@ -24,7 +24,7 @@ from hybridid.estimators.pieces import pieces
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.model import Model
 from hybridid.quality.doubt import doubt_of
-from hybridid.quality.drift import drifting, outputs_that_drift
+from hybridid.quality.drift import drifting
 from hybridid.quality.hypotheses import Hypothesis, hypotheses
 from hybridid.quality.smoothing import steady_horizon
 from hybridid.quality.trial import MOST_OF, Data, Trial, tried
@@ -41,6 +41,7 @@ from hybridid.quality.words import (
     worse_than_nothing,
 )
 from hybridid.records.record import Record
+from hybridid.validation.drift import outputs_that_drift
 
 Array = NDArray[np.float64]
 PARTS = (20, 4, 1)

@@ -196,7 +196,13 @@ def _warnings(time: Array, signals: Sequence[Signals], where: str, cells: Cells 
             continue
         seen = values if counts is None else values[counts]
         if seen.min() == seen.max():
-            yield f"{where}: {role} {channel.name!r} is constant ({seen[0]:g} {channel.unit})"
+            unseen = (
+                "; a delay, a lag, a dead zone or a limit of the drive shows only where it changes: if the "
+                "machine was at rest before, put the rest into the record, too"
+                if role == "input" and seen[0] != 0.0
+                else ""
+            )
+            yield f"{where}: {role} {channel.name!r} is constant ({seen[0]:g} {channel.unit}){unseen}"
             continue
         runs = clipped_runs(values)
         if counts is not None:

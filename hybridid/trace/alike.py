@@ -20,8 +20,10 @@ def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Tria
 
     Two effects are one class if the advantage of the better one is not significant, or less than
     ``rules.tie`` of the error. Declared look-alikes are one class also if it is less than ``rules.tie`` of
-    what the better one takes from the squared error. (Bouc-Wen hysteresis contains Dahl's friction and has
-    one shape parameter more, which always lowers the error a little.)
+    what the better one takes from the squared error, and the other one leaves no more than ``rules.far``
+    times its error. (Bouc-Wen hysteresis contains Dahl's friction and has one shape parameter more, which
+    always lowers the error a little. But where the better one leaves little more than noise, the records tell
+    the other from it.)
     """
     others = [t for t in trials if t is not best and (t.status == PASSED or _insignificant(t, best, rules))]
     return [
@@ -40,8 +42,9 @@ def _insignificant(trial: Trial, best: Trial, rules: Rules) -> bool:
 
 
 def _nearly_alike(best: Trial, other: Trial, rules: Rules) -> bool:
-    left, more = (1.0 - best.gain) ** 2, (1.0 - other.gain) ** 2
-    return look_alikes(best, other) and more - left < rules.tie * (1.0 - left)
+    left, more = 1.0 - best.gain, 1.0 - other.gain
+    near = more**2 - left**2 < rules.tie * (1.0 - left**2) and more <= rules.far * left
+    return near and look_alikes(best, other)
 
 
 def look_alikes(one: Trial, other: Trial) -> bool:

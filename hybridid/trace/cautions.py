@@ -15,7 +15,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
 from hybridid.trace.doubted import revision_advised
 from hybridid.trace.entries import AcceptedEffect
-from hybridid.trace.free_run import worse_in_free_run
+from hybridid.trace.free_run import far_in_free_run, worse_in_free_run
 from hybridid.trace.horizon_advice import other_horizons_advised, parts_of_all_advised
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.idle import SURE
@@ -25,6 +25,7 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.verdict import Conclusion
+from hybridid.validation.drift import outputs_that_drift
 
 OTHER = 0.2
 """Share of its value by which a parameter must differ to be told: a machine that warms up changes by less."""
@@ -42,6 +43,8 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     cut = found.search.cut_within_a_step
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         told += [parts_of_all_advised(context.split)]
+    if found.verdict in ("undecided", "nothing_missing") and not (cut or traced.longer):
+        told += [far_in_free_run(traced, _drifting(found, context))]
     if traced.accepted:
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
         told += [
@@ -51,6 +54,13 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         ]
         told += [in_their_place(found.search)]
     return "".join([*told, found.other_hold, worse_in_free_run(traced)])
+
+
+def _drifting(found: Conclusion, context: Context) -> list[str]:
+    """The outputs that follow what the last model integrates."""
+    final, records = found.search.final, context.split.records
+    drift = outputs_that_drift(final.model, final.model.values(final.values), records)
+    return [output.name for output, does in zip(final.model.outputs, drift, strict=True) if does]
 
 
 def not_told_from_zero(accepted: Sequence[Accepted], entries: Sequence[AcceptedEffect]) -> str:

@@ -1,7 +1,8 @@
 """Declared effects that may be the wrong law: functions of the variable over which structure remains.
 
 Where nothing that was tried explains the errors, and a learned effort over a variable does, a declared effect
-that is itself a function of that variable may be wrong: a search that only adds cannot replace it.
+that is itself a function of that variable may be wrong: a search that only adds cannot replace it. So may any
+declared effect where no learned effort helps either.
 """
 
 from __future__ import annotations
@@ -51,6 +52,12 @@ def revision_advised(found: Conclusion, context: Context) -> str:
     """That ``trace.revise`` may help, in words, where a declared effect may be the wrong law; else empty."""
     if found.verdict != "unexplained" or context.revise:
         return ""
+    declared = [term.name for term in found.search.final.model.terms]
+    if declared and not (found.remains or found.accepted):
+        return (
+            f" What is declared ({listed(declared)}) may be the wrong law: trace.revise=true seeks others in "
+            "its place."
+        )
     places = [one for one in found.ceilings if f"at {one.place}" in found.remains]
     names = doubted(found.search.first.model, found.search.final, places, context.split)
     if not names:

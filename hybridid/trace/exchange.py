@@ -42,4 +42,5 @@ def still_alike(final: Refit, one: Trial, rival: Trial, split: Split, rules: Rul
     if advantage.gain < rules.tie or advantage.p_value > rules.alpha:
         return True
     more = other.score.loss**2 - final.score.loss**2
-    return look_alikes(one, rival) and more < rules.tie * one.taken
+    near = more < rules.tie * one.taken and other.score.loss <= rules.far * final.score.loss
+    return near and look_alikes(one, rival)

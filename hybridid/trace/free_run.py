@@ -1,4 +1,4 @@
-"""Whether what was accepted makes a free run worse.
+"""What free runs say against a verdict: they become worse, or leave far more than horizons do.
 
 Effects are judged over horizons of about a second. In free run an error adds up over the whole record. An
 effect that truly acts lowers it there, too, or leaves it. Where the free run becomes much worse, the effect
@@ -39,6 +39,28 @@ def worse_in_free_run(found: Trace) -> str:
     return (
         f" Beware: in free run of {last.record} the error of {last.output} {change}. In the long run what "
         "was accepted predicts worse than the declared model."
+    )
+
+
+def far_in_free_run(found: Trace, drift: Sequence[str]) -> str:
+    """That the last model leaves far more in free run than over horizons, and than noise and simulation do;
+    else empty. The outputs of ``drift`` follow what the model integrates: their free runs tell little."""
+    limits = {
+        name: math.hypot(one.value, one.simulation)
+        for name, one in found.noise_floor.items()
+        if name not in drift
+    }
+    runs = [row for row in _free_runs(found.after).values() if limits.get(row.output) and not row.remark]
+    worst = max(runs, key=lambda row: row.rmse / limits[row.output], default=None)
+    if worst is None:
+        return ""
+    times = worst.rmse / limits[worst.output]
+    if times <= found.rules.far * max(found.times, 1.0):
+        return ""
+    return (
+        f" Beware: in free run of {worst.record} the model leaves {quantity(worst.rmse, worst.unit, 3)} of "
+        f"{worst.output}, {times:.0f} times what noise and simulation do. Longer horizons (trace.horizon) "
+        "may show what is missing."
     )
 
 

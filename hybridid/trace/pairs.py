@@ -31,7 +31,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import judge
 from hybridid.trace.pair import PairTrial, attempt_pair, judge_pairs
-from hybridid.trace.promise import Promise, promises
+from hybridid.trace.promise import Promise, most_promising, promises
 from hybridid.trace.refit import least_of
 from hybridid.trace.robustness import objection
 from hybridid.trace.rules import Rules
@@ -58,7 +58,7 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     unseen = [one.candidate.name for one in shown if not one.shapes]
     if unseen:
         context.say(f"in no pair, as nothing shows what they would change: {listed(unseen)}")
-    ranked = promises(shown, rules.collinear)
+    ranked = most_promising(promises(shown, rules.collinear), 1.0 - (1.0 - rules.worth) ** 2)
     if not ranked:
         return found
     hopeful = [one for one in ranked[: context.pairs] if one.share >= least_of(rules.worth)]

@@ -12,13 +12,17 @@ each member takes its share of the error beside the other one. Its promise is th
 drop(a) being that of a alone at its best shape. So a pair whose one member takes all that both take promises
 nothing. An amplitude that cannot be negative must not come out negative. The fitted horizons alone decide; no
 held-out one has a part in it.
+
+Of those whose members may both take enough, the pair that leaves the smallest squared error is the most
+likely one (maximum likelihood). But the first order may mislead about either. So the pairs come in turn from
+both orders: by the error that they leave, and by the smaller share.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import chain, combinations, zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,13 +37,14 @@ RIDGE = 1e-10
 
 @dataclass(frozen=True)
 class Promise:
-    """Two effects, the ``starts`` of the shapes that promise most, and the ``share`` that each of the two at
-    least takes from the squared residual beside the other one."""
+    """Two effects, the ``starts`` of the shapes that promise most, the ``share`` that each of the two at
+    least takes from the squared residual beside the other one, and that both take ``together``."""
 
     first: Candidate
     second: Candidate
     starts: tuple[Mapping[str, float], Mapping[str, float]]
     share: float
+    together: float = 0.0
 
     @property
     def inner_states(self) -> int:
@@ -48,7 +53,7 @@ class Promise:
 
 
 def promises(seen: Sequence[Seen], collinear: float) -> list[Promise]:
-    """Every pair that promises something, the most promising first.
+    """Every pair that promises something, by the smaller share.
 
     Two declared look-alikes whose columns correlate by more than ``collinear`` are no pair: these records
     cannot tell one from the other. Nor is one effect at a port and at ports alike that hold it.
@@ -79,8 +84,17 @@ def promises(seen: Sequence[Seen], collinear: float) -> list[Promise]:
         share = min((1 - (total - drops[best]) / one) if one > RIDGE * total else 0.0 for one in left)
         if share > 0:
             s, t = pairs[best]
-            found.append(Promise(one, other, (shapes[s].start, shapes[t].start), share))
+            starts = shapes[s].start, shapes[t].start
+            found.append(Promise(one, other, starts, share, drops[best] / total))
     return sorted(found, key=lambda promise: -promise.share)
+
+
+def most_promising(found: Sequence[Promise], least: float) -> list[Promise]:
+    """``found``, which are in the order of their shares, in turn from this order and from that of what they
+    take together, of those whose share is at least ``least``."""
+    together = sorted((one for one in found if one.share >= least), key=lambda one: -one.together)
+    in_turn = chain.from_iterable(zip_longest(together, found))
+    return list({id(one): one for one in in_turn if one is not None}.values())
 
 
 def promised_alone(one: Seen) -> float:

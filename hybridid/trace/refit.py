@@ -18,10 +18,11 @@ from hybridid.estimators.descent import descend, go_on, refine
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.plan import Descent, Handover, Refinement, Result, Start
 from hybridid.estimators.problem import Problem, paths
-from hybridid.estimators.start import best_initial_states, x0_candidates
+from hybridid.estimators.start import at_rest, best_initial_states, x0_candidates
 from hybridid.estimators.stop import Stop
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
+from hybridid.simulation.initial import observed
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import IMPLICIT, MOST, TooStiff
 from hybridid.trace.numerics import DECLARED, Numerics
@@ -298,7 +299,8 @@ def _starts(
 
 
 def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> Start:
-    """A start with the initial states of the poorer model, or without one the best at hand."""
+    """A start with the initial states of the poorer model, or without one the best at hand. A horizon that is
+    trapped there begins again with those that the record shows, or at rest."""
     p = problem.smoothed(values, numerics.smoothing)
     x0 = problem.measured_x0()
     if before is None:
@@ -308,7 +310,9 @@ def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numer
         for column, state in enumerate(before.model.states):
             if state.name in names:
                 x0[:, names.index(state.name)] = before.x0[:, column]
-    return Start(problem, p, carry(problem, p, x0))
+    x0, shown, measured = carry(problem, p, x0), observed(problem.model), problem.measured_x0()
+    candidates = (np.where(shown, one, x0) for one in (measured, at_rest(problem, measured)))
+    return Start(problem, p, x0, tuple(candidates))
 
 
 def begun_at_the_record(base: Refit, values: Mapping[str, float], split: Split) -> Refit:

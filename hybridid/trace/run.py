@@ -45,6 +45,7 @@ def trace(
     held_out: Sequence[Record] = (),
     *,
     horizon: float | None = None,
+    lengthen: bool | None = None,
     effects: Sequence[Effect | str] | None = None,
     ports: Sequence[str] | None = None,
     variables: Sequence[Variable] | None = None,
@@ -63,20 +64,21 @@ def trace(
 ) -> Trace:
     """Find what ``model`` lacks on ``records``, judged on the records ``held_out``.
 
-    Without any, alternate horizons of ``records`` judge. ``horizon`` is the length of each in s (None: 1 s,
-    more where the model's dynamics are slower, less where the records are short). ``effects`` (None: the
-    library; a name: that effect of the library) are tried at every port of their kind, or only at ``ports``,
-    by ``rules``. Learned efforts and laws depend
-    on ``variables`` (None: all that a port has). ``settings`` are those of the fits before and after, and
-    give the integrator; ``start`` (values by name; None: by regression) is where the declared model starts.
-    ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect explains what is
-    missing, ``pairs`` of effects are tried, the most promising ones (0: none); with ``laws``, a law is
-    composed. With ``revise``, each declared effect is left out in turn, and others are sought in its place.
-    With ``recordings``, each parameter is tried with a value for each record. No step begins that would end
-    after ``time_limit`` s (None: no limit), should it take as long as the one before, and after that no
-    effect, pairs, laws or revision. At least five effects are tried; a step that leaves one out gives no
-    name. What was accepted is doubted as always. Of a sample at
-    which one output was not measured the others count.
+    Without any, alternate horizons of ``records`` judge. ``horizon`` is the length of each in s (None: 1
+    s, more where the model's dynamics are slower, less where the records are short). Where nothing is
+    found and longer horizons leave more, the search goes on over these, if it may ``lengthen`` them
+    (None: if ``horizon`` is None). ``effects`` (None: the library; a name: that effect of the library)
+    are tried at every port of their kind, or only at ``ports``, by ``rules``. Learned efforts and laws
+    depend on ``variables`` (None: all that a port has). ``settings`` are those of the fits before and
+    after, and give the integrator; ``start`` (values by name; None: by regression) is where the declared
+    model starts. ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect
+    explains what is missing, ``pairs`` of effects are tried, the most promising ones (0: none); with
+    ``laws``, a law is composed. With ``revise``, each declared effect is left out in turn, and others are
+    sought in its place. With ``recordings``, each parameter is tried with a value for each record. No
+    step begins that would end after ``time_limit`` s (None: no limit), should it take as long as the one
+    before, and after that no effect, pairs, laws or revision. At least five effects are tried; a step
+    that leaves one out gives no name. What was accepted is doubted as always. Of a sample at which one
+    output was not measured the others count.
     ``mapper`` runs the refits, one after another or side by side; ``report`` follows them. ``say`` is told
     what each step decides, as it falls.
 
@@ -100,7 +102,16 @@ def trace(
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     if recordings:
         check_split(split)
-    found = conclude(model, context, [start] if start else [], settings.integrator)
+    starts = [start] if start else []
+    found = conclude(model, context, starts, settings.integrator)
+    may_lengthen = horizon is None if lengthen is None else lengthen
+    if may_lengthen and found.longer and not context.out_of_time:
+        seconds = found.longer.seconds
+        times = f"{found.longer.times:.1f} times what noise and simulation leave"
+        say(f"over horizons of {seconds:.2g} s the model leaves {times}: the search goes on over these")
+        split = split.longer(round(seconds / fitted[0].dt))
+        context, settings = replace(context, split=split), replace(settings, horizon=split.horizon)
+        found = conclude(model, context, starts, settings.integrator)
     found = _of_one_decay(found, fitted, context)
     differ = by_recording(found.search, context) if recordings else ()
     if found.verdict in OPEN and any(one.status == PASSED for one in differ):

@@ -22,7 +22,7 @@ from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
-from hybridid.trace.sharper import sharp_enough
+from hybridid.trace.sharper import sharp_enough, sharper_for_an_effect
 from hybridid.trace.shorter import with_shorter
 from hybridid.trace.steps import (
     AT_FLOOR,
@@ -72,13 +72,22 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         if anew and sharp is not base and not context.out_of_time and _outdone(sharp, steps, context):
             return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
         base = sharp
-        if stopped := _nothing_to_seek(base, accepted, context) or _out_of_time(steps, took, context):
+        stopped = _nothing_to_seek(base, accepted, context)
+        if not stopped and base.shorter is None:
+            lower = context.one(with_shorter, base, context.split)
+            if lower.cost < base.cost:
+                base = lower
+                continue
+            base = lower
+        if stopped := stopped or _out_of_time(steps, took, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
-        if base.shorter is None:
-            base = context.one(with_shorter, base, context.split)
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
+            retried = not (step.minor or context.out_of_time)
+            if retried and (narrower := sharper_for_an_effect(step, context)):
+                base = narrower
+                continue
             return replace(
                 found,
                 steps=(*steps, step),

@@ -20,6 +20,7 @@ from hybridid.trace.search import continued
 from hybridid.trace.stand_in import (
     unless_minor,
     unless_moved,
+    unless_no_better_than_nothing,
     unless_outdone,
     unless_rivalled,
     unless_varying,
@@ -65,6 +66,8 @@ def settle(found: Search, context: Context) -> Settled:
     found, left, before = _trusted(_with_sound_classes(found, context), context)
     accuracy, times = _error_left(found.final, context)
     kept = unless_minor(found, times, context.rules)
+    if kept is found:
+        kept = unless_no_better_than_nothing(found, context)
     if kept is found:
         kept = unless_moved(found, context)
     if kept is found:

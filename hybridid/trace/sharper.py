@@ -5,6 +5,10 @@ that creeps less (a bristle, a hysteresis) takes it, and seems to be missing. So
 beside a model, it is refitted with half of each epsilon, and again, as long as that takes as much from the
 held-out error as an effect must (``Rules.worth``). It is the simulation's error that goes: no law was added.
 
+Beside a model that lacks an effect, that error may hardly count, and beside the effect decide: a resonance
+that a machine excites as it sticks is not seen where it creeps instead. So where no effect passes, those that
+gain most are tried once more with half of each epsilon. If one passes then, the step is made again with that.
+
 Source: Roache (1998), Verification and Validation in Computational Science and Engineering, ch. 3: the error
 of a solution is made small before the model is judged.
 """
@@ -21,27 +25,58 @@ from hybridid.quantities import quantity
 from hybridid.trace.context import Context
 from hybridid.trace.entries import Width
 from hybridid.trace.evidence import compare
+from hybridid.trace.judgement import judge
 from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.steps import Step
+from hybridid.trace.trial import PASSED, attempt
 
 MOST_HALVINGS = 4
 """Times that an epsilon is halved in one step: each doubles the steps that the integrator needs."""
+RETRIED = 3
+"""Effects, those that gain most, that are tried with a narrower smoothing where none passes."""
 
 
 def sharp_enough(base: Refit, context: Context) -> Refit:
     """``base``, or its refit over as narrow a smoothing as pays. An epsilon that the user has fixed stays."""
     for _ in range(MOST_HALVINGS):
-        narrower, widths = _narrowed(base.model)
-        if not widths:
-            break
-        values = {name: value for name, value in base.values.items() if name not in widths}
-        given = (narrower, context.split, [values], base, base.numerics, math.inf)
-        again = context.one(refit_if_possible, *given)
+        again = _halved(base, context)
         if again is None or compare(base.score, again.score).gain < context.rules.worth:
             break
         base = again
-        said = [f"{quantity(p.guess, p.unit)} ({p.name})" for p in _widths(narrower)]
-        context.say(f"sign(v) is smoothed over {listed(said)} from here on: that leaves less error")
+        context.say(f"{_said(base.model)} from here on: that leaves less error")
     return base
+
+
+def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:
+    """The model of a ``step`` in which no effect passed with half of each epsilon, if an effect then does."""
+    rules = context.rules
+    possible = [t for t in step.trials if t.comparison and t.gain >= rules.worth]
+    if not possible or (sharp := _halved(step.base, context)) is None:
+        return None
+    best = sorted(possible, key=lambda t: -t.gain)[:RETRIED]
+    given = [(t.candidate, sharp, context.split, rules.worth) for t in best]
+    tried = context.each("narrower smoothing", attempt, given, lambda t: t.candidate.name)
+    passed = [t.candidate.name for t in judge(tried, rules, len(step.trials)) if t.status == PASSED]
+    if not passed:
+        return None
+    context.say(f"{_said(sharp.model)} from here on: then {listed(passed)} passes")
+    return sharp
+
+
+def _halved(base: Refit, context: Context) -> Refit | None:
+    """``base`` refitted with half of each epsilon that the user has not fixed; None if there is none, or it
+    cannot be simulated."""
+    narrower, widths = _narrowed(base.model)
+    if not widths:
+        return None
+    values = {name: value for name, value in base.values.items() if name not in widths}
+    given = (narrower, context.split, [values], base, base.numerics, math.inf)
+    return context.one(refit_if_possible, *given)
+
+
+def _said(model: Model) -> str:
+    widths = [f"{quantity(p.guess, p.unit)} ({p.name})" for p in _widths(model)]
+    return f"sign(v) is smoothed over {listed(widths)}"
 
 
 def narrowed(declared: Model, final: Model) -> tuple[Width, ...]:

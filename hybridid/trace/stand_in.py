@@ -46,6 +46,7 @@ from hybridid.trace.alike import related, strangers
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
+from hybridid.trace.doing_nothing import no_better_than_nothing
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import is_curve_over
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
@@ -190,6 +191,14 @@ def unless_varying(found: Search, context: Context) -> Search:
     name, why = accused
     number = next(k for k, step in enumerate(found.steps) if name in [one.name for one in step.taken])
     return _ended_at(found, number, why)
+
+
+def unless_no_better_than_nothing(found: Search, context: Context) -> Search:
+    """``found`` without what was accepted, if its last model predicts no better than a constant does."""
+    if not found.accepted or found.at_noise or not no_better_than_nothing(found.final, context.split):
+        return found
+    number = next(k for k, step in enumerate(found.steps) if step.taken)
+    return _ended_at(found, number, "with it the model predicts each horizon no better than a constant does")
 
 
 def unless_moved(found: Search, context: Context) -> Search:

@@ -107,7 +107,7 @@ def conclude(
     found = search(model, context, starts, numerics_for(model, split, starts, integrator))
     settled, cut = _with_more(settle_below_noise(found, context), context)
     refused, steady = _refused(settled, rules), _steady(settled, context)
-    fitted = settled.accuracy.times(settled.found.final.fitted_rmse)
+    fitted = settled.accuracy.times_the_least(settled.found.final.fitted_rmse)
     verdict, longer = _verdict(settled, refused, steady, fitted, rules), None
     silent = verdict == "nothing_missing"
     if silent and (longer := more_over_longer(settled.found.final, context)):

@@ -126,6 +126,7 @@ def traced(
             fitted,
             held_out,
             horizon=request.horizon,
+            lengthen=is_automatic(settings),
             effects=request.effects,
             ports=request.ports,
             variables=request.variables,

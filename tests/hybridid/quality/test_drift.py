@@ -11,8 +11,8 @@ from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
 from hybridid.plants.plant import Motion, Plant
 from hybridid.quality import judge
-from hybridid.quality.drift import outputs_that_drift
 from hybridid.records.record import Channel, Record
+from hybridid.validation.drift import outputs_that_drift
 
 DT, N = 0.1, 600
 
