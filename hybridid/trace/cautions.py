@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from scipy.stats import norm
 
 from hybridid.advice.decay import free_decay
+from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.quantities import estimated, quantity, share
 from hybridid.records.record import Record
@@ -45,6 +46,8 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [parts_of_all_advised(context.split)]
     if found.verdict in ("undecided", "nothing_missing") and not (cut or traced.longer):
         told += [far_in_free_run(traced, _drifting(found, context))]
+    if found.verdict == "nothing_missing":
+        told += [_hidden_by_the_simulation(traced, found.model)]
     if traced.accepted:
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
         told += [
@@ -54,6 +57,23 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         ]
         told += [in_their_place(found.search)]
     return "".join([*told, found.other_hold, worse_in_free_run(traced)])
+
+
+def _hidden_by_the_simulation(traced: Trace, model: Model) -> str:
+    """Of which outputs the simulation errs far more than the sensor, so that less than that stays unseen; else
+    empty."""
+    far = traced.rules.far
+    told = [
+        f"{quantity(one.simulation, one.unit, 2)} of {name}"
+        for name, one in traced.noise_floor.items()
+        if one.simulation > far * one.value
+    ]
+    if not told or not model.smooths:
+        return ""
+    return (
+        f" Beware: the simulation errs by {listed(told)}, far more than the sensor. What does less than that "
+        "stays unseen; a smaller epsilon of the ports shows more."
+    )
 
 
 def _drifting(found: Conclusion, context: Context) -> list[str]:

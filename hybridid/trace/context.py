@@ -94,31 +94,22 @@ class Context:
         arguments: Sequence[tuple[Any, ...]],
         label: Callable[[T], str],
         slow: Callable[..., int] = nothing_known,
+        always: int | None = None,
     ) -> list[T]:
         """``function`` of each of ``arguments``, in their order; every result is reported by its ``label``.
 
         Those for which ``slow`` is larger begin first, so that at the end no process waits long for another
         (longest processing time first: Graham 1969, SIAM J. Appl. Math. 17(2), 416-429).
+
+        Where ``always`` is given, a time limit may leave out the last ones: they begin in the order given, so
+        many of them in any time, the others while there is time.
         """
-        order = sorted(range(len(arguments)), key=lambda k: -slow(*arguments[k]))
+        limited = always is not None and math.isfinite(self.until)
+        every = range(len(arguments))
+        order = every if limited else sorted(every, key=lambda k: -slow(*arguments[k]))
+        begun = (arguments[k] for k in order if not limited or k < (always or 0) or not self.out_of_time)
         results: dict[int, T] = {}
-        for k, result in zip(order, self.mapper(function, [arguments[k] for k in order]), strict=True):
+        for k, result in zip(order, self.mapper(function, begun), strict=not limited):
             results[k] = result
             self.report(stage, len(results), len(arguments), label(result))
-        return [results[k] for k in range(len(arguments))]
-
-    def each_in_time(
-        self,
-        stage: str,
-        function: Callable[..., T],
-        arguments: Sequence[tuple[Any, ...]],
-        label: Callable[[T], str],
-        always: int,
-    ) -> list[T]:
-        """As ``each``, in the order given: the first ``always``, the others as long as there is time."""
-        begun = (given for k, given in enumerate(arguments) if k < always or not self.out_of_time)
-        results: list[T] = []
-        for result in self.mapper(function, begun):
-            results.append(result)
-            self.report(stage, len(results), len(arguments), label(result))
-        return results
+        return [results[k] for k in every if k in results]

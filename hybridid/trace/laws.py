@@ -134,7 +134,8 @@ def _tried(
             if shape.finer(learned.over) or not excluded
         ]
         more = f" and {counted(len(now) - 1, 'other place')}" if len(now) > 1 else ""
-        trials += context.each(f"laws at {now[0].place}{more}", try_law, given, lambda t: t.candidate.name)
+        stage = f"laws at {now[0].place}{more}"
+        trials += context.each(stage, try_law, given, lambda t: t.candidate.name, always=0)
     return trials
 
 

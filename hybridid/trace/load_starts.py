@@ -68,9 +68,10 @@ def _largest_part(port: str, base: Refit, split: Split) -> tuple[str, float, flo
     if not (np.isfinite(whole) and whole > 0):
         return None
     parts = []
-    for p in base.model.plant.parameters:
-        value = base.values.get(p.name, 0.0)
-        if not p.fixed and value > 0:
+    own = {p.name for p in base.model.plant.parameters}
+    for p in base.model.free:
+        value = base.values[p.name]
+        if p.name in own and value > 0:
             more = inertia({**base.values, p.name: (1 + NUDGE) * value})
             parts.append(((more - whole) / (NUDGE * whole), value, p))
     if not parts:
@@ -93,7 +94,7 @@ def _inertia(model: Model, port: str, path: Path) -> Callable[[Mapping[str, floa
     chosen = np.unique(np.linspace(0, len(path.time) - 1, PROBES).astype(int))
 
     def at(values: Mapping[str, float]) -> float:
-        q = probed.values({name: value for name, value in values.items() if value is not None})
+        q = probed.values(values)
         found = [float(by_effort(path.time[k], path.states[k], path.inputs[k], q)) for k in chosen]
         taken = -float(np.median(found))
         return 1.0 / taken if taken > 0 else np.nan

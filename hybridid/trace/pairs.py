@@ -74,7 +74,7 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     ]
     family = len(candidates) * (len(candidates) - 1) // 2
     if accepted_before is None:
-        trials = context.each("pairs", attempt_pair, chosen, lambda trial: trial.name, _inner_states)
+        trials = context.each("pairs", attempt_pair, chosen, _name, _inner_states, always=0)
         judged = judge_pairs(trials, family, rules)
     else:
         family += accepted_before.steps[-1].family
@@ -82,6 +82,10 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     step = _decided(replace(step, family=family), judged, context)
     context.say(f"of {counted(family, 'pair')}, {len(trials)} tried: {_said_of(step)}")
     return _taken(found, step, context)
+
+
+def _name(trial: PairTrial) -> str:
+    return trial.name
 
 
 def _inner_states(promise: Promise, *_: object) -> int:
@@ -109,7 +113,7 @@ def _judged_in_place(
     """
     for rival in (before.final, None):
         given = [(*one, rival) for one in chosen]
-        trials = context.each("pairs", attempt_pair, given, lambda trial: trial.name, _inner_states)
+        trials = context.each("pairs", attempt_pair, given, _name, _inner_states, always=0)
         judged = [
             _unless_better(pair, before, family, context.rules)
             for pair in judge_pairs(trials, family, context.rules)

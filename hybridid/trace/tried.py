@@ -27,7 +27,7 @@ def trials_of(base: Refit, context: Context, stage: str) -> tuple[list[Trial], t
         given = _given(candidates, base, context)
         return context.each(stage, attempt, given, _name, lambda candidate, *_: candidate.inner_states), ()
     ordered = _most_promising_first(candidates, base, context)
-    trials = context.each_in_time(stage, attempt, _given(ordered, base, context), _name, ALWAYS)
+    trials = context.each(stage, attempt, _given(ordered, base, context), _name, always=ALWAYS)
     left_out = {one.name for one in ordered[len(trials) :]}
     by_name = {one.candidate.name: one for one in trials}
     as_listed = [by_name[one.name] for one in candidates if one.name in by_name]

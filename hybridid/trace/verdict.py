@@ -144,7 +144,8 @@ def _with_more(settled: Settled, context: Context) -> tuple[Settled, bool]:
         if cut or context.out_of_time:
             return settled, cut or settled.is_open(context.rules)
         settled = seek(settled, context)
-    return settled, settled.found.stopped == OUT_OF_TIME
+    cut = settled.found.stopped == OUT_OF_TIME
+    return settled, cut or (context.out_of_time and settled.is_open(context.rules))
 
 
 def _with_pairs(settled: Settled, context: Context) -> Settled:

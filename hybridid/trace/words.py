@@ -315,10 +315,10 @@ def _member(member: TriedEffect, entry: AcceptedEffect, there: bool) -> str:
 
 
 def _fall(found: Trace) -> str:
-    """From where to where, for each output."""
+    """From where to where, for each output, the one that falls most first."""
     first, last = found.path[0].held_out_rmse, found.path[-1].held_out_rmse
     falls = []
-    for name, before in first.items():
+    for name, before in sorted(first.items(), key=lambda one: last[one[0]] / one[1]):
         unit, after = found.noise_floor[name].unit, last[name]
         change = f"{100 * abs(1 - after / before):.0f} % {'less' if after <= before else 'more'}"
         falls.append(f"from {quantity(before, unit, 3)} to {quantity(after, unit, 3)} ({change}) in {name}")

@@ -140,3 +140,14 @@ def test_a_variable_with_memory_brings_its_state():
 def test_another_process_gets_the_same_shape(shape):
     """A trace hands shapes to its workers; their functions are lambdas."""
     assert pickle.loads(pickle.dumps(shape)) is shape
+
+
+@pytest.mark.parametrize(
+    ("factor", "equation"),
+    [
+        ("", "F = k_s sin(2π q/T) + k_c cos(2π q/T)"),
+        ("velocity", "F = (k_s sin(2π q/T) + k_c cos(2π q/T)) v"),
+    ],
+)
+def test_a_factor_stands_behind_the_whole_sum(factor, equation):
+    assert composed(Over("position", factor), shape_named("sine")).equation == equation

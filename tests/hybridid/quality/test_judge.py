@@ -210,3 +210,13 @@ def test_a_fit_that_hangs_on_the_smoothing_is_told_with_a_horizon(model, record)
     assert finer.findings[0].said.endswith("give the port a smaller epsilon")
     assert judged(0.05 * motion, 0.02 * motion).verdict == "sound", "less than half of what is left"
     assert judged(0.005 * motion, 0.004 * motion).verdict == "sound", "less than 1 % of the motion"
+
+
+def test_a_sound_fit_says_over_which_horizons_and_what_it_does_not_determine(model, record):
+    given = fit(model, [record], FitSettings(horizon=50))
+    left = replace(given.left[0], rmse=NOISE, noise=NOISE, simulation=0.0, step=0.0, exceeded=False)
+    first, *others = given.parameters
+    vague = replace(given, left=(left,), parameters=(replace(first, identifiable=False), *others))
+    found = judge(model, [record], vague)
+    assert found.said.startswith("sound over horizons of 0.25 s: the model leaves no more than noise and")
+    assert f"; but the records do not determine {first.name}" in found.said

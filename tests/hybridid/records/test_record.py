@@ -170,7 +170,11 @@ def test_a_constant_signal_is_worth_a_warning_an_auxiliary_one_is_not(make_recor
     inputs = np.array(make_record().inputs)
     inputs[:, 0] = 2.5
     record = make_record(inputs=inputs, auxiliary=np.zeros((N, 1)))
-    assert record.warnings == ("record bench: input 'force' is constant (2.5 N)",)
+    (told,) = record.warnings
+    assert told.startswith("record bench: input 'force' is constant (2.5 N); a delay, a lag, a dead zone")
+    inputs[:, 0] = 0.0
+    silent = make_record(inputs=inputs, auxiliary=np.zeros((N, 1)))
+    assert silent.warnings == ("record bench: input 'force' is constant (0 N)",)
 
 
 def test_signals_by_name(make_record):

@@ -12,8 +12,16 @@ from hybridid.effects.library import effect_named
 from hybridid.quantities import quantity
 from hybridid.records.record import Channel, Record
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.cautions import _confounded, _moved, _takes_little, not_told_from_zero
-from hybridid.trace.entries import Value
+from hybridid.trace.cautions import (
+    _confounded,
+    _hidden_by_the_simulation,
+    _moved,
+    _other_held_out,
+    _takes_little,
+    not_told_from_zero,
+)
+from hybridid.trace.entries import Floor, Value
+from hybridid.trace.rules import Rules
 
 
 def told(effect: str, port: str, **values: tuple[float, float]) -> str:
@@ -109,3 +117,31 @@ def test_a_free_decay_warns_beside_a_name(make_decay):
         " Beware: amplitude and time cannot be told apart in decay: a free decay"
     )
     assert _confounded([make_decay(), make_decay(amplitude=0.3)]) == ""
+
+
+def accepted_twice(here, there):
+    both = {"parameters": {"T": Value(*here, "s")}, "by_held_out": {"T": Value(*there, "s")}}
+    return [SimpleNamespace(name="temperature.sensor_lag", **both)]
+
+
+def test_a_parameter_that_is_another_one_held_out_is_told():
+    assert _other_held_out(accepted_twice((27.0, 0.7), (15.9, 0.7)), Rules()) == (
+        " Beware: T of temperature.sensor_lag is 27.0 ± 1.4 s in the fitted records, 15.9 ± 1.4 s in those "
+        "held out: the form may be another one, or the machine has changed."
+    )
+
+
+@pytest.mark.parametrize("there", [(25.0, 0.1), (15.9, 7.0), (15.9, float("nan"))])
+def test_a_parameter_that_differs_little_or_by_chance_is_not(there):
+    assert _other_held_out(accepted_twice((27.0, 0.1), there), Rules()) == ""
+
+
+@pytest.mark.parametrize(
+    ("simulation", "smooths", "said"), [(14e-6, True, True), (14e-6, False, False), (4e-7, True, False)]
+)
+def test_what_the_error_of_the_simulation_hides_is_told(simulation, smooths, said):
+    floor = {"position": Floor(2.4e-7, "m", simulation)}
+    traced = SimpleNamespace(noise_floor=floor, rules=Rules())
+    told = _hidden_by_the_simulation(traced, SimpleNamespace(smooths=smooths))
+    assert told.startswith(" Beware: the simulation errs by 14 µm of position, far more") is said
+    assert (told == "") is not said

@@ -38,10 +38,10 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
     base, split = fitted
     found = ceiling(base, split, "carriage", Over("velocity"))
 
-    def told(verdict="unexplained", **asked):
+    def told(verdict="unexplained", remains=(f"at {found.place}",), **asked):
         search = SimpleNamespace(first=base, final=base)
         ended = SimpleNamespace(
-            verdict=verdict, search=search, ceilings=[found], remains=(f"at {found.place}",)
+            verdict=verdict, search=search, ceilings=[found], remains=remains, accepted=()
         )
         return revision_advised(ended, Context(split, (), **asked))
 
@@ -50,3 +50,7 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
         "trace.revise=true seeks others in its place."
     )
     assert told(revise=True) == told("law_proposed") == ""
+    assert told(remains=()) == (
+        " What is declared (carriage.viscous, carriage.coulomb and carriage.offset) may be the wrong law: "
+        "trace.revise=true seeks others in its place."
+    )

@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import pytest
 
 from hybridid.trace.before_after import ScoreRow
-from hybridid.trace.free_run import worse_in_free_run
+from hybridid.trace.entries import Floor
+from hybridid.trace.free_run import far_in_free_run, worse_in_free_run
 from hybridid.trace.rules import Rules
 
 
@@ -44,3 +45,21 @@ def test_nothing_is_told_where_nothing_was_accepted():
 def test_a_free_run_that_diverges_is_told():
     said = told((row(0.002),), (row(float("nan"), remark="it diverges"),))
     assert "the error of position diverges (without them 2 mm)" in said
+
+
+def far(free, horizons=2.0, drift=()):
+    floor = {"position": Floor(0.001, "m", 0.0, 5.0)}
+    ended = SimpleNamespace(after=(row(free),), noise_floor=floor, times=horizons, rules=Rules())
+    return far_in_free_run(ended, drift)
+
+
+def test_a_free_run_that_leaves_far_more_than_the_horizons_is_told():
+    assert far(0.02) == (
+        " Beware: in free run of first the model leaves 20 mm of position, 20 times what noise and "
+        "simulation do. Longer horizons (trace.horizon) may show what is missing."
+    )
+
+
+@pytest.mark.parametrize("told", [far(0.005), far(0.02, horizons=8.0), far(0.02, drift=["position"])])
+def test_a_free_run_near_the_horizons_or_one_that_drifts_is_not(told):
+    assert told == ""

@@ -8,6 +8,7 @@ from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
 from hybridid.trace.longer import more_over_longer, shows_little
 from hybridid.trace.refit import CONTINUATION, refit
+from hybridid.trace.run import trace
 from hybridid.trace.split import by_blocks, by_record
 from hybridid.trace.verdict import conclude
 
@@ -57,3 +58,14 @@ def test_horizons_of_a_few_samples_show_little_where_the_record_has_no_longer_on
     assert shows_little(tiny)
     found = conclude(make_model(), Context(tiny, TRIED, variables=("velocity",)))
     assert (found.verdict, found.too_short) == ("undecided", True)
+
+
+def test_an_automatic_horizon_goes_on_to_longer_ones(make_model, two_records):
+    first, second = two_records(df_v=DF_V)
+    asked = {"effects": TRIED, "variables": ("velocity",), "horizon": SHORT * first.dt, "laws": False}
+    said = []
+    found = trace(make_model(), [first], [second], lengthen=True, say=said.append, **asked)
+    stays = trace(make_model(), [first], [second], **asked)
+    assert stays.horizon == pytest.approx(SHORT * first.dt)
+    assert found.horizon == pytest.approx(stays.longer.seconds)
+    assert any(line.endswith("the search goes on over these") for line in said)

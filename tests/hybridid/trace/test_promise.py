@@ -10,7 +10,7 @@ import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.promise import overlap, promises
+from hybridid.trace.promise import Promise, most_promising, overlap, promised_alone, promises
 from hybridid.trace.sensitivity import Seen, Shape, without
 
 N = 60
@@ -108,3 +108,20 @@ def test_projection_of_each_horizon_is_that_of_least_squares(rng):
         fitted = np.linalg.lstsq(known.T, rows.T, rcond=1e-9)[0]
         assert left == pytest.approx(rows - (known.T @ fitted).T, abs=1e-9)
     assert np.array_equal(without(given, states[:, :0]), given)
+
+
+def test_pairs_come_in_turn_by_what_they_take_together_and_by_the_smaller_share():
+    def pair(name, share, together):
+        return Promise(effect(name), effect("other"), ({}, {}), share, together)
+
+    even, likely, hopeless = pair("even", 0.6, 0.7), pair("likely", 0.2, 0.9), pair("hopeless", 0.01, 0.99)
+    by_share = [even, likely, hopeless]
+    assert most_promising(by_share, least=0.1) == [likely, even, hopeless]
+    assert most_promising(by_share, least=0.0) == [hopeless, even, likely]
+
+
+def test_what_an_effect_promises_alone_is_the_share_of_its_best_shape(rng):
+    first, second = rng.normal(size=N), rng.normal(size=N)
+    one = seen(effect("a"), second + 0.1 * rng.normal(size=N), first, second)
+    assert promised_alone(one) == pytest.approx(drop(one.residual, second), abs=1e-6)
+    assert promised_alone(Seen(effect("b"))) == 0.0

@@ -7,8 +7,10 @@ from dataclasses import replace
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.trace.alike import _nearly_alike
 from hybridid.trace.context import Context
 from hybridid.trace.recheck import recheck
+from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
 from hybridid.trace.split import by_record
 from hybridid.trace.trial import PASSED, REJECTED
@@ -88,3 +90,13 @@ def test_a_rival_that_never_passed_is_not_tried(passed_before):
     changed = replace(found, steps=(replace(step, base=beside, trials=trials), *found.steps[1:]))
     (kept,) = recheck(changed, context).accepted
     assert len(kept.alike) == 1
+
+
+@pytest.mark.parametrize(("left", "is_alike"), [(2.9, True), (3.1, False)])
+def test_a_look_alike_that_leaves_many_times_the_error_is_told_apart(found, left, is_alike):
+    """However little it is of what the effect takes."""
+    (one,) = found.accepted
+    twin = replace(one.trial, candidate=replace(one.trial.candidate, effect=TWIN))
+    best = replace(one.trial, comparison=replace(one.trial.comparison, gain=0.999))
+    other = replace(twin, comparison=replace(one.trial.comparison, gain=1 - left * 0.001))
+    assert _nearly_alike(best, other, Rules()) is is_alike

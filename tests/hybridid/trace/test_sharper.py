@@ -10,7 +10,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
 from hybridid.trace.search import search
-from hybridid.trace.sharper import narrowed, sharp_enough
+from hybridid.trace.sharper import narrowed, sharp_enough, sharper_for_an_effect
 from hybridid.trace.steps import Accepted, Step
 from hybridid.trace.trial import attempt
 
@@ -94,3 +94,19 @@ def test_an_effect_that_explains_more_in_the_place_of_another_outdoes_it(make_mo
     assert not search_module._outdone(
         good.refit, [replace(step, accepted=Accepted(good, (good,), ()))], context
     )
+
+
+def test_where_none_passes_the_best_are_tried_with_a_narrower_smoothing(make_model, split_of):
+    """As if the asymmetry had been refused, for an error of the smoothing."""
+    said = []
+    context = Context(split_of(df_v=75.0), TRIED, say=said.append)
+    base = refit(make_model(), context.split)
+    candidates = [Candidate(effect, "carriage") for effect in TRIED]
+    trials = tuple(attempt(one, base, context.split) for one in candidates)
+    step = Step(base, trials, None)
+    sharp = sharper_for_an_effect(step, context)
+    assert width_of(sharp.model) == width_of(base.model) / 2
+    assert said[-1].endswith("from here on: then carriage.asymmetric_viscous passes")
+    assert sharper_for_an_effect(replace(step, trials=()), context) is None
+    fixed = replace(base, model=smoothed(base.model, fixed=width_of(base.model)))
+    assert sharper_for_an_effect(replace(step, base=fixed), context) is None

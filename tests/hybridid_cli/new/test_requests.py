@@ -313,3 +313,18 @@ def test_a_disk_that_is_full_leaves_nothing(recorded, say, rig, own_folder, monk
     assert "no space left on device" in said.complaint
     assert len(said.err.strip().splitlines()) == 1
     assert [path.name for path in own_folder.iterdir()] == ["carriage.csv"]
+
+
+@pytest.mark.parametrize(("oscillations", "by_parts"), [(3, True), (9, False)])
+def test_a_short_decay_judges_with_parts_of_all(oscillations, by_parts, say, rig, own_folder):
+    """Two swings about the same amplitude, of 20 oscillations and of few."""
+    files = []
+    for name, count in (("long", 20), ("last", oscillations)):
+        t = np.arange(0.0, count, 0.05)
+        swings = (1 + 0.3 * np.cos(t)) * np.cos(2 * np.pi * t)  # beats, so that amplitude is not time
+        rows = "".join(f"{a:.2f},{b:.5f}\n" for a, b in zip(t, swings, strict=True))
+        (own_folder / f"{name}.csv").write_text(f"t [s],displacement [m]\n{rows}")
+        files.append(f"{name}.csv")
+    say("new", rig, "--from", *files, "--template", "oscillator", "--signal", "force=none")
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert ("trace" in case) is by_parts
