@@ -60,7 +60,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
 
 
 def _hidden_by_the_simulation(traced: Trace, model: Model) -> str:
-    """Of which outputs the simulation errs far more than the sensor, so that less than that stays unseen; else
+    """Of which outputs the simulation errs far more than the sensor: what does less stays unseen. Else
     empty."""
     far = traced.rules.far
     told = [
