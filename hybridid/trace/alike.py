@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybridid.effects.composed import is_composed
-from hybridid.trace.evidence import compare
+from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.judgement import undetermined
 from hybridid.trace.rules import Rules
 from hybridid.trace.trial import PASSED, REJECTED, Trial
+
+USUAL = 0.05
+"""Level of a test of one difference alone. Eight horizons that all agree reach no p-value below 0.01, but are
+enough to show that one effect leaves several times the error of another."""
 
 
 def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
@@ -76,5 +80,11 @@ def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:
     """Whether held-out horizons show no relevant advantage of ``best``."""
     assert best.refit is not None
     assert other.refit is not None
-    advantage = compare(other.refit.score, best.refit.score)
-    return advantage.gain < rules.tie or advantage.p_value > rules.alpha
+    return not tells_apart(compare(other.refit.score, best.refit.score), rules)
+
+
+def tells_apart(advantage: Comparison, rules: Rules) -> bool:
+    """Whether the ``advantage`` of one effect over another is relevant and significant: at ``rules.alpha``,
+    or at ``USUAL`` where the other one leaves more than ``rules.far`` times the error."""
+    level = max(rules.alpha, USUAL) if advantage.gain > 1.0 - 1.0 / rules.far else rules.alpha
+    return advantage.gain >= rules.tie and advantage.p_value <= level

@@ -17,7 +17,11 @@ from hybridid.trace.decay_class import in_their_place
 from hybridid.trace.doubted import revision_advised
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.free_run import far_in_free_run, worse_in_free_run
-from hybridid.trace.horizon_advice import other_horizons_advised, parts_of_all_advised
+from hybridid.trace.horizon_advice import (
+    determining_parts_advised,
+    other_horizons_advised,
+    parts_of_all_advised,
+)
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.idle import SURE
 from hybridid.trace.one_way import judged_the_other_way
@@ -43,7 +47,8 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [other_horizons_advised(found.search.final, context.split)]
     cut = found.search.cut_within_a_step
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
-        told += [parts_of_all_advised(context.split)]
+        advised = determining_parts_advised if traced.vague else parts_of_all_advised
+        told += [advised(context.split)]
     if found.verdict in ("undecided", "nothing_missing") and not (cut or traced.longer):
         told += [far_in_free_run(traced, _drifting(found, context))]
     if found.verdict == "nothing_missing":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hybridid.trace.alike import look_alikes
+from hybridid.trace.alike import look_alikes, tells_apart
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
@@ -38,8 +38,7 @@ def still_alike(final: Refit, one: Trial, rival: Trial, split: Split, rules: Rul
     other = exchanged(final, one.candidate.name, rival.candidate, split, lent)
     if other is None:
         return False
-    advantage = compare(other.score, final.score)
-    if advantage.gain < rules.tie or advantage.p_value > rules.alpha:
+    if not tells_apart(compare(other.score, final.score), rules):
         return True
     more = other.score.loss**2 - final.score.loss**2
     near = more < rules.tie * one.taken and other.score.loss <= rules.far * final.score.loss

@@ -48,6 +48,17 @@ def parts_of_all_advised(split: Split) -> str:
     )
 
 
+def determining_parts_advised(split: Split) -> str:
+    """That parts of every record may determine the parameters, in words; empty where they are fitted
+    already."""
+    if split.gap:
+        return ""
+    return (
+        " With trace.records=null trace.held_out=null parts of every record are fitted, which may determine "
+        "them; a record that moves in more ways does."
+    )
+
+
 def _short(seconds: float) -> str:
     """Two digits, no power of ten: ``0.1``, ``68``, ``1000``."""
     return f"{float(f'{seconds:.2g}'):g}"

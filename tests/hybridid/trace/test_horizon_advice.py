@@ -6,7 +6,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from hybridid.trace.horizon_advice import other_horizons_advised, parts_of_all_advised
+from hybridid.trace.horizon_advice import (
+    determining_parts_advised,
+    other_horizons_advised,
+    parts_of_all_advised,
+)
 
 
 def final(*hidden: str, shorter: object = None):
@@ -57,3 +61,11 @@ def test_parts_of_every_record_judge_where_few_horizons_do(fitted, judging, advi
         )
     whole.gap = 3
     assert parts_of_all_advised(whole) == "", "parts of every record judge already"
+
+
+def test_parts_of_every_record_may_determine_the_parameters():
+    whole = SimpleNamespace(gap=0)
+    assert determining_parts_advised(whole).startswith(
+        " With trace.records=null trace.held_out=null parts of"
+    )
+    assert determining_parts_advised(SimpleNamespace(gap=3)) == ""

@@ -7,8 +7,9 @@ from dataclasses import replace
 import pytest
 
 from hybridid.effects.library import effect_named
-from hybridid.trace.alike import _nearly_alike
+from hybridid.trace.alike import _nearly_alike, tells_apart
 from hybridid.trace.context import Context
+from hybridid.trace.evidence import Comparison
 from hybridid.trace.recheck import recheck
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
@@ -100,3 +101,11 @@ def test_a_look_alike_that_leaves_many_times_the_error_is_told_apart(found, left
     best = replace(one.trial, comparison=replace(one.trial.comparison, gain=0.999))
     other = replace(twin, comparison=replace(one.trial.comparison, gain=1 - left * 0.001))
     assert _nearly_alike(best, other, Rules()) is is_alike
+
+
+@pytest.mark.parametrize(
+    ("gain", "p_value", "told"),
+    [(0.5, 0.009, True), (0.5, 0.012, False), (0.84, 0.012, True), (0.84, 0.06, False), (0.01, 0.0, False)],
+)
+def test_several_times_the_error_needs_fewer_horizons(gain, p_value, told):
+    assert tells_apart(Comparison(gain, p_value, 0.0), Rules()) is told
