@@ -20,6 +20,9 @@ from hybridid.estimators.stop import Stop
 Array = NDArray[np.float64]
 SETTLED = 1e-3
 """Relative change of the cost below which handing inner states on changes nothing more."""
+TRAPPED = 0.9
+"""Share of a horizon's cost: if less is left from another initial state, before any descent from there, the
+horizon is trapped where it is."""
 OTHERS = Stop(30, 1e-5)
 """For the initial states of horizons that are not fitted, at given parameters."""
 
@@ -106,7 +109,7 @@ def _second_look(task: Task, solution: Solution, factors: Sequence[float], stop:
     """The lower of ``solution`` and of a descent from the best initial states at hand: where a horizon first
     began, it may have been trapped."""
     x0 = task.with_ours(task.start.x0, solution.x0)
-    freed = best_initial_states(task.start.problem, solution.p, [x0, *task.start.candidates])
+    freed = best_initial_states(task.start.problem, solution.p, [x0, *task.start.candidates], TRAPPED)
     if np.array_equal(freed, x0):
         return solution
     again = task.solve(solution.p, freed, factors, stop)

@@ -214,12 +214,16 @@ def _shape_starts(model: Model) -> list[tuple[int, float]]:
     return starts
 
 
-def best_initial_states(problem: Problem, p: Array, candidates: Sequence[Array]) -> Array:
-    """For each horizon the candidate initial state (w, n_x) with the lowest cost at ``p``."""
+def best_initial_states(
+    problem: Problem, p: Array, candidates: Sequence[Array], clearly: float = 1.0
+) -> Array:
+    """For each horizon the candidate initial state (w, n_x) with the lowest cost at ``p``: the first one,
+    unless another leaves less than the share ``clearly`` of its cost."""
     first, *others = candidates
     if all(np.array_equal(first, other) for other in others):
         return first
     costs = np.stack([_cost_by_horizon(problem, p, x0) for x0 in candidates])
+    costs[0] *= clearly
     chosen = costs.argmin(axis=0)
     return np.stack([candidates[c][k] for k, c in enumerate(chosen)])
 
