@@ -9,6 +9,7 @@ from hybridid.advice.collinear import at_bound, shared_scale
 from hybridid.advice.decay import free_decay
 from hybridid.advice.horizon import unsuitable_horizon
 from hybridid.advice.ranges import out_of_range
+from hybridid.advice.relaxation import relaxation
 from hybridid.advice.unfinished import few_starts, stopped
 from hybridid.advice.untold import judged_by_itself, left_open
 from hybridid.estimators.estimate import Estimate
@@ -22,6 +23,7 @@ def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()
         *at_bound(estimate),
         *shared_scale(problem, estimate),
         *free_decay(problem.records),
+        *relaxation(problem.records),
         *unsuitable_horizon(problem, estimate),
         *stopped(estimate),
         *few_starts(estimate),

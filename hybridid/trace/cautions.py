@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from scipy.stats import norm
 
 from hybridid.advice.decay import free_decay
+from hybridid.advice.relaxation import relaxation
 from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.quantities import estimated, quantity, share
@@ -165,5 +166,6 @@ def _other_held_out(accepted: Sequence[AcceptedEffect], rules: Rules) -> str:
 
 
 def _confounded(records: Sequence[Record]) -> str:
-    """That a name may stand for another one, where all records are one free decay; else empty."""
-    return "".join(f" Beware: {one.said}." for one in free_decay(records))
+    """That a name may stand for another one, where all records are one free decay or relaxation; else
+    empty."""
+    return "".join(f" Beware: {one.said}." for one in (*free_decay(records), *relaxation(records)))

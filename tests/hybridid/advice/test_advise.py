@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.torture.pendulum import Pendulum
 from hybridid.advice.decay import free_decay, settles
 from hybridid.advice.horizon import proposed_horizon
+from hybridid.advice.relaxation import relaxation
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
@@ -275,3 +276,18 @@ def test_the_proposed_horizon_is_a_second_fifty_samples_or_a_tenth():
 def test_a_horizon_has_twenty_samples_where_the_record_allows_it():
     assert proposed_horizon(0.02, 1.0) == 0.4
     assert proposed_horizon(0.02, 0.6) == 0.3
+
+
+def cooling(start, name, n=3000):
+    """A body that cools to 20 °C."""
+    made = decaying(0.6, name, n)
+    return replace(made, outputs=20 + (start - 20) * np.exp(-np.arange(n) / 900)[:, None])
+
+
+def test_what_only_cools_does_not_tell_temperature_from_time_and_from_two_temperatures_it_does():
+    (said,) = relaxation([cooling(80, "mug")])
+    assert said.said.startswith("angle and time cannot be told apart in mug: it only goes from 7")
+    assert len(list(relaxation([cooling(80, "mug"), cooling(79, "again")]))) == 1
+    assert list(relaxation([cooling(80, "mug"), cooling(30, "cooler")])) == []
+    assert list(relaxation([decaying(0.6, "swing")])) == []
+    assert list(relaxation([decaying(0.6, "driven", torque=lambda t: 0.2 * np.sin(4 * t))])) == []
