@@ -36,8 +36,8 @@ def relaxation(records: Sequence[Record]) -> Iterator[Advice]:
             "decay",
             f"{channel.name} and time cannot be told apart in {listed([r.name for r in records])}: it only "
             f"goes from {first} to {last} (rank correlation {fixed(rank, 2)}), which a loss over "
-            f"{channel.name} and one that changes with time explain alike; a record that begins elsewhere, or "
-            "a driven one, tells them apart",
+            f"{channel.name} and one that changes with time explain alike; a record that begins elsewhere, "
+            "or a driven one, tells them apart",
         )
         return
 
