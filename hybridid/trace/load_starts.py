@@ -18,13 +18,12 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.effects.dimension import EFFORT
-from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.path import Path
 from hybridid.trace.refit import Refit
 from hybridid.trace.split import Split
+from hybridid.validation.port_efforts import PROBE
 
 Array = NDArray[np.float64]
 PROBES = 50
@@ -33,17 +32,6 @@ NUDGE = 1e-4
 """Share of its value by which a parameter is changed, to see how much of the inertia it makes up."""
 MOST = 0.6
 """Share of the inertia that a parameter makes up at least, to give half of it away."""
-
-PROBE = Effect(
-    id="probe_of_inertia",
-    kind="effort",
-    title="an effort of its own",
-    equation="F",
-    law=lambda at: at.p.F,
-    parameters=(EffectParameter("F", EFFORT, "the effort", guess=0.0, nests=True),),
-    source="this module",
-    pattern="none: it only shows how the port is accelerated",
-)
 
 
 def with_half_the_inertia(
@@ -89,7 +77,7 @@ def _inertia(model: Model, port: str, path: Path) -> Callable[[Mapping[str, floa
     place = [one.name for one in model.equation_ports].index(port)
     velocity = probed.motions(t, x, u, p)[place, 1]
     acceleration = ca.jtimes(velocity, x, probed.f(t, x, u, p))
-    effort = p[[one.name for one in probed.parameters].index(f"{port}.{PROBE.id}.F")]
+    effort = p[[one.name for one in probed.parameters].index(f"{port}.{PROBE.id}.unit")]
     by_effort = ca.Function("by_effort", [t, x, u, p], [ca.jacobian(acceleration, effort)])
     chosen = np.unique(np.linspace(0, len(path.time) - 1, PROBES).astype(int))
 
