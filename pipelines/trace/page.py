@@ -238,7 +238,9 @@ def _refused(found: Trace) -> tuple[Table, ...]:
 
 
 def _tried(found: Trace) -> tuple[str, ...]:
-    return (_TRIED, _PAIRS) if any(step.pairs for step in found.steps) else (_TRIED,)
+    said = (_TRIED, _PAIRS) if any(step.pairs for step in found.steps) else (_TRIED,)
+    left_out = found.steps[-1].left_out if found.steps else ()
+    return (*said, f"The time limit left untried: {listed(left_out)}.") if left_out else said
 
 
 def _pairs(found: Trace) -> tuple[Table, ...]:

@@ -102,6 +102,12 @@ def test_refused_effects_keep_their_reason(section):
     assert set(column(table, "reason")) == {"its reason"}
 
 
+def test_what_the_time_limit_left_untried_is_listed(section, stored):
+    (step,) = stored().found.steps
+    tried = section("What was tried", steps=(replace(step, left_out=("cart.dahl", "cart.lugre")),))
+    assert tried.paragraphs[-1] == "The time limit left untried: cart.dahl and cart.lugre."
+
+
 def test_pairs_that_were_tried_and_the_one_that_was_accepted(section, stored):
     names = ("cart.coulomb", "cart.offset")
     best = TriedPair(names, "passed", "each is needed", 0.4, 0.9, (0.8, 0.7), 1e-9, {}, 1.0)
