@@ -24,6 +24,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from itertools import chain, islice
 from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar
 
@@ -104,14 +105,13 @@ _Call = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
 def _packed(function: Callable[..., object], arguments: Iterable[tuple[Any, ...]]) -> Iterator[_Call]:
-    """The calls, each made when it is asked for; what later ones share with the first is pickled once."""
-    first: list[tuple[Any, Packed]] = []
-    for given in arguments:
-        first = first or [(one, Packed(pickle.dumps(one))) for one in given]
-        yield (
-            function,
-            tuple(packed if one is own else one for one, (own, packed) in zip(given, first, strict=True)),
-        )
+    """The calls, each made when it is asked for; what the others share with the first two is pickled once."""
+    calls = iter(arguments)
+    begun = list(islice(calls, 2))
+    shared = [one for one, other in zip(*begun, strict=False) if one is other] if len(begun) > 1 else []
+    packed = {id(one): Packed(pickle.dumps(one)) for one in shared}
+    for given in chain(begun, calls):
+        yield function, tuple(packed.get(id(one), one) for one in given)
 
 
 def _called(call: _Call, watcher: Watcher) -> Any:
