@@ -1,7 +1,7 @@
 """The machines that the templates describe, simulated: nothing is missing in them, but for the slide.
 
-Each is sampled at 500 Hz, with the noise of a good sensor. Units, names and separators differ from one to the
-next. The equations are written out here, so hybridid is held against them.
+Each is sampled at 500 Hz, the slow ones more slowly, with the noise of a good sensor. Units, names and
+separators differ from one to the next. The equations are written out here, so hybridid is held against them.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from benchmarks.strangers.recording import Simulated, clock, noisy, push, run, sign, table
-from benchmarks.strangers.tanks import heater, tank, two_tanks
+from benchmarks.strangers.tanks import heater, room, tank, two_tanks
 
 SHORT = 5.0  # s, of the recordings that the tests fit
 
@@ -181,6 +181,7 @@ MACHINES: Mapping[str, Callable[..., Simulated]] = {
         tank,
         two_tanks,
         heater,
+        room,
         servo,
         test_rig,
         vehicle,

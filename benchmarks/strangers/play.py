@@ -16,7 +16,7 @@ from benchmarks.strangers.tanks import overflowing
 
 SECONDS = 20.0
 """Of each recording at 500 Hz: 10,000 samples."""
-SLOW = ("tank", "two_tanks", "heater")
+SLOW = ("tank", "two_tanks", "heater", "room")
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def machines() -> tuple[Machine, ...]:
 
 
 def _recorded(name: str) -> Simulated:
-    """As many samples as ``SECONDS`` have at 500 Hz: of ``SLOW`` machines at 1 Hz."""
+    """As many samples as ``SECONDS`` have at 500 Hz: of ``SLOW`` machines at 1 Hz; the room's are minutes."""
     return MACHINES[name](500 * SECONDS if name in SLOW else SECONDS)
 
 

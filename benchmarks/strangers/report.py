@@ -39,7 +39,8 @@ def templates(rows: Sequence[Outcome]) -> str:
     """The templates' own machines, and how many keep what issue 19 asks."""
     title = (
         "## Each template, from the recording to the traced report (simulated)\n"
-        f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz, as many samples. Nothing is missing in these."
+        f"{SECONDS:g} s at 500 Hz; slow machines at 1 Hz or slower, as many samples. "
+        "Nothing is missing in these."
     )
     return _machines(title, "largest error of a planted parameter", rows)
 

@@ -1,4 +1,5 @@
-"""Slow machines, simulated at 1 Hz: a tank, two tanks of which one may overflow, and a furnace."""
+"""Slow machines, simulated at 1 Hz: a tank, two tanks of which one may overflow, and a furnace; and a room,
+simulated once a minute."""
 
 from __future__ import annotations
 
@@ -61,3 +62,21 @@ def heater(seconds: float = 2000.0) -> Simulated:
     text = table("Uhrzeit;Heizung;Temperatur\ns;%;°C", t, share, noisy(warm), separator=";", decimal=",")
     words = ("--signal", "power=Heizung", "--scale", "power=20")
     return Simulated(text, {"C": 1500.0, "h": 2.5}, words)
+
+
+def room(minutes: float = 2000.0) -> Simulated:
+    """A room, logged once a minute. The heater is held for 40 minutes; it is colder outside by night."""
+    capacity, loss, step = 1.8e6, 60.0, 60.0  # J/°C, W/°C, s
+    t = clock(step * minutes, 1 / step)
+    power = np.repeat(np.random.default_rng(6).uniform(0, 2000, len(t) // 40 + 1), 40)[: len(t)]
+    outside = 5.0 - 4.0 * np.cos(2 * np.pi * t / 86400) + 1.5 * np.sin(2 * np.pi * t / 11000)
+    lag = capacity / loss
+    decay = np.exp(-step / lag)
+    warm = np.empty_like(t)
+    warm[0] = 20.0
+    for k in range(len(t) - 1):  # exact: it is linear outside between the samples
+        slope = (outside[k + 1] - outside[k]) / step
+        follows = outside[k] - slope * lag + power[k] / loss
+        warm[k + 1] = follows + slope * step + (warm[k] - follows) * decay
+    text = table("time [min],heating [kW],room [°C],outdoor [°C]", t / 60, power / 1000, noisy(warm), outside)
+    return Simulated(text, {"C": capacity, "h": loss}, ("--hold", "surroundings=foh"))

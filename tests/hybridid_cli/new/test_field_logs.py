@@ -1,4 +1,4 @@
-"""Two logs as they come from the field, simulated: from the file to the estimates, by two commands."""
+"""Three logs as they come from the field, simulated: from the file to the estimates, by two commands."""
 
 from __future__ import annotations
 
@@ -62,6 +62,27 @@ def test_a_furnace_in_a_spreadsheet_of_another_language(say, own_folder, rig):
     assert "T_0 22" in said.out
     assert say("fit", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
     assert estimates(own_folder) == pytest.approx({"C": 1500.0, "h": 2.5}, rel=0.02)
+
+
+def test_a_house_that_logs_more_than_the_template_wants(say, own_folder, rig):
+    """A thermostat, an outdoor sensor with a digit, humidities: the temperatures are found by their names."""
+    noise, n = np.random.default_rng(6), 1200
+    outside = (6.0 + 4.0 * np.sin(2 * np.pi * np.arange(n) / 288)).round(1)
+    warm, power = np.full(n, 20.0), np.zeros(n)
+    decay = np.exp(-60.0 * 300 / 2e6)
+    for k in range(n - 1):
+        power[k] = 2000.0 if warm[k] < (19.5 if k and not power[k - 1] else 21.0) else 0.0
+        settled = outside[k] + power[k] / 60.0
+        warm[k + 1] = settled + (warm[k] - settled) * decay
+    rows = zip(power, outside, warm + noise.normal(0, 0.02, n), noise.uniform(30, 90, (n, 2)), strict=True)
+    lines = (f"{300 * k},{p:g},{s:.1f},{w[0]:.0f},{q:.2f},{w[1]:.0f}" for k, (p, s, q, w) in enumerate(rows))
+    names = "t [s],boiler,outdoor_temp,outdoor_humidity,room_temp,room_humidity"
+    (own_folder / "house.csv").write_text("\n".join([names, *lines]))
+    words = ("--template", "room", "--signal", "power=boiler", "--hold", "surroundings=zoh", "--simulated")
+    said = say("new", rig, "--from", "house.csv", *words)
+    assert said.code == 0, said.err
+    assert say("fit", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
+    assert estimates(own_folder) == pytest.approx({"C": 2e6, "h": 60.0}, rel=0.02)
 
 
 def _commas(line: str) -> str:

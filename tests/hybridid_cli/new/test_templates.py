@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
+from hybridid.model import compose
 from pipelines.new.template import kinds, template
 
 
@@ -75,6 +76,16 @@ def test_of_a_body_that_cools_parts_of_the_recording_judge(say, own_folder, rig)
     assert said.code == 0, said.complaint
     case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
     assert case["trace"] == {"records": ["fitted", "judging"], "held_out": None}
+
+
+def test_a_room_is_a_heater_in_surroundings_that_are_measured():
+    """At random states the two move alike, and an effect sees the temperature above the surroundings."""
+    heater, room = (compose(template(kind).plant(), ["thermal_radiation"]) for kind in ("heater", "room"))
+    values = {"C": 2e6, "h": 60.0, "body.thermal_radiation.k": 20.0}
+    for outside, warm, power in np.random.default_rng(0).uniform([-10, 0, 0], [20, 60, 2000], (10, 3)):
+        constant = heater.f(0, [warm], [power], heater.values({**values, "T_0": outside}))
+        measured = room.f(0, [warm], [power, outside], room.values(values))
+        assert np.asarray(measured) == pytest.approx(np.asarray(constant))
 
 
 @pytest.mark.parametrize(("kind", "made"), [("test_rig", "differentiate"), ("vehicle", "integrate")])
