@@ -26,7 +26,8 @@ from hybridid.simulation.initial import observed
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import IMPLICIT, MOST, TooStiff
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.score import Cells, Score, score_of
+from hybridid.trace.score import Score
+from hybridid.trace.scored import scored
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
@@ -130,15 +131,15 @@ def refit(
     remembers = before is not None and len(model.states) > len(before.model.states)
     begun = _starts(model, split, starts, before, numerics)
     first = descend(list(begun.values()), plan, split.fitted)
-    scored = _scored(first, split) if first.ended_early else None
-    if scored and scored[0].loss < surprising:
-        first, scored = go_on(first, plan, split.fitted), None
+    early = scored(first, split) if first.ended_early else None
+    if early and early[0].loss < surprising:
+        first, early = go_on(first, plan, split.fitted), None
     solved = [k for n, k in enumerate(begun) if not (remembers and n in first.diverged)]
     wanted = steps_at(first)
     found = refine(first, plan, finer, split.fitted)
     wanted = wanted if found is first else steps_at(found)
     solution = found.solution
-    score, fitted_rmse = scored or _scored(found, split)
+    score, fitted_rmse = early or scored(found, split)
     std, correlation = (
         _standard_errors(found.problem.on(split.fitted), solution)
         if score.loss <= std_up_to and not found.ended_early
@@ -332,21 +333,3 @@ def _standard_errors(fitted: Problem, solution: Solution) -> tuple[dict[str, flo
     moved = found.smoothing
     found = replace(found, covariance=found.covariance - np.outer(moved, moved), smoothing=0.0 * moved)
     return dict(zip(fitted.free, found.std.tolist(), strict=True)), found.correlation
-
-
-def _scored(found: Result, split: Split) -> tuple[Score, Array]:
-    """The score of a descent's end on the held-out horizons, and the RMSE (n_y,) on the fitted ones."""
-    problem, p = found.problem, found.solution.p
-    fitted, judged = problem.on(split.fitted), problem.on(split.held_out).estimating(())
-    ours, ours_measured = _errors(fitted, p, found.solution.x0)
-    theirs, theirs_measured = _errors(judged, p, found.x0[list(split.held_out)])
-    score = score_of(ours, theirs, problem.scale, cells=(ours_measured, theirs_measured))
-    return score, np.sqrt(sum((e**2).sum(axis=0) for e in ours) / fitted.windows.counts)
-
-
-def _errors(problem: Problem, p: Array, x0: Array) -> tuple[list[Array], list[Cells]]:
-    """Output errors of each horizon, (n_k, n_y), in the outputs' units: zero where they do not count; and
-    which count."""
-    r, windows = problem.residuals(problem.shooter(x0, p)) * problem.scale, problem.windows
-    errors = [row[used] for row, used in zip(r, windows.used, strict=True)]
-    return errors, [row[used] for row, used in zip(windows.cells, windows.used, strict=True)]
