@@ -46,8 +46,9 @@ ones show. A pitch, a place or a resonance may be much smaller than the whole mo
 these."""
 ALIKE = 0.02
 """Relative difference up to which two values of a pitch, a place or a frequency are in one valley."""
-SOUGHT = ("period", "place", "frequency")
-"""What long horizons may hide. The longer they are, the narrower are the valleys over a frequency."""
+SOUGHT = ("period", "place", "frequency", "load")
+"""What long horizons may hide. The longer they are, the narrower are the valleys over a frequency, and the
+more impacts of a load follow from each other."""
 
 
 def with_shorter(base: Refit, split: Split) -> Refit:
@@ -116,20 +117,19 @@ def strays(base: Refit) -> bool:
 
 
 def seeks(candidate: Candidate) -> bool:
-    """Whether the effect has a pitch, a place or a frequency."""
+    """Whether the effect has a pitch, a place, a frequency or a load."""
     return any(p.sought in SOUGHT for p in candidate.effect.parameters)
 
 
 def _resonates(candidate: Candidate) -> bool:
-    """Whether the effect has a resonance."""
-    effect = candidate.effect
-    return bool(effect.states) and any(p.sought == "frequency" for p in effect.parameters)
+    """Whether the effect has a load, which resonates behind its spring or contact."""
+    return any(p.sought == "load" for p in candidate.effect.parameters)
 
 
 def same_valley(candidate: Candidate, one: Mapping[str, float], other: Mapping[str, float]) -> bool:
     """Whether ``one`` and ``other`` (values by name) agree in all that the effect seeks; where it seeks
-    nothing, in all its parameters."""
-    has_one = seeks(candidate)
-    own = [p for p in candidate.effect.parameters if (p.sought in SOUGHT if has_one else not p.fixed)]
+    nothing, or has a load, in all its parameters."""
+    every = _resonates(candidate) or not seeks(candidate)
+    own = [p for p in candidate.effect.parameters if (not p.fixed if every else p.sought in SOUGHT)]
     names = [f"{candidate.name}.{p.name}" for p in own]
     return all(abs(one[name] - other[name]) <= ALIKE * abs(other[name]) for name in names)

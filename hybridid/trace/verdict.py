@@ -108,9 +108,11 @@ def conclude(
     settled, cut = _with_more(settle_below_noise(found, context), context)
     refused, steady = _refused(settled, rules), _steady(settled, context)
     fitted = settled.accuracy.times_the_least(settled.found.final.fitted_rmse)
-    verdict, longer = _verdict(settled, refused, steady, fitted, rules), None
+    verdict = _verdict(settled, refused, steady, fitted, rules)
     silent = verdict == "nothing_missing"
-    if silent and (longer := more_over_longer(settled.found.final, context)):
+    near = not settled.found.accepted and settled.times <= rules.far
+    longer = more_over_longer(settled.found.final, context) if near else None
+    if silent and longer:
         verdict = "undecided"
     too_short = silent and shows_little(split)
     vague = silent and _parameters_are_vague(settled, rules)

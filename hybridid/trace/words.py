@@ -29,6 +29,8 @@ VERDICTS = {
 }
 FEW = 3
 """Members of a class up to which each is told with its parameters."""
+EVIDENT = 2.0
+"""Times the smallest p-value up to which the evidence is about the same: few horizons give few p-values."""
 WORTH_TELLING = 3.0
 """The error of the parameters is told from the sensor's noise over this: it then counts by more than 5 %."""
 
@@ -207,7 +209,8 @@ def _none_passes(found: Trace, where: str) -> str:
 
 def _most_refused(found: Trace) -> str:
     """The gain of an effect or a pair that was refused in the last step and has the most evidence, and why;
-    empty if none of them is worth having, or possible. Of significant ones that is the largest."""
+    empty if none of them is worth having, or possible. Of those with about the same evidence that is the
+    largest."""
     last = found.steps[-1] if found.steps else None
     if last is None or last.taken:
         return ""
@@ -219,7 +222,8 @@ def _most_refused(found: Trace) -> str:
     possible = [o for o in refused if o.gain >= worth and not _more_than_possible(o.gain, times)]
     if not possible:
         return ""
-    most = min(possible, key=lambda one: (max(one.p_value, alpha), -one.gain))
+    evident = EVIDENT * max(alpha, min(one.p_value for one in possible))
+    most = max((one for one in possible if one.p_value <= evident), key=lambda one: one.gain)
     name = " and ".join(most.effects) if isinstance(most, TriedPair) else most.name
     told = f" The best supported of the refused gains is {share(most.gain)} with {name}"
     return f"{told}." if most.reason in found.withdrawn else f"{told}: {most.reason}."
