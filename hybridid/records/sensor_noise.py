@@ -77,14 +77,31 @@ def _joined(y: Array, counts: Counts) -> Array:
 
 def _quantisation(y: Array) -> float:
     """Smallest difference between levels, when the levels lie on a grid, wherever that begins; else 0."""
-    steps = np.unique(np.abs(np.diff(np.unique(y))))
+    levels = np.unique(y)
+    steps = np.unique(np.diff(levels))
     steps = steps[steps > 1e-12 * np.ptp(y)]
     if not len(steps):
         return 0.0
-    step = float(steps[0])
+    step = _refined(float(steps[0]), levels - levels[0])
     steps_off = (y - y[0]) / step
     on_grid = np.abs(steps_off - np.round(steps_off)) < 0.05
     return step if on_grid.mean() > 0.99 and np.ptp(y) / step < 1e9 else 0.0
+
+
+def _refined(step: float, levels: Array) -> float:
+    """The step of a grid over all ``levels`` (m,), the first one 0.
+
+    A file holds each level rounded to some digits. The difference of two neighbours knows the step to these,
+    that of two levels n steps apart n times as well. So it is fitted to twice as many steps again and again.
+    """
+    reach = 2.0
+    while reach * step < 2 * levels[-1]:
+        within = levels[levels <= reach * step]
+        numbers = np.round(within / step)
+        if numbers.any():
+            step = float(numbers @ within / (numbers @ numbers))
+        reach *= 2
+    return step
 
 
 def _local(y: Array) -> float:

@@ -89,10 +89,10 @@ def completeness_in_words(found: Trace) -> str:
     check = found.completeness
     if check is None:
         return ""
-    left, before = (share(max(gain, 0.0)) for gain in (check.gain, check.gain_before))
-    p = probability(check.p_value, "= ")
+    p = f" (p {probability(check.p_value, '= ')})" if check.gain > 0 else ""
+    left, before = (share(gain) if gain > 0 else "nothing" for gain in (check.gain, check.gain_before))
     return (
-        f"a network ({check.network}) takes {left} from the held-out error of the last model (p {p}), and "
+        f"a network ({check.network}) takes {left} from the held-out error of the last model{p}, and "
         f"{before} from that of the declared one. {_what_the_network_finds(found, check)}"
     )
 

@@ -35,6 +35,13 @@ def test_quantisation(step, zero):
     assert found == pytest.approx(step / np.sqrt(12), rel=0.25)
 
 
+def test_counts_of_an_encoder_that_a_file_rounds_to_some_digits():
+    """16384 a turn, in rad to eight decimals: no level is a multiple of the first step."""
+    step = 2 * np.pi / 16384
+    turned = np.round(30 * (1 - np.cos(TIME)) / step) * step
+    assert rounding(record_of(np.round(turned, 8))) == pytest.approx([step / np.sqrt(12)], rel=1e-3)
+
+
 def test_a_jerk_does_not_raise_the_floor(noise):
     jerky = MOTION + np.cumsum(np.where(np.arange(len(TIME)) % 500 == 250, 1e-3, 0.0))
     (found,) = noise_level(record_of(jerky + noise(len(TIME), 1e-5, seed=4)))
