@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from hybridid.effects.dimension import ONE, POSITION, STIFFNESS
-from hybridid.effects.effect import Effect, EffectParameter
-from hybridid.effects.smooth import ramp
+import casadi as ca
+
+from hybridid.effects.dimension import ONE, POSITION, STIFFNESS, TIME
+from hybridid.effects.effect import Effect, EffectParameter, Local
+from hybridid.effects.smooth import pressed, ramp
 
 EDGE = EffectParameter("width", POSITION, "rounding of the contact's edge", guess=1e-4, lower=0.0, fixed=True)
+
+
+def _stopped(at: Local) -> ca.SX:
+    """The effort of a spring and a damper beside each other, beyond a place."""
+    beyond = at.p.side * at.position - at.p.d
+    damping = at.p.tau * at.velocity * pressed(beyond, at.p.width)
+    return at.p.k * (at.p.side * ramp(beyond, at.p.width) + damping)
+
 
 END_STOP = Effect(
     id="end_stop",
     kind="effort",
-    title="elastic end stop",
-    equation="F = side k ramp(side q - d),  ramp(x) = 0 for x < 0, x for x > 0",
-    law=lambda at: at.p.side * at.p.k * ramp(at.p.side * at.position - at.p.d, at.p.width),
+    title="elastic end stop, with damping",
+    equation="F = k (side ramp(x) + τ v ramp'(x)),  x = side q - d,  ramp(x) = 0 for x < 0, x for x > 0",
+    law=_stopped,
     parameters=(
         EffectParameter("k", STIFFNESS, "stiffness of the stop", guess=3.0, lower=0.0, nests=True, hard=True),
         EffectParameter(
@@ -27,14 +37,18 @@ END_STOP = Effect(
             sought="place",
         ),
         EffectParameter(
+            "tau", TIME, "damping of the stop over its stiffness", guess=0.0, lower=0.0, minor=True
+        ),
+        EffectParameter(
             "side", ONE, "1: stops motion upwards; -1: downwards", guess=1.0, starts=(-1.0,), fixed=True
         ),
         EDGE,
     ),
     source=(
         "Shaw, Holmes (1983), A periodically forced piecewise linear oscillator, J. Sound Vib. 90(1), 129-155"
+        "; the damper: Gilardi, Sharf (2002), Mech. Mach. Theory 37(10), 1213-1239, sec. 4 (Kelvin-Voigt)"
     ),
-    pattern="nothing up to one position, then a stiff spring; the same at every speed",
+    pattern="nothing up to one position, then a stiff spring, which takes energy where it is damped",
     look_alikes=("cubic_stiffness", "linear_stiffness", "input_saturation"),
     separating_experiment=(
         "approach the suspected end slowly with a growing command: the motion stops, the effort rises"

@@ -14,6 +14,11 @@ def ramp(x: ca.SX, width: ca.SX | float) -> ca.SX:
     return 0.5 * (x + ca.sqrt(x**2 + width**2))
 
 
+def pressed(x: ca.SX, width: ca.SX | float) -> ca.SX:
+    """The slope of ``ramp``: 0 left of the origin, 1 right of it."""
+    return 0.5 * (1 + x / ca.sqrt(x**2 + width**2))
+
+
 def magnitude(x: ca.SX | float, width: ca.SX | float) -> ca.SX:
     """``x tanh(x / w)``: |x|, zero at the origin and never above |x|; at 2 w it lacks 0.07 w."""
     return x * ca.tanh(x / width)

@@ -282,6 +282,10 @@ def test_springs_with_gaps_and_stops_are_what_their_equations_say(bench):
     assert upper.law(position=-0.3) == pytest.approx(0.0, abs=1e-6)
     assert lower.law(position=-0.3) == pytest.approx(-50 * 0.2, rel=1e-4)
     assert lower.law(position=0.3) == pytest.approx(0.0, abs=1e-6)
+    damped = bench("end_stop", k=50.0, d=0.1, tau=0.02, side=-1.0)
+    assert damped.law(position=-0.3, velocity=-2.0) == pytest.approx(-50 * (0.2 + 0.02 * 2.0), rel=1e-4)
+    assert damped.law(position=-0.3, velocity=2.0) == pytest.approx(-50 * (0.2 - 0.02 * 2.0), rel=1e-4)
+    assert damped.law(position=0.3, velocity=-2.0) == pytest.approx(0.0, abs=1e-6)
     tyre = bench("wheel_lift_off", k=50.0, d=0.1)
     for q in (-0.5, -0.2, 0.0, 0.3):
         carried = 50 * (0.1 + q) + tyre.law(position=q)
