@@ -9,15 +9,20 @@ are left on either side.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from hybridid.model import Model
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.numerics import Numerics
+from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
 from hybridid.trace.split import Split
 
 LEAST = 20
 """Samples of a horizon below which its fitted initial state may follow what a missing effort does."""
+MOSTLY_NOISE = 2**0.5
+"""Times what noise and simulation leave up to which they make up at least half of the squared error."""
 TIMES = (10.0, 5.0, 3.0, 2.0)
 """How much longer the horizons are: the first for which enough are left."""
 
@@ -44,6 +49,28 @@ def more_over_longer(final: Refit, context: Context) -> Longer | None:
     if times <= context.rules.far:
         return None
     return Longer(split.horizon * split.records[0].dt, times)
+
+
+def over_long_enough(
+    model: Model, context: Context, starts: Sequence[Mapping[str, float]], numerics: Numerics
+) -> Context:
+    """``context`` with longer horizons if what ``model`` leaves over its own is mostly noise, and over these
+    is not: a search over the short ones would see little of what is missing."""
+    base = context.one(refit, model, context.split, starts, None, numerics, CONTINUATION)
+    if Accuracy.of(base, context).times(base.score.rmse) > MOSTLY_NOISE:
+        return context
+    longer = more_over_longer(base, context)
+    return context if longer is None else lengthened(context, longer)
+
+
+def lengthened(context: Context, longer: Longer) -> Context:
+    """``context`` with horizons as long as those of ``longer``, which is said."""
+    split = context.split
+    context.say(
+        f"over horizons of {longer.seconds:.2g} s the model leaves {longer.times:.1f} times what noise and "
+        "simulation leave: the search goes on over these"
+    )
+    return replace(context, split=split.longer(round(longer.seconds / split.records[0].dt)))
 
 
 def shows_little(split: Split) -> bool:

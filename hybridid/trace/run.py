@@ -23,8 +23,10 @@ from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.horizon import horizon_for
+from hybridid.trace.longer import lengthened, over_long_enough
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_efforts import missing_efforts
+from hybridid.trace.numerics import numerics_for
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.sharper import narrowed
@@ -32,7 +34,7 @@ from hybridid.trace.split import check_measured, divided
 from hybridid.trace.steps import OUT_OF_TIME
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
-from hybridid.trace.verdict import Conclusion, conclude
+from hybridid.trace.verdict import Conclusion, conclude, declared_starts
 from hybridid.trace.words import sentence
 
 OPEN = ("nothing_missing", "undecided")
@@ -99,19 +101,13 @@ def trace(
     until = math.inf if time_limit is None else time.monotonic() + time_limit
     asked = (where, mapper, report, say, laws, pairs, revise, over, until)
     context = Context(split, tried, rules or Rules(), *asked)
-    settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
+    settings, samples = replace(settings or FitSettings(), method="gauss_newton"), split.horizon
     if recordings:
         check_split(split)
-    starts = [start] if start else []
-    found = conclude(model, context, starts, settings.integrator)
     may_lengthen = horizon is None if lengthen is None else lengthen
-    if may_lengthen and found.longer and not context.out_of_time:
-        seconds = found.longer.seconds
-        times = f"{found.longer.times:.1f} times what noise and simulation leave"
-        say(f"over horizons of {seconds:.2g} s the model leaves {times}: the search goes on over these")
-        split = split.longer(round(seconds / fitted[0].dt))
-        context, settings = replace(context, split=split), replace(settings, horizon=split.horizon)
-        found = conclude(model, context, starts, settings.integrator)
+    found, context = _concluded(model, context, [start] if start else [], settings.integrator, may_lengthen)
+    split, settings = context.split, replace(settings, horizon=context.split.horizon)
+    seconds = seconds if split.horizon == samples else split.horizon * fitted[0].dt
     found = _of_one_decay(found, fitted, context)
     differ = by_recording(found.search, context) if recordings else ()
     if found.verdict in OPEN and any(one.status == PASSED for one in differ):
@@ -129,6 +125,26 @@ def trace(
     traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
     said = sentence(traced) + cautions(found, traced, fitted, context)
     return replace(traced, sentence=said)
+
+
+def _concluded(
+    model: Model,
+    context: Context,
+    start: Sequence[Mapping[str, float]],
+    integrator: AskedIntegrator,
+    may_lengthen: bool,
+) -> tuple[Conclusion, Context]:
+    """What is found on the horizons of ``context``, or on longer ones if these show more and it may."""
+    if not may_lengthen:
+        return conclude(model, context, start, integrator), context
+    starts = declared_starts(model, context.split, start)
+    numerics = numerics_for(model, context.split, starts, integrator)
+    context = over_long_enough(model, context, starts, numerics)
+    found = conclude(model, context, start, integrator)
+    if found.longer and not context.out_of_time:
+        context = lengthened(context, found.longer)
+        found = conclude(model, context, start, integrator)
+    return found, context
 
 
 def _solving(searched_with: str) -> AskedIntegrator:

@@ -103,7 +103,7 @@ def conclude(
         ValueError: if a record does not fit the model or it diverges on the records.
     """
     split, rules = context.split, context.rules
-    starts = start or [regressed(model, split), {}]  # where the motion hides a parameter, regression strays
+    starts = declared_starts(model, split, start)
     found = search(model, context, starts, numerics_for(model, split, starts, integrator))
     settled, cut = _with_more(settle_below_noise(found, context), context)
     refused, steady = _refused(settled, rules), _steady(settled, context)
@@ -201,6 +201,14 @@ def _may_be_outdone(settled: Settled, rules: Rules) -> bool:
     accepted = settled.found.accepted
     names = [one for one in accepted if not is_composed(one.trial.candidate.effect)]
     return bool(names) and (len(accepted) > 1 or settled.is_open(rules))
+
+
+def declared_starts(
+    model: Model, split: Split, start: Sequence[Mapping[str, float]] = ()
+) -> Sequence[Mapping[str, float]]:
+    """Where the fit of the declared model starts: at ``start``, or by regression and at the guesses. Where
+    the motion hides a parameter, regression strays."""
+    return start or [regressed(model, split), {}]
 
 
 def regressed(model: Model, split: Split) -> dict[str, float]:
