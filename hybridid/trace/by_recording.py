@@ -195,7 +195,8 @@ def _no_worse(other: Refit | None, best: Refit | None, rules: Rules) -> bool:
 
 
 def _in_place(found: Search, context: Context) -> list[DifferingParameter]:
-    """Parameters by recording that explain as much as the last model, without one of its accepted effects."""
+    """Parameters by recording that explain as much as the last model, or more, without one of its accepted
+    effects. The p-value of more counts all that were tried."""
     final, rules = found.final, context.rules
     places = [
         (p.name, final, context.split, one.name)
@@ -204,11 +205,14 @@ def _in_place(found: Search, context: Context) -> list[DifferingParameter]:
         if not _has_groups(p.name, final.model)
     ]
     trials = context.each("by recording, in place of effects", differing, places, lambda one: one.parameter)
-    return [
-        replace(_entry(one), status=PASSED, in_place_of=effect, reason=f"explains as much as {effect}")
-        for one, (_, _, _, effect) in zip(trials, places, strict=True)
-        if _no_worse(one.refit, final, rules)
-    ]
+    kept = []
+    for one, (_, _, _, effect) in zip(trials, places, strict=True):
+        if _no_worse(one.refit, final, rules):
+            p_value = min(1.0, len(places) * one.comparison.p_value) if one.comparison else 1.0
+            how = "more than" if one.gain >= rules.worth and p_value <= rules.alpha else "as much as"
+            entry = _entry(replace(one, status=PASSED, p_adjusted=p_value, reason=f"explains {how} {effect}"))
+            kept.append(replace(entry, in_place_of=effect))
+    return sorted(kept, key=lambda one: -one.gain)
 
 
 def _entry(one: Differing, alike: tuple[str, ...] = ()) -> DifferingParameter:

@@ -112,6 +112,8 @@ def trace(
     differ = by_recording(found.search, context) if recordings else ()
     if found.verdict in OPEN and any(one.status == PASSED for one in differ):
         found = replace(found, verdict="unexplained")
+    if found.verdict == "effect_found" and any(one.in_place_of for one in differ):
+        found = replace(found, verdict="ambiguous")
     settings = replace(settings, integrator=_solving(found.search.first.numerics.integrator))
     validation = Validation(fitted, others, settings, seconds, initial_state)
     models = before_and_after(found, validation, context)

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 
 from hybridid.naming import counted, listed
-from hybridid.quantities import estimated, percent, probability, quantity, share
+from hybridid.quantities import percent, probability, quantity, share
 from hybridid.trace.entries import (
     AcceptedEffect,
-    DifferingParameter,
     ReplacedEffect,
     StepTaken,
     TriedEffect,
     TriedPair,
 )
 from hybridid.trace.law_words import passed_before, proposed
+from hybridid.trace.recording_words import by_recording_in_words
 from hybridid.trace.remarks import named_effects, parameters_in_words
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED, UNTRIED
@@ -82,27 +82,6 @@ def _as_good(one: ReplacedEffect, found: Trace) -> str:
         f"{'explain' if len(one.effects) > 1 else 'explains'} the records as well with "
         f"{counted(one.fewer, 'parameter')} fewer{without}. These records cannot tell the two models apart; "
         "the simpler one is preferred."
-    )
-
-
-def by_recording_in_words(found: Trace) -> str:
-    """Which parameters differ by recording; that none does, where it was asked; else empty."""
-    if not found.by_recording:
-        return ""
-    passed = [one for one in found.by_recording if one.status == PASSED]
-    said = "".join(_differs(one) for one in passed if not one.in_place_of)
-    for effect in dict.fromkeys(one.in_place_of for one in passed if one.in_place_of):
-        names = [one.parameter for one in passed if one.in_place_of == effect]
-        said += f" These records cannot tell {effect} from {' or '.join(names)} that differs by recording."
-    return said or " No parameter differs by recording."
-
-
-def _differs(one: DifferingParameter) -> str:
-    values = listed([f"{estimated(v.value, v.std, v.unit)} in {record}" for record, v in one.values.items()])
-    alike = f"; these records cannot tell it from {listed(one.alike)}" if one.alike else ""
-    return (
-        f" {one.parameter} differs by recording, {values}: that leaves {share(one.gain)} less error "
-        f"(p {probability(one.p_value, '= ')}){alike}. parameters.{one.parameter}.by=record fits each."
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.by_recording import by_recording
 from hybridid.trace.context import Context
+from hybridid.trace.entries import DifferingParameter, Value
+from hybridid.trace.recording_words import by_recording_in_words
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
 from hybridid.trace.split import by_blocks, by_record
@@ -109,3 +112,25 @@ def drifting(record):
     velocity = np.gradient(record.outputs[:, 0], record.time)
     more = 0.8 * record.time * np.tanh(velocity / 3e-3)
     return replace(record, inputs=record.inputs + more[:, None])
+
+
+def in_words(gain, p_value):
+    """A mass that was tried in the place of a lag."""
+    values = {"first": Value(309.0, 0.1, "kg"), "second": Value(425.7, 0.1, "kg")}
+    mass = DifferingParameter(
+        "M", PASSED, "its reason", gain, p_value, values, {}, in_place_of="position.sensor_lag"
+    )
+    said = by_recording_in_words(SimpleNamespace(by_recording=(mass,), rules=Rules()))
+    return said.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_a_parameter_that_explains_more_in_the_place_of_an_effect_refutes_that_name():
+    said = in_words(0.98, 1e-6)
+    assert said.startswith(
+        " But M that differs by recording, 309.00 ± 0.20 kg in first and 425.70 ± 0.20 kg in"
+    )
+    assert "leaves 98.0 % less error in the place of position.sensor_lag" in said
+    assert "that name is refuted. parameters.M.by=record fits each." in said
+    assert in_words(0.01, 1.0) == (
+        " These records cannot tell position.sensor_lag from M that differs by recording."
+    )

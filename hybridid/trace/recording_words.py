@@ -1,0 +1,47 @@
+"""What differs by recording, in words."""
+
+from __future__ import annotations
+
+from hybridid.naming import listed
+from hybridid.quantities import estimated, probability, share
+from hybridid.trace.entries import DifferingParameter
+from hybridid.trace.result import Trace
+from hybridid.trace.trial import PASSED
+
+
+def by_recording_in_words(found: Trace) -> str:
+    """Which parameters differ by recording; that none does, where it was asked; else empty."""
+    if not found.by_recording:
+        return ""
+    passed = [one for one in found.by_recording if one.status == PASSED]
+    said = "".join(_differs(one) for one in passed if not one.in_place_of)
+    for effect in dict.fromkeys(one.in_place_of for one in passed if one.in_place_of):
+        instead = [one for one in passed if one.in_place_of == effect]
+        rules, names = found.rules, [one.parameter for one in instead]
+        if rules.passes(instead[0].gain, instead[0].p_value):
+            said += _refutes(instead[0])
+            continue
+        said += f" These records cannot tell {effect} from {' or '.join(names)} that differs by recording."
+    return said or " No parameter differs by recording."
+
+
+def _refutes(one: DifferingParameter) -> str:
+    """That a parameter by recording explains more than an accepted effect in its place."""
+    return (
+        f" But {one.parameter} that differs by recording, {_values_of(one)}, leaves {share(one.gain)} less "
+        f"error in the place of {one.in_place_of} (p {probability(one.p_value, '= ')}): that name is "
+        f"refuted. parameters.{one.parameter}.by=record fits each."
+    )
+
+
+def _values_of(one: DifferingParameter) -> str:
+    return listed([f"{estimated(v.value, v.std, v.unit)} in {record}" for record, v in one.values.items()])
+
+
+def _differs(one: DifferingParameter) -> str:
+    values = _values_of(one)
+    alike = f"; these records cannot tell it from {listed(one.alike)}" if one.alike else ""
+    return (
+        f" {one.parameter} differs by recording, {values}: that leaves {share(one.gain)} less error "
+        f"(p {probability(one.p_value, '= ')}){alike}. parameters.{one.parameter}.by=record fits each."
+    )
