@@ -107,12 +107,13 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
 
 def _outdone(sharp: Refit, steps: Sequence[Step], context: Context) -> bool:
     """Whether an effect explains more in the place of an accepted one with sign(v) smoothed as in ``sharp``,
-    of those that took at least half as much in its step."""
-    rules = context.rules
+    of those that took at least half as much in its step. What was taken out again has no place."""
+    rules, present = context.rules, {term.name for term in sharp.model.terms}
     given = [
         (sharp, one.name, rival.candidate, context.split, rival.refit.values)
         for step in steps
         for one in step.taken
+        if one.name in present
         for rival in step.trials
         if rival.refit and rival not in one.alike and rival.taken >= rules.majority * one.trial.taken
     ]

@@ -90,6 +90,7 @@ def test_an_effect_that_explains_more_in_the_place_of_another_outdoes_it(make_mo
     )
     step = Step(base, (poor, good), Accepted(poor, (poor,), ()))
     assert search_module._outdone(poor.refit, [step], context)
+    assert not search_module._outdone(good.refit, [step], context), "what was taken out has no place"
     assert not search_module._outdone(poor.refit, [replace(step, trials=(poor,))], context)
     assert not search_module._outdone(
         good.refit, [replace(step, accepted=Accepted(good, (good,), ()))], context
