@@ -111,30 +111,42 @@ def _concluded(found: Trace) -> str:
 
 
 def _undecided(found: Trace, where: str) -> str:
-    """Why it is open whether something is missing."""
+    """That, and why, it is open whether something is missing."""
     if last := _cut_step(found):
         return f"The best so far: {_best_tried(last)} {where}."
+    return f"These records do not decide whether something is missing: {_why_open(found, where)}."
+
+
+def _why_open(found: Trace, where: str) -> str:
+    alone = "what noise and simulation alone leave"
+    if found.steady is not None:
+        return (
+            f"{_unnamed(found)} the error {where}, and over horizons of {found.steady:.2g} s it is as large. "
+            "So it may be a noise with a memory, an error of the sensor, or an effect that is faster"
+        )
+    if found.refused:
+        return f"{where} the RMSE would fall by {found.refused}"
     nothing = f"{where} nothing that can be found is, but"
-    seconds = f"{found.longer.seconds:.2g}" if found.longer else ""
-    why = (
-        f"{_unnamed(found)} the error {where}, and over horizons of {found.steady:.2g} s it is as large. So "
-        "it may be a noise with a memory, an error of the sensor, or an effect that is faster"
-        if found.steady is not None
-        else f"{where} the RMSE would fall by {found.refused}"
-        if found.refused
-        else f"{nothing} the fitted initial state of so few samples may follow what is missing, and these "
-        "records are too short for longer horizons"
-        if found.too_short
-        else f"{nothing} the fitted records leave the parameters so uncertain that what is missing may hide "
-        "behind them"
-        if found.vague
-        else f"{nothing} over horizons of {seconds} s the model leaves {_times(found.longer.times)} what "
-        f"noise and simulation alone leave. trace.horizon={seconds} may show what is missing"
-        if found.longer
-        else f"the fitted horizons leave {_times(found.times_fitted)} what noise and simulation alone leave, "
-        f"but {_unnamed(found)} the error {where}, which may show too little of the machine"
+    if found.too_short:
+        return (
+            f"{nothing} the fitted initial state of so few samples may follow what is missing, and these "
+            "records are too short for longer horizons"
+        )
+    if found.vague:
+        return (
+            f"{nothing} the fitted records leave the parameters so uncertain that what is missing may hide "
+            "behind them"
+        )
+    if found.longer:
+        seconds = f"{found.longer.seconds:.2g}"
+        return (
+            f"{nothing} over horizons of {seconds} s the model leaves {_times(found.longer.times)} {alone}. "
+            f"trace.horizon={seconds} may show what is missing"
+        )
+    return (
+        f"the fitted horizons leave {_times(found.times_fitted)} {alone}, but {_unnamed(found)} the error "
+        f"{where}, which may show too little of the machine"
     )
-    return f"These records do not decide whether something is missing: {why}."
 
 
 def _only_together(found: Trace) -> str:
