@@ -65,7 +65,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
     begins ``anew`` from the declared model, with the narrower smoothing.
     """
     base = found.final
-    steps, accepted, took = list(found.steps), list(found.accepted), 0.0
+    steps, accepted, took, narrowed = list(found.steps), list(found.accepted), 0.0, -1
     while True:
         began = time.monotonic()
         sharp = sharp_enough(base, context)
@@ -84,9 +84,9 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
-            retried = not (step.minor or context.out_of_time)
-            if retried and (narrower := sharper_for_an_effect(step, context)):
-                base = narrower
+            again = narrowed < len(steps) and not (step.minor or context.out_of_time)
+            if again and (narrower := sharper_for_an_effect(step, context)):
+                base, narrowed = narrower, len(steps)  # once a step
                 continue
             return replace(
                 found,

@@ -81,6 +81,18 @@ def test_where_another_effect_then_explains_more_the_search_begins_anew(too_wide
     assert width_of(found.final.model) == width_of(found.first.model) < width_of(too_wide)
 
 
+def test_a_step_is_made_again_with_a_narrower_smoothing_once(make_model, split_of, monkeypatch):
+    """As if the effect passed each time that it is retried, and never in the step."""
+    context = Context(split_of(df_v=75.0), TRIED[1:])
+    made = []
+    monkeypatch.setattr(
+        search_module, "sharper_for_an_effect", lambda step, context: made.append(step) or step.base
+    )
+    found = search(make_model(), context, [{}])
+    assert found.accepted == ()
+    assert len(made) == 1
+
+
 def test_an_effect_that_explains_more_in_the_place_of_another_outdoes_it(make_model, split_of):
     context = Context(split_of(df_v=75.0))
     base = refit(make_model(), context.split)
