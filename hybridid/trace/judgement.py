@@ -142,19 +142,14 @@ def _collinear(trial: Trial, rules: Rules) -> str:
     A correlation says that the errors of two parameters go together, not that they are large: what the
     records tell of a parameter beside all others is its standard error (Belsley, Kuh, Welsch 1980, Regression
     Diagnostics, ch. 3). Of a load behind a spring, as heavy as the machine, the sum of both inertias may be
-    known to a hundredth of a per cent, and each to a fifth of one: there the correlation is over 0.999. It
-    is, however little the records tell of the load, so nothing follows from it: a load is judged by its
-    standard error alone.
+    known to a hundredth of a per cent, and each to a fifth of one: there the correlation is over 0.999.
     """
     assert trial.refit is not None
     names, std, values = list(trial.refit.std), trial.refit.std, trial.refit.values
-    loads = {
-        f"{trial.candidate.name}.{p.name}" for p in trial.candidate.effect.parameters if p.sought == "load"
-    }
     own = [k for k, name in enumerate(names) if name.startswith(f"{trial.candidate.name}.")]
     others = [k for k in range(len(names)) if k not in own]
     for k in own:
-        if names[k] in loads or std[names[k]] <= WELL_KNOWN * abs(values[names[k]]):
+        if std[names[k]] <= WELL_KNOWN * abs(values[names[k]]):
             continue
         for j in others:
             if abs(trial.refit.correlation[k, j]) > rules.collinear:

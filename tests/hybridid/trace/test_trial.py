@@ -181,12 +181,6 @@ def test_what_is_known_to_a_hundredth_is_told_from_what_it_is_collinear_with(tri
     assert only(trial("asymmetric_viscous", correlated="carriage.offset.offset", std=0.01)).status == PASSED
 
 
-@pytest.mark.parametrize(("std", "status"), [(0.2, PASSED), (0.9, UNIDENTIFIABLE)])
-def test_a_load_is_judged_by_its_standard_error_alone(trial, std, status):
-    """Its sum with the mass is known so well that the two correlate whatever is known of either."""
-    assert only(trial("flexible_mode", correlated="M", std=std)).status == status
-
-
 def test_what_could_not_be_fitted_says_why(make_model):
     candidate = Candidate(effect_named("dahl"), "carriage")
     judged = only(Trial(candidate, None, None, failure="the simulation diverges from every start"))
