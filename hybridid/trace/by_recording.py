@@ -209,7 +209,7 @@ def _in_place(found: Search, context: Context) -> list[DifferingParameter]:
     for one, (_, _, _, effect) in zip(trials, places, strict=True):
         if _no_worse(one.refit, final, rules):
             p_value = min(1.0, len(places) * one.comparison.p_value) if one.comparison else 1.0
-            how = "more than" if one.gain >= rules.worth and p_value <= rules.alpha else "as much as"
+            how = "more than" if rules.passes(one.gain, p_value) else "as much as"
             entry = _entry(replace(one, status=PASSED, p_adjusted=p_value, reason=f"explains {how} {effect}"))
             kept.append(replace(entry, in_place_of=effect))
     return sorted(kept, key=lambda one: -one.gain)

@@ -217,7 +217,7 @@ class StepTaken:
 
     Where no effect passed, ``pairs`` may have been tried, of ``family`` that could be formed. Of an accepted
     pair, ``accepted`` is the first effect and ``together`` the second. ``left_out`` names the effects that
-    the time limit left untried; of all they promised least.
+    the time limit left untried; then none is accepted.
     """
 
     base: Level

@@ -74,11 +74,9 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         base = sharp
         stopped = _nothing_to_seek(base, accepted, context)
         if not stopped and base.shorter is None:
-            lower = context.one(with_shorter, base, context.split)
-            if lower.cost < base.cost:
-                base = lower
+            before, base = base.cost, context.one(with_shorter, base, context.split)
+            if base.cost < before:
                 continue
-            base = lower
         if stopped := stopped or _out_of_time(steps, took, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
         step = _unless_minor(_step(base, context, len(steps) + 1), context)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from hybridid.effects.library import effect_named
 from hybridid.trace.accuracy import Accuracy, parameter_error, simulation_error
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
-from hybridid.trace.verdict import conclude
+from hybridid.trace.rules import Rules
+from hybridid.trace.verdict import _parameters_are_vague, conclude
 
 SEEDS = 16
 LOUD = 1e-4  # m, as in larger_than_fitted
@@ -56,3 +58,20 @@ def test_an_error_far_above_the_noise_is_never_called_nothing(make_model, split_
     )
     assert found.times > 3
     assert found.verdict == "unexplained"
+
+
+def test_parameters_that_the_noise_may_have_moved_far_make_no_error_small():
+    """68 mrad beside a noise of 20 and parameters that may err by 330."""
+    known = Accuracy(np.array([0.020]), np.array([0.330]), np.zeros(1))
+    left = np.array([0.068])
+    assert known.times(left) < 1.0
+    assert known.times_the_least(left) == pytest.approx(3.4)
+
+    def vague(error, stopped=""):
+        score = SimpleNamespace(rmse=np.array([error]))
+        found = SimpleNamespace(final=SimpleNamespace(score=score), at_noise=bool(stopped))
+        return _parameters_are_vague(SimpleNamespace(found=found, accuracy=known), Rules())
+
+    assert vague(0.068)
+    assert not vague(0.059), "within three times the noise"
+    assert not vague(0.068, stopped="at the noise, fitted to all horizons together")
