@@ -13,7 +13,7 @@ from hybridid.records.record import Record
 from hybridid.simulation.initial import measured_states
 from hybridid.simulation.matching import check_records
 from hybridid.simulation.shooter import Shooter, Shot
-from hybridid.simulation.stability import in_enough_steps, substeps_to_predict
+from hybridid.simulation.stability import in_enough_steps, stays_near, substeps_to_predict
 from hybridid.simulation.windows import cut
 
 Array = NDArray[np.float64]
@@ -63,7 +63,7 @@ def simulate(
         shot = shot_in(substeps)
     else:
         steps = substeps_to_predict(model, p, [record], integrator=integrator)
-        shot = in_enough_steps(shot_in, lambda found: bool(np.isfinite(found.outputs).all()), steps)
+        shot = in_enough_steps(shot_in, lambda found: stays_near(found.outputs[0, : record.n], record), steps)
     outputs, states = shot.outputs[0, : record.n], shot.states[0, : record.n]
     if not np.isfinite(outputs).all():
         first = int(np.argmin(np.isfinite(outputs).all(axis=1)))

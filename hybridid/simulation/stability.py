@@ -39,6 +39,9 @@ RESOLVED = 2.0
 PROBES = 200
 ACCURACY = 2e-4
 """Change of the outputs, in standard deviations, below which the step is not halved again."""
+FAR = 1e6
+"""Times the largest recorded output above which a simulated one is taken for an instability of the
+integrator, though it is still a number: whether that overflows depends on the processor's last digits."""
 HORIZON = 100
 """Samples over which the effect of a shorter step is computed."""
 HORIZONS = 50
@@ -79,16 +82,25 @@ def substeps_to_predict(model: Model, p: Array, records: Sequence[Record], integ
     return _checked(steps, integrator)
 
 
-def in_enough_steps(run: Callable[[int], T], is_finite: Callable[[T], bool], steps: int) -> T:
-    """``run(steps)``, in twice as many steps a sample as long as it is not finite, and in ``MOST`` at most.
+def in_enough_steps(run: Callable[[int], T], is_plausible: Callable[[T], bool], steps: int) -> T:
+    """``run(steps)``; where that is not plausible, in twice as many steps a sample until it is, and twice as
+    many once more: what is only just stable is not accurate. In ``MOST`` at most.
 
     A record does not show how fast a model becomes that leaves it, or between two samples.
     """
     found = run(steps)
-    while not is_finite(found) and 2 * steps <= MOST:
-        steps *= 2
+    enough = is_plausible(found)
+    while not enough and 2 * steps <= MOST:
+        steps, enough = 2 * steps, is_plausible(found)
         found = run(steps)
     return found
+
+
+def stays_near(outputs: Array, record: Record) -> bool:
+    """Whether simulated ``outputs`` (n, n_y) are finite, and none is above ``FAR`` times the largest recorded
+    one (unless all of these are zero)."""
+    limit = FAR * float(np.abs(np.nan_to_num(record.outputs)).max(initial=0.0))
+    return bool(np.isfinite(outputs).all() and (limit == 0 or np.abs(outputs).max(initial=0.0) <= limit))
 
 
 def _checked(steps: int, integrator: str) -> int:

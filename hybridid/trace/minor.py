@@ -11,8 +11,8 @@ says that the effect is minor. No learned effort takes more than all, so an effe
 L_base^2 is not minor, and nothing need be learned. Of two effects that add up, the larger takes at least half
 of what any curve can take; so a true effect is minor only where two help together and not alone. A learned
 effort adds up all effects of its variable, so it says nothing against an effect that is itself a curve over
-that variable. If the effect is minor, the step ends as if none had passed: pairs are tried next, and then
-composed laws, beside which the search goes on.
+that variable. If the effect is minor, the step ends as if none had passed: a narrower smoothing of sign(v) is
+tried next, then pairs, and then composed laws, beside which the search goes on.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ from hybridid.trace.law_curve import is_curve_over
 from hybridid.trace.refit import Refit
 from hybridid.trace.robustness import surviving
 from hybridid.trace.trial import Trial
+
+MINOR = "minor: "
+"""How the reason begins why an effect that had passed is refused for that."""
 
 
 def may_be_minor(best: Trial, base: Refit, context: Context) -> bool:

@@ -17,7 +17,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import exchanged, still_alike
 from hybridid.trace.judgement import judge
-from hybridid.trace.minor import may_be_minor, minor_beside, said_of_minor
+from hybridid.trace.minor import MINOR, may_be_minor, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
@@ -82,7 +82,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
-            again = narrowed < len(steps) and not (step.minor or context.out_of_time)
+            again = narrowed < len(steps) and not context.out_of_time
             if again and (narrower := sharper_for_an_effect(step, context)):
                 base, narrowed = narrower, len(steps)  # once a step
                 continue
@@ -233,7 +233,7 @@ def _unless_minor(step: Step, context: Context) -> Step:
         return replace(step, learned=learned)
 
     def refused(trial: Trial) -> Trial:
-        return replace(trial, status=REJECTED, reason=f"minor: {said_of_minor(trial, step.base, larger)}")
+        return replace(trial, status=REJECTED, reason=f"{MINOR}{said_of_minor(trial, step.base, larger)}")
 
     trials = tuple(refused(t) if t.status == PASSED else t for t in step.trials)
     minor = f"{one.name} is minor: {said_of_minor(one.trial, step.base, larger)}"

@@ -6,8 +6,9 @@ beside a model, it is refitted with half of each epsilon, and again, as long as 
 held-out error as an effect must (``Rules.worth``). It is the simulation's error that goes: no law was added.
 
 Beside a model that lacks an effect, that error may hardly count, and beside the effect decide: a resonance
-that a machine excites as it sticks is not seen where it creeps instead. So where no effect passes, those that
-gain most are tried once more with half of each epsilon. If one passes then, the step is made again with that.
+that a machine excites as it sticks is not seen where it creeps instead. So where no effect passes, or only
+one that is minor, those that gain most are tried once more with half of each epsilon. If one passes then that
+did not before, the step is made again with that.
 
 Source: Roache (1998), Verification and Validation in Computational Science and Engineering, ch. 3: the error
 of a solution is made small before the model is judged.
@@ -26,6 +27,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.entries import Width
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import judge
+from hybridid.trace.minor import MINOR
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.steps import Step
 from hybridid.trace.trial import PASSED, attempt
@@ -48,7 +50,8 @@ def sharp_enough(base: Refit, context: Context) -> Refit:
 
 
 def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:
-    """The model of a ``step`` in which no effect passed with half of each epsilon, if an effect then does."""
+    """The model of a ``step`` that accepted no effect with half of each epsilon, if one then passes that did
+    not before."""
     rules = context.rules
     possible = [t for t in step.trials if t.comparison and t.gain >= rules.worth]
     if not possible or (sharp := _halved(step.base, context)) is None:
@@ -56,7 +59,9 @@ def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:
     best = sorted(possible, key=lambda t: -t.gain)[:RETRIED]
     given = [(t.candidate, sharp, context.split, rules.worth) for t in best]
     tried = context.each("narrower smoothing", attempt, given, lambda t: t.candidate.name)
-    passed = [t.candidate.name for t in judge(tried, rules, len(step.trials)) if t.status == PASSED]
+    minor = [t.candidate.name for t in step.trials if t.reason.startswith(MINOR)]
+    judged = [t for t in judge(tried, rules, len(step.trials)) if t.candidate.name not in minor]
+    passed = [t.candidate.name for t in judged if t.status == PASSED]
     if not passed:
         return None
     context.say(f"{_said(sharp.model)} from here on: then {listed(passed)} passes")

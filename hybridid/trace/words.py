@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from hybridid.naming import counted, listed
 from hybridid.quantities import percent, probability, quantity, share
 from hybridid.trace.entries import (
@@ -11,10 +9,10 @@ from hybridid.trace.entries import (
     ReplacedEffect,
     StepTaken,
     TriedEffect,
-    TriedPair,
 )
 from hybridid.trace.law_words import passed_before, proposed
 from hybridid.trace.recording_words import by_recording_in_words
+from hybridid.trace.refused_words import more_than_possible, most_refused
 from hybridid.trace.remarks import named_effects, parameters_in_words
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED, UNTRIED
@@ -29,8 +27,6 @@ VERDICTS = {
 }
 FEW = 3
 """Members of a class up to which each is told with its parameters."""
-EVIDENT = 2.0
-"""Times the smallest p-value up to which the evidence is about the same: few horizons give few p-values."""
 WORTH_TELLING = 3.0
 """The error of the parameters is told from the sensor's noise over this: it then counts by more than 5 %."""
 
@@ -94,7 +90,7 @@ def _concluded(found: Trace) -> str:
     if found.verdict == "unexplained":
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
         withdrawn = f" {found.withdrawn}." if found.withdrawn else ""
-        told = f"{place}.{withdrawn}{_most_refused(found)} {error_left(found)}"
+        told = f"{place}.{withdrawn}{most_refused(found)} {error_left(found)}"
         return f"Something is missing that {_unnamed(found)}{told}"
     them = "them" if len(found.accepted) > 1 else "it"
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
@@ -194,38 +190,8 @@ def _none_passes(found: Trace, where: str) -> str:
     survives = "pass" if len(tried) == 1 else "passes"
     return (
         f"{fails} and {survives} every test. The largest gain, {share(most.gain)} with {most.effect} at "
-        f"{most.port}, is refused: {most.reason}.{_more_than_possible(most.gain, found.times)}"
+        f"{most.port}, is refused: {most.reason}.{more_than_possible(most.gain, found.times)}"
     )
-
-
-def _most_refused(found: Trace) -> str:
-    """The gain of an effect or a pair that was refused in the last step and has the most evidence, and why;
-    empty if none of them is worth having, or possible. Of those with about the same evidence that is the
-    largest."""
-    last = found.steps[-1] if found.steps else None
-    if last is None or last.taken:
-        return ""
-    worth, alpha = found.rules.worth, found.rules.alpha
-    effects = [one for one in last.trials if one.status != PASSED and not one.is_law]
-    refused: list[TriedEffect | TriedPair] = [*effects, *last.pairs]
-    # where the error is far above the noise, no gain can come from fitting the noise
-    times = math.inf if found.times > found.rules.far else found.times
-    possible = [o for o in refused if o.gain >= worth and not _more_than_possible(o.gain, times)]
-    if not possible:
-        return ""
-    evident = EVIDENT * max(alpha, min(one.p_value for one in possible))
-    most = max((one for one in possible if one.p_value <= evident), key=lambda one: one.gain)
-    name = " and ".join(most.effects) if isinstance(most, TriedPair) else most.name
-    told = f" The best supported of the refused gains is {share(most.gain)} with {name}"
-    return f"{told}." if most.reason in found.withdrawn else f"{told}: {most.reason}."
-
-
-def _more_than_possible(gain: float, times: float) -> str:
-    """That a gain takes more than what a complete model could, where the error left is ``times`` that of
-    noise and simulation; else empty."""
-    if gain <= 1.0 - 1.0 / times:
-        return ""
-    return " A complete model could not take as much: it fits the noise, or an error of the simulation."
 
 
 def error_left(found: Trace) -> str:

@@ -25,7 +25,7 @@ from hybridid.simulation.chosen import integrator_for
 from hybridid.simulation.matching import check_records
 from hybridid.simulation.shooter import Shot
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import in_enough_steps, substeps_to_predict
+from hybridid.simulation.stability import in_enough_steps, stays_near, substeps_to_predict
 
 Array = NDArray[np.float64]
 VIEWS: tuple[View, ...] = get_args(View)
@@ -158,7 +158,7 @@ def _predict(
         problem, x0, shot = run(substeps)
     else:
         steps = substeps_to_predict(model, p, [record], integrator=integrator)
-        problem, x0, shot = in_enough_steps(run, _is_finite, steps)
+        problem, x0, shot = in_enough_steps(run, lambda found: _stays_near(found, record), steps)
     used = problem.windows.used
     time, predicted, states = (a[used] for a in (problem.windows.time, shot.outputs, shot.states))
     if not np.isfinite(predicted).all():
@@ -181,9 +181,9 @@ def _predict(
     )
 
 
-def _is_finite(found: tuple[Problem, Array, Shot]) -> bool:
+def _stays_near(found: tuple[Problem, Array, Shot], record: Record) -> bool:
     problem, _, shot = found
-    return bool(np.isfinite(shot.outputs[problem.windows.used]).all())
+    return stays_near(shot.outputs[problem.windows.used], record)
 
 
 def _rows(problem: Problem) -> NDArray[np.int64]:

@@ -8,6 +8,7 @@ from hybridid.effects.library import effect_named
 from hybridid.trace import search as search_module
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
+from hybridid.trace.minor import MINOR
 from hybridid.trace.refit import refit
 from hybridid.trace.search import search
 from hybridid.trace.sharper import narrowed, sharp_enough, sharper_for_an_effect
@@ -123,3 +124,5 @@ def test_where_none_passes_the_best_are_tried_with_a_narrower_smoothing(make_mod
     assert sharper_for_an_effect(replace(step, trials=()), context) is None
     fixed = replace(base, model=smoothed(base.model, fixed=width_of(base.model)))
     assert sharper_for_an_effect(replace(step, base=fixed), context) is None
+    minor = tuple(replace(one, reason=f"{MINOR}most is something else") for one in trials)
+    assert sharper_for_an_effect(replace(step, trials=minor), context) is None, "it passed before"

@@ -306,6 +306,12 @@ def test_pairs_that_were_tried_are_told(nothing):
     likelier = replace(tried("coulomb", 0.07, "adjusted p = 0.02 over 0.01"), p_value=0.02)
     said = sentence(replace(found, steps=(replace(step, trials=(likelier,)),)))
     assert "gains is 7.0 % with carriage.coulomb: adjusted p = 0.02 over 0.01." in said
+    strong = replace(pair, gain=0.58, p_value=1.0, reason="adjusted p = 1 over 0.01")
+    steps = (replace(step, trials=(likelier,), pairs=(strong,)), replace(step, pairs=()))
+    assert (
+        "is 7.0 % with carriage.coulomb: adjusted p = 0.02 over 0.01. The largest is 58.0 % with "
+        "carriage.spring and carriage.offset: adjusted p = 1 over 0.01. The error"
+    ) in sentence(replace(found, steps=steps)), "laws were tried after the pairs"
     at_noise = replace(found, times=1.1)
     assert "refused" not in sentence(at_noise), "no complete model could take 10 %"
     assert tried_in_words(found) == "2 effects and 2 of 741 pairs of them"

@@ -1,0 +1,75 @@
+"""In words, which gains were refused where no name is given: the best supported one, and the largest."""
+
+from __future__ import annotations
+
+import math
+from itertools import takewhile
+
+from hybridid.quantities import share
+from hybridid.trace.entries import StepTaken, TriedEffect, TriedPair
+from hybridid.trace.result import Trace
+from hybridid.trace.trial import PASSED
+
+EVIDENT = 2.0
+"""Times the smallest p-value up to which the evidence is about the same: few horizons give few p-values."""
+
+Refused = TriedEffect | TriedPair
+
+
+def most_refused(found: Trace) -> str:
+    """The gain of an effect or a pair that was refused beside the last model and has the most evidence, and
+    why; empty if none of them is worth having, or possible. Of those with about the same evidence that is the
+    largest. One that takes more still by what is worth having is told as well: what few horizons cannot show
+    may be there."""
+    possible = _possible(found)
+    if not possible:
+        return ""
+    evident = EVIDENT * max(found.rules.alpha, min(one.p_value for one in possible))
+    best = max((one for one in possible if one.p_value <= evident), key=_gain)
+    largest = max(possible, key=_gain)
+    told = f" The best supported of the refused gains is {_told(best, found)}."
+    if largest.gain < best.gain + found.rules.worth:
+        return told
+    return f"{told} The largest is {_told(largest, found)}."
+
+
+def _possible(found: Trace) -> list[Refused]:
+    """What was refused beside the last model, is worth having, and takes no more than a complete model."""
+    worth = found.rules.worth
+    # where the error is far above the noise, no gain can come from fitting the noise
+    times = math.inf if found.times > found.rules.far else found.times
+    refused: list[Refused] = []
+    for step in _beside_the_last_model(found):
+        refused += [*step.trials, *step.pairs]
+    return [
+        one
+        for one in refused
+        if one.status != PASSED
+        and not (isinstance(one, TriedEffect) and one.is_law)
+        and one.gain >= worth
+        and not more_than_possible(one.gain, times)
+    ]
+
+
+def _beside_the_last_model(found: Trace) -> list[StepTaken]:
+    """The last steps, in which nothing was taken."""
+    return list(takewhile(lambda step: not step.taken, reversed(found.steps)))
+
+
+def _gain(one: Refused) -> float:
+    return one.gain
+
+
+def _told(one: Refused, found: Trace) -> str:
+    """``57.8 % with body.side_capacity and power.input_nonlinearity: not significant``."""
+    name = " and ".join(one.effects) if isinstance(one, TriedPair) else one.name
+    gain = f"{share(one.gain)} with {name}"
+    return gain if one.reason in found.withdrawn else f"{gain}: {one.reason}"
+
+
+def more_than_possible(gain: float, times: float) -> str:
+    """That a gain takes more than what a complete model could, where the error left is ``times`` that of
+    noise and simulation; else empty."""
+    if gain <= 1.0 - 1.0 / times:
+        return ""
+    return " A complete model could not take as much: it fits the noise, or an error of the simulation."
