@@ -127,7 +127,7 @@ class Port:
     A flow port belongs to a balance of first order, such as that of a tank. Its position is the level q. What
     the effects there have in place of an effort is a flow that lowers it, in ``effort_unit`` (m³/s). Its
     velocity is the net flow of the declared model, as the rate of the level (m/s), before the effects. There
-    is no acceleration, no ``epsilon`` and no load.
+    is no acceleration, no ``epsilon`` and no load; its ``drive`` is the supply, such as the flow of a pump.
 
     ``drive`` and ``load`` say in words which effort drives the contact, and which the load exerts on it;
     ``level`` says what sets the level of its friction (a field, a pressure). ``Plant.loads`` gives their
@@ -135,7 +135,7 @@ class Port:
 
     Raises:
         ValueError: if the kind is none of these, a scale or epsilon is not positive and finite, or a flow
-            port declares a drive, a load or a level of friction.
+            port declares a load or a level of friction.
     """
 
     name: str
@@ -158,8 +158,8 @@ class Port:
             raise ValueError(f"{where}: {unknown('kind', self.kind, kinds)}")
         scales = {"position_scale": self.position_scale, "velocity_scale": self.velocity_scale}
         _check_positive(where, effort_scale=self.effort_scale, epsilon=self.epsilon, **scales)
-        if self.kind == "flow" and self.carries:
-            raise ValueError(f"{where}: a flow port carries no load; leave out its drive, load and level")
+        if self.kind == "flow" and (self.load or self.level):
+            raise ValueError(f"{where}: a flow port carries no load; leave out its load and level")
 
     @property
     def in_equations(self) -> bool:
@@ -182,7 +182,7 @@ class Port:
         """What of the drive, the load and the level is declared; ``load``: one of the first two. Of an output
         and of the level at a flow port the rate of change is known."""
         known: dict[Need, bool] = {
-            "load": bool(self.drive or self.load),
+            "load": self.kind != "flow" and bool(self.drive or self.load),
             "drive": bool(self.drive),
             "both_sides": bool(self.drive and self.load),
             "level": bool(self.level),

@@ -77,6 +77,8 @@ FORMS: Mapping[str, str] = {
         for shape in ("proportional", "square", "shifted", "parabola")
     },
     "sine_of_position_times_drive": "torque_ripple",
+    "proportional_of_level_times_drive": "falling_supply",
+    "saturating_of_level_times_drive": "falling_supply",
     "proportional_of_bristle_deflection": "dahl",
     "proportional_of_load": "input_gain",
 }

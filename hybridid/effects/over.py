@@ -1,8 +1,9 @@
 """``Over``: the variable that a learned effort or flow depends on, and the factor it is multiplied by.
 
-At a flow port a variable is the level, the time, or an input or channel of the model; the factor is the net
-flow of the declared model (a section that changes with the level). At an effort port a variable is the
-velocity or position, the time, the load (drive minus load), an input or channel, or a state with memory:
+At a flow port a variable is the level, the time, or an input or channel of the model. The factor is the net
+flow of the declared model (a section that changes with the level), or the drive (a supply that depends on the
+level). At an effort port a variable is the velocity or position, the time, the load (drive minus load), an
+input or channel, or a state with memory:
 
     recent speed          s' = (|v| - s) / tau     a contact that warms
     recent load           s' = (|L| - s) / tau     friction that lags its load (frictional memory)
@@ -125,7 +126,7 @@ OVERS = (
     Over(BRISTLE),
 )
 FLOW_FACTORS: tuple[Factor, ...] = ("",)
-OVERS_OF_A_FLOW = (Over("level"), Over("time"), Over("level", "net flow"))
+OVERS_OF_A_FLOW = (Over("level"), Over("time"), Over("level", "net flow"), Over("level", "drive"))
 
 
 def overs_for(port: Port, inputs: Sequence[Signal]) -> tuple[Over, ...]:

@@ -122,19 +122,24 @@ class _Locals:
             **_carried(port, loads),
         )
 
-    def at_flow_port(self, term: Term, port: str, motion: Motion, rate: ca.SX) -> Local:
-        """The level, its rate and the net flow; an effect that asks for more is refused."""
+    def at_flow_port(
+        self, term: Term, port: Port, motion: Motion, rate: ca.SX, loads: Mapping[str, Load]
+    ) -> Local:
+        """The level, its rate, the net flow and the supply; an effect that asks for more is refused."""
         absent = {"acceleration": ca.SX.sym("a"), "epsilon": ca.SX.sym("epsilon")}
-        seen = self.see(term, position=motion.position, velocity=motion.velocity, rate=rate, **absent)
+        known = {"position": motion.position, "velocity": motion.velocity, "rate": rate}
+        seen = self.see(term, **known, **absent, **_carried(port, loads))
         law = law_of(term.effect, seen)
         used = ca.vertcat(law, *self.rates(term, seen).values())
         if ca.depends_on(used, ca.vertcat(*absent.values())):
             raise ValueError(
-                f"effect {term.effect.id}: flow port {port} has a level and a net flow, but no acceleration "
-                "and no smoothed sign of a velocity"
+                f"effect {term.effect.id}: flow port {port.name} has a level and a net flow, but no "
+                "acceleration and no smoothed sign of a velocity"
             )
         if ca.depends_on(law, rate):
-            raise ValueError(f"effect {term.effect.id}: its flow at {port} uses the rate that it changes")
+            raise ValueError(
+                f"effect {term.effect.id}: its flow at {port.name} uses the rate that it changes"
+            )
         return seen
 
     def rates(self, term: Term, local: Local) -> dict[str, ca.SX]:
@@ -195,10 +200,11 @@ def _resolve_acceleration(
     term_rates: dict[str, ca.SX] = {}
     acting = [(term, name) for term in local.terms if term.effect.in_equations for name in term.ports]
     for term, name in acting:
+        port = plant.port(name)
         if name in moving:
-            seen = local.at_effort_port(term, plant.port(name), motion[name], a[moving.index(name)], loads)
+            seen = local.at_effort_port(term, port, motion[name], a[moving.index(name)], loads)
         else:
-            seen = local.at_flow_port(term, name, motion[name], flowing[name])
+            seen = local.at_flow_port(term, port, motion[name], flowing[name], loads)
         efforts[term.name, name] = law_of(term.effect, seen)
         term_rates.update(local.rates(term, seen))
     rates = rates_of(plant, plant_at, _sums(plant, efforts))

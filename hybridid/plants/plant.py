@@ -23,7 +23,8 @@ class Load:
     ``drive`` is the effort of the drive's side on the contact, ``load`` that of the load's side (a weight, a
     spring), both in the port's effort unit and positive in the direction of motion. A drive that holds a
     weight has ``load = -drive``. The inertia behind the contact is no part of them. ``level`` is what sets
-    the level of the friction, over its typical value, without unit.
+    the level of the friction, over its typical value, without unit. At a flow port ``drive`` is the supply:
+    the flow of the pump, the power of the heater.
     """
 
     drive: ca.SX | float = 0.0

@@ -7,7 +7,7 @@ the grid's resolution.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,8 +19,9 @@ from hybridid.effects.over import MEMORIES, Over
 from hybridid.model import Model
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
-from hybridid.trace.evidence import compare
+from hybridid.trace.evidence import compare, holm
 from hybridid.trace.learned_effort import learned_effort
+from hybridid.trace.numerics import Numerics
 from hybridid.trace.path import Path
 from hybridid.trace.refit import (
     FAILURES,
@@ -31,6 +32,7 @@ from hybridid.trace.refit import (
     refit_if_hopeful,
 )
 from hybridid.trace.rules import Rules
+from hybridid.trace.solve import Solved, by_either_integrator
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]
@@ -48,6 +50,7 @@ BINS, LEAST_IN_BIN = 60, 20
 class Ceiling:
     """Held-out ``gain`` of a learned effort (or flow) at ``port`` over ``over``, with its p-value.
 
+    ``p_value`` is adjusted for all that were fitted beside the same model (Holm), ``p_alone`` is not.
     ``curve`` (s, effort, samples) is the learned effort in ``unit`` over s in ``over_unit``, plus the change
     of the model's own terms in the refit: alone, bumps and viscous friction could trade any amount.
     ``refit`` is the model with it. If it could not be solved, ``failure`` says why. There is then no curve,
@@ -69,6 +72,7 @@ class Ceiling:
     failure: str = ""
     beyond: bool = False
     within: float = 0.0
+    p_alone: float = 1.0
 
     @property
     def place(self) -> str:
@@ -114,15 +118,15 @@ def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Cei
         for over in context.overs(port, base.model)
         if path.shows(port.name, over)
     ]
-    return tuple(
-        context.each(
-            stage,
-            ceiling,
-            places,
-            lambda found: found.place,
-            lambda _base, _split, _port, over, _least: over.variable in MEMORIES,
-        )
+    found = context.each(
+        stage,
+        ceiling,
+        places,
+        lambda found: found.place,
+        lambda _base, _split, _port, over, _least: over.variable in MEMORIES,
     )
+    adjusted = holm([one.p_alone for one in found])
+    return tuple(replace(one, p_value=p) for one, p in zip(found, adjusted, strict=True))
 
 
 def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEAST_DECREASE) -> Ceiling:
@@ -138,12 +142,10 @@ def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEA
     model: Model = base.model.plus(effect, port)
     starts = _starts(model, effect, port, base)
     over_unit = over.dimension.unit(where)
-    try:
-        found = refit_if_hopeful(
-            model, split, starts, base, base.numerics, base, least, tolerance=TOLERANCE, std_up_to=WITHOUT_STD
-        )
-    except (TooStiff, *FAILURES) as error:
-        return Ceiling(port, over, 0.0, 1.0, (), where.effort_unit, over_unit, base, failure=str(error))
+    solved = _solved(model, split, starts, base, least)
+    found = solved.refit
+    if found is None:
+        return Ceiling(port, over, 0.0, 1.0, (), where.effort_unit, over_unit, base, failure=solved.failure)
     evidence = compare(base.score, found.score)
     shown = (
         replace(path, states=np.column_stack([path.states, path.seen(port, over)])) if effect.states else path
@@ -162,7 +164,24 @@ def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEA
         found,
         beyond=not inside.all(),
         within=_taken_within(base, found, inside),
+        p_alone=evidence.p_value,
     )
+
+
+def _solved(
+    model: Model, split: Split, starts: Sequence[Mapping[str, float]], base: Refit, least: float
+) -> Solved:
+    """The ``model`` with the learned effort, by either integrator."""
+
+    def solve(numerics: Numerics, to_beat: Refit, chosen: Sequence[int] | None) -> Solved:
+        own = starts if chosen is None else [starts[k] for k in chosen]
+        given = (model, split, own, base, numerics, to_beat, least)
+        try:
+            return Solved(refit_if_hopeful(*given, tolerance=TOLERANCE, std_up_to=WITHOUT_STD))
+        except (TooStiff, *FAILURES) as error:
+            return Solved(None, str(error))
+
+    return by_either_integrator(solve, base)
 
 
 def _inside(base: Refit, split: Split, port: str, over: Over, fitted: Array) -> NDArray[np.bool_]:

@@ -239,7 +239,8 @@ class StepTaken:
 class LearnedGain:
     """The held-out gain of a learned effort in ``unit`` at ``port``, over a variable in ``over_unit``.
 
-    At a port of the ``kind`` flow, a flow was learned.
+    ``p_value`` is adjusted for all that were fitted beside the same model. At a port of the ``kind`` flow, a
+    flow was learned.
 
     ``failure`` says why it could not be solved; its gain is then no evidence. ``ended_early``: its fit
     promised little and ended early, so that the gain is a little less than it could be.

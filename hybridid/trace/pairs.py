@@ -40,6 +40,9 @@ from hybridid.trace.sensitivity import seen
 from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, attempt
 
+TOLD = 5
+"""Effects that are in no pair and are told by name, at most."""
+
 
 def with_pair(found: Search, context: Context, accepted_before: Search | None = None) -> Search:
     """``found`` with the best pair of effects that passes, and in its last step the pairs that were tried.
@@ -57,7 +60,8 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     shown = context.each("pairs, ranked", seen, given, lambda one: one.candidate.name)
     unseen = [one.candidate.name for one in shown if not one.shapes]
     if unseen:
-        context.say(f"in no pair, as nothing shows what they would change: {listed(unseen)}")
+        names = listed(unseen) if len(unseen) <= TOLD else counted(len(unseen), "effect")
+        context.say(f"in no pair, as nothing shows what they would change: {names}")
     ranked = most_promising(promises(shown, rules.collinear), 1.0 - (1.0 - rules.worth) ** 2)
     if not ranked:
         return found

@@ -228,8 +228,15 @@ def values_without(refitted: Refit, name: str) -> dict[str, float]:
 
 def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, float]) -> Problem:
     """Every horizon of ``split`` as a problem of ``model``, solved as ``before`` was, in steps fit for
-    ``values``."""
+    ``values``. The implicit integrator is stable in the steps that ``before`` took, where ``MOST`` do not
+    resolve it.
+
+    Raises:
+        TooStiff: if RK4 needs more than ``MOST``.
+    """
     steps = before.numerics.steps(model, model.values(values), split, _lent(before, model, split))
+    if steps > MOST and before.numerics.integrator == IMPLICIT:
+        steps = before.substeps // before.numerics.finer
     if steps > MOST:
         raise TooStiff(f"needs more than {MOST} steps a sample")
     return before.numerics.problem(model, split, steps)

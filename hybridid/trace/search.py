@@ -24,6 +24,7 @@ from hybridid.trace.robustness import Survival, objection, refitted_under, survi
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough, sharper_for_an_effect
 from hybridid.trace.shorter import with_shorter
+from hybridid.trace.solve import refit_declared
 from hybridid.trace.steps import (
     AT_FLOOR,
     AT_FLOOR_TOGETHER,
@@ -52,7 +53,7 @@ def search(
 
     ``start`` holds parameter values to start the declared model from.
     """
-    base = context.one(refit, model, context.split, start, None, numerics, CONTINUATION)
+    base = context.one(refit_declared, model, context.split, start, numerics)
     base = context.one(with_shorter, base, context.split)
     return continued(Search((), base, (), ""), context, anew=True)
 

@@ -81,7 +81,7 @@ def settle(found: Search, context: Context) -> Settled:
 def _with_sound_classes(found: Search, context: Context) -> Search:
     """``found`` with its classes looked at again, also those that a withdrawal brings back."""
     looked_at = recheck(found, context)
-    kept = without_mixed_classes(looked_at)
+    kept = without_mixed_classes(looked_at, context)
     if kept is looked_at or not kept.accepted:
         return kept
     return _with_sound_classes(kept, context)
@@ -94,7 +94,7 @@ def _remaining(found: Search, left: Ceilings, context: Context) -> tuple[str, ..
 
 
 def _trusted(found: Search, context: Context) -> tuple[Search, Ceilings, Ceilings]:
-    """``found`` without what stands in for something else, with the ceilings of its last model, and of the
+    """``found`` without what may stand in for something else, with the ceilings of its last model, and of the
     declared one if several effects had to be held against them."""
     before = learned_beside(found.first, found, context) if len(found.accepted) > 1 else ()
     kept = unless_outdone(found, before, context.rules)

@@ -1,13 +1,17 @@
-"""Solves a trial by the integrator of its base model, or by the implicit one where needed and better."""
+"""Solves a refit by the integrator of its base model, or by the implicit one where needed and better."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar, cast
 
+from hybridid.estimators.problem import paths
+from hybridid.model import Model
+from hybridid.simulation.stability import MOST, TooStiff
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import LEAST_DECREASE, Refit
+from hybridid.trace.refit import CONTINUATION, FAILURES, LEAST_DECREASE, Refit, refit
+from hybridid.trace.split import Split
 
 OTHERWISE = "rodas3"
 """The implicit integrator: it takes up a trial that RK4 could not solve."""
@@ -23,6 +27,14 @@ class Attempted(Protocol):
     @property
     def failure(self) -> str:
         """Why it could not be fitted."""
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A refit, or why none could be made."""
+
+    refit: Refit | None
+    failure: str = ""
 
 
 T = TypeVar("T", bound=Attempted)
@@ -56,3 +68,32 @@ def _explains_more(one: Attempted, other: Attempted) -> bool:
         return one.refit is not None
     lower = one.refit.cost < (1 - LEAST_DECREASE) * other.refit.cost
     return lower or one.refit.score.loss < (1 - LEAST_DECREASE) * other.refit.score.loss
+
+
+def refit_declared(
+    model: Model, split: Split, starts: Sequence[Mapping[str, float]], numerics: Numerics
+) -> Refit:
+    """The declared model, refitted from the best of ``starts`` (values by name).
+
+    Beside it everything else is solved as it was. If its end is too stiff for RK4, it is refitted with the
+    implicit integrator, from there as well. That counts if it is not too stiff there too, or explains more.
+
+    Raises:
+        TooStiff: if the model is, at every start.
+    """
+    found = refit(model, split, starts, None, numerics, CONTINUATION)
+    if numerics.integrator == OTHERWISE or not _too_stiff(found, split):
+        return found
+    implicit = replace(numerics, integrator=OTHERWISE)
+    try:
+        again = refit(model, split, [found.values, *starts], None, implicit, CONTINUATION)
+    except (TooStiff, *FAILURES):
+        return found
+    better = not _too_stiff(again, split) or _explains_more(Solved(again), Solved(found))
+    return again if better else found
+
+
+def _too_stiff(found: Refit, split: Split) -> bool:
+    """Whether no number of steps a sample resolves the model where its refit ended."""
+    problem, p = found.problem(split), found.model.values(found.values)
+    return found.numerics.steps(found.model, p, split, paths(problem, p, found.x0)) > MOST

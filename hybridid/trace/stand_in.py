@@ -42,6 +42,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hybridid.naming import listed
+from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.alike import related, strangers
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.constancy import fitted_to_held_out, moved
@@ -54,7 +55,7 @@ from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.steps import WITHDRAWN, Accepted, Search, Step
-from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE
+from hybridid.trace.trial import REJECTED, UNIDENTIFIABLE, Trial
 from hybridid.trace.varying import not_constant
 
 
@@ -64,7 +65,7 @@ def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Conte
     A learned effort whose gain does not survive other numerics is no evidence against an effect.
     """
     split, rules = context.split, context.rules
-    significant = [c for c in ceilings if c.p_value <= rules.alpha and c.gain > 0]
+    significant = [c for c in ceilings if c.p_alone <= rules.alpha and c.gain > 0]
     for learned in sorted(significant, key=lambda c: -c.gain):
         accused = _accused(found, learned, split, rules)
         if accused is None:
@@ -94,21 +95,38 @@ def unless_rivalled(found: Search, context: Context) -> Search:
     return found
 
 
-def without_mixed_classes(found: Search) -> Search:
+def without_mixed_classes(found: Search, context: Context) -> Search:
     """``found`` without the first effect whose class shares nothing physical, and without those after it.
 
     The members of a class explain the records equally well. Where they are declared look-alikes, or the same
     law at several ports, the class is a finding. Where they are not, they have only their flexibility in
     common: the truth is something else, to which each of them can bend.
+
+    A law with one parameter and no state cannot bend. If all members are such laws, and noise and simulation
+    are about all that is left, these records cannot show which of them it is (a hole in a tank, or the scale
+    of the gauge of the next one). So the class stays.
     """
     now = {one.name: one for one in found.accepted}
     for number, step in enumerate(found.steps):
         for one in (now[taken.name] for taken in step.taken if taken.name in now):
-            if unrelated := [t.candidate.name for t in strangers(one.trial, one.alike)]:
+            unrelated = [t.candidate.name for t in strangers(one.trial, one.alike)]
+            if unrelated and not (all(map(_is_rigid, one.alike)) and _leaves_little(found, context)):
                 it = one.name if len(step.taken) > 1 else "it"
                 why = f"these records cannot tell {it} from {listed(unrelated)}, physically unrelated to it"
                 return _ended_at(found, number, why)
     return found
+
+
+def _is_rigid(trial: Trial) -> bool:
+    """Whether the law has one free parameter and no state."""
+    effect = trial.candidate.effect
+    return not effect.states and sum(not p.fixed for p in effect.parameters) == 1
+
+
+def _leaves_little(found: Search, context: Context) -> bool:
+    """Whether the last model leaves no more than a complete one may (``Rules.far``)."""
+    final = found.final
+    return found.at_noise or Accuracy.of(final, context).times(final.score.rmse) <= context.rules.far
 
 
 def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tuple[int, str] | None:

@@ -11,7 +11,7 @@ from hybridid.trace.refit import Refit
 from hybridid.trace.robustness import Survival
 from hybridid.trace.trial import Trial
 
-WITHDRAWN = "stands in for something else"
+WITHDRAWN = "may stand in for something else"
 """How the reason begins why an effect that had passed is no name."""
 AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
 OUT_OF_TIME = "the time limit was reached"

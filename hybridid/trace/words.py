@@ -219,7 +219,7 @@ def _cut_short(found: Trace) -> str:
     where = f"after {counted(len(found.steps), 'step')}"
     if last := _cut_step(found):
         left, every = len(last.left_out), len(last.left_out) + len(last.trials)
-        where = f"in step {len(found.steps)}, before {left} of {every} effects were tried"
+        where = f"in step {len(found.steps)} and left {left} of {every} effects untried"
     return (
         f"The time limit of {found.time_limit:g} s ended the search {where}: the verdict holds for what was "
         "tried by then. "
@@ -281,9 +281,14 @@ def _fall(found: Trace) -> str:
     falls = []
     for name, before in sorted(first.items(), key=lambda one: last[one[0]] / one[1]):
         unit, after = found.noise_floor[name].unit, last[name]
-        change = f"{100 * abs(1 - after / before):.0f} % {'less' if after <= before else 'more'}"
+        change = f"{_whole(abs(1 - after / before))} {'less' if after <= before else 'more'}"
         falls.append(f"from {quantity(before, unit, 3)} to {quantity(after, unit, 3)} ({change}) in {name}")
     return listed(falls)
+
+
+def _whole(change: float) -> str:
+    """``96 %``; ``99.5 %`` where no less than nearly all is meant."""
+    return percent(change, 0 if change < 0.99 else 1)
 
 
 def _rest(found: Trace) -> str:

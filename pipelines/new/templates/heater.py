@@ -1,7 +1,7 @@
 """A body that a heater warms: a furnace, a motor's winding, a vessel."""
 
 from hybridid.declarations import Parameter, Port, Signal, State
-from hybridid.plants.plant import Motion, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 
 WARM = 100.0  # °C, half the range of the temperature
 RATE = 0.1  # °C/s, rate of the temperature, exceeded 5 % of the time
@@ -39,6 +39,7 @@ class Heater(Plant):
             position_scale=WARM,
             velocity_scale=RATE,
             meaning="what else carries heat away",
+            drive="power of the heater",
         ),
         Port("power", "input", effort_unit="W", effort_scale=POWER, meaning="heater"),
         Port("temperature", "output", effort_unit="°C", effort_scale=WARM, meaning="thermometer"),
@@ -51,6 +52,9 @@ class Heater(Plant):
     def motion(self, x, u, p):
         # effects at the body see how much warmer it is than the surroundings
         return {"body": Motion(position=x.T - p.T_0, velocity=self.net_flow(x, u, p) / p.C)}
+
+    def loads(self, x, u, p):
+        return {"body": Load(drive=u.power)}
 
     def derivative(self, x, u, p, effort):
         return {"T": (self.net_flow(x, u, p) - effort["body"]) / p.C}

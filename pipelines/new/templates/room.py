@@ -1,7 +1,7 @@
 """A body that a heater warms, in surroundings of a measured temperature: a room, an oven, a vessel."""
 
 from hybridid.declarations import Parameter, Port, Signal, State
-from hybridid.plants.plant import Motion, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 
 WARM = 5.0  # °C, half the range of the temperature
 EXCESS = 20.0  # °C, temperature above the surroundings, exceeded 5 % of the time
@@ -42,6 +42,7 @@ class Room(Plant):
             position_scale=EXCESS,
             velocity_scale=RATE,
             meaning="what else carries heat away",
+            drive="power of the heater",
         ),
         Port("power", "input", effort_unit="W", effort_scale=POWER, meaning="heater"),
         Port(
@@ -62,6 +63,9 @@ class Room(Plant):
         # effects at the body see how much warmer it is than the surroundings, and the rate of its own
         # temperature: what stores its heat follows that
         return {"body": Motion(position=x.T - u.surroundings, velocity=self.net_flow(x, u, p) / p.C)}
+
+    def loads(self, x, u, p):
+        return {"body": Load(drive=u.power)}
 
     def derivative(self, x, u, p, effort):
         return {"T": (self.net_flow(x, u, p) - effort["body"]) / p.C}

@@ -3,7 +3,7 @@
 import casadi as ca
 
 from hybridid.declarations import Parameter, Port, Signal, State
-from hybridid.plants.plant import Motion, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 
 LEVEL = 0.3  # m, exceeded 5 % of the time
 RATE = 0.01  # m/s, rate of the level, exceeded 5 % of the time
@@ -35,6 +35,7 @@ class Tank(Plant):
             position_scale=LEVEL,
             velocity_scale=RATE,
             meaning="what else leaves",
+            drive="flow of the pump",
         ),
         Port("inflow", "input", effort_unit="m³/s", effort_scale=FLOW, meaning="pump"),
         Port("level", "output", effort_unit="m", effort_scale=LEVEL, meaning="gauge"),
@@ -46,6 +47,9 @@ class Tank(Plant):
 
     def motion(self, x, u, p):
         return {"tank": Motion(position=x.h, velocity=self.net_flow(x, u, p) / p.A)}
+
+    def loads(self, x, u, p):
+        return {"tank": Load(drive=u.inflow)}
 
     def derivative(self, x, u, p, effort):
         return {"h": (self.net_flow(x, u, p) - effort["tank"]) / p.A}

@@ -3,7 +3,7 @@
 import casadi as ca
 
 from hybridid.declarations import Parameter, Port, Signal, State
-from hybridid.plants.plant import Motion, Plant
+from hybridid.plants.plant import Load, Motion, Plant
 
 UPPER = 0.3  # m, level of the upper tank, exceeded 5 % of the time
 LOWER = 0.3  # m, level of the lower tank, exceeded 5 % of the time
@@ -75,6 +75,7 @@ class TwoTanks(Plant):
             position_scale=UPPER,
             velocity_scale=UPPER_RATE,
             meaning="what else leaves the upper tank",
+            drive="flow of the pump",
         ),
         Port(
             "lower",
@@ -102,6 +103,9 @@ class TwoTanks(Plant):
             "upper": Motion(position=x.h_1, velocity=upper / p.A_1),
             "lower": Motion(position=x.h_2, velocity=lower / p.A_2),
         }
+
+    def loads(self, x, u, p):
+        return {"upper": Load(drive=u.inflow)}
 
     def derivative(self, x, u, p, effort):
         upper, lower = self.net_flows(x, u, p)

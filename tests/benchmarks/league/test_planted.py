@@ -155,6 +155,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "side_capacity",
         "natural_convection",
         "thermal_radiation",
+        "falling_supply",
         "cyclic_inertia",
         "detent",
         "back_emf_limit",

@@ -22,7 +22,7 @@ SEEN = (
 PORTS = {
     "effort": Port("contact", "effort", "N", 10.0, "m", 0.1, velocity_scale=0.5, epsilon=1e-3),
     "rotary": Port("hinge", "effort", "N·m", 2.0, "rad", 1.0, velocity_scale=3.0, epsilon=1e-3),
-    "flow": Port("tank", "flow", "m³/s", 1e-3, "m", 0.1, velocity_scale=0.05),
+    "flow": Port("tank", "flow", "m³/s", 1e-3, "m", 0.1, velocity_scale=0.05, drive="pump"),
     "input": Port("drive", "input", "V", 10.0),
     "output": Port("gauge", "output", "V", 10.0),
 }

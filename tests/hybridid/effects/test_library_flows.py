@@ -127,6 +127,8 @@ def test_flows_are_tried_at_levels_only_and_nothing_else_of_the_equations_is(tan
     heats = {"natural_convection", "thermal_radiation"}
     level, (carriage, *_) = tank.port("tank"), EMPS().ports
     assert {effect.id for effect in EFFECTS if effect.admissible_at(level)} == flows
+    supplied = {effect.id for effect in EFFECTS if effect.admissible_at(replace(level, drive="pump"))}
+    assert supplied - flows == {"falling_supply"}
     assert not {effect.id for effect in EFFECTS if effect.admissible_at(carriage)} & (flows | heats)
     for unit in ("°C", "K"):
         heat = replace(level, position_unit=unit)
@@ -185,4 +187,4 @@ def test_a_flow_port_has_no_acceleration_no_smoothing_and_no_load(tank):
     seen = compose(tank, [own(lambda at: at.p.c * at.velocity * at.position)])
     assert float(seen.efforts(0, [0.5], [1e-3], [0.02, 2.0])) == pytest.approx(2.0 * 0.05 * 0.5)
     with pytest.raises(ValueError, match="port tank: a flow port carries no load"):
-        Port("tank", "flow", "m³/s", 1e-3, "m", drive="a pump")
+        Port("tank", "flow", "m³/s", 1e-3, "m", load="a weight")

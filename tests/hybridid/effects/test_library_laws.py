@@ -67,6 +67,7 @@ BLIND_TO_VELOCITY = (
     *("gravity", "end_stop", "wheel_lift_off", "added_inertia", "detent"),
     *("overflow", "orifice_leak", "linear_leak", "steady_leak", "periodic_flow"),
     *("varying_force_factor", "torque_ripple", "natural_convection", "thermal_radiation"),
+    "falling_supply",
 )
 ODD_ALTOGETHER = (
     *("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play"),

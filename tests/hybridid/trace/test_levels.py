@@ -64,7 +64,8 @@ def test_flows_are_learned_over_what_a_level_has(found):
 
 def test_a_level_has_no_velocity_load_or_friction_to_learn_over(tank):
     overs = overs_for(tank.port("tank"), [Signal("inflow", "m³/s")])
-    assert [str(over) for over in overs] == ["level", "time", "level, times net flow", "inflow"]
+    ours = ["level", "time", "level, times net flow", "level, times drive"]
+    assert [str(over) for over in overs] == [*ours, "inflow"]
     assert overs[:-1] == OVERS_OF_A_FLOW
     assert str(Over("input", signal=Signal("level", "m"))) == "input level"
 

@@ -87,7 +87,7 @@ def test_a_learned_effort_that_cannot_be_solved_claims_nothing(worn, split_of, m
     monkeypatch.setattr(ceiling_module, "refit_if_hopeful", refuse)
     base = worn.search.steps[0].base
     found = ceiling(base, split_of(df_v=DF_V), "carriage", Over("velocity"))
-    assert found.failure == "needs more than 50 steps a sample"
+    assert found.failure.startswith("needs more than 50 steps a sample; with rodas3: ")
     assert (found.gain, found.p_value, found.curve) == (0.0, 1.0, ())
     assert found.refit is base
     assert not found.passes(Rules())

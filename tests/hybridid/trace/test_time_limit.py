@@ -111,7 +111,7 @@ def test_the_sentence_tells_what_is_left_out_and_the_best_so_far(make_model, spl
     asked = {"effects": many.effects, "variables": ("velocity", "position")}
     found = trace(make_model(("viscous", "offset")), [first], [second], time_limit=1e-3, **asked)
     said = found.sentence.replace("\N{NO-BREAK SPACE}", " ")
-    assert "ended the search in step 1, before 1 of 6 effects were tried: the verdict holds for" in said
+    assert "ended the search in step 1 and left 1 of 6 effects untried: the verdict holds for" in said
     assert "The best so far: stribeck at carriage (df_s = " in said
     assert "which is no name while others are untried, on held-out horizons of 0.4 s (" in said
     assert len(found.steps[0].left_out) == 1

@@ -232,7 +232,7 @@ def test_an_effect_with_the_form_of_the_law_that_was_withdrawn_is_told(nothing):
     """Moving one way, v² and v |v| are one."""
     alike = ("signed_square_of_velocity", *(f"law_{k}" for k in range(6)))
     law = accepted("square_of_velocity", "F = k v²", True, alike)
-    drag = replace(DRAG, reason="stands in for something else: these records cannot tell it from a spring")
+    drag = replace(DRAG, reason="may stand in for something else: these records cannot tell it from a spring")
     path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
     said = sentence(replace(nothing(drag), verdict="law_proposed", accepted=(law,), path=path))
     assert "cannot tell it from signed_square_of_velocity (the form of quadratic_drag), law_0, law_1" in said
@@ -318,7 +318,7 @@ def test_pairs_that_were_tried_are_told(nothing):
 
 
 def test_what_had_passed_and_was_withdrawn_is_told(nothing):
-    why = "carriage.coulomb stands in for something else: its amplitude is another one there"
+    why = "carriage.coulomb may stand in for something else: its amplitude is another one there"
     said = sentence(replace(nothing(DRAG), verdict="unexplained", withdrawn=why, times=9.0))
     assert said.startswith(
         f"Something is missing that the one effect tried does not explain. {why}. The error left is 3 µm"
