@@ -4,7 +4,8 @@ The initial state of each horizon is fitted. What a missing effort does to the m
 over a horizon of a few samples it may stay within the noise, whatever is missing. A complete model leaves the
 noise over horizons of any length, if its parameters are fitted over these. So before nothing is said to be
 missing, the last model is fitted and judged over longer horizons, up to ten times as long, of which enough
-are left on either side.
+are left on either side. Where none are, it is fitted to the fitted records alone over horizons twice as long:
+what is left even then, parameters that noise has moved do not explain.
 """
 
 from __future__ import annotations
@@ -13,11 +14,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from hybridid.model import Model
+from hybridid.simulation.windows import cut
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
-from hybridid.trace.split import Split
+from hybridid.trace.split import FEWEST, Split
 
 LEAST = 20
 """Samples of a horizon below which its fitted initial state may follow what a missing effort does."""
@@ -29,16 +31,19 @@ TIMES = (10.0, 5.0, 3.0, 2.0)
 
 @dataclass(frozen=True)
 class Longer:
-    """Over horizons of ``seconds`` a model leaves ``times`` what noise and simulation alone leave."""
+    """Over horizons of ``seconds`` a model leaves ``times`` what noise and simulation alone leave: on the
+    held-out ones, or where too few are held out for it to be ``judged`` there, on the fitted ones."""
 
     seconds: float
     times: float
+    judged: bool = True
 
 
 def more_over_longer(final: Refit, context: Context) -> Longer | None:
     """What ``final`` leaves over longer horizons, if that is more than ``Rules.far`` times what noise and
     simulation alone leave there; None also where longer horizons are too few, or cannot be simulated."""
-    split = _longer(context.split)
+    judged = _longer(context.split)
+    split = judged or _of_the_fitted(context.split)
     if split is None:
         return None
     there = replace(context, split=split)
@@ -48,7 +53,7 @@ def more_over_longer(final: Refit, context: Context) -> Longer | None:
     times = Accuracy.of(found, there).times(found.score.rmse)
     if times <= context.rules.far:
         return None
-    return Longer(split.horizon * split.records[0].dt, times)
+    return Longer(split.horizon * split.records[0].dt, times, judged=judged is not None)
 
 
 def over_long_enough(
@@ -60,7 +65,7 @@ def over_long_enough(
     if Accuracy.of(base, context).times(base.score.rmse) > MOSTLY_NOISE:
         return context
     longer = more_over_longer(base, context)
-    return context if longer is None else lengthened(context, longer)
+    return lengthened(context, longer) if longer and longer.judged else context
 
 
 def lengthened(context: Context, longer: Longer) -> Context:
@@ -85,3 +90,15 @@ def _longer(split: Split) -> Split | None:
         except ValueError:  # too few horizons
             continue
     return None
+
+
+def _of_the_fitted(split: Split) -> Split | None:
+    """The fitted records alone, in horizons ``TIMES[-1]`` times as long, which are fitted and looked at; None
+    if they are too few."""
+    origins = cut(split.records, split.horizon, 1).origin
+    records = [split.records[k] for k in sorted({origins[h][0] for h in split.fitted})]
+    samples = int(TIMES[-1] * split.horizon)
+    every = tuple(range(len(cut(tuple(records), samples, 1).origin)))
+    if len(every) < FEWEST:
+        return None
+    return Split(tuple(records), samples, every, every, "fitted and looked at on the same horizons")

@@ -143,7 +143,7 @@ def _concluded(
     numerics = numerics_for(model, context.split, starts, integrator)
     context = over_long_enough(model, context, starts, numerics)
     found = conclude(model, context, start, integrator)
-    if found.longer and not context.out_of_time:
+    if found.longer and found.longer.judged and not context.out_of_time:
         context = lengthened(context, found.longer)
         found = conclude(model, context, start, integrator)
     return found, context

@@ -134,9 +134,14 @@ def _why_open(found: Trace, where: str) -> str:
             "behind them"
         )
     if found.longer:
-        seconds = f"{found.longer.seconds:.2g}"
+        seconds, times = f"{found.longer.seconds:.2g}", _times(found.longer.times)
+        if not found.longer.judged:
+            return (
+                f"{nothing} fitted over horizons of {seconds} s the model leaves {times} {alone}. Too few of "
+                "these are held out to judge: a longer record may show what is missing"
+            )
         return (
-            f"{nothing} over horizons of {seconds} s the model leaves {_times(found.longer.times)} {alone}. "
+            f"{nothing} over horizons of {seconds} s the model leaves {times} {alone}. "
             f"trace.horizon={seconds} may show what is missing"
         )
     return (

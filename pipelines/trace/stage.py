@@ -20,7 +20,7 @@ from hybridid.trace.horizon import horizon_for
 from hybridid.trace.mapper import Mapper, Report, unheard
 from hybridid.trace.missing_efforts import Missing
 from hybridid.trace.result import Trace
-from hybridid.trace.split import automatic_horizon
+from hybridid.trace.split import automatic_horizon, divided
 from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
@@ -67,7 +67,7 @@ def run(job: Job) -> None:
         model = model_of(job.settings)
         seconds = horizon_for(model, estimate.values, fitted, held_out, asked.horizon)
         request = replace(asked, horizon=seconds)
-    if line := _other_horizon(request.horizon, asked.horizon, fitted[0].dt):
+    if line := _other_horizon(request.horizon, asked.horizon, fitted, held_out):
         job.watcher.warn(line)
     groups = groupings_of(job.settings, model_of(job.settings))
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
@@ -81,21 +81,29 @@ def run(job: Job) -> None:
         _write(job, found, request.processes)
 
 
-def _other_horizon(horizon: float, usual: float, step: float) -> str:
-    """That and why the horizon has fewer or more samples, of ``step`` s, than the ``usual`` one; else
-    empty."""
+def _other_horizon(horizon: float, usual: float, fitted: Sequence[Record], held_out: Sequence[Record]) -> str:
+    """That and why the horizon [s] has fewer or more samples than the ``usual`` one; else empty."""
+    step = fitted[0].dt
     samples, wanted = round(horizon / step), round(usual / step)
-    if samples < wanted:
-        return (
-            f"trace.horizon: {horizon:.3g} s instead of {usual:g} s, so that enough horizons can judge; "
-            f"trace.horizon={usual:g} asks for the longer ones all the same"
-        )
+    said = f"trace.horizon: {horizon:.3g} s instead of {usual:g} s"
+    all_the_same = f"trace.horizon={usual:g} asks for the {{}} ones all the same"
     if samples > wanted:
-        return (
-            f"trace.horizon: {horizon:.3g} s instead of {usual:g} s, so that one shows the slowest dynamics "
-            f"of the fitted model; trace.horizon={usual:g} asks for the shorter ones all the same"
-        )
-    return ""
+        why = "so that one shows the slowest dynamics of the fitted model"
+        return f"{said}, {why}; {all_the_same.format('shorter')}"
+    if samples == wanted:
+        return ""
+    if not _gives_enough(fitted, held_out, usual):
+        return f"{said}: these records give too few of the longer ones to judge"
+    return f"{said}, so that enough horizons can judge; {all_the_same.format('longer')}"
+
+
+def _gives_enough(fitted: Sequence[Record], held_out: Sequence[Record], horizon: float) -> bool:
+    """Whether the records give enough horizons of that length [s] on either side."""
+    try:
+        divided(fitted, held_out, horizon)
+    except ValueError:
+        return False
+    return True
 
 
 def _unkept(mapper: Mapper) -> Mapper:

@@ -13,6 +13,7 @@ from hybridid.trace.split import by_blocks, by_record
 from hybridid.trace.verdict import conclude
 
 SHORT = 10  # samples, 0.05 s
+LONGER = 25  # samples
 DF_V = 20.0
 TRIED = (effect_named("asymmetric_viscous"),)
 
@@ -38,6 +39,20 @@ def test_what_cannot_be_asked_is_no_doubt(make_model, short):
     split = by_record(*([one.part(0, 4 * SHORT)] for one in short[DF_V].records), SHORT)
     base = refit(make_model(), split, factors=CONTINUATION)
     assert more_over_longer(base, Context(split, TRIED)) is None
+
+
+@pytest.mark.parametrize("df_v", [0.0, DF_V])
+def test_where_too_few_longer_ones_are_held_out_the_fitted_ones_are_asked(make_model, short, df_v):
+    """Five brief horizons are held out. What the others hide in their initial states shows over longer ones,
+    though it cannot be judged."""
+    first, second = short[df_v].records
+    split = by_record([first], [second.part(0, 5 * LONGER)], LONGER)
+    base = refit(make_model(), split, factors=CONTINUATION)
+    found = more_over_longer(base, Context(split, TRIED))
+    assert (found is None) is (df_v == 0.0)
+    if found:
+        assert not found.judged
+        assert found.seconds == pytest.approx(2 * LONGER * first.dt)
 
 
 def test_longer_horizons_are_divided_in_the_same_way(short):

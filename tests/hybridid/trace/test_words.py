@@ -117,6 +117,9 @@ def test_longer_horizons_may_show_what_short_ones_do_not(nothing):
         "nothing that can be found is, but over horizons of 0.3 s the model leaves 7.1 times what noise and "
         "simulation alone leave. trace.horizon=0.3 may show what is missing. The error left is 3 µm"
     )
+    fitted = sentence(replace(nothing(DRAG), verdict="undecided", longer=Longer(0.3, 7.12, judged=False)))
+    assert "fitted over horizons of 0.3 s the model leaves 7.1 times what" in fitted
+    assert "trace.horizon" not in fitted, "too few are held out"
 
 
 def test_what_judges_may_show_too_little(nothing):

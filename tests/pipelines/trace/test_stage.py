@@ -5,9 +5,11 @@ from __future__ import annotations
 from functools import partial
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hybridid.plotting.trace_waterfall import Level, waterfall_plot
+from hybridid.records.record import Channel, Record
 from pipelines.trace.stage import _drawn, _other_horizon
 
 
@@ -46,4 +48,15 @@ def test_a_figure_that_cannot_be_drawn_costs_only_itself(monkeypatch, tmp_path):
     ],
 )
 def test_a_horizon_of_fewer_or_more_samples_is_told(horizon, warning):
-    assert _other_horizon(horizon, 0.28, 0.01) == warning
+    assert _other_horizon(horizon, 0.28, [recorded(3.0)], []) == warning
+
+
+def test_no_horizon_is_advised_that_the_records_do_not_give():
+    said = _other_horizon(0.264, 0.28, [recorded(3.0)], [recorded(1.0)])
+    assert said.endswith("instead of 0.28 s: these records give too few of the longer ones to judge")
+
+
+def recorded(seconds: float) -> Record:
+    n = round(seconds / 0.01)
+    time, nothing = np.arange(n) * 0.01, np.zeros((n, 1))
+    return Record("run", time, nothing, nothing, (Channel("force", "N"),), (Channel("position", "m"),))
