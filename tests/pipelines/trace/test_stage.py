@@ -52,7 +52,7 @@ def test_a_horizon_of_fewer_or_more_samples_is_told(horizon, warning):
 
 
 def test_no_horizon_is_advised_that_the_records_do_not_give():
-    said = _other_horizon(0.264, 0.28, [recorded(3.0)], [recorded(1.0)])
+    said = _other_horizon(0.264, 0.28, [recorded(3.0)], [recorded(0.8)])
     assert said.endswith("instead of 0.28 s: these records give too few of the longer ones to judge")
 
 
