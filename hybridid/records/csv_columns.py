@@ -22,6 +22,9 @@ from hybridid.records.channel import Array, RecordError
 from hybridid.records.dates import seconds_of
 from hybridid.records.units import is_unit
 
+GAPS = ("nan", "null", "none", "n/a", "na")
+"""Words of loggers for a value that is not there, in small letters."""
+
 
 def read_csv(path: Path) -> Iterator[tuple[str, Array | Instants | str]]:
     """The columns of the text file at ``path``, or why one is none.
@@ -185,10 +188,15 @@ def numbers(series: Any) -> Array | Instants | str:
     except TypeError:  # lists, mappings
         return f"it holds {shortened(repr(series.dropna().iloc[0]), 60)}, no number"
     wrong = series[numeric.isna() & series.notna()]
+    wrong = wrong[~wrong.astype(str).str.strip().str.lower().isin(GAPS)]
     if len(wrong) == 0:
         return numeric.to_numpy(float, na_value=np.nan)
     stamps = seconds_of([one if isinstance(one, str) else None for one in series])
     if stamps is not None:
         return Instants(stamps)
+    words = sorted({one for one in wrong if isinstance(one, str)})
+    if len(wrong) == len(series) and len(words) == 2:
+        said = " and ".join(shortened(repr(word), 30) for word in words)
+        return f"it holds the words {said}, no numbers: write 0 and 1 in their place"
     row = int(np.flatnonzero(series.index == wrong.index[0])[0])
     return f"it holds {shortened(repr(wrong.iloc[0]), 60)} at sample {row}, no number"

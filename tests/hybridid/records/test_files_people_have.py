@@ -89,3 +89,20 @@ def test_two_columns_of_one_name_are_asked_about(tmp_path):
     np.testing.assert_array_equal(columns["q[1]"], 2 * Q)
     with pytest.raises(RecordError, match=r"'q' has 2 parts, q\[0\] to q\[1\]: name one of them"):
         columns["q"]
+
+
+@pytest.mark.parametrize("word", ["NAN", "Nan", "none", "NA"])
+def test_a_word_for_what_is_missing_is_a_gap(tmp_path, word):
+    path = tmp_path / "run.csv"
+    path.write_text("t,q\n" + "".join(f"{t},{word if t == T[7] else t}\n" for t in T))
+    (gap,) = np.flatnonzero(np.isnan(read_columns(path)["q"]))
+    assert gap == 7
+
+
+def test_a_column_of_two_words_is_to_be_written_as_numbers(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("t,heater\n" + "".join(f"{t},{'ON' if t < 0.2 else 'OFF'}\n" for t in T))
+    with pytest.raises(
+        RecordError, match="the words 'OFF' and 'ON', no numbers: write 0 and 1 in their place"
+    ):
+        read_columns(path)["heater"]
