@@ -11,6 +11,7 @@ what is left even then, parameters that noise has moved do not explain.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from hybridid.model import Model
@@ -26,7 +27,7 @@ LEAST = 20
 MOSTLY_NOISE = 2**0.5
 """Times what noise and simulation leave up to which they make up at least half of the squared error."""
 TIMES = (10.0, 5.0, 3.0, 2.0)
-"""How much longer the horizons are: the first for which enough are left."""
+"""How much longer the horizons are, where enough are left."""
 
 
 @dataclass(frozen=True)
@@ -41,19 +42,27 @@ class Longer:
 
 def more_over_longer(final: Refit, context: Context) -> Longer | None:
     """What ``final`` leaves over longer horizons, if that is more than ``Rules.far`` times what noise and
-    simulation alone leave there; None also where longer horizons are too few, or cannot be simulated."""
+    simulation alone leave there; None also where longer horizons are too few, or cannot be simulated.
+
+    The longest decide whether it does. Told are the shortest over which it does, as more of these can judge.
+    """
     judged = _longer(context.split)
-    split = judged or _of_the_fitted(context.split)
-    if split is None:
+    splits = judged or _of_the_fitted(context.split)
+    longest = _far_over(splits[0], final, context) if splits else None
+    if longest is None:
         return None
+    found = (_far_over(split, final, context) for split in reversed(splits[1:]))
+    return replace(next(filter(None, found), longest), judged=bool(judged))
+
+
+def _far_over(split: Split, final: Refit, context: Context) -> Longer | None:
+    """What ``final`` leaves over the horizons of ``split``, if that is far above the noise."""
     there = replace(context, split=split)
     found = there.one(refit_if_possible, final.model, split, [final.values], None, final.numerics)
     if found is None:
         return None
     times = Accuracy.of(found, there).times(found.score.rmse)
-    if times <= context.rules.far:
-        return None
-    return Longer(split.horizon * split.records[0].dt, times, judged=judged is not None)
+    return Longer(split.horizon * split.records[0].dt, times) if times > context.rules.far else None
 
 
 def over_long_enough(
@@ -80,25 +89,24 @@ def lengthened(context: Context, longer: Longer) -> Context:
 
 def shows_little(split: Split) -> bool:
     """Whether horizons are so short that they show little, and the records give no longer ones."""
-    return split.horizon < LEAST and _longer(split) is None
+    return split.horizon < LEAST and not _longer(split)
 
 
-def _longer(split: Split) -> Split | None:
+def _longer(split: Split) -> list[Split]:
+    """Divided in the same way, in the longer horizons of which enough are left, the longest first."""
+    found = []
     for times in TIMES:
-        try:
-            return split.longer(int(times * split.horizon))
-        except ValueError:  # too few horizons
-            continue
-    return None
+        with suppress(ValueError):  # too few horizons
+            found.append(split.longer(int(times * split.horizon)))
+    return found
 
 
-def _of_the_fitted(split: Split) -> Split | None:
-    """The fitted records alone, in horizons ``TIMES[-1]`` times as long, which are fitted and looked at; None
+def _of_the_fitted(split: Split) -> list[Split]:
+    """The fitted records alone, in horizons ``TIMES[-1]`` times as long, which are fitted and looked at; none
     if they are too few."""
     origins = cut(split.records, split.horizon, 1).origin
-    records = [split.records[k] for k in sorted({origins[h][0] for h in split.fitted})]
+    records = tuple(split.records[k] for k in sorted({origins[h][0] for h in split.fitted}))
     samples = int(TIMES[-1] * split.horizon)
-    every = tuple(range(len(cut(tuple(records), samples, 1).origin)))
-    if len(every) < FEWEST:
-        return None
-    return Split(tuple(records), samples, every, every, "fitted and looked at on the same horizons")
+    every = tuple(range(len(cut(records, samples, 1).origin)))
+    said = "fitted and looked at on the same horizons"
+    return [Split(records, samples, every, every, said)] if len(every) >= FEWEST else []
