@@ -76,7 +76,7 @@ FRICTION_BEYOND_GAP = Effect(
     equation="F = f_c sign(v) where |q| > g, rounded: (1 + tanh((|q| - g)/width))/2",
     law=lambda at: at.p.f_c * at.sign * 0.5 * (1 + ca.tanh((ca.fabs(at.position) - at.p.g) / at.p.width)),
     parameters=(
-        EffectParameter("f_c", EFFORT, "friction level beyond the gap", guess=0.1, nests=True),
+        EffectParameter("f_c", EFFORT, "friction level beyond the gap", guess=0.1, lower=0.0, nests=True),
         EffectParameter(
             "g", POSITION, "half the gap: where the friction begins, on both sides", guess=0.3, lower=1e-3,
             upper=5.0, starts=(0.1, 0.7), sought="place",

@@ -5,6 +5,10 @@ friction that takes the power P(A) then takes the same power as one that takes P
 such curve. It cannot show on which of the two the friction depends, however well the parameters are
 determined. Held-out horizons of the same decay lie on the same curve, so they do not tell either.
 
+A machine that runs down in one direction takes each speed once, at one time and at one place. There any
+effort may depend on each of the three, whatever its form. Some then cannot be told from what is declared,
+either: they belong to the class all the same.
+
 A law over time depends on the time itself, or on a state whose memory is longer than a swing. Only laws that
 follow the velocity are compared: those take power. A spring changes the frequency, so it is not confused
 with friction.
@@ -24,6 +28,7 @@ from types import SimpleNamespace
 import casadi as ca
 
 from hybridid.advice.decay import free_decay, swing
+from hybridid.advice.relaxation import relaxation
 from hybridid.effects.dimension import TIME
 from hybridid.effects.effect import Effect, Local
 from hybridid.effects.library import effect_named
@@ -33,6 +38,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.rules import Rules
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import PASSED, Trial
 
@@ -46,20 +52,39 @@ TOGETHER = "together with the others of the class, in the place of what was acce
 
 def with_decay_classes(found: Search, records: Sequence[Record], context: Context) -> Search:
     """``found``; if ``records`` are one free decay, with each accepted friction in a class of those that the
-    decay cannot tell from it.
+    decay cannot tell from it. Where they run down in one direction, these are all efforts of its step that
+    explain at least half as much.
 
-    These are the frictions that passed in its step at its port, if one of them follows the time and the other
-    does not. If any accepted one follows the time, they are also those of ``POWERS``, where these together
-    explain the records as well as all that were accepted.
+    In a decay these are the frictions that passed in its step at its port, if one of them follows the time
+    and the other does not. If any accepted one follows the time, they are also those of ``POWERS``, where
+    these together explain the records as well as all that were accepted.
     """
-    if not found.accepted or not list(free_decay(records)):
+    if not found.accepted:
         return found
+    if not list(free_decay(records)):
+        return _of_a_relaxation(found, context.rules) if list(relaxation(records)) else found
     period = max(swing(record) for record in records)
     frictions = [one for one in found.accepted if takes_power(one.trial.candidate.effect)]
     slow = [one for one in frictions if over_time(one.trial, period)]
     powers = _powers(found, frictions, slow[0].trial.candidate.port, context) if slow else []
     widened = {one.name: _widened(found, one, powers, period) for one in frictions}
     return replace(found, accepted=tuple(widened.get(one.name, one) for one in found.accepted))
+
+
+def _of_a_relaxation(found: Search, rules: Rules) -> Search:
+    """``found`` with each accepted effort in a class of those at its port that gain as significantly in its
+    step, determined or not, and take at least half as much."""
+    widened = []
+    for one in found.accepted:
+        step = next(s for s in found.steps if any(taken.name == one.name for taken in s.taken))
+        others = [t for t in step.trials if t.candidate.ports == one.trial.candidate.ports]
+        members = {t.candidate.name: t for t in (one.trial, *one.alike)}
+        for trial in others:
+            shown = trial.p_adjusted <= rules.alpha and not trial.not_shown
+            if shown and trial.candidate.effect.kind == "effort" and 2 * trial.taken >= one.trial.taken:
+                members.setdefault(trial.candidate.name, trial)
+        widened.append(replace(one, alike=tuple(members.values())))
+    return replace(found, accepted=tuple(widened))
 
 
 def _powers(found: Search, frictions: Sequence[Accepted], port: str, context: Context) -> list[Trial]:

@@ -54,9 +54,10 @@ def revision_advised(found: Conclusion, context: Context) -> str:
         return ""
     declared = [term.name for term in found.search.final.model.terms]
     if declared and not (found.remains or found.accepted):
+        was = "were" if len(declared) > 1 else "was"
         return (
-            f" What is declared ({listed(declared)}) may be the wrong law: trace.revise=true seeks others in "
-            "its place."
+            f" The declared {listed(declared)} {was} not questioned: trace.revise=true seeks others in the "
+            "place of each."
         )
     places = [one for one in found.ceilings if f"at {one.place}" in found.remains]
     names = doubted(found.search.first.model, found.search.final, places, context.split)

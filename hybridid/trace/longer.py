@@ -20,7 +20,7 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
-from hybridid.trace.split import FEWEST, Split
+from hybridid.trace.split import FEW, FEWEST, Split
 
 LEAST = 20
 """Samples of a horizon below which its fitted initial state may follow what a missing effort does."""
@@ -40,40 +40,48 @@ class Longer:
     judged: bool = True
 
 
-def more_over_longer(final: Refit, context: Context) -> Longer | None:
-    """What ``final`` leaves over longer horizons, if that is more than ``Rules.far`` times what noise and
-    simulation alone leave there; None also where longer horizons are too few, or cannot be simulated.
+def more_over_longer(final: Refit, context: Context, above: float | None = None) -> Longer | None:
+    """What ``final`` leaves over longer horizons, if that is more than ``above`` (None: ``Rules.far``) times
+    what noise and simulation alone leave there; None also where longer horizons are too few, or cannot be
+    simulated.
 
-    The longest decide whether it does. Told are the shortest over which it does, as more of these can judge.
+    The longest decide whether it does. Told are the longest over which it does and of which ``FEW`` are left
+    on either side; else the shortest, as more of these can judge.
     """
+    above = context.rules.far if above is None else above
     judged = _longer(context.split)
     splits = judged or _of_the_fitted(context.split)
-    longest = _far_over(splits[0], final, context) if splits else None
+    longest = _more_over(splits[0], final, context, above) if splits else None
     if longest is None:
         return None
-    found = (_far_over(split, final, context) for split in reversed(splits[1:]))
-    return replace(next(filter(None, found), longest), judged=bool(judged))
+    enough = [one for one in splits if min(len(one.fitted), len(one.held_out)) >= FEW]
+    others = (one for one in enough or reversed(splits) if one is not splits[0])
+    found = (_more_over(one, final, context, above) for one in others)
+    far = longest if splits[0] in enough else next(filter(None, found), longest)
+    return replace(far, judged=bool(judged))
 
 
-def _far_over(split: Split, final: Refit, context: Context) -> Longer | None:
-    """What ``final`` leaves over the horizons of ``split``, if that is far above the noise."""
+def _more_over(split: Split, final: Refit, context: Context, above: float) -> Longer | None:
+    """What ``final`` leaves over the horizons of ``split``, if more than ``above`` times the noise."""
     there = replace(context, split=split)
     found = there.one(refit_if_possible, final.model, split, [final.values], None, final.numerics)
     if found is None:
         return None
     times = Accuracy.of(found, there).times(found.score.rmse)
-    return Longer(split.horizon * split.records[0].dt, times) if times > context.rules.far else None
+    return Longer(split.horizon * split.records[0].dt, times) if times > above else None
 
 
 def over_long_enough(
     model: Model, context: Context, starts: Sequence[Mapping[str, float]], numerics: Numerics
 ) -> Context:
     """``context`` with longer horizons if what ``model`` leaves over its own is mostly noise, and over these
-    is not: a search over the short ones would see little of what is missing."""
+    is so far above the noise that a complete model could take what is worth having: a search over the short
+    ones would see little of what is missing."""
     base = context.one(refit, model, context.split, starts, None, numerics, CONTINUATION)
     if Accuracy.of(base, context).times(base.score.rmse) > MOSTLY_NOISE:
         return context
-    longer = more_over_longer(base, context)
+    rules = context.rules
+    longer = more_over_longer(base, context, rules.near_floor / (1.0 - rules.worth))
     return lengthened(context, longer) if longer and longer.judged else context
 
 

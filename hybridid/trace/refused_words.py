@@ -34,7 +34,8 @@ def most_refused(found: Trace) -> str:
 
 
 def _possible(found: Trace) -> list[Refused]:
-    """What was refused beside the last model, is worth having, and takes no more than a complete model."""
+    """What was refused beside the last model, is worth having, and takes no more than a complete model. Of a
+    pair each must be worth having beside the other: else the other one alone is told."""
     worth = found.rules.worth
     # where the error is far above the noise, no gain can come from fitting the noise
     times = math.inf if found.times > found.rules.far else found.times
@@ -46,7 +47,7 @@ def _possible(found: Trace) -> list[Refused]:
         for one in refused
         if one.status != PASSED
         and not (isinstance(one, TriedEffect) and one.is_law)
-        and one.gain >= worth
+        and min((one.gain, *(one.gains if isinstance(one, TriedPair) else ()))) >= worth
         and not more_than_possible(one.gain, times)
     ]
 

@@ -289,5 +289,8 @@ def test_what_only_cools_does_not_tell_temperature_from_time_and_from_two_temper
     assert said.said.startswith("angle and time cannot be told apart in mug: it only goes from 7")
     assert len(list(relaxation([cooling(80, "mug"), cooling(79, "again")]))) == 1
     assert list(relaxation([cooling(80, "mug"), cooling(30, "cooler")])) == []
+    still = cooling(80, "drum")
+    turning = replace(still, inputs=np.cumsum(still.outputs, axis=0), input_channels=(Channel("way", "m"),))
+    assert len(list(relaxation([turning]))) == 1, "an angle that only grows drives nothing"
     assert list(relaxation([decaying(0.6, "swing")])) == []
     assert list(relaxation([decaying(0.6, "driven", torque=lambda t: 0.2 * np.sin(4 * t))])) == []

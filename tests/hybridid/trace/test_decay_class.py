@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,11 +16,12 @@ from hybridid.plants.plant import Motion, Plant
 from hybridid.records.record import Channel, Record
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.decay_class import in_their_place, over_time, takes_power, with_decay_classes
+from hybridid.trace.evidence import Comparison
 from hybridid.trace.rules import Rules
 from hybridid.trace.run import _of_one_decay
 from hybridid.trace.score import Score
 from hybridid.trace.steps import Accepted, Search, Step
-from hybridid.trace.trial import PASSED, REJECTED, Trial
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial
 from hybridid.trace.verdict import Conclusion
 
 PERIOD = 0.5  # s
@@ -174,3 +176,28 @@ def test_nor_are_they_tried_where_no_law_over_the_time_was_accepted():
     asked = context(rmse=1.0)
     assert ids(with_decay_classes(found(TRIALS[1], *TRIALS[3:]), [decay()], asked)) == ["quadratic_drag"]
     assert asked.names == []
+
+
+def test_in_a_run_down_all_efforts_that_explain_half_as_much_are_one_class():
+    """Speed, time and angle fall and grow together: a drag that is collinear with what is declared, too."""
+    t = np.arange(0, 20, 0.1)
+    channels = (), (Channel("speed", "rad/s"),)
+    run = Record("run", t, np.zeros((len(t), 0)), np.exp(-0.05 * t)[:, None], *channels, simulated=True)
+    trials = [
+        weighed("position_damping", 0.60, 1e-4),
+        replace(weighed("quadratic_drag", 0.62, 1e-3), status=UNIDENTIFIABLE),
+        weighed("friction_drift", 0.20, 1e-4),
+        replace(weighed("cogging", 0.60, 1e-4), not_shown="three periods are needed"),
+        weighed("coulomb", 0.60, 0.5),
+    ]
+    one = Accepted(trials[0], (trials[0],), ())
+    found = Search((Step(SimpleNamespace(), tuple(trials), one),), SimpleNamespace(), (one,), "")
+    (widened,) = with_decay_classes(found, [run], SimpleNamespace(rules=Rules())).accepted
+    assert [t.candidate.effect.id for t in widened.alike] == ["position_damping", "quadratic_drag"]
+
+
+def weighed(name: str, gain: float, p: float) -> Trial:
+    """A trial that takes ``gain`` of an error of one."""
+    refit = SimpleNamespace(score=SimpleNamespace(loss=1.0 - gain), values={})
+    evidence = Comparison(gain, p, 0.0)
+    return Trial(Candidate(effect_named(name), "pivot"), refit, evidence, p_adjusted=p, status=PASSED)

@@ -51,6 +51,6 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
     )
     assert told(revise=True) == told("law_proposed") == ""
     assert told(remains=()) == (
-        " What is declared (carriage.viscous, carriage.coulomb and carriage.offset) may be the wrong law: "
-        "trace.revise=true seeks others in its place."
+        " The declared carriage.viscous, carriage.coulomb and carriage.offset were not questioned: "
+        "trace.revise=true seeks others in the place of each."
     )
