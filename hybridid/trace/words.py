@@ -90,8 +90,9 @@ def _concluded(found: Trace) -> str:
     if found.verdict == "unexplained":
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
         withdrawn = f" {found.withdrawn}." if found.withdrawn else ""
-        told = f"{place}.{withdrawn}{most_refused(found)} {error_left(found)}"
-        return f"Something is missing that {_unnamed(found)}{told}"
+        refused = most_refused(found)
+        told = f"{place}.{withdrawn}{refused} {error_left(found)}"
+        return f"Something is missing that {_unnamed(found, unshown=bool(refused))}{told}"
     them = "them" if len(found.accepted) > 1 else "it"
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
     names = [one for one in found.accepted if not one.is_law]
@@ -175,11 +176,16 @@ def _none(tried: int, does: str) -> str:
     return f"none of the {tried} effects tried {does}s"
 
 
-def _unnamed(found: Trace) -> str:
-    """``none of the 38 effects tried explains``, and no pair where pairs were tried."""
+def _unnamed(found: Trace, unshown: bool = False) -> str:
+    """``none of the 38 effects tried explains``, and no pair where pairs were tried; ``unshown``: one of them
+    may, but the records do not show it."""
     pairs = sum(len(step.pairs) for step in found.steps if len(step.taken) < 2)
-    return _none(named_effects(found), "explain") + (
-        f", alone or in {counted(pairs, 'pair')}" if pairs else ""
+    together = f", alone or in {counted(pairs, 'pair')}" if pairs else ""
+    tried = named_effects(found)
+    if not unshown:
+        return _none(tried, "explain") + together
+    return ("the one effect tried is not" if tried == 1 else f"none of the {tried} effects tried is") + (
+        f" shown to explain{together}"
     )
 
 
