@@ -302,7 +302,8 @@ def test_pairs_that_were_tried_are_told(nothing):
     step = StepTaken(nothing().path[0], None, (), (), pairs=(pair, pair), family=741)
     found = replace(nothing(DRAG, SPRING), verdict="unexplained", times=12.3, steps=(step,))
     assert sentence(found).startswith(
-        "Something is missing that none of the 2 effects tried is shown to explain, alone or in 2 pairs. The best "
+        "Something is missing that none of the 2 effects tried is shown to explain, alone or in 2 pairs. The "
+        "best "
         "supported of the refused gains is 10.0 % with carriage.spring and carriage.offset: adjusted p = 0.1 "
         "over 0.01. The "
     )
