@@ -72,7 +72,7 @@ def _offered(before: Sequence[str], current: str) -> Iterator[str]:
         yield from [*(flag for flag in FLAGS if flag.startswith("--") or flag == "-m"), "--help"]
 
 
-_VALUED = ("--from", "--signal", "--scale", "--hold", "--constant", "--time", "--rate")
+_VALUED = ("--from", "--signal", "--scale", "--hold", "--constant", "--time", "--time-unit", "--rate")
 
 
 def _of_new(words: Sequence[str]) -> Iterator[str]:

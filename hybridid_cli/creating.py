@@ -11,7 +11,9 @@ from typing import NoReturn
 from rich.console import RenderableType
 from rich.text import Text
 
+from hybridid.naming import unknown
 from hybridid.records.channel import HOLDS, Hold, RecordError
+from hybridid.records.mapping import SECONDS
 from hybridid_cli.config_files import options
 from hybridid_cli.tables import rendered, table
 from pipelines.new.create import Request, new
@@ -59,11 +61,16 @@ def _request(words: Sequence[str]) -> Request:
     axis = parser.add_mutually_exclusive_group()
     axis.add_argument("--time", metavar="COLUMN")
     axis.add_argument("--rate", type=float, metavar="HZ")
+    parser.add_argument("--time-unit", metavar="UNIT")
     given = parser.parse_args(words)
     if given.template is None:
         raise ConfigError(f"--template is missing: {', '.join(kinds())}; hybridid new says what each is")
     if given.rate is not None and not 0 < given.rate < float("inf"):
         raise ConfigError(f"--rate is {given.rate:g}, it must be positive, in Hz")
+    if given.time_unit is not None and given.time_unit not in SECONDS:
+        raise ConfigError(f"--time-unit: {unknown('unit', given.time_unit, SECONDS)}")
+    if given.time_unit is not None and given.rate is not None:
+        raise ConfigError("--time-unit is that of time stamps, and --rate says that there are none: give one")
     return Request(
         folder=given.name,
         recordings=tuple(map(_files, given.recordings)),
@@ -73,6 +80,7 @@ def _request(words: Sequence[str]) -> Request:
         holds={signal: _hold(signal, text) for signal, text in _pairs("--hold", given.hold).items()},
         constants=_pairs("--constant", given.constant),
         time=given.time,
+        time_unit=given.time_unit,
         rate=given.rate,
         simulated=given.simulated,
     )
@@ -156,7 +164,8 @@ def _told(machine: Machine) -> list[RenderableType]:
     time = machine.time
     axis = f"column {time.column} in {time.unit}" if time.column else "no column"
     lines = [
-        f"time: {axis}{' (assumed)' if time.assumed else ''}, {machine.records[0].dt:.4g} s a sample"
+        f"time: {axis}{' (assumed, else give --time-unit)' if time.assumed else ''}, "
+        f"{machine.records[0].dt:.4g} s a sample"
         + ("" if machine.resample is None else f", uneven: resampled to {machine.resample:g} s")
     ]
     for recording, record in zip(machine.recordings, machine.records, strict=True):

@@ -221,6 +221,7 @@ typical magnitudes. It asks for everything else. Without a terminal it names the
 --hold INPUT=HOLD        how an input runs between two samples: zoh (held), foh (linear) or bandlimited
 --constant PARAMETER=COLUMN   a column with one number in each recording, as a gain: a parameter of the plant
 --time COLUMN            the column of time stamps; or --rate HZ where there is none
+--time-unit UNIT         the unit of the stamps, as ms, where their header names none
 --simulated              the recordings are no measurements: every result says "simulated"
 
 Of several recordings, the last one validates the model and the others are fitted. Of a single one, the first

@@ -101,8 +101,11 @@ def columns_found(columns: Columns) -> tuple[ColumnFound, ...]:
     )
 
 
-def time_found(columns: Columns, column: str | None = None, step: float | None = None) -> TimeFound:
+def time_found(
+    columns: Columns, column: str | None = None, step: float | None = None, unit: str | None = None
+) -> TimeFound:
     """The time axis of a file: ``column`` where it is given, else ``step`` in s, else what looks like one.
+    ``unit`` of ``SECONDS`` is that of its stamps (None: as the header says).
 
     A column looks like time if its name says so, without its file's. If none does: if it alone holds dates;
     then if the last part of its name says so, as of ``log.t``; then if it alone is in a unit of time and
@@ -116,7 +119,7 @@ def time_found(columns: Columns, column: str | None = None, step: float | None =
         return TimeFound(None, "s", False, UsualStep(step, 0.0), True)
     name, *same = [column] if column is not None else _looks_like_time(columns)
     stamps = columns[name]
-    told = _unit_of_time(name, columns)
+    told = unit or _unit_of_time(name, columns)
     unit = told or _since_1970(stamps)
     seconds = stamps * SECONDS[unit]
     where = f"{columns.path}: {name}"

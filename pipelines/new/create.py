@@ -43,6 +43,7 @@ class Request:
     holds: Mapping[str, Hold] = field(default_factory=dict)
     constants: Mapping[str, str] = field(default_factory=dict)
     time: str | None = None
+    time_unit: str | None = None
     rate: float | None = None
     simulated: bool = False
 
@@ -90,7 +91,7 @@ def _time_of(table: Columns, request: Request) -> TimeFound:
     """The time axis of a recording; where nothing tells it, the options that do."""
     try:
         named = None if request.time is None else full_name(request.time, table)
-        return time_found(table, named, 1 / request.rate if request.rate else None)
+        return time_found(table, named, 1 / request.rate if request.rate else None, request.time_unit)
     except NoTimeError as open_question:
         raise ConfigError(f"{open_question}. Give --time COLUMN, or --rate HZ") from open_question
 

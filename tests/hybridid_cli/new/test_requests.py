@@ -294,6 +294,17 @@ def test_time_is_asked_for_by_its_options(say, own_folder):
     assert "clock1 rises evenly, as time does. Give --time COLUMN, or --rate HZ" in said.complaint
 
 
+def test_the_unit_of_the_stamps_is_taken_where_no_header_names_it(say, own_folder):
+    (own_folder / "run.csv").write_text(TABLE)
+    words = ("--from", "run.csv", "--template", "rotary", *FREE)
+    said = say("new", "in_s", *words)
+    assert "time: column t in s (assumed, else give --time-unit)" in said.out
+    told = say("new", "in_ms", *words, "--time-unit", "ms")
+    assert "time: column t in ms, " in told.out
+    wrong = say("new", "rig", *words, "--time-unit", "sec")
+    assert "--time-unit: unknown unit 'sec'" in wrong.complaint
+
+
 def test_words_become_a_request():
     asked = _request(["rig", "--from", "a.csv", "b.csv+c.csv", "--template", "tank", "--rate", "2"])
     assert [[path.name for path in paths] for paths in asked.recordings] == [["a.csv"], ["b.csv", "c.csv"]]
