@@ -16,7 +16,10 @@ def idle_in_words(found: Trace) -> str:
     """Which declared effects the records show nothing of; empty if there is none."""
     if not found.idle:
         return ""
-    return f"These records do not tell {listed(found.idle)}, which was declared, from zero."
+    was = "were" if len(found.idle) > 1 else "was"
+    return (
+        f"Over these horizons the records do not tell {listed(found.idle)}, which {was} declared, from zero."
+    )
 
 
 def narrowed_in_words(found: Trace) -> str:

@@ -126,7 +126,7 @@ def test_bash_completes_what_is_typed(bash, tmp_path):
         ("hybridid cases em", {"emps"}),
         ("hybridid completion ", {"bash"}),
         ("hybridid new my_rig --template ro", {"room", "rotary"}),
-        ("hybridid new my_rig --t", {"--template", "--time"}),
+        ("hybridid new my_rig --t", {"--template", "--time", "--time-unit"}),
         ("hybridid new my_rig --from ", set()),
         ("hybridid effects ", {effect.id for effect in EFFECTS}),
         ("hybridid fit effects=[viscous,visc", set()),

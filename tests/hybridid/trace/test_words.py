@@ -347,7 +347,7 @@ def test_what_speaks_against_the_declared_physics_is_told(nothing):
     said = sentence(replace(found, replacements=(better, same, worse)))
     assert " The declared carriage.viscous or carriage.offset may be wrong: " in said
     assert idle_in_words(found) == (
-        "These records do not tell carriage.offset, which was declared, from zero."
+        "Over these horizons the records do not tell carriage.offset, which was declared, from zero."
     )
     assert idle_in_words(nothing()) == ""
 
