@@ -209,8 +209,10 @@ def _warnings(time: Array, signals: Sequence[Signals], where: str, cells: Cells 
             runs = [run for run in runs if counts[slice(*run)].any()]
         if runs:
             start, stop = runs[0]
+            times = "once" if len(runs) == 1 else f"{len(runs)} times"
+            fine = "that is how it was commanded" if role == "input" else "it rests there"
             yield (
-                f"{where}: {role} {channel.name!r} looks clipped: {len(runs)} times it stops at its extreme, "
+                f"{where}: {role} {channel.name!r} looks clipped: {times} it stops at its extreme, "
                 f"first at {values[start]:g} {channel.unit} for {stop - start} samples "
-                f"from t = {time[start]:g} s; fine if that is how it was commanded"
+                f"from t = {time[start]:g} s; fine if {fine}"
             )

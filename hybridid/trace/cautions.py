@@ -53,7 +53,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     if found.verdict in ("undecided", "nothing_missing") and not (cut or traced.longer):
         told += [far_in_free_run(traced, _drifting(found, context))]
     if found.verdict == "nothing_missing":
-        told += [_hidden_by_the_simulation(traced, found.model)]
+        told += [_hidden_by_the_simulation(traced, found.model), _grows(found)]
     if traced.accepted:
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
         told += [
@@ -63,6 +63,17 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         ]
         told += [in_their_place(found.search), _drive_begins_settled(found.accepted, records)]
     return "".join([*told, found.other_hold, worse_in_free_run(traced)])
+
+
+def _grows(found: Conclusion) -> str:
+    """That longer horizons leave more than noise, though less than ``Rules.far``; else empty."""
+    if found.grows is None:
+        return ""
+    fitted = "" if found.grows.judged else "fitted "
+    return (
+        f" Beware: {fitted}over horizons of {found.grows.seconds:.2g} s the model leaves "
+        f"{found.grows.times:.1f} times what noise and simulation leave: what grows slowly may be missing."
+    )
 
 
 def _hidden_by_the_simulation(traced: Trace, model: Model) -> str:

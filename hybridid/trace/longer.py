@@ -20,6 +20,7 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
+from hybridid.trace.rules import Rules
 from hybridid.trace.split import FEW, FEWEST, Split
 
 LEAST = 20
@@ -80,9 +81,13 @@ def over_long_enough(
     base = context.one(refit, model, context.split, starts, None, numerics, CONTINUATION)
     if Accuracy.of(base, context).times(base.score.rmse) > MOSTLY_NOISE:
         return context
-    rules = context.rules
-    longer = more_over_longer(base, context, rules.near_floor / (1.0 - rules.worth))
+    longer = more_over_longer(base, context, worth_looking_for(context.rules))
     return lengthened(context, longer) if longer and longer.judged else context
+
+
+def worth_looking_for(rules: Rules) -> float:
+    """Times what noise and simulation leave above which a complete model could take what is worth having."""
+    return rules.near_floor / (1.0 - rules.worth)
 
 
 def lengthened(context: Context, longer: Longer) -> Context:

@@ -63,14 +63,15 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
 
     Where a narrower smoothing of sign(v) pays only beside what was accepted, that was judged by a simulation
     too coarse for this machine. If another effect of its step now explains more in its place, the search
-    begins ``anew`` from the declared model, with the narrower smoothing.
+    begins ``anew`` from the declared model, with the narrower smoothing, if time is left for as much again.
     """
-    base = found.final
+    base, first_began = found.final, time.monotonic()
     steps, accepted, took, narrowed = list(found.steps), list(found.accepted), 0.0, -1
     while True:
         began = time.monotonic()
         sharp = sharp_enough(base, context)
-        if anew and sharp is not base and not context.out_of_time and _outdone(sharp, steps, context):
+        again = anew and sharp is not base and context.has_time_for(time.monotonic() - first_began)
+        if again and _outdone(sharp, steps, context):
             return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
         base = sharp
         stopped = _nothing_to_seek(base, accepted, context)
@@ -83,8 +84,8 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
-            again = narrowed < len(steps) and not context.out_of_time
-            if again and (narrower := sharper_for_an_effect(step, context)):
+            retried = narrowed == len(steps) or context.out_of_time
+            if not retried and (narrower := sharper_for_an_effect(step, context)):
                 base, narrowed = narrower, len(steps)  # once a step
                 continue
             return replace(
@@ -256,10 +257,15 @@ def said_of(step: Step) -> str:
 
 
 def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
-    """The best held-out error; among those alike, the one with the fewest parameters."""
+    """The best held-out error; among those alike, the one with the fewest parameters. Of several with as few,
+    those that leave the least error on the fitted horizons come first: where the held-out ones cannot tell
+    models of one size apart, the likelihood of the others may."""
     best = max(passed, key=lambda t: t.gain)
     alike = [best, *(t for t in passed if t is not best and indistinguishable(best, t, rules))]
-    return min(alike, key=lambda t: (_free_parameters(t), -t.gain))
+    fewest = min(map(_free_parameters, alike))
+    small = [t for t in alike if _free_parameters(t) == fewest]
+    likely = (1.0 - max(t.fitted_gain for t in small)) / (1.0 - rules.tie) ** 2
+    return max((t for t in small if 1.0 - t.fitted_gain <= likely), key=lambda t: t.gain)
 
 
 def _free_parameters(trial: Trial) -> int:

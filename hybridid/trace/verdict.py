@@ -22,7 +22,7 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.constancy import fitted_to_held_out
 from hybridid.trace.context import Context
 from hybridid.trace.laws import law_in_place, with_law
-from hybridid.trace.longer import Longer, more_over_longer, shows_little
+from hybridid.trace.longer import Longer, more_over_longer, shows_little, worth_looking_for
 from hybridid.trace.numerics import numerics_for
 from hybridid.trace.other_hold import better_hold
 from hybridid.trace.pairs import in_place, with_pair
@@ -50,7 +50,8 @@ class Conclusion:
     ``remains`` names where structure is left that no effect of the library explains.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
     ``steady`` is the length [s] of shorter horizons over which the error is as large, where that leaves the
-    verdict open. So does what is left over ``longer`` horizons, and so do horizons that are ``too_short``,
+    verdict open. So does what is left over ``longer`` horizons, but not what ``grows`` over these by less
+    than ``Rules.far``, and a complete model could take. So do horizons that are ``too_short``,
     and parameters so ``vague`` that they alone may err by what is left.
     ``replacements`` do better in the place of a declared effect, where that was asked.
     ``other_hold`` says in words which other hold of the inputs explains what is left.
@@ -69,6 +70,7 @@ class Conclusion:
     refused: str = ""
     steady: float | None = None
     longer: Longer | None = None
+    grows: Longer | None = None
     too_short: bool = False
     vague: bool = False
     other_hold: str = ""
@@ -114,6 +116,9 @@ def conclude(
     longer = more_over_longer(settled.found.final, context) if near else None
     if silent and longer:
         verdict = "undecided"
+    grows = None
+    if silent and not longer:
+        grows = more_over_longer(settled.found.final, context, worth_looking_for(rules))
     too_short = silent and shows_little(split)
     vague = silent and _parameters_are_vague(settled, rules)
     revises = context.revise and not context.out_of_time
@@ -130,6 +135,7 @@ def conclude(
         refused=refused,
         steady=steady,
         longer=longer,
+        grows=grows,
         too_short=too_short,
         vague=vague,
         other_hold=better_hold(settled.found.final, context),
