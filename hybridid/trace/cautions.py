@@ -25,7 +25,9 @@ from hybridid.trace.horizon_advice import (
 )
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.idle import SURE
+from hybridid.trace.judgement import NOT_SIGNIFICANT
 from hybridid.trace.one_way import judged_the_other_way
+from hybridid.trace.refused_words import most_refused
 from hybridid.trace.result import Trace
 from hybridid.trace.rules import Rules
 from hybridid.trace.sampling import within_half_a_sample
@@ -46,6 +48,8 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     if found.verdict == "unexplained":
         told += [other_horizons_advised(found.search.final, context.split)]
+    if found.verdict == "unexplained" and NOT_SIGNIFICANT in most_refused(traced):
+        told += [parts_of_all_advised(context.split)]
     cut = found.search.cut_within_a_step
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         advised = determining_parts_advised if traced.vague else parts_of_all_advised

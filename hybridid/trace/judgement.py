@@ -23,6 +23,8 @@ ORDER = 1.0
 """Standard error, as a share of the value, up to which the records tell the order of magnitude of a parameter
 that cannot be zero (a time constant, a width): the interval of its logarithm then ends within a factor of 7.5
 to either side. That it is not zero is no question."""
+NOT_SIGNIFICANT = "not significant"
+"""How the reason begins why a trial whose gain is worth having is refused for its p-value."""
 WELL_KNOWN = 0.05
 """Standard error, as a share of the value, up to which a parameter is known whatever it is collinear with."""
 
@@ -61,7 +63,7 @@ def _decided(trial: Trial, rules: Rules) -> Trial:
         )
     if p > rules.alpha:
         return replace(
-            trial, status=REJECTED, reason=f"not significant: adjusted p = {p:.2g} over {rules.alpha:g}"
+            trial, status=REJECTED, reason=f"{NOT_SIGNIFICANT}: adjusted p = {p:.2g} over {rules.alpha:g}"
         )
     vague = trial.not_shown or undetermined(trial, rules)
     if vague:

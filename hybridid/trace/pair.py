@@ -19,7 +19,7 @@ import numpy as np
 
 from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.evidence import Comparison, compare
-from hybridid.trace.judgement import undetermined
+from hybridid.trace.judgement import NOT_SIGNIFICANT, undetermined
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.promise import Promise
 from hybridid.trace.refit import (
@@ -195,7 +195,7 @@ def _decided(pair: PairTrial, rules: Rules) -> PairTrial:
             )
             return replace(pair, status=REJECTED, reason=said)
     if p > rules.alpha:
-        said = f"not significant: adjusted p = {p:.2g} over {rules.alpha:g}"
+        said = f"{NOT_SIGNIFICANT}: adjusted p = {p:.2g} over {rules.alpha:g}"
         return replace(pair, status=REJECTED, reason=said)
     for member in members:
         vague = member.not_shown or undetermined(member, rules)

@@ -171,6 +171,8 @@ def _only_together(found: Trace) -> str:
 
 def _none(tried: int, does: str) -> str:
     """``none of the 38 effects tried explains``, with ``does`` the verb."""
+    if tried == 0:
+        return f"no effect was tried to {does}"
     if tried == 1:
         return f"the one effect tried does not {does}"
     return f"none of the {tried} effects tried {does}s"
