@@ -27,7 +27,8 @@ def judged_the_other_way(declared: Refit, context: Context) -> str:
         return ""
     return (
         f" Beware: what judges moves {listed(found)} in a direction that was hardly fitted, so the verdict "
-        "is one of extrapolation. What differs by direction does not show in one direction: fit both."
+        "is one of extrapolation. What differs by direction does not show in one direction: fit a record of "
+        "each (fit.records, trace.records)."
     )
 
 
