@@ -56,10 +56,11 @@ def more_over_longer(final: Refit, context: Context, above: float | None = None)
     if longest is None:
         return None
     enough = [one for one in splits if min(len(one.fitted), len(one.held_out)) >= FEW]
-    others = (one for one in enough or reversed(splits) if one is not splits[0])
-    found = (_more_over(one, final, context, above) for one in others)
-    far = longest if splits[0] in enough else next(filter(None, found), longest)
-    return replace(far, judged=bool(judged))
+    found = (
+        longest if one is splits[0] else _more_over(one, final, context, above)
+        for one in enough or reversed(splits)
+    )
+    return replace(next(filter(None, found), longest), judged=bool(judged))
 
 
 def _more_over(split: Split, final: Refit, context: Context, above: float) -> Longer | None:

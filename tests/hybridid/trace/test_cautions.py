@@ -15,6 +15,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.cautions import (
     _confounded,
     _drive_begins_settled,
+    _grows,
     _hidden_by_the_simulation,
     _moved,
     _other_held_out,
@@ -22,7 +23,18 @@ from hybridid.trace.cautions import (
     not_told_from_zero,
 )
 from hybridid.trace.entries import Floor, Value
+from hybridid.trace.longer import Longer
 from hybridid.trace.rules import Rules
+
+
+def test_what_grows_over_longer_horizons_is_told_beside_nothing():
+    assert _grows(SimpleNamespace(grows=None)) == ""
+    judged, fitted = (_grows(SimpleNamespace(grows=Longer(7.2, 1.43, judged=one))) for one in (True, False))
+    assert judged == (
+        " Beware: over horizons of 7.2 s the model leaves 1.4 times what noise and simulation leave: what "
+        "grows slowly may be missing."
+    )
+    assert fitted.startswith(" Beware: fitted over horizons of 7.2 s the model")
 
 
 def told(effect: str, port: str, **values: tuple[float, float]) -> str:

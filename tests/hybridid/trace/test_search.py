@@ -14,8 +14,10 @@ from hybridid.effects.over import OVERS, OVERS_OF_A_FLOW, Over
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace import ceiling as ceiling_module
 from hybridid.trace import search as searching
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
+from hybridid.trace.evidence import Comparison
 from hybridid.trace.learned_effort import learned_effort
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit
@@ -23,6 +25,7 @@ from hybridid.trace.robustness import objection, refitted_under, survival, varia
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
 from hybridid.trace.steps import AT_SIMULATION
+from hybridid.trace.trial import PASSED, Trial
 from hybridid.trace.verdict import conclude
 
 DF_V = 80.0
@@ -199,3 +202,25 @@ def test_a_damping_that_changes_over_the_way_is_told_by_its_ceiling(make_model, 
     ceilings = {over: ceiling(base, split_of(damping_slope=600.0), "carriage", over) for over in OVERS}
     assert max(ceilings, key=lambda over: ceilings[over].gain) == Over("position", "velocity")
     assert ceilings[Over("position", "velocity")].gain > 0.5
+
+
+def test_of_models_of_one_size_that_judge_alike_the_likelier_fitted_one_is_preferred(monkeypatch):
+    """A lag of the sensor that begins in motion: the first held-out horizon speaks against it, all fitted
+    ones for it."""
+    monkeypatch.setattr(searching, "indistinguishable", lambda best, other, rules: True)
+
+    def tried(name, gain, fitted_gain):
+        trial = Trial(Candidate(effect_named(name), "force"), None, Comparison(gain, 1e-9, 1.0), fitted_gain)
+        return replace(trial, status=PASSED)
+
+    lag, delay = tried("input_lag", 0.80, 0.90), tried("input_delay", 0.78, 0.98)
+    assert searching._preferred([lag, delay], Rules()) is delay
+    close = tried("input_delay", 0.78, 0.901)
+    assert searching._preferred([lag, close], Rules()) is lag
+    larger = tried("input_saturation", 0.79, 0.999)
+    assert free(larger) > free(lag)
+    assert searching._preferred([lag, larger], Rules()) is lag
+
+
+def free(trial):
+    return sum(not p.fixed for p in trial.candidate.effect.parameters)

@@ -82,6 +82,15 @@ def test_where_another_effect_then_explains_more_the_search_begins_anew(too_wide
     assert width_of(found.final.model) == width_of(found.first.model) < width_of(too_wide)
 
 
+def test_the_search_begins_anew_only_if_time_is_left_for_as_much_again(too_wide, split_of, monkeypatch):
+    said = []
+    monkeypatch.setattr(search_module, "_outdone", lambda sharp, steps, context: bool(steps))
+    monkeypatch.setattr(Context, "has_time_for", lambda self, seconds: seconds < 1e-6)
+    found = search(too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append), [{}])
+    assert [one.name for one in found.accepted] == ["carriage.asymmetric_viscous"]
+    assert not any("begins anew" in line for line in said)
+
+
 def test_a_step_is_made_again_with_a_narrower_smoothing_once(make_model, split_of, monkeypatch):
     """As if the effect passed each time that it is retried, and never in the step."""
     context = Context(split_of(df_v=75.0), TRIED[1:])
