@@ -13,6 +13,7 @@ from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.quantities import estimated, quantity, share
 from hybridid.records.record import Record
+from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
 from hybridid.trace.doubted import revision_advised
@@ -50,6 +51,8 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [other_horizons_advised(found.search.final, context.split)]
     if found.verdict == "unexplained" and NOT_SIGNIFICANT in most_refused(traced):
         told += [parts_of_all_advised(context.split)]
+    if found.verdict == "unexplained" and not traced.by_recording:
+        told += [_may_differ_by_recording(found.search, context)]
     cut = found.search.cut_within_a_step
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         advised = determining_parts_advised if traced.vague else parts_of_all_advised
@@ -67,6 +70,18 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         ]
         told += [in_their_place(found.search), _drive_begins_settled(found.accepted, records)]
     return "".join([*told, found.other_hold, worse_in_free_run(traced)])
+
+
+def _may_differ_by_recording(found: Search, context: Context) -> str:
+    """How to ask what differs by recording, where an effect was refused as its amplitude is another one in
+    the held-out records; else empty."""
+    reasons = [found.withdrawn, *(trial.reason for step in found.steps for trial in step.trials)]
+    if len(context.split.records) < 2 or not any(NO_CONSTANT in reason for reason in reasons):
+        return ""
+    return (
+        " Which parameter differs between the recordings, trace.by_recording=true trace.records=null "
+        "trace.held_out=null asks."
+    )
 
 
 def _grows(found: Conclusion) -> str:

@@ -17,6 +17,7 @@ from hybridid.trace.cautions import (
     _drive_begins_settled,
     _grows,
     _hidden_by_the_simulation,
+    _may_differ_by_recording,
     _moved,
     _other_held_out,
     _takes_little,
@@ -25,6 +26,16 @@ from hybridid.trace.cautions import (
 from hybridid.trace.entries import Floor, Value
 from hybridid.trace.longer import Longer
 from hybridid.trace.rules import Rules
+
+
+def test_where_an_amplitude_is_no_constant_the_recordings_may_differ():
+    refused = "spring.offset may stand in for something else: its amplitude is no constant: 2 N, then 3 N"
+    two, one = (SimpleNamespace(split=SimpleNamespace(records=[None] * n)) for n in (2, 1))
+    withdrawn, kept = (SimpleNamespace(withdrawn=why, steps=()) for why in (refused, ""))
+    assert _may_differ_by_recording(withdrawn, two).endswith("trace.held_out=null asks.")
+    assert _may_differ_by_recording(withdrawn, one) == _may_differ_by_recording(kept, two) == ""
+    step = SimpleNamespace(trials=[SimpleNamespace(reason=refused)])
+    assert _may_differ_by_recording(SimpleNamespace(withdrawn="", steps=[step]), two)
 
 
 def test_what_grows_over_longer_horizons_is_told_beside_nothing():
