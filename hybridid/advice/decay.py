@@ -25,6 +25,8 @@ ALONE = -0.95
 """Rank correlation of amplitude and time below which they are one."""
 FALLS = 1.5
 """Ratio of the largest and the smallest amplitude of what counts as a decay."""
+SAME = 1e-3
+"""Of the largest rate: a rate and an output that differ by no more are one."""
 SETTLED = 5.0
 """Ratio of the variations before and after from which a record has settled."""
 
@@ -54,8 +56,20 @@ def free_decay(records: Sequence[Record]) -> Iterator[Advice]:
 
 
 def undriven(record: Record) -> bool:
-    """Whether no input of ``record`` ever changes."""
-    return not any(np.ptp(column) > 0 for column in record.inputs.T)
+    """Whether no input of ``record`` ever changes, but for one that an output made."""
+    return not any(np.ptp(column) > 0 and not made_by_an_output(column, record) for column in record.inputs.T)
+
+
+def made_by_an_output(column: Array, record: Record) -> bool:
+    """Whether an input (n,) is the integral of an output, as the angle is that of the speed: it drives
+    nothing."""
+    rate = np.diff(column) / record.dt
+    means = 0.5 * (record.outputs[1:] + record.outputs[:-1])
+    return any(
+        np.allclose(rate, mean, rtol=0.0, atol=SAME * float(np.abs(mean).max(initial=0.0)))
+        for mean in means.T
+        if mean.any()
+    )
 
 
 def settles(record: Record, after: float) -> bool:

@@ -2,8 +2,7 @@
 
 A body that cools or a vehicle that coasts down takes each value once. A loss over the value and a loss that
 changes with time predict the same course, and so does one over the way gone. A second record that begins at
-another value tells them apart. An input that only goes one way with time, as an angle that is the integral of
-the speed, drives nothing.
+another value tells them apart.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.advice.advice import Advice
-from hybridid.advice.decay import ALONE, MOST
+from hybridid.advice.decay import ALONE, MOST, made_by_an_output
 from hybridid.naming import listed
 from hybridid.quantities import fixed, quantity
 from hybridid.records.record import Record
@@ -24,7 +23,8 @@ Array = NDArray[np.float64]
 
 def relaxation(records: Sequence[Record]) -> Iterator[Advice]:
     """Whether an output of all ``records``, which nothing drives, is a monotone function of time in them."""
-    if any(_drives(column) for record in records for column in record.inputs.T):
+    inputs = ((column, record) for record in records for column in record.inputs.T)
+    if any(column.any() and not made_by_an_output(column, record) for column, record in inputs):
         return
     from scipy.stats import spearmanr  # takes a while, and most machines are driven
 
@@ -42,12 +42,6 @@ def relaxation(records: Sequence[Record]) -> Iterator[Advice]:
             "or a driven one, tells them apart",
         )
         return
-
-
-def _drives(column: Array) -> bool:
-    """Whether an input (n,) is not zero, and goes both ways or stays."""
-    change = np.diff(column)
-    return bool(column.any()) and not ((change > 0).all() or (change < 0).all())
 
 
 def _course(record: Record, k: int) -> tuple[Array, Array]:

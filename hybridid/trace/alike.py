@@ -15,8 +15,13 @@ USUAL = 0.05
 enough to show that one effect leaves several times the error of another."""
 
 
-def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Trial]:
-    """The trials that held-out horizons cannot tell from ``best``, itself first.
+MISFIT = 2**0.5
+"""Times the noise above which most of the squared error that a model leaves is its own."""
+
+
+def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules, at_noise: bool = False) -> list[Trial]:
+    """The trials that held-out horizons cannot tell from ``best``, itself first. ``at_noise``: it leaves no
+    more than the noise.
 
     Beside those that passed, these are the determined ones whose gain alone is not significant, if they take
     at least half of what ``best`` takes: not to be shown better than nothing is not to be shown worse than
@@ -25,14 +30,14 @@ def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules) -> list[Tria
     Two effects are one class if the advantage of the better one is not significant, or less than
     ``rules.tie`` of the error. Declared look-alikes are one class also if it is less than ``rules.tie`` of
     what the better one takes from the squared error, and the other one leaves no more than ``rules.far``
-    times its error. (Bouc-Wen hysteresis contains Dahl's friction and has one shape parameter more, which
-    always lowers the error a little. But where the better one leaves little more than noise, the records tell
-    the other from it.)
+    times its error, or ``MISFIT`` times where that is the noise. (Bouc-Wen hysteresis contains Dahl's
+    friction and has one shape parameter more, which always lowers the error a little. But where most of what
+    the other one leaves is its own misfit, the records refute it.)
     """
     others = [t for t in trials if t is not best and (t.status == PASSED or _insignificant(t, best, rules))]
     return [
         best,
-        *(t for t in others if indistinguishable(best, t, rules) or _nearly_alike(best, t, rules)),
+        *(t for t in others if indistinguishable(best, t, rules) or _nearly_alike(best, t, rules, at_noise)),
     ]
 
 
@@ -45,9 +50,10 @@ def _insignificant(trial: Trial, best: Trial, rules: Rules) -> bool:
     return not (trial.not_shown or undetermined(trial, rules))
 
 
-def _nearly_alike(best: Trial, other: Trial, rules: Rules) -> bool:
+def _nearly_alike(best: Trial, other: Trial, rules: Rules, at_noise: bool) -> bool:
     left, more = 1.0 - best.gain, 1.0 - other.gain
-    near = more**2 - left**2 < rules.tie * (1.0 - left**2) and more <= rules.far * left
+    most = MISFIT if at_noise else rules.far
+    near = more**2 - left**2 < rules.tie * (1.0 - left**2) and more <= most * left
     return near and look_alikes(best, other)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybridid.effects.composed import FORMS
-from hybridid.naming import listed
+from hybridid.naming import counted, listed
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.remarks import parameters_in_words
 from hybridid.trace.result import Trace
@@ -33,7 +33,7 @@ def _law(entry: AcceptedEffect) -> str:
     named = [f"{one} (the form of {FORMS[one]})" for one in others if one in FORMS]
     others = named + [one for one in others if one not in FORMS]
     more = len(others) - MANY
-    told = [*others[:MANY], f"{more} others"] if more > 0 else others
+    told = [*others[:MANY], counted(more, "other")] if more > 0 else others
     return f"{text}; these records cannot tell it from {listed(told)}"
 
 

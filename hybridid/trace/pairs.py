@@ -260,8 +260,9 @@ def _class_of(
     rivals = [one for one in admissible(poorer.model, context.effects, context.ports) if one.name != name]
     given = [(one, poorer, context.split, rules.worth) for one in rivals]
     trials = context.each(f"in place of {name}", attempt, given, lambda trial: trial.candidate.name)
-    alike = equivalents(member, judge(trials, rules, family), rules)
     assert best.refit is not None
+    at_noise = context.meets_noise(best.refit.score)
+    alike = equivalents(member, judge(trials, rules, family), rules, at_noise)
     for pair in judged:
         matched = (
             None if pair is best or pair.status != PASSED or _common(best, pair) else _matched(best, pair)

@@ -83,7 +83,8 @@ def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accep
     here = replace(one.trial, refit=final, comparison=compare(poorer.score, final.score))
     given = [(rival, poorer, context.split, rules.worth) for rival in rivals]
     trials = context.each(f"in place of {one.name}", attempt, given, lambda t: t.candidate.name)
-    _, *as_good = equivalents(here, judge(trials, rules, len(found.steps[0].trials)), rules)
+    judged = judge(trials, rules, len(found.steps[0].trials))
+    _, *as_good = equivalents(here, judged, rules, context.meets_noise(final.score))
     return replace(one, alike=(*one.alike, *as_good))
 
 

@@ -7,6 +7,7 @@ from itertools import takewhile
 
 from hybridid.quantities import share
 from hybridid.trace.entries import StepTaken, TriedEffect, TriedPair
+from hybridid.trace.judgement import NOT_SIGNIFICANT
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED
 
@@ -46,10 +47,17 @@ def _possible(found: Trace) -> list[Refused]:
         one
         for one in refused
         if one.status != PASSED
-        and not (isinstance(one, TriedEffect) and one.is_law)
+        and not (isinstance(one, TriedEffect) and (one.is_law or _undetermined(one)))
         and min((one.gain, *(one.gains if isinstance(one, TriedPair) else ()))) >= worth
         and not more_than_possible(one.gain, times)
     ]
+
+
+def _undetermined(one: TriedEffect) -> bool:
+    """Whether significance refused it, and none of its parameters is known to a half of its value."""
+    known = [value for value in one.parameters.values() if math.isfinite(value.std)]
+    vague = bool(known) and all(2 * value.std > abs(value.value) for value in known)
+    return vague and one.reason.startswith(NOT_SIGNIFICANT)
 
 
 def _beside_the_last_model(found: Trace) -> list[StepTaken]:

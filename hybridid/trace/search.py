@@ -195,13 +195,18 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
         survivals = survivals_of(base, best, context, otherwise)
         why = objection(survivals)
         if not why:
-            alike, unsteady = of_constant_amplitude(tuple(equivalents(best, judged, rules)), context)
+            members = tuple(equivalents(best, judged, rules, _leaves_the_noise(best, context)))
+            alike, unsteady = of_constant_amplitude(members, context)
             judged = [unsteady.get(t.candidate.name, t) for t in judged]
             if best in alike:
                 return Step(base, tuple(judged), Accepted(best, alike, survivals))
             continue
         withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
         judged = [withdrawn if t is best else t for t in judged]
+
+
+def _leaves_the_noise(trial: Trial, context: Context) -> bool:
+    return trial.refit is not None and context.meets_noise(trial.refit.score)
 
 
 def of_constant_amplitude(

@@ -82,7 +82,8 @@ def _as_good(one: ReplacedEffect, found: Trace) -> str:
 
 
 def _concluded(found: Trace) -> str:
-    where = f"on held-out horizons of {found.horizon:.4g} s ({found.provenance})"
+    length = float(f"{found.horizon:.4g}")
+    where = f"on held-out horizons of {length:g} s ({found.provenance})"
     if found.verdict == "nothing_missing":
         return f"Nothing that can be found is missing: {_none_passes(found, where)} {error_left(found)}"
     if found.verdict == "undecided":

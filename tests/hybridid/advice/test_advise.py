@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from benchmarks.torture.pendulum import Pendulum
-from hybridid.advice.decay import free_decay, settles
+from hybridid.advice.decay import free_decay, settles, undriven
 from hybridid.advice.horizon import proposed_horizon
 from hybridid.advice.relaxation import relaxation
 from hybridid.declarations import Parameter, Port, Signal, State
@@ -290,7 +290,10 @@ def test_what_only_cools_does_not_tell_temperature_from_time_and_from_two_temper
     assert len(list(relaxation([cooling(80, "mug"), cooling(79, "again")]))) == 1
     assert list(relaxation([cooling(80, "mug"), cooling(30, "cooler")])) == []
     still = cooling(80, "drum")
-    turning = replace(still, inputs=np.cumsum(still.outputs, axis=0), input_channels=(Channel("way", "m"),))
-    assert len(list(relaxation([turning]))) == 1, "an angle that only grows drives nothing"
+    way = still.dt * np.cumsum(0.5 * (still.outputs[1:] + still.outputs[:-1]), axis=0)
+    turning = replace(still, inputs=np.vstack([[[0.0]], way]), input_channels=(Channel("way", "m"),))
+    assert len(list(relaxation([turning]))) == 1, "an angle that the speed makes drives nothing"
+    assert undriven(turning)
+    assert not undriven(replace(turning, inputs=turning.inputs**2))
     assert list(relaxation([decaying(0.6, "swing")])) == []
     assert list(relaxation([decaying(0.6, "driven", torque=lambda t: 0.2 * np.sin(4 * t))])) == []

@@ -93,14 +93,18 @@ def test_a_rival_that_never_passed_is_not_tried(passed_before):
     assert len(kept.alike) == 1
 
 
-@pytest.mark.parametrize(("left", "is_alike"), [(2.9, True), (3.1, False)])
-def test_a_look_alike_that_leaves_many_times_the_error_is_told_apart(found, left, is_alike):
-    """However little it is of what the effect takes."""
+@pytest.mark.parametrize(
+    ("left", "at_noise", "is_alike"),
+    [(2.9, False, True), (3.1, False, False), (1.3, True, True), (1.5, True, False)],
+)
+def test_a_look_alike_that_leaves_many_times_the_error_is_told_apart(found, left, at_noise, is_alike):
+    """However little it is of what the effect takes. Where the best one leaves the noise, a rival that leaves
+    more of its own than that is refuted."""
     (one,) = found.accepted
     twin = replace(one.trial, candidate=replace(one.trial.candidate, effect=TWIN))
     best = replace(one.trial, comparison=replace(one.trial.comparison, gain=0.999))
     other = replace(twin, comparison=replace(one.trial.comparison, gain=1 - left * 0.001))
-    assert _nearly_alike(best, other, Rules()) is is_alike
+    assert _nearly_alike(best, other, Rules(), at_noise) is is_alike
 
 
 @pytest.mark.parametrize(
