@@ -306,12 +306,20 @@ def _whole(change: float) -> str:
 
 
 def _rest(found: Trace) -> str:
-    remains = (
-        f" Structure remains {listed(found.remains)} that no effect in the library explains."
-        if found.remains
-        else ""
+    return _structure(found) + _more_is_missing(found)
+
+
+def _structure(found: Trace) -> str:
+    """Where a learned effort still finds something. Near the noise that may be the noise of a logged input,
+    which the machine's own dynamics colour; the sensors' noise does not hold it."""
+    if not found.remains:
+        return ""
+    if found.times > found.rules.far:
+        return f" Structure remains {listed(found.remains)} that no effect in the library explains."
+    return (
+        f" Structure may remain {listed(found.remains)}: the error left is {_times(found.times)} what noise "
+        "and simulation leave, which the noise of a logged input may do as well."
     )
-    return remains + _more_is_missing(found)
 
 
 def _more_is_missing(found: Trace) -> str:

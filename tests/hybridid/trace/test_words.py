@@ -229,6 +229,13 @@ def test_a_proposed_law_is_told_as_a_formula_and_no_name(nothing):
         "from 3 µm to 1.5 µm (50 % less) in position."
     )
     assert tried_in_words(found) == "1 effect and 2 laws"
+    structured = replace(found, remains=("at carriage over velocity",), times=1.85)
+    assert sentence(structured).endswith(
+        " Structure may remain at carriage over velocity: the error left is 1.9 times what noise and "
+        "simulation leave, which the noise of a logged input may do as well."
+    )
+    far = sentence(replace(structured, times=9.0))
+    assert "Structure remains at carriage over velocity that no effect in the library explains. More" in far
 
 
 def test_an_effect_with_the_form_of_the_law_that_was_withdrawn_is_told(nothing):
