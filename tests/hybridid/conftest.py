@@ -184,13 +184,16 @@ class Tank(Plant):
     outputs = (Signal("level", "m"),)
     parameters = (Parameter("A", "m²", guess=0.02, fixed=True),)
     ports = (
-        Port("tank", "flow", "m³/s", 1e-3, "m", 0.3, velocity_scale=0.05),
+        Port("tank", "flow", "m³/s", 1e-3, "m", 0.3, velocity_scale=0.05, drive="flow of the pump"),
         Port("inflow", "input", "m³/s", 1e-3),
         Port("level", "output", "m", 0.3),
     )
 
     def motion(self, x, u, p):
         return {"tank": Motion(position=x.h, velocity=u.inflow / p.A)}
+
+    def loads(self, x, u, p):
+        return {"tank": Load(drive=u.inflow)}
 
     def derivative(self, x, u, p, effort):
         return {"h": (u.inflow - effort["tank"]) / p.A}

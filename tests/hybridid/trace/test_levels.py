@@ -56,7 +56,8 @@ def test_nothing_is_smoothed_so_no_smoothing_is_varied(found):
 
 def test_flows_are_learned_over_what_a_level_has(found):
     assert {str(c.over): c.over_unit for c in found.ceilings} == {
-        "level": "m", "time": "s", "level, times net flow": "m", "inflow": "m³/s"
+        "level": "m", "time": "s", "level, times net flow": "m", "level, times drive": "m",
+        "inflow": "m³/s",
     }  # fmt: skip
     assert found.ceilings[0].described == "a learned flow at tank over level"
     assert {(one.kind, one.unit) for one in learned_gains(found.ceilings)} == {("flow", "m³/s")}
