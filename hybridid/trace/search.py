@@ -66,7 +66,8 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
     begins ``anew`` from the declared model, with the narrower smoothing, if time is left for as much again.
     """
     base, first_began = found.final, time.monotonic()
-    steps, accepted, took, narrowed = list(found.steps), list(found.accepted), 0.0, -1
+    steps, accepted, took = list(found.steps), list(found.accepted), 0.0
+    wider: Step | None = None
     while True:
         began = time.monotonic()
         sharp = sharp_enough(base, context)
@@ -84,9 +85,10 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
-            retried = narrowed == len(steps) or context.out_of_time
-            if not retried and (narrower := sharper_for_an_effect(step, context)):
-                base, narrowed = narrower, len(steps)  # once a step
+            if wider is not None:  # the narrower smoothing helped no effect
+                step, base = wider, wider.base
+            elif not context.out_of_time and (narrower := sharper_for_an_effect(step, context)):
+                wider, base = step, narrower
                 continue
             return replace(
                 found,
@@ -100,6 +102,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
             step.accepted.trial.refit, [*accepted, step.accepted], context
         )
         steps.append(replace(step, dropped=dropped))
+        wider = None
         took = time.monotonic() - began
         if why := _two_mixed_classes(base, accepted, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=why)

@@ -8,7 +8,7 @@ held-out error as an effect must (``Rules.worth``). It is the simulation's error
 Beside a model that lacks an effect, that error may hardly count, and beside the effect decide: a resonance
 that a machine excites as it sticks is not seen where it creeps instead. So where no effect passes, or only
 one that is minor, those that gain most are tried once more with half of each epsilon. If one passes then that
-did not before, the step is made again with that.
+did not before, the step is made again with that. If it accepts nothing all the same, the wider one stays.
 
 Source: Roache (1998), Verification and Validation in Computational Science and Engineering, ch. 3: the error
 of a solution is made small before the model is judged.

@@ -92,15 +92,20 @@ def test_the_search_begins_anew_only_if_time_is_left_for_as_much_again(too_wide,
 
 
 def test_a_step_is_made_again_with_a_narrower_smoothing_once(make_model, split_of, monkeypatch):
-    """As if the effect passed each time that it is retried, and never in the step."""
+    """As if the effect passed each time that it is retried, and never in the step: the wider one stays."""
     context = Context(split_of(df_v=75.0), TRIED[1:])
     made = []
-    monkeypatch.setattr(
-        search_module, "sharper_for_an_effect", lambda step, context: made.append(step) or step.base
-    )
+
+    def narrower(step, context):
+        made.append(step)
+        return replace(step.base, status="narrower")
+
+    monkeypatch.setattr(search_module, "sharper_for_an_effect", narrower)
     found = search(make_model(), context, [{}])
     assert found.accepted == ()
     assert len(made) == 1
+    assert found.steps == (made[0],)
+    assert found.final is made[0].base
 
 
 def test_an_effect_that_explains_more_in_the_place_of_another_outdoes_it(make_model, split_of):
