@@ -89,10 +89,11 @@ def in_enough_steps(run: Callable[[int], T], is_plausible: Callable[[T], bool], 
     A record does not show how fast a model becomes that leaves it, or between two samples.
     """
     found = run(steps)
-    enough = is_plausible(found)
-    while not enough and 2 * steps <= MOST:
-        steps, enough = 2 * steps, is_plausible(found)
+    while not is_plausible(found) and 2 * steps <= MOST:
+        steps *= 2
         found = run(steps)
+        if is_plausible(found):
+            return run(2 * steps) if 2 * steps <= MOST else found
     return found
 
 

@@ -26,9 +26,8 @@ from hybridid.trace.horizon_advice import (
 )
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.idle import SURE
-from hybridid.trace.judgement import NOT_SIGNIFICANT
 from hybridid.trace.one_way import judged_the_other_way
-from hybridid.trace.refused_words import most_refused
+from hybridid.trace.refused_words import refused_for_significance
 from hybridid.trace.result import Trace
 from hybridid.trace.rules import Rules
 from hybridid.trace.sampling import within_half_a_sample
@@ -49,7 +48,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     if found.verdict == "unexplained":
         told += [other_horizons_advised(found.search.final, context.split)]
-    if found.verdict == "unexplained" and NOT_SIGNIFICANT in most_refused(traced):
+    if found.verdict == "unexplained" and refused_for_significance(traced):
         told += [parts_of_all_advised(context.split)]
     if found.verdict == "unexplained" and not traced.by_recording:
         told += [_may_differ_by_recording(found.search, context)]
@@ -79,8 +78,8 @@ def _may_differ_by_recording(found: Search, context: Context) -> str:
     if len(context.split.records) < 2 or not any(NO_CONSTANT in reason for reason in reasons):
         return ""
     return (
-        " Which parameter differs between the recordings, trace.by_recording=true trace.records=null "
-        "trace.held_out=null asks."
+        " To ask which parameter differs between the recordings: trace.by_recording=true trace.records=null "
+        "trace.held_out=null."
     )
 
 
@@ -91,7 +90,8 @@ def _grows(found: Conclusion) -> str:
     fitted = "" if found.grows.judged else "fitted "
     return (
         f" Beware: {fitted}over horizons of {found.grows.seconds:.2g} s the model leaves "
-        f"{found.grows.times:.1f} times what noise and simulation leave: what grows slowly may be missing."
+        f"{found.grows.times:.1f} times what noise and simulation leave: an effect that adds up slowly may "
+        "be missing."
     )
 
 

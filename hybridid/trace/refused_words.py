@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import takewhile
+from operator import attrgetter
 
 from hybridid.quantities import share
 from hybridid.trace.entries import StepTaken, TriedEffect, TriedPair
@@ -26,12 +27,17 @@ def most_refused(found: Trace) -> str:
     if not possible:
         return ""
     evident = EVIDENT * max(found.rules.alpha, min(one.p_value for one in possible))
-    best = max((one for one in possible if one.p_value <= evident), key=_gain)
-    largest = max(possible, key=_gain)
+    best = max((one for one in possible if one.p_value <= evident), key=attrgetter("gain"))
+    largest = max(possible, key=attrgetter("gain"))
     told = f" The best supported of the refused gains is {_told(best, found)}."
     if largest.gain < best.gain + found.rules.worth:
         return told
     return f"{told} The largest is {_told(largest, found)}."
+
+
+def refused_for_significance(found: Trace) -> bool:
+    """Whether a gain worth having was refused beside the last model for its p-value alone."""
+    return any(one.reason.startswith(NOT_SIGNIFICANT) for one in _possible(found))
 
 
 def _possible(found: Trace) -> list[Refused]:
@@ -63,10 +69,6 @@ def _undetermined(one: TriedEffect) -> bool:
 def _beside_the_last_model(found: Trace) -> list[StepTaken]:
     """The last steps, in which nothing was taken."""
     return list(takewhile(lambda step: not step.taken, reversed(found.steps)))
-
-
-def _gain(one: Refused) -> float:
-    return one.gain
 
 
 def _told(one: Refused, found: Trace) -> str:

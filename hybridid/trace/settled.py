@@ -94,7 +94,7 @@ def _remaining(found: Search, left: Ceilings, context: Context) -> tuple[str, ..
 
 
 def _trusted(found: Search, context: Context) -> tuple[Search, Ceilings, Ceilings]:
-    """``found`` without what may stand in for something else, with the ceilings of its last model, and of the
+    """``found`` without what stands in for something else, with the ceilings of its last model, and of the
     declared one if several effects had to be held against them."""
     before = learned_beside(found.first, found, context) if len(found.accepted) > 1 else ()
     kept = unless_outdone(found, before, context.rules)

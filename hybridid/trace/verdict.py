@@ -50,10 +50,11 @@ class Conclusion:
     ``remains`` names where structure is left that no effect of the library explains.
     ``refused`` says which gain worth having a test refused, where that leaves the verdict open.
     ``steady`` is the length [s] of shorter horizons over which the error is as large, where that leaves the
-    verdict open. So does what is left over ``longer`` horizons, but not what ``grows`` over these by less
-    than ``Rules.far``, and a complete model could take. So do horizons that are ``too_short``,
+    verdict open. So does what is left over ``longer`` horizons, and so do horizons that are ``too_short``,
     and parameters so ``vague`` that they alone may err by what is left.
     ``replacements`` do better in the place of a declared effect, where that was asked.
+    ``grows`` is what longer horizons leave where that is too little to leave the verdict open, but more than
+    a complete model would.
     ``other_hold`` says in words which other hold of the inputs explains what is left.
     ``there`` is the last model, fitted to the held-out horizons alone, if effects were accepted.
     ``out_of_time``: the time limit left out effects, steps, pairs, laws or replacements.

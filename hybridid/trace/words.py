@@ -310,15 +310,15 @@ def _rest(found: Trace) -> str:
 
 
 def _structure(found: Trace) -> str:
-    """Where a learned effort still finds something. Near the noise that may be the noise of a logged input,
-    which the machine's own dynamics colour; the sensors' noise does not hold it."""
+    """Where a learned effort still finds something. The noise of a logged input passes through the machine,
+    and is no part of the sensors' noise: near that, it may be what was found."""
     if not found.remains:
         return ""
     if found.times > found.rules.far:
         return f" Structure remains {listed(found.remains)} that no effect in the library explains."
     return (
-        f" Structure may remain {listed(found.remains)}: the error left is {_times(found.times)} what noise "
-        "and simulation leave, which the noise of a logged input may do as well."
+        f" Structure may remain {listed(found.remains)}. But only {_times(found.times)} the error of noise "
+        "and simulation is left, and the noise of a logged input alone can do that."
     )
 
 

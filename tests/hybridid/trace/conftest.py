@@ -1,4 +1,4 @@
-"""Simulated carriages that hide something, and horizons of them."""
+"""Simulated carriages that hide something, horizons of them, and a trace that found nothing."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from hybridid.effects.library import effect_named
 from hybridid.records.record import Channel, Record
 from hybridid.trace.context import Context
+from hybridid.trace.entries import Floor, Level, TriedEffect
+from hybridid.trace.result import Estimates, LearnedGains, Trace
+from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split, by_record
 from hybridid.trace.verdict import Conclusion, conclude
 
@@ -99,3 +102,41 @@ def worn_context(split_of, decided) -> Context:
 def worn(make_model, worn_context) -> Conclusion:
     """Its trace."""
     return conclude(make_model(), worn_context)
+
+
+@pytest.fixture
+def nothing() -> Callable[..., Trace]:
+    """Builds a trace that names nothing, of the effects it tried."""
+
+    def build(*rejected: TriedEffect, stopped: str = "no further effect passes") -> Trace:
+        return Trace(
+            provenance="simulated",
+            verdict="nothing_missing",
+            sentence="",
+            accepted=(),
+            rejected=rejected,
+            before=(),
+            after=(),
+            noise_floor={"position": Floor(2e-6, "m", 1e-6)},
+            seconds=1.0,
+            declared=(),
+            effects=(),
+            estimates=Estimates({}, {}),
+            path=(Level("declared model", {"position": 3e-6}, {}, 1.0),),
+            ceilings=LearnedGains((), ()),
+            remains=(),
+            times=1.0,
+            times_fitted=1.0,
+            refused="",
+            completeness=None,
+            stopped=stopped,
+            withdrawn="",
+            split="",
+            horizon=1.0,
+            horizons=(4, 4),
+            rules=Rules(),
+            records=(),
+            steps=(),
+        )
+
+    return build

@@ -32,7 +32,7 @@ def test_where_an_amplitude_is_no_constant_the_recordings_may_differ():
     refused = "spring.offset may stand in for something else: its amplitude is no constant: 2 N, then 3 N"
     two, one = (SimpleNamespace(split=SimpleNamespace(records=[None] * n)) for n in (2, 1))
     withdrawn, kept = (SimpleNamespace(withdrawn=why, steps=()) for why in (refused, ""))
-    assert _may_differ_by_recording(withdrawn, two).endswith("trace.held_out=null asks.")
+    assert _may_differ_by_recording(withdrawn, two).endswith("trace.held_out=null.")
     assert _may_differ_by_recording(withdrawn, one) == _may_differ_by_recording(kept, two) == ""
     step = SimpleNamespace(trials=[SimpleNamespace(reason=refused)])
     assert _may_differ_by_recording(SimpleNamespace(withdrawn="", steps=[step]), two)
@@ -42,8 +42,8 @@ def test_what_grows_over_longer_horizons_is_told_beside_nothing():
     assert _grows(SimpleNamespace(grows=None)) == ""
     judged, fitted = (_grows(SimpleNamespace(grows=Longer(7.2, 1.43, judged=one))) for one in (True, False))
     assert judged == (
-        " Beware: over horizons of 7.2 s the model leaves 1.4 times what noise and simulation leave: what "
-        "grows slowly may be missing."
+        " Beware: over horizons of 7.2 s the model leaves 1.4 times what noise and simulation leave: an "
+        "effect that adds up slowly may be missing."
     )
     assert fitted.startswith(" Beware: fitted over horizons of 7.2 s the model")
 
