@@ -23,7 +23,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from types import SimpleNamespace
 
 import casadi as ca
 
@@ -39,6 +38,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import refit_if_possible
 from hybridid.trace.rules import Rules
+from hybridid.trace.separable import law_symbols
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import PASSED, Trial
 
@@ -151,7 +151,7 @@ def takes_power(effect: Effect) -> bool:
     """Whether the effect resists as the velocity says: its law, or what drives its states."""
     if effect.kind != "effort":
         return False
-    at = _symbols(effect)
+    at = law_symbols(effect)
     followed = ca.vertcat(effect.law(at), *_rates(effect, at))
     return bool(ca.depends_on(followed, at.velocity))
 
@@ -159,23 +159,12 @@ def takes_power(effect: Effect) -> bool:
 def over_time(trial: Trial, period: float) -> bool:
     """Whether the law of ``trial`` follows the time, or a state with a memory longer than ``period`` s."""
     effect = trial.candidate.effect
-    at = _symbols(effect)
+    at = law_symbols(effect)
     if ca.depends_on(ca.vertcat(effect.law(at), *_rates(effect, at)), at.time):
         return True
     memories = [p.name for p in effect.parameters if p.dimension is TIME] if effect.states else []
     values = trial.own("values") if trial.refit is not None else {}
     return any(values.get(name, 0.0) > period for name in memories)
-
-
-def _symbols(effect: Effect) -> Local:
-    """All that a law may use, as symbols."""
-    names = ("time", "epsilon", "position", "velocity", "acceleration", "signal", "drive", "load", "level")
-    return Local(
-        p=SimpleNamespace(**{p.name: ca.SX.sym(p.name) for p in effect.parameters}),
-        z=SimpleNamespace(**{s.name: ca.SX.sym(s.name) for s in effect.states}),
-        channels=SimpleNamespace(**{name: ca.SX.sym(name) for name in effect.channels}),
-        **{name: ca.SX.sym(name) for name in names},
-    )
 
 
 def _rates(effect: Effect, at: Local) -> list[ca.SX]:

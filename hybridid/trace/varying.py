@@ -23,10 +23,12 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
+from hybridid.declarations import Port
 from hybridid.effects.composed import ComposedLaw
 from hybridid.effects.dimension import ONE
-from hybridid.effects.effect import Effect, EffectParameter, Local
+from hybridid.effects.effect import LOAD_WIDTH, Effect, EffectParameter, Local
 from hybridid.effects.over import MEMORIES, Over
+from hybridid.model import Term
 from hybridid.naming import listed
 from hybridid.plants.plant import TOGETHER
 from hybridid.simulation.stability import TooStiff
@@ -38,6 +40,7 @@ from hybridid.trace.learned_effort import Bumps, learned_effort
 from hybridid.trace.path import Array, Path
 from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, least_of, refit_if_hopeful
 from hybridid.trace.robustness import surviving
+from hybridid.trace.separable import is_separable
 from hybridid.trace.split import Split
 
 
@@ -113,8 +116,12 @@ def not_constant(final: Refit, names: list[str], context: Context) -> tuple[str,
 
 
 def _overs(final: Refit, name: str, context: Context) -> list[Over]:
-    """Variables without memory over which the amplitude of the term ``name`` may vary: not those over which
-    its effort is a curve, since a freed one would add up all effects of that variable."""
+    """Variables without memory over which the amplitude of the term ``name`` may vary.
+
+    Not those over which its effort is a curve, alone or times a function of other variables. A freed
+    amplitude would then add up all effects of that variable: with friction that grows with the load, all
+    other frictions that do.
+    """
     term = next(term for term in final.model.terms if term.name == name)
     port = final.model.plant.port(term.port.split(TOGETHER)[0])
     if port.kind not in ("effort", "flow"):
@@ -129,8 +136,19 @@ def _overs(final: Refit, name: str, context: Context) -> list[Over]:
     return [
         one
         for one in plain
-        if path.shows(port.name, one) and not is_curve_over(final, name, port.name, one, context.split)
+        if path.shows(port.name, one)
+        and not _is_own(final, term, port, one)
+        and not is_curve_over(final, name, port.name, one, context.split)
     ]
+
+
+def _is_own(final: Refit, term: Term, port: Port, over: Over) -> bool:
+    """Whether the law of ``term`` at ``port`` is a function of the variable, times a function of others."""
+    own = {p.name: final.values[f"{term.name}.{p.name}"] for p in term.effect.parameters}
+    constants = {**own, "epsilon": port.epsilon, "load_width": LOAD_WIDTH * port.effort_scale}
+    carried = dict.fromkeys(("drive", "load"), port.effort_scale)
+    sizes = {"position": port.position_scale, "velocity": port.velocity_scale, **carried}
+    return is_separable(term.effect, constants, over, sizes)
 
 
 def held_at(values: Mapping[str, float], free: Effect) -> Effect:
