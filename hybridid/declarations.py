@@ -121,8 +121,8 @@ class Port:
     The scales are what the machine typically sees there: effort (say 30 N), position
     (0.2 m) and velocity (0.1 m/s). Effects take their guesses and bounds from them.
     ``epsilon`` is the smoothing velocity of sign(v) ~ tanh(v / epsilon): small against
-    the slowest sliding that matters. Signal ports ("input", "output") use only
-    ``effort_unit`` and ``effort_scale``, for the signal itself.
+    the slowest sliding that matters. A signal port ("input", "output") has the name of
+    its input or output, and uses only ``effort_unit`` and ``effort_scale``, for the signal itself.
 
     A flow port belongs to a balance of first order, such as that of a tank. Its position is the level q. What
     the effects there have in place of an effort is a flow that lowers it, in ``effort_unit`` (m³/s). Its

@@ -34,11 +34,22 @@ def check_plant(plant: Plant) -> None:
     for what in ("states", "outputs"):
         if not getattr(plant, what):
             blame(kind, f"plant {plant.name} has no {what}: at least one is needed")
-    outputs = [signal.name for signal in plant.outputs]
+    for complaint in _unknown_signals(plant):
+        blame(kind, f"plant {plant.name}: {complaint}")
+
+
+def _unknown_signals(plant: Plant) -> Iterator[str]:
+    """What states and signal ports say of inputs and outputs that the plant does not have."""
+    names = {
+        "input": [signal.name for signal in plant.inputs],
+        "output": [signal.name for signal in plant.outputs],
+    }
     for state in plant.states:
-        if state.observed_by is not None and state.observed_by not in outputs:
-            where = f"output in observed_by of state {state.name}:"
-            blame(kind, f"plant {plant.name}: {unknown(where, state.observed_by, outputs)}")
+        if state.observed_by is not None and state.observed_by not in names["output"]:
+            yield unknown(f"output in observed_by of state {state.name}:", state.observed_by, names["output"])
+    for port in plant.ports:
+        if port.name not in names.get(port.kind, (port.name,)):
+            yield unknown(f"{port.kind} in the name of a port of that kind:", port.name, names[port.kind])
 
 
 def complaints(owner: object, what: str, kind: type) -> Iterator[str]:
