@@ -52,7 +52,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [parts_of_all_advised(context.split)]
     if found.verdict == "unexplained" and not traced.by_recording:
         told += [_may_differ_by_recording(found.search, context)]
-    cut = found.search.cut_within_a_step
+    cut = found.search.cut_within_a_step or (found.out_of_time and bool(found.accepted))
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         advised = determining_parts_advised if traced.vague else parts_of_all_advised
         told += [advised(context.split)]

@@ -120,3 +120,12 @@ def _what_the_network_finds(found: Trace, check: Completeness) -> str:
 def parameters_in_words(values: Mapping[str, Value]) -> list[str]:
     """``df_v = 73.9 ± 8.9 N·s/m`` of each parameter: its value and half its 95 % interval."""
     return [f"{name} = {estimated(p.value, p.std, p.unit)}" for name, p in values.items()]
+
+
+def none_of(tried: int, does: str) -> str:
+    """``none of the 38 effects tried explains``, with ``does`` the verb."""
+    if tried == 0:
+        return f"no effect was tried to {does}"
+    if tried == 1:
+        return f"the one effect tried does not {does}"
+    return f"none of the {tried} effects tried {does}s"

@@ -111,7 +111,7 @@ def conclude(
     settled, cut = _with_more(settle_below_noise(found, context), context)
     refused, steady = _refused(settled, rules), _steady(settled, context)
     fitted = settled.accuracy.times_the_least(settled.found.final.fitted_rmse)
-    verdict = _verdict(settled, refused, steady, fitted, rules)
+    verdict = _verdict(settled, refused, steady, fitted, rules, cut)
     silent = verdict == "nothing_missing"
     near = not settled.found.accepted and settled.times <= rules.far
     longer = more_over_longer(settled.found.final, context) if near else None
@@ -240,10 +240,16 @@ def _steady(settled: Settled, context: Context) -> float | None:
 
 
 def _verdict(
-    settled: Settled, refused: str, steady: float | None, times_fitted: float, rules: Rules
+    settled: Settled, refused: str, steady: float | None, times_fitted: float, rules: Rules, cut: bool
 ) -> Verdict:
-    """One word: a law, an effect found alone or in a class, something left unnamed, open, or nothing."""
+    """One word: a law, an effect found alone or in a class, something left unnamed, open, or nothing.
+
+    Open, too, where the time limit has ``cut`` a search that leaves far more than noise and simulation do:
+    what was accepted first may stand for what the rest of the search would have put in its place.
+    """
     found = settled.found
+    if cut and found.accepted and settled.times > rules.far:
+        return "undecided"
     if any(is_composed(one.trial.candidate.effect) for one in found.accepted):
         return "law_proposed"
     if found.accepted:

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from hybridid.naming import counted, listed
 from hybridid.quantities import percent, probability, quantity, share
-from hybridid.trace.entries import (
-    AcceptedEffect,
-    ReplacedEffect,
-    StepTaken,
-    TriedEffect,
-)
+from hybridid.trace.cut_words import best_tried, cut_short, cut_step
+from hybridid.trace.entries import AcceptedEffect, ReplacedEffect, TriedEffect
 from hybridid.trace.law_words import passed_before, proposed
 from hybridid.trace.recording_words import by_recording_in_words
 from hybridid.trace.refused_words import more_than_possible, most_refused
-from hybridid.trace.remarks import named_effects, parameters_in_words
+from hybridid.trace.remarks import named_effects, none_of, parameters_in_words
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED, UNTRIED
 
@@ -35,7 +31,7 @@ def sentence(found: Trace) -> str:
     """The verdict in words: what the time limit and failed fits left out, if anything; then what the model
     lacked and how far the error falls, or what is left."""
     return (
-        _cut_short(found)
+        cut_short(found)
         + _untried(found)
         + _concluded(found)
         + _revised(found)
@@ -86,7 +82,7 @@ def _concluded(found: Trace) -> str:
     where = f"on held-out horizons of {length:g} s ({found.provenance})"
     if found.verdict == "nothing_missing":
         return f"Nothing that can be found is missing: {_none_passes(found, where)} {error_left(found)}"
-    if found.verdict == "undecided":
+    if found.verdict == "undecided" and not found.accepted:
         return f"{_undecided(found, where)} {error_left(found)}"
     if found.verdict == "unexplained":
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
@@ -96,6 +92,8 @@ def _concluded(found: Trace) -> str:
         return f"Something is missing that {_unnamed(found, unshown=bool(refused))}{told}"
     them = "them" if len(found.accepted) > 1 else "it"
     fall = f"with {them} the RMSE {where} falls {_fall(found)}"
+    if found.verdict == "undecided":
+        return _best_so_far(found, fall)
     names = [one for one in found.accepted if not one.is_law]
     laws = [one for one in found.accepted if one.is_law]
     lacked = f"The model lacked {listed([_named(entry) for entry in names])}"
@@ -110,9 +108,21 @@ def _concluded(found: Trace) -> str:
 
 def _undecided(found: Trace, where: str) -> str:
     """That, and why, it is open whether something is missing."""
-    if last := _cut_step(found):
-        return f"The best so far: {_best_tried(last)} {where}."
+    if last := cut_step(found):
+        return f"The best so far: {best_tried(last)} {where}."
     return f"These records do not decide whether something is missing: {_why_open(found, where)}."
+
+
+def _best_so_far(found: Trace, fall: str) -> str:
+    """What a search had accepted that the time limit ended far above the noise."""
+    names, their = (
+        listed([_named(entry) for entry in found.accepted]),
+        "its" if len(found.accepted) < 2 else "their",
+    )
+    return (
+        f"The best so far: {names}; {fall}.{_only_together(found)} {error_left(found)} The search for the "
+        f"rest was cut off. It may put another effect in {their} place."
+    )
 
 
 def _why_open(found: Trace, where: str) -> str:
@@ -170,15 +180,6 @@ def _only_together(found: Trace) -> str:
     return said
 
 
-def _none(tried: int, does: str) -> str:
-    """``none of the 38 effects tried explains``, with ``does`` the verb."""
-    if tried == 0:
-        return f"no effect was tried to {does}"
-    if tried == 1:
-        return f"the one effect tried does not {does}"
-    return f"none of the {tried} effects tried {does}s"
-
-
 def _unnamed(found: Trace, unshown: bool = False) -> str:
     """``none of the 38 effects tried explains``, and no pair where pairs were tried; ``unshown``: one of them
     may, but the records do not show it."""
@@ -186,7 +187,7 @@ def _unnamed(found: Trace, unshown: bool = False) -> str:
     together = f", alone or in {counted(pairs, 'pair')}" if pairs else ""
     tried = named_effects(found)
     if not unshown:
-        return _none(tried, "explain") + together
+        return none_of(tried, "explain") + together
     return ("the one effect tried is not" if tried == 1 else f"none of the {tried} effects tried is") + (
         f" shown to explain{together}"
     )
@@ -197,7 +198,7 @@ def _none_passes(found: Trace, where: str) -> str:
     tried, worth = found.rejected, found.rules.worth
     if not tried:
         return f"{found.stopped} {where}."
-    fails = f"{_none(len(tried), 'lower')} the error {where} by {percent(worth)}"
+    fails = f"{none_of(len(tried), 'lower')} the error {where} by {percent(worth)}"
     most = max(tried, key=lambda entry: entry.gain)
     if most.gain < worth:
         return f"{fails}."
@@ -224,38 +225,6 @@ def error_left(found: Trace) -> str:
 
 def _times(times: float) -> str:
     return f"{times:.1f} times" if times < 1000 else "more than a thousand times"
-
-
-def _cut_short(found: Trace) -> str:
-    """That the time limit ended the search, and when; empty if it did not."""
-    if found.time_limit is None:
-        return ""
-    where = f"after {counted(len(found.steps), 'step')}"
-    if last := _cut_step(found):
-        left, every = len(last.left_out), len(last.left_out) + len(last.trials)
-        where = f"in step {len(found.steps)} and left {left} of {every} effects untried"
-    return (
-        f"The time limit of {found.time_limit:g} s ended the search {where}: the verdict holds for what was "
-        "tried by then. "
-    )
-
-
-def _cut_step(found: Trace) -> StepTaken | None:
-    """The last step, if the time limit left out effects of it."""
-    return found.steps[-1] if found.steps and found.steps[-1].left_out else None
-
-
-def _best_tried(step: StepTaken) -> str:
-    """What explains most of a step that the time limit ended; one of the others may explain more."""
-    passed = [one for one in step.trials if one.status == PASSED]
-    if not passed:
-        return f"{_none(len(step.trials), 'explain')} the error"
-    best = max(passed, key=lambda one: one.gain)
-    told = ", ".join(parameters_in_words(best.parameters))
-    return (
-        f"{best.effect} at {best.port} ({told}) takes {share(best.gain)}, which is no name while others are "
-        "untried,"
-    )
 
 
 def _untried(found: Trace) -> str:

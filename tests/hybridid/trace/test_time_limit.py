@@ -36,6 +36,13 @@ def test_the_first_step_is_ended_and_no_other_begins(make_model, context):
     assert found.out_of_time
 
 
+def test_what_was_accepted_is_open_while_far_more_than_noise_is_left(make_model, context):
+    model = make_model(("viscous", "offset"))
+    assert conclude(model, context).verdict == "undecided"
+    generous = replace(context, rules=replace(context.rules, far=1e6))
+    assert conclude(model, generous).verdict == "effect_found"
+
+
 @pytest.fixture(scope="module")
 def many(context):
     """Seven effects, of which the declared model lacks six; five are tried in any time."""
@@ -101,7 +108,11 @@ def test_the_sentence_begins_with_the_limit(make_model, split_of):
     assert found.time_limit == 1e-3
     assert found.sentence.startswith(
         "The time limit of 0.001 s ended the search after 1 step: the verdict holds for what was tried by "
-        "then. The model lacked coulomb"
+        "then. The best so far: coulomb at carriage"
+    )
+    assert found.verdict == "undecided"
+    assert found.sentence.endswith(
+        "The search for the rest was cut off. It may put another effect in its place."
     )
     assert trace(make_model(), [first], [second], time_limit=1e3, **asked).time_limit is None
 
