@@ -59,6 +59,14 @@ def oscillator(seconds: float = SHORT) -> Simulated:
     )
 
 
+def torsional_oscillator(seconds: float = SHORT) -> Simulated:
+    t = clock(seconds)
+    torque = lambda s: push(s, 1.0)  # noqa: E731
+    q, _ = run(lambda s, x: [x[1], (torque(s) - 6.0 * x[0] - 0.03 * x[1]) / 0.02], [0.0, 0.0], t)
+    text = table("time_ms torque_Nm twist_mrad", t * 1e3, torque(t), noisy(q) * 1e3, separator=" ")
+    return Simulated(text, {"J": 0.02, "K": 6.0, "spring.viscous.f_v": 0.03}, ("--hold", "torque=foh"))
+
+
 def two_inertias(seconds: float = SHORT) -> Simulated:
     t = clock(seconds)
     torque = lambda s: push(s, 2.0) + 0.7 * np.sin(2 * np.pi * 9.0 * s)  # noqa: E731
@@ -176,6 +184,7 @@ MACHINES: Mapping[str, Callable[..., Simulated]] = {
         rotary,
         pendulum,
         oscillator,
+        torsional_oscillator,
         two_inertias,
         quarter_car,
         tank,

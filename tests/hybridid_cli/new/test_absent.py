@@ -65,19 +65,18 @@ def test_what_a_lack_replaces_is_there(kind, name):
     assert all(re.search(rf"(?m)^{constant} = ", plan.source) for constant in (*lack.head, *lack.scales))
 
 
-def test_the_equations_are_those_of_a_zero_input():
-    """At random states the plant that coasts moves as the driven one under no force."""
-    driven, free = (
-        compose(one(), ["viscous"]) for one in (template("oscillator").plant, lambda: written(coasting))
-    )
-    values = {"M": 2.0, "K": 3.0, "spring.viscous.f_v": 0.4}
+@pytest.mark.parametrize(
+    ("kind", "drive", "inertia"), [("oscillator", "force", "M"), ("torsional_oscillator", "torque", "J")]
+)
+def test_the_equations_are_those_of_a_zero_input(kind, drive, inertia):
+    """At random states the plant that coasts moves as the driven one under no force or torque."""
+    coasting = written(lacking(kind, drive))
+    driven, free = (compose(plant, ["viscous"]) for plant in (template(kind).plant(), coasting))
+    values = {inertia: 2.0, "K": 3.0, "spring.viscous.f_v": 0.4}
     for x in np.random.default_rng(0).uniform(-1, 1, (10, 2)):
         zero = driven.f(0, x, [0.0], driven.values(values))
         named = {p.name: values.get(p.name, p.guess) for p in free.parameters}
         assert np.asarray(free.f(0, x, [], free.values(named))) == pytest.approx(np.asarray(zero))
-
-
-coasting = lacking("oscillator", "force")
 
 
 def coast_down(mass=1200.0, rolling=150.0, drag=0.4, speed=30.0):
@@ -110,6 +109,38 @@ def test_a_coast_down_is_fitted_without_a_force(say, own_folder, rig):
     found = json.loads((own_folder / "tree/fit/estimate.json").read_text())["parameters"]
     values = {name: found[name]["value"] for name in found}
     assert values == pytest.approx({"road.coulomb.f_c": 150.0, "road.quadratic_drag.c_d": 0.4}, rel=0.03)
+
+
+def decay(amplitude, inertia=0.02, stiffness=6.0, damping=0.006):
+    """Time and angle of a torsional oscillator let go at ``amplitude`` in °, solved in closed form."""
+    t = np.arange(0.0, 10.0, 0.01)
+    rate = damping / (2 * inertia)
+    w = np.sqrt(stiffness / inertia - rate**2)
+    angle = amplitude * np.exp(-rate * t) * (np.cos(w * t) + rate / w * np.sin(w * t))
+    noise = np.random.default_rng(1).normal(0.0, 0.02, len(t))
+    return [f"{a:.2f},{b:.4f}" for a, b in zip(t, angle + noise, strict=True)]
+
+
+def test_a_decay_of_a_torsional_oscillator_is_fitted_without_a_torque(say, own_folder, rig):
+    for name, amplitude in (("wide", 30.0), ("narrow", 12.0)):
+        rows = "\n".join(decay(amplitude))
+        (own_folder / f"{name}.csv").write_text(f"t [s],twist [deg]\n{rows}\n")
+    files = ("--from", "wide.csv", "narrow.csv")
+    said = say("new", rig, *files, "--template", "torsional_oscillator", "--signal", "torque=none")
+    assert said.code == 0, said.complaint
+    assert "an inertia on a torsional spring, which swings freely" in said.out
+    assert re.search(r"(?m)^ torque +none: nothing drives it +N·m ", said.out)
+    assert "J is 1 kg·m² unless you set INERTIA" in said.out
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert "inputs" not in case["signals"]
+    assert case["trace"] == {"records": ["wide", "narrow"], "held_out": None}
+    plant = own_folder / f"{rig}/{rig}.py"
+    plant.write_text(plant.read_text().replace("INERTIA = 1.0 ", "INERTIA = 0.02 "))
+    said = say("fit", "--config-dir", rig, f"case={rig}", "out=tree", "mlflow.enabled=false")
+    assert said.code == 0, said.complaint
+    found = json.loads((own_folder / "tree/fit/estimate.json").read_text())["parameters"]
+    values = {name: found[name]["value"] for name in found}
+    assert values == pytest.approx({"K": 6.0, "spring.viscous.f_v": 0.006}, rel=0.01)
 
 
 def test_a_level_that_is_not_measured_is_estimated(recorded, say, own_folder, rig):

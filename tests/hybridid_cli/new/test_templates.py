@@ -88,6 +88,20 @@ def test_a_room_is_a_heater_in_surroundings_that_are_measured():
         assert np.asarray(measured) == pytest.approx(np.asarray(constant))
 
 
+def test_a_torsional_oscillator_is_an_oscillator_that_turns():
+    """At random states the two move alike, also under friction that grows with drive and load."""
+    effects = ["viscous", "load_friction"]
+    shifted, turned = (
+        compose(template(kind).plant(), effects) for kind in ("oscillator", "torsional_oscillator")
+    )
+    friction = {"spring.viscous.f_v": 0.03, "spring.load_friction.mu": 0.3, "spring.epsilon": 0.01}
+    values = {"K": 6.0, **friction}
+    for q, speed, drive in np.random.default_rng(0).uniform(-1, 1, (10, 3)):
+        shifting = shifted.f(0, [q, speed], [drive], shifted.values({**values, "M": 0.02}))
+        turning = turned.f(0, [q, speed], [drive], turned.values({**values, "J": 0.02}))
+        assert np.asarray(turning) == pytest.approx(np.asarray(shifting))
+
+
 @pytest.mark.parametrize(("kind", "made"), [("test_rig", "differentiate"), ("vehicle", "integrate")])
 def test_each_of_several_recordings_has_its_own_steps(recorded, say, own_folder, rig, kind, made):
     words = recorded(kind)
