@@ -16,6 +16,7 @@ from hybridid.trace.remarks import (
     parameters_in_words,
     refused_rivals,
     tried_in_words,
+    unsure_in_words,
 )
 from hybridid.trace.result import Trace
 from hybridid.trace.words import VERDICTS
@@ -44,7 +45,7 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
     parts: list[RenderableType] = [Text.assemble(word, found.sentence, "\n")]
     if found.accepted:
         parts.append(_accepted(found))
-        parts += map(Text, refused_rivals(found))
+        parts += map(Text, (said for said in (unsure_in_words(found), *refused_rivals(found)) if said))
     parts.append(_before_after(found))
     parts += [Text(said) for said in (idle_in_words(found), narrowed_in_words(found)) if said]
     if found.completeness:

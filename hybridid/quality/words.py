@@ -30,7 +30,7 @@ def drifts(views: Sequence[View], horizons: View) -> str:
     said = "; ".join(f"{v.output}: {_beside_nothing(v)}" for v in views)
     return (
         f"the free run drifts ({said}), since the model integrates: nothing brings it back within a record, "
-        f"and small errors add up; judge it {where(horizons)}"
+        f"and small errors add up; its errors {where(horizons)} judge it"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from hybridid.naming import counted, listed
@@ -17,9 +18,16 @@ def idle_in_words(found: Trace) -> str:
     if not found.idle:
         return ""
     was = "were" if len(found.idle) > 1 else "was"
-    return (
-        f"Over these horizons the records do not tell {listed(found.idle)}, which {was} declared, from zero."
-    )
+    where = "Beside what is missing" if found.times > found.rules.far else "Over these horizons"
+    return f"{where}, the records do not tell {listed(found.idle)}, which {was} declared, from zero."
+
+
+def unsure_in_words(found: Trace) -> str:
+    """What "± ?" means, where an accepted effect has such a parameter; else empty."""
+    every = [value for entry in found.accepted for value in entry.parameters.values()]
+    if all(math.isfinite(value.std) for value in every):
+        return ""
+    return "± ?: no standard error, as the value ends at its bound or the records do not determine it."
 
 
 def narrowed_in_words(found: Trace) -> str:

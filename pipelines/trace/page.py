@@ -25,6 +25,7 @@ from hybridid.trace.remarks import (
     parameters_in_words,
     refused_rivals,
     structure_in_words,
+    unsure_in_words,
 )
 from hybridid.trace.result import Trace
 from hybridid.trace.robustness import Survival
@@ -91,7 +92,8 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
         )
         for a in found.accepted
     )  # fmt: skip
-    effects = Table(f"Accepted ({found.provenance})", header, rows, (_BY_HELD_OUT,), words=(0, 1, 2, 3, 6))
+    notes = tuple(note for note in (_BY_HELD_OUT, unsure_in_words(found)) if note)
+    effects = Table(f"Accepted ({found.provenance})", header, rows, notes, words=(0, 1, 2, 3, 6))
     paragraphs = [
         f"{a.effect}: {a.title}, {a.equation}. {a.pattern[:1].upper()}{a.pattern[1:]}."
         for a in found.accepted

@@ -78,7 +78,7 @@ def test_a_free_run_of_a_plant_that_integrates_is_no_accusation():
     assert (found.verdict, [one.kind for one in found.findings]) == ("incomplete", ["incomplete"])
     (said,) = (one.said for one in found.advice if one.kind == "drift")
     assert said.startswith("the free run drifts (position: RMSE ")
-    assert said.endswith("small errors add up; judge it over horizons of 3 s")
+    assert said.endswith("small errors add up; its errors over horizons of 3 s judge it")
 
 
 def test_a_reversed_sign_is_no_matter_of_drift():

@@ -108,7 +108,7 @@ def test_the_sentence_begins_with_the_limit(make_model, split_of):
     assert found.time_limit == 1e-3
     assert found.sentence.startswith(
         "The time limit of 0.001 s ended the search after 1 step: the verdict holds for what was tried by "
-        "then. The best so far: coulomb at carriage"
+        "then. A larger trace.time_limit tries more. The best so far: coulomb at carriage"
     )
     assert found.verdict == "undecided"
     assert found.sentence.endswith(

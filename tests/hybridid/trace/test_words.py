@@ -25,6 +25,7 @@ from hybridid.trace.remarks import (
     refused_rivals,
     structure_in_words,
     tried_in_words,
+    unsure_in_words,
 )
 from hybridid.trace.result import LearnedGains
 from hybridid.trace.words import _members, error_left, sentence
@@ -233,6 +234,15 @@ def test_a_name_far_above_the_noise_may_stand_for_a_part(nothing, times, said):
     assert "More is missing" not in sentence(replace(found, times=2.9))
 
 
+def test_a_parameter_without_a_standard_error_is_explained(nothing):
+    name = accepted("input_saturation", "F = k", False)
+    bound = replace(name, parameters={"n": Value(100.0, math.nan, "")})
+    assert unsure_in_words(replace(nothing(), accepted=(name, bound))).startswith(
+        "± ?: no standard error, as"
+    )
+    assert unsure_in_words(replace(nothing(), accepted=(name,))) == ""
+
+
 def test_a_rival_that_was_refused_for_its_amplitude_is_told(nothing):
     why = "its amplitude is no constant: k = 4 ± 1 N in the fitted records, 2 ± 1 N in those held out"
     name, rival = accepted("stribeck", "F = k", False), tried("cogging", 0.3, why)
@@ -277,8 +287,9 @@ def test_what_speaks_against_the_declared_physics_is_told(nothing):
     said = sentence(replace(found, replacements=(better, same, worse)))
     assert " The declared carriage.viscous or carriage.offset may be wrong: " in said
     assert idle_in_words(found) == (
-        "Over these horizons the records do not tell carriage.offset, which was declared, from zero."
+        "Over these horizons, the records do not tell carriage.offset, which was declared, from zero."
     )
+    assert idle_in_words(replace(found, times=5.0)).startswith("Beside what is missing, the records do not")
     assert idle_in_words(nothing()) == ""
 
 
