@@ -127,9 +127,15 @@ def mean_square(value: float | None, unit: str, missing: str = "") -> str:
     return f"{printed} {squared(unit)}".strip() if printed else missing
 
 
+FAR_FROM_ONE = 1e6
+"""|R²| from which its decimals say nothing."""
+
+
 def r_squared(value: float | None, missing: str = "") -> str:
-    """The coefficient of determination R² to six places, for what counts are the nines."""
-    return fixed(value, 6, missing)
+    """The coefficient of determination R² to six places, for what counts are the nines; of a run that left
+    the record by far, as a power of ten."""
+    far = value is not None and abs(value) >= FAR_FROM_ONE
+    return power(value, 3, missing) if far else fixed(value, 6, missing)
 
 
 def estimated(value: float | None, std: float | None, unit: str) -> str:

@@ -175,6 +175,7 @@ def test_mean_squares_and_coefficients_of_determination():
     assert mean_square(0.0, "m") == "0 m²"
     assert mean_square(0.5, "1") == "5.000·10⁻¹"
     assert (r_squared(0.99987654), r_squared(-3.0)) == ("0.999877", "−3.000000")
+    assert r_squared(-1.2244e160) == "−1.22·10¹⁶⁰"
     assert (squared("m"), squared("N·m"), squared("")) == ("m²", "(N·m)²", "")
 
 
