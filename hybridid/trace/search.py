@@ -11,6 +11,7 @@ from hybridid.model import Model
 from hybridid.naming import counted
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.alike import equivalents, indistinguishable, strangers
+from hybridid.trace.backtrack import better_branch, without_the_better
 from hybridid.trace.ceiling import ceilings
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
@@ -68,6 +69,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
     base, first_began = found.final, time.monotonic()
     steps, accepted, took = list(found.steps), list(found.accepted), 0.0
     wider: Step | None = None
+    gone_back: set[int] = set()
     while True:
         began = time.monotonic()
         sharp = sharp_enough(base, context)
@@ -76,12 +78,15 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
             return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
         base = sharp
         stopped = _nothing_to_seek(base, accepted, context)
-        if not stopped and base.shorter is None:
-            before, base = base.cost, context.one(with_shorter, base, context.split)
-            if base.cost < before:
-                continue
+        known = stopped or base.shorter is not None
+        before, base = base.cost, base if known else context.one(with_shorter, base, context.split)
+        if base.cost < before:
+            continue
         if stopped := stopped or _out_of_time(steps, took, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
+        if back := _gone_back(steps, base, context, gone_back):
+            steps, base, accepted = back
+            continue
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
@@ -106,6 +111,25 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         took = time.monotonic() - began
         if why := _two_mixed_classes(base, accepted, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=why)
+
+
+def _gone_back(
+    steps: Sequence[Step], last: Refit, context: Context, gone_back: set[int]
+) -> tuple[list[Step], Refit, list[Accepted]] | None:
+    """The steps up to one that should have taken another effect, with that one, the model there and what it
+    holds; None if there is no such step. A search goes back once to each step, noted in ``gone_back``."""
+    better = better_branch(steps, last, gone_back, context)
+    if better is None:
+        return None
+    gone_back.add(better.number)
+    earlier = steps[better.number]
+    step = decided(earlier.base, without_the_better(earlier, better), context)
+    if step.accepted is None or step.accepted.trial.refit is None:
+        return None
+    context.say(f"with {better} less error is left: back to step {better.number + 1}: {said_of(step)}")
+    kept, there = [*steps[: better.number], step], step.accepted.trial.refit
+    present = {term.name for term in there.model.terms}
+    return kept, there, [one for each in kept for one in each.taken if one.name in present]
 
 
 def _outdone(sharp: Refit, steps: Sequence[Step], context: Context) -> bool:

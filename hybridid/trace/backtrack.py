@@ -1,0 +1,105 @@
+"""Where a search should have taken another effect in an earlier step.
+
+A forward search takes the best effect of each step. Where two effects are missing, one that resembles their
+sum may be better than each of them: an eddy-current brake, whose force falls with the speed, in the place of
+Coulomb and Stribeck friction. It then stays, and all that follows is judged beside it. So before another step
+begins, each earlier effect is exchanged for every other one that passed in its step and took at least half as
+much (``Rules.majority``), beside each member of the class that was accepted last. If one of these models
+leaves less than the last one by what an effect must take (``Rules.worth``), significantly with all of them
+counted, the search goes back to that step and takes the other effect.
+
+Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2nd ed., Chapman & Hall, ch. 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
+from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.rules import Rules
+from hybridid.trace.split import Split
+from hybridid.trace.steps import Step
+from hybridid.trace.trial import PASSED, REJECTED, Trial
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """``rival`` in the place of what the step ``number`` took, beside ``member`` of the class accepted last;
+    ``refit`` is None where that model cannot be simulated."""
+
+    number: int
+    rival: Trial
+    member: Trial
+    refit: Refit | None
+
+    def __str__(self) -> str:
+        return f"{self.rival.candidate.name} + {self.member.candidate.name}"
+
+
+def better_branch(
+    steps: Sequence[Step], last: Refit, gone_back: Collection[int], context: Context
+) -> Exchange | None:
+    """The best exchange that explains more than the model ``last`` of ``steps``; None if none does. Steps
+    whose number is among ``gone_back`` stay as they are."""
+    newest = steps[-1].accepted if len(steps) > 1 else None
+    if newest is None:
+        return None
+    given = [
+        (number, rival, member, (earlier, newest.name), last, context.split)
+        for number, earlier, rival in _rivals(steps[:-1], last, context.rules)
+        if number not in gone_back
+        for member in newest.alike
+        if member.candidate.name != rival.candidate.name
+    ]
+    tried = context.each("in the place of an earlier effect", _exchanged, given, str)
+    solved = [(one, one.refit) for one in tried if one.refit is not None]
+    if not solved:
+        return None
+    best, refitted = min(solved, key=lambda pair: pair[1].score.loss)
+    advantage = compare(last.score, refitted.score)
+    return best if context.rules.passes(advantage.gain, len(given) * advantage.p_value) else None
+
+
+def without_the_better(step: Step, exchange: Exchange) -> tuple[Trial, ...]:
+    """The trials of ``step``, those refused that took more there than the effect that explains more later."""
+    why = (
+        f"beside {exchange.member.candidate.name}, found later, {exchange.rival.candidate.name} explains more"
+    )
+    return tuple(
+        replace(t, status=REJECTED, reason=why) if t.status == PASSED and t.gain > exchange.rival.gain else t
+        for t in step.trials
+    )
+
+
+def _rivals(steps: Sequence[Step], last: Refit, rules: Rules) -> Iterator[tuple[int, str, Trial]]:
+    """The number of each step, the effect that it took, if that is still there, and each other effect that
+    had passed there and took a good part of that."""
+    present = {term.name for term in last.model.terms}
+    for number, step in enumerate(steps):
+        one = step.accepted
+        if one is None or step.together or one.name not in present:
+            continue
+        for trial in step.trials:
+            rivals = (
+                trial.status == PASSED and trial.refit is not None and trial.candidate.name not in present
+            )
+            if rivals and trial.taken >= rules.majority * one.trial.taken:
+                yield number, one.name, trial
+
+
+def _exchanged(
+    number: int, rival: Trial, member: Trial, names: tuple[str, str], last: Refit, split: Split
+) -> Exchange:
+    """The model ``last`` with ``rival`` and ``member`` in the place of the effects ``names``, refitted."""
+    model, values = last.model, dict(last.values)
+    for name in names:
+        model = model.without(name)
+    for trial in (rival, member):
+        model = trial.candidate.added_to(model)
+        values |= {f"{trial.candidate.name}.{key}": value for key, value in trial.own("values").items()}
+    kept = {p.name for p in model.parameters}
+    start = {key: value for key, value in values.items() if key in kept}
+    return Exchange(number, rival, member, refit_if_possible(model, split, [start], last, last.numerics))

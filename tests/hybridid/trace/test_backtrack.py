@@ -1,0 +1,78 @@
+"""On a simulated carriage: a search goes back to a step that took an effect in the place of another."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.backtrack import better_branch, without_the_better
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.context import Context
+from hybridid.trace.judgement import judge
+from hybridid.trace.refit import refit
+from hybridid.trace.search import continued
+from hybridid.trace.steps import AT_FLOOR, Accepted, Search, Step
+from hybridid.trace.trial import PASSED, REJECTED, attempt
+
+TRIED = tuple(map(effect_named, ("coulomb", "eddy_brake", "asymmetric_viscous")))
+
+
+@pytest.fixture(scope="module")
+def context(split_of):
+    return Context(split_of(df_v=75.0), TRIED)
+
+
+def step(base, context, *names):
+    """The last of ``names`` accepted beside ``base``, and a trial of each."""
+    tried = [attempt(Candidate(effect_named(name), "carriage"), base, context.split) for name in names]
+    trials = tuple(judge(tried, context.rules))
+    return Step(base, trials, Accepted(trials[-1], trials[-1:], ()))
+
+
+@pytest.fixture(scope="module")
+def steps(make_model, context):
+    """As if an eddy-current brake had been taken for the Coulomb friction, then the asymmetry was found."""
+    first = step(refit(make_model(("viscous", "offset")), context.split), context, "coulomb", "eddy_brake")
+    second = step(first.accepted.trial.refit, context, "asymmetric_viscous")
+    assert {t.status for t in (*first.trials, *second.trials)} == {PASSED}
+    return [first, second]
+
+
+@pytest.fixture(scope="module")
+def last(steps):
+    return steps[-1].accepted.trial.refit
+
+
+def test_the_effect_that_explains_more_beside_what_followed_is_found(steps, last, context):
+    better = better_branch(steps, last, (), context)
+    assert better is not None
+    assert (better.number, str(better)) == (0, "carriage.coulomb + carriage.asymmetric_viscous")
+    assert better.refit.score.loss < 0.2 * last.score.loss
+
+
+def test_what_took_more_in_that_step_is_refused_with_the_reason(steps, last, context):
+    better = better_branch(steps, last, (), context)
+    one, other = steps[0].trials
+    most = replace(other, comparison=replace(other.comparison, gain=0.999))
+    coulomb, brake = without_the_better(replace(steps[0], trials=(one, most)), better)
+    assert (coulomb.status, brake.status) == (PASSED, REJECTED)
+    assert brake.reason.startswith("beside carriage.asymmetric_viscous, found later, carriage.coulomb")
+
+
+def test_the_search_goes_back_and_ends_at_the_noise(steps, last, context):
+    said = []
+    accepted = tuple(one.accepted for one in steps)
+    found = continued(Search(tuple(steps), last, accepted, ""), replace(context, say=said.append))
+    assert [one.name for one in found.accepted] == ["carriage.coulomb", "carriage.asymmetric_viscous"]
+    assert found.stopped == AT_FLOOR
+    assert "back to step 1" in said[0]
+
+
+def test_a_step_to_which_the_search_went_back_stays(steps, last, context):
+    assert better_branch(steps, last, {0}, context) is None
+
+
+def test_there_is_nothing_to_go_back_to_in_the_first_step(steps, context):
+    assert better_branch(steps[:1], steps[1].base, (), context) is None
