@@ -26,6 +26,7 @@ from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.levels import Level, levels_over, overs_of_level
 from hybridid.effects.over import (
     BRISTLE,
+    CHANNEL_FACTORS,
     FLOW_FACTORS,
     MEMORIES,
     OVERS,
@@ -257,7 +258,7 @@ def _around(value: float, positive: bool) -> Bounded:
 
 def _all_overs(signals: Iterable[Signal]) -> Iterator[tuple[PortKind, Over]]:
     known = tuple(signals)
-    yield from (("effort", over) for over in (*OVERS, *over_inputs(known)))
+    yield from (("effort", over) for over in (*OVERS, *over_inputs(known, CHANNEL_FACTORS)))
     yield from (("flow", over) for over in (*OVERS_OF_A_FLOW, *over_inputs(known, FLOW_FACTORS)))
 
 

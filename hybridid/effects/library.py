@@ -30,7 +30,7 @@ from hybridid.effects import (
     varying_friction,
     varying_inertia,
 )
-from hybridid.effects.channel_friction import friction_over
+from hybridid.effects.channel_friction import EFFECTS_OVER
 from hybridid.effects.composed import composed_named
 from hybridid.effects.effect import Effect
 from hybridid.naming import unknown
@@ -105,7 +105,7 @@ EFFECTS: tuple[Effect, ...] = (
 
 def library_for(channels: Iterable[Signal]) -> tuple[Effect, ...]:
     """The library, and the effects that follow one of ``channels``."""
-    return (*EFFECTS, *(friction_over(channel) for channel in channels))
+    return (*EFFECTS, *(over(channel) for channel in channels for over in EFFECTS_OVER))
 
 
 def effect_named(name: str, channels: Iterable[Signal] = (), at: PortKind | None = None) -> Effect:

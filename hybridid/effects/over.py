@@ -126,19 +126,20 @@ OVERS = (
     Over(BRISTLE),
 )
 FLOW_FACTORS: tuple[Factor, ...] = ("",)
+INPUT_FACTORS: tuple[Factor, ...] = ("", "sign of velocity")
+CHANNEL_FACTORS: tuple[Factor, ...] = (*INPUT_FACTORS, "velocity")
+"""A channel, such as a temperature or the current of a brake, may also set a damping."""
 OVERS_OF_A_FLOW = (Over("level"), Over("time"), Over("level", "net flow"), Over("level", "drive"))
 
 
-def overs_for(port: Port, inputs: Sequence[Signal]) -> tuple[Over, ...]:
+def overs_for(port: Port, inputs: Sequence[Signal], channels: Sequence[Signal] = ()) -> tuple[Over, ...]:
     """All that a learned effort or flow at ``port`` may depend on in a model of these inputs and channels."""
     if port.kind == "flow":
-        return (*OVERS_OF_A_FLOW, *over_inputs(inputs, FLOW_FACTORS))
-    return (*OVERS, *over_inputs(inputs))
+        return (*OVERS_OF_A_FLOW, *over_inputs((*inputs, *channels), FLOW_FACTORS))
+    return (*OVERS, *over_inputs(inputs), *over_inputs(channels, CHANNEL_FACTORS))
 
 
-def over_inputs(
-    inputs: Sequence[Signal], factors: Sequence[Factor] = ("", "sign of velocity")
-) -> tuple[Over, ...]:
+def over_inputs(inputs: Sequence[Signal], factors: Sequence[Factor] = INPUT_FACTORS) -> tuple[Over, ...]:
     """Each of ``inputs`` as a variable, with each of ``factors``."""
     return tuple(Over("input", factor, signal) for signal in inputs for factor in factors)
 

@@ -49,8 +49,11 @@ def outputs_of(plant: Plant, at: Symbols, efforts: Mapping[str, ca.SX]) -> dict[
     with blamed_on(plant.sensed):
         sensed = plant.sensed(*at, dict(efforts))
     apart = [name for name in names if isinstance(sensed, Mapping) and name in sensed]
+    others = [name for name in names if name not in apart]
+    if others and type(plant).output is Plant.output:
+        blame(type(plant), f"plant {plant.name} has no method output, which gives {listed(others)}")
     found = scalars_of(plant.sensed, apart, "output", *at, dict(efforts))
-    return found | scalars_of(plant.output, [name for name in names if name not in apart], "output", *at)
+    return found | scalars_of(plant.output, others, "output", *at)
 
 
 def loads_of(plant: Plant, at: Symbols) -> dict[str, Load]:

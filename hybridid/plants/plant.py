@@ -82,9 +82,9 @@ class Plant(abc.ABC):
     ) -> Mapping[str, ca.SX]:
         """Time derivative of every state, by the state's name, in the state's unit per second."""
 
-    @abc.abstractmethod
     def output(self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Mapping[str, ca.SX]:
         """Every output, by its name, in its declared unit; those of ``sensed`` are left out."""
+        return {}
 
     def sensed(
         self, x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace, effort: Mapping[str, ca.SX]

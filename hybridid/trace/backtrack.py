@@ -22,7 +22,7 @@ from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.steps import Step
-from hybridid.trace.trial import PASSED, REJECTED, Trial
+from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 
 
 @dataclass(frozen=True)
@@ -93,13 +93,22 @@ def _rivals(steps: Sequence[Step], last: Refit, rules: Rules) -> Iterator[tuple[
 def _exchanged(
     number: int, rival: Trial, member: Trial, names: tuple[str, str], last: Refit, split: Split
 ) -> Exchange:
-    """The model ``last`` with ``rival`` and ``member`` in the place of the effects ``names``, refitted."""
-    model, values = last.model, dict(last.values)
+    """``member`` tried beside ``rival``, both in the place of the effects ``names`` of the model ``last``."""
+    beside = _in_place(rival, names, last, split)
+    tried = None if beside is None else attempt(member.candidate, beside, split)
+    return Exchange(number, rival, member, tried.refit if tried else None)
+
+
+def _in_place(rival: Trial, names: tuple[str, str], last: Refit, split: Split) -> Refit | None:
+    """The model ``last`` with ``rival`` alone in the place of the effects ``names``; None if it cannot be
+    simulated."""
+    assert rival.refit is not None
+    model = last.model
     for name in names:
         model = model.without(name)
-    for trial in (rival, member):
-        model = trial.candidate.added_to(model)
-        values |= {f"{trial.candidate.name}.{key}": value for key, value in trial.own("values").items()}
+    model = rival.candidate.added_to(model)
+    if model == rival.refit.model:
+        return rival.refit
     kept = {p.name for p in model.parameters}
-    start = {key: value for key, value in values.items() if key in kept}
-    return Exchange(number, rival, member, refit_if_possible(model, split, [start], last, last.numerics))
+    start = {key: value for key, value in {**last.values, **rival.refit.values}.items() if key in kept}
+    return refit_if_possible(model, split, [start], last, last.numerics)

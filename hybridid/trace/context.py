@@ -79,7 +79,7 @@ class Context:
 
     def overs(self, port: Port, model: Model) -> list[Over]:
         """What learned efforts or flows at ``port`` of ``model`` depend on in this trace."""
-        every = overs_for(port, model.signals)
+        every = overs_for(port, model.plant.inputs, model.channels)
         return [over for over in every if self.variables is None or over.variable in self.variables]
 
     def one(self, function: Callable[..., T], *given: Any) -> T:

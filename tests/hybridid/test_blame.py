@@ -91,6 +91,7 @@ def test_good_code_makes_a_model(own_folder):
         (RATES, RATES.replace("p.J", "ca.SX.sym('y')"), "mine.py, line 10: RuntimeError: f::init"),
         (MOVES, "return {}", "motion: gives nothing for port pivot"),
         (MOVES, 'return {"pivot": (x.q, x.w)}', "gives a tuple for port pivot, expected Motion"),
+        ("def output", "def outptu", "plant pendulum has no method output, which gives angle"),
         (SHOWS, 'return {"angle": ca.vertcat(x.q, x.w)}', "gives 2 x 1 expressions for output angle"),
         (LAW, "return {}['x']", "mine.py, line 28, in law: KeyError: 'x'"),
         (LAW, "return at.p.stiff", "in law: AttributeError: unknown parameter 'stiff'"),
@@ -113,6 +114,13 @@ def test_fault_is_named_with_its_place(old, new, said, own_folder):
     assert line.startswith("mine.py, line ")
     assert "\n" not in line
     assert len(line) < 400
+
+
+def test_a_plant_whose_outputs_are_all_sensed_needs_no_output(own_folder):
+    sensed = PLANT.replace("def output(self, x, u, p)", "def sensed(self, x, u, p, effort)")
+    assert sensed != PLANT
+    module = module_of(sensed, own_folder)
+    assert compose(module.Pendulum(), [module.CABLE]).f.n_out() == 1
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from hybridid.declarations import Signal
-from hybridid.effects.channel_friction import friction_over
+from hybridid.effects.channel_friction import EFFECTS_OVER
 from hybridid.effects.dimension import Dimension
 from hybridid.effects.effect import Effect, EffectParameter
-from hybridid.effects.library import EFFECTS
+from hybridid.effects.library import library_for
 from hybridid.model import Model, compose
 from hybridid.plants.emps import EMPS
 from hybridid.records.record import RecordError
@@ -49,6 +49,15 @@ def test_the_level_of_friction_follows_the_channel():
     assert np.isfinite(np.asarray(slope(zero))).all()
 
 
+def test_viscous_friction_follows_the_channel():
+    model = compose(EMPS(), ["viscous_over_temperature"], channels=[TEMPERATURE])
+    name = "carriage.viscous_over_temperature"
+    parameters = {p.name: p for p in model.parameters}
+    assert (parameters[f"{name}.k"].unit, parameters[f"{name}.c_0"].unit) == ("N·s/(m·°C)", "°C")
+    values = model.values({f"{name}.k": 0.5, f"{name}.c_0": 25.0})
+    assert float(model.efforts(*AT, values)) == pytest.approx(0.5 * (35.0 - 25.0) * 0.2)
+
+
 def test_it_may_follow_an_input_of_the_plant():
     model = compose(EMPS(), ["friction_over_force"])
     values = model.values({"carriage.friction_over_force.k": 0.1})
@@ -61,8 +70,9 @@ def test_an_effect_on_a_path_sees_the_channel():
     assert float(model.f(*AT, model.values(values))[1]) == pytest.approx(30.0 * (1 - 0.15) / 100.0)
 
 
-def test_model_and_effect_travel_to_another_process():
-    effect = friction_over(PRESSURE)
+@pytest.mark.parametrize("over", EFFECTS_OVER)
+def test_model_and_effect_travel_to_another_process(over):
+    effect = over(PRESSURE)
     assert pickle.loads(pickle.dumps(effect)) == effect
     model = compose(EMPS(), [effect], channels=[PRESSURE])
     back = pickle.loads(pickle.dumps(model))
@@ -70,9 +80,10 @@ def test_model_and_effect_travel_to_another_process():
     assert back.f(*AT, back.values()).elements() == model.f(*AT, model.values()).elements()
 
 
-def test_it_is_documented_as_the_rest_of_the_library():
-    effect = friction_over(TEMPERATURE)
-    assert set(effect.look_alikes) <= {e.id for e in EFFECTS}
+@pytest.mark.parametrize("over", EFFECTS_OVER)
+def test_it_is_documented_as_the_rest_of_the_library(over):
+    effect = over(TEMPERATURE)
+    assert set(effect.look_alikes) <= {e.id for e in library_for([TEMPERATURE])}
     assert min(map(len, (effect.pattern, effect.separating_experiment))) >= 40
     assert all(p.meaning and p.name in effect.equation for p in effect.parameters)
 

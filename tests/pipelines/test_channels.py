@@ -41,8 +41,9 @@ def test_a_trace_would_try_what_follows_the_channel(settings):
 
     assert request_of(settings(COLUMN)).effects == EFFECTS
     new = candidates(CHANNEL) - candidates(COLUMN)
-    assert new == {"carriage.friction_over_temperature"}
-    assert candidates({**CHANNEL, "trace": {"effects": ["friction_over_temperature"]}}) == new
+    friction = {"carriage.friction_over_temperature"}
+    assert new == {*friction, "carriage.viscous_over_temperature"}
+    assert candidates({**CHANNEL, "trace": {"effects": ["friction_over_temperature"]}}) == friction
     assert candidates({"trace": {"effects": ["friction_over_force"]}}) == {"carriage.friction_over_force"}
 
 

@@ -10,13 +10,21 @@ import pytest
 from hybridid.declarations import Signal
 from hybridid.effects.composed import FORMS, composed, composed_named, is_composed, law, levels_beside
 from hybridid.effects.library import EFFECTS, effect_named
-from hybridid.effects.over import FLOW_FACTORS, MEMORIES, OVERS, OVERS_OF_A_FLOW, Over, over_inputs
+from hybridid.effects.over import (
+    CHANNEL_FACTORS,
+    FLOW_FACTORS,
+    MEMORIES,
+    OVERS,
+    OVERS_OF_A_FLOW,
+    Over,
+    over_inputs,
+)
 from hybridid.effects.shapes import SHAPES, shape_named, shapes_over
 
 FORCE = Signal("force", "N")
 EVERY = [
     composed(over, shape)
-    for over in (*OVERS, *OVERS_OF_A_FLOW, *over_inputs([FORCE]))
+    for over in (*OVERS, *OVERS_OF_A_FLOW, *over_inputs([FORCE], CHANNEL_FACTORS))
     for shape in shapes_over(over.variable)
 ]
 WITH_LEVEL = [

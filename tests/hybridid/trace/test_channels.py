@@ -82,9 +82,11 @@ def test_without_a_channel_there_is_nothing_new(make_model, model):
     assert library_for(bare.channels) == EFFECTS
     assert overs_for(EMPS().port("carriage"), ()) == OVERS
     tried = {c.name for c in admissible(bare, EFFECTS)}
-    assert {c.name for c in admissible(bare, [*EFFECTS, friction_over(TEMPERATURE), COLD_STICTION])} == tried
+    followed = library_for([TEMPERATURE])
+    assert {c.name for c in admissible(bare, [*followed, COLD_STICTION])} == tried
     more = {c.name for c in admissible(model, [*library_for(model.channels), COLD_STICTION])} - tried
-    assert more == {"carriage.friction_over_temperature", "carriage.cold_stiction"}
+    both = {"carriage.friction_over_temperature", "carriage.viscous_over_temperature"}
+    assert more == {*both, "carriage.cold_stiction"}
 
 
 def test_a_channel_that_no_effect_sees_changes_no_number(make_model, model):
@@ -95,13 +97,14 @@ def test_a_channel_that_no_effect_sees_changes_no_number(make_model, model):
 
 
 def test_an_input_is_a_place_of_a_learned_effort_unless_it_stands_still_or_is_the_load(model, split):
-    overs = overs_for(model.plant.port("carriage"), model.inputs)[len(OVERS) :]
+    overs = overs_for(model.plant.port("carriage"), model.plant.inputs, model.channels)[len(OVERS) :]
     assert [str(over) for over in overs] == [
-        "force", "force, times sign of velocity", "temperature", "temperature, times sign of velocity"
+        "force", "force, times sign of velocity", "temperature", "temperature, times sign of velocity",
+        "temperature, times velocity",
     ]  # fmt: skip
     assert str(Over("input", signal=Signal("load", "N"))) == "input load"
     path = Path.of(refit(model, split), split, split.fitted)
-    assert [path.shows("carriage", over) for over in overs] == [False, False, True, True]
+    assert [path.shows("carriage", over) for over in overs] == [False, False, True, True, True]
     still = replace(path, inputs=np.column_stack([path.inputs[:, 0], 0 * path.time + 25.0]))
     assert not any(still.shows("carriage", over) for over in overs)
     assert np.array_equal(path.seen("carriage", overs[2]), path.inputs[:, 1])
@@ -109,7 +112,7 @@ def test_an_input_is_a_place_of_a_learned_effort_unless_it_stands_still_or_is_th
 
 def test_the_variables_of_learned_efforts_can_be_narrowed(model, split):
     port = model.plant.port("carriage")
-    every = overs_for(port, model.signals)
+    every = overs_for(port, model.plant.inputs, model.channels)
     assert Context(split).overs(port, model) == list(every)
     narrowed = Context(split, variables=("position", "input")).overs(port, model)
     assert narrowed == [over for over in every if over.variable in ("position", "input")]
