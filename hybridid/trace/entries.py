@@ -107,8 +107,10 @@ class AcceptedEffect:
 
     @property
     def others(self) -> tuple[str, ...]:
-        """Ids of the effects that it cannot be told from."""
-        return tuple(name for name in self.alike if name != self.effect)
+        """The effects that it cannot be told from; its own with the port, where that is another one."""
+        members = (one for one in self.class_members if one.name != self.name)
+        named = (f"{m.effect} at {m.port}" if m.effect == self.effect else m.effect for m in members)
+        return tuple(dict.fromkeys(named))
 
 
 @dataclass(frozen=True)

@@ -237,7 +237,7 @@ def _untried(found: Trace) -> str:
 
 def _named(entry: AcceptedEffect) -> str:
     """An accepted effect with its parameters, or the class that it stands for."""
-    if len(entry.alike) > 1:
+    if len(entry.class_members) > 1:
         return f"one of {_members(entry)} (these records cannot tell them apart)"
     return f"{entry.effect} at {entry.port} ({', '.join(parameters_in_words(entry.parameters))})"
 

@@ -105,7 +105,7 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
         if a.together
     ]
     paragraphs += [
-        f"To tell {listed(a.alike)} apart, record: {'; or '.join(a.separating_experiments)}."
+        f"To tell {listed((a.effect, *a.others))} apart, record: {'; or '.join(a.separating_experiments)}."
         for a in found.accepted
         if a.separating_experiments
     ]

@@ -1,0 +1,39 @@
+"""What an entry of a trace says of its class."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from hybridid.trace.entries import AcceptedEffect, TriedEffect
+from hybridid.trace.words import sentence
+
+
+def member(effect: str, port: str) -> TriedEffect:
+    return TriedEffect(effect, port, "passed", "", 1, 0.5, 1e-6, {}, math.nan)
+
+
+def accepted(*members: TriedEffect) -> AcceptedEffect:
+    ids = tuple(dict.fromkeys(one.effect for one in members))
+    return AcceptedEffect(
+        effect=members[0].effect, port=members[0].port, title="", equation="", pattern="", source="",
+        parameters={}, known={}, alike=ids, class_members=members, separating_experiments=(), p_value=1e-6,
+        gain=0.5, at_step={}, likelihood_gain=1.0, step=1, survivals=(), is_law=False, form_of="",
+    )  # fmt: skip
+
+
+SCALES = accepted(member("sensor_scale", "link"), member("sensor_scale", "motor"))
+
+
+def test_the_same_effect_at_another_port_is_told_with_its_port():
+    assert SCALES.others == ("sensor_scale at motor",)
+    assert accepted(member("dahl", "joint"), member("coulomb", "joint")).others == ("coulomb",)
+
+
+def test_the_sentence_names_both_ports(nothing):
+    found = nothing()
+    path = (*found.path, *found.path)
+    said = sentence(replace(found, verdict="ambiguous", accepted=(SCALES,), path=path))
+    assert (
+        "one of {sensor_scale at link, sensor_scale at motor} (these records cannot tell them apart)" in said
+    )
