@@ -27,7 +27,10 @@ def unsure_in_words(found: Trace) -> str:
     every = [value for entry in found.accepted for value in entry.parameters.values()]
     if all(math.isfinite(value.std) for value in every):
         return ""
-    return "± ?: no standard error, as the value ends at its bound or the records do not determine it."
+    return (
+        "± ?: no standard error. The value ends at its bound, the records do not determine it, or the "
+        "sensitivities of a machine that sticks grow without end."
+    )
 
 
 def narrowed_in_words(found: Trace) -> str:

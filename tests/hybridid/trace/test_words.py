@@ -237,9 +237,7 @@ def test_a_name_far_above_the_noise_may_stand_for_a_part(nothing, times, said):
 def test_a_parameter_without_a_standard_error_is_explained(nothing):
     name = accepted("input_saturation", "F = k", False)
     bound = replace(name, parameters={"n": Value(100.0, math.nan, "")})
-    assert unsure_in_words(replace(nothing(), accepted=(name, bound))).startswith(
-        "± ?: no standard error, as"
-    )
+    assert unsure_in_words(replace(nothing(), accepted=(name, bound))).startswith("± ?: no standard error.")
     assert unsure_in_words(replace(nothing(), accepted=(name,))) == ""
 
 
