@@ -45,7 +45,7 @@ def better_branch(
     """The best exchange that explains more than the model ``last`` of ``steps``; None if none does. Steps
     whose number is among ``gone_back`` stay as they are."""
     newest = steps[-1].accepted if len(steps) > 1 else None
-    if newest is None:
+    if newest is None or newest.name not in _terms(last):
         return None
     given = [
         (number, rival, member, (earlier, newest.name), last, context.split)
@@ -77,7 +77,7 @@ def without_the_better(step: Step, exchange: Exchange) -> tuple[Trial, ...]:
 def _rivals(steps: Sequence[Step], last: Refit, rules: Rules) -> Iterator[tuple[int, str, Trial]]:
     """The number of each step, the effect that it took, if that is still there, and each other effect that
     had passed there and took a good part of that."""
-    present = {term.name for term in last.model.terms}
+    present = _terms(last)
     for number, step in enumerate(steps):
         one = step.accepted
         if one is None or step.together or one.name not in present:
@@ -112,3 +112,7 @@ def _in_place(rival: Trial, names: tuple[str, str], last: Refit, split: Split) -
     kept = {p.name for p in model.parameters}
     start = {key: value for key, value in {**last.values, **rival.refit.values}.items() if key in kept}
     return refit_if_possible(model, split, [start], last, last.numerics)
+
+
+def _terms(fitted: Refit) -> set[str]:
+    return {term.name for term in fitted.model.terms}
