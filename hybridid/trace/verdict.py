@@ -240,7 +240,7 @@ def _steady(settled: Settled, context: Context) -> float | None:
 
 
 def _verdict(
-    settled: Settled, refused: str, steady: float | None, times_fitted: float, rules: Rules, cut: bool
+    settled: Settled, refused: str, steady: float | None, times_fitted: float, rules: Rules, cut: bool = False
 ) -> Verdict:
     """One word: a law, an effect found alone or in a class, something left unnamed, open, or nothing.
 
