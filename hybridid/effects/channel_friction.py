@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import casadi as ca
 
@@ -17,23 +18,15 @@ _SOURCE = (
 
 
 @dataclass(frozen=True)
-class _Level:
-    """``k (c - c_0) sign(v)`` with c the channel of that name. Another process finds a class by name."""
+class _Linear:
+    """``k (c - c_0)`` times sign(v) or v, with c the channel of that name. Another process finds a class by
+    name."""
 
     channel: str
+    motion: Literal["sign", "velocity"]
 
     def __call__(self, at: Local) -> ca.SX:
-        return at.p.k * (getattr(at.channels, self.channel) - at.p.c_0) * at.sign
-
-
-@dataclass(frozen=True)
-class _Damping:
-    """``k (c - c_0) v``, as ``_Level``."""
-
-    channel: str
-
-    def __call__(self, at: Local) -> ca.SX:
-        return at.p.k * (getattr(at.channels, self.channel) - at.p.c_0) * at.velocity
+        return at.p.k * (getattr(at.channels, self.channel) - at.p.c_0) * getattr(at, self.motion)
 
 
 def _parameters(
@@ -68,7 +61,7 @@ def friction_over(channel: Signal) -> Effect:
         kind="effort",
         title=f"friction whose level follows {channel.name}",
         equation=f"F = k (c - c_0) sign(v),  c = {channel.name}",
-        law=_Level(channel.name),
+        law=_Linear(channel.name, "sign"),
         parameters=_parameters(channel, "level", "Coulomb", EFFORT),
         source=_SOURCE,
         pattern=(
@@ -98,7 +91,7 @@ def viscous_over(channel: Signal) -> Effect:
         kind="effort",
         title=f"viscous friction that follows {channel.name}",
         equation=f"F = k (c - c_0) v,  c = {channel.name}",
-        law=_Damping(channel.name),
+        law=_Linear(channel.name, "velocity"),
         parameters=_parameters(channel, "slope", "viscous", DAMPING),
         source=_SOURCE,
         pattern=(

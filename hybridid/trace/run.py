@@ -110,7 +110,7 @@ def trace(
     seconds = seconds if split.horizon == samples else split.horizon * fitted[0].dt
     found = _of_one_decay(found, fitted, context)
     differ = by_recording(found.search, context) if recordings else ()
-    if found.verdict in OPEN and any(one.status == PASSED for one in differ):
+    if found.verdict in OPEN and not found.accepted and any(one.status == PASSED for one in differ):
         found = replace(found, verdict="unexplained")
     if found.verdict == "effect_found" and any(one.in_place_of for one in differ):
         found = replace(found, verdict="ambiguous")

@@ -78,9 +78,9 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
             return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
         base = sharp
         stopped = _nothing_to_seek(base, accepted, context)
-        known = stopped or base.shorter is not None
-        before, base = base.cost, base if known else context.one(with_shorter, base, context.split)
-        if base.cost < before:
+        begun = base
+        base = begun if stopped else _beside_shorter(begun, context)
+        if base.cost < begun.cost:
             continue
         if stopped := stopped or _out_of_time(steps, took, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
@@ -111,6 +111,11 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         took = time.monotonic() - began
         if why := _two_mixed_classes(base, accepted, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=why)
+
+
+def _beside_shorter(base: Refit, context: Context) -> Refit:
+    """``base``, or its fit from where one over shorter horizons ended, if that is better; with the latter."""
+    return base if base.shorter is not None else context.one(with_shorter, base, context.split)
 
 
 def _gone_back(

@@ -115,10 +115,8 @@ def _undecided(found: Trace, where: str) -> str:
 
 def _best_so_far(found: Trace, fall: str) -> str:
     """What a search had accepted that the time limit ended far above the noise."""
-    names, their = (
-        listed([_named(entry) for entry in found.accepted]),
-        "its" if len(found.accepted) < 2 else "their",
-    )
+    names = listed([_named(entry) for entry in found.accepted])
+    their = "its" if len(found.accepted) < 2 else "their"
     return (
         f"The best so far: {names}; {fall}.{_only_together(found)} {error_left(found)} The search for the "
         f"rest was cut off. It may put another effect in {their} place."
