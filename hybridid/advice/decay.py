@@ -80,6 +80,15 @@ def settles(record: Record, after: float) -> bool:
     return undriven(record) and bool(falls.any())
 
 
+def coasts(record: Record, after: float) -> bool:
+    """Whether something drives ``record``, but nothing does ``after`` that time [s]: no input changes there.
+    What judges should be driven as what is fitted. Where a machine coasts, its place, its speed and the time
+    go together, and what takes one for another is not refuted."""
+    late = record.time >= after
+    driving = [u for u in record.inputs.T if not made_by_an_output(u, record)]
+    return not undriven(record) and not any(np.ptp(u[late]) > 0 for u in driving)
+
+
 def swing(record: Record) -> float:
     """Period [s] of the strongest oscillation of the output that oscillates fastest."""
     centred = record.outputs - record.outputs.mean(axis=0)

@@ -47,7 +47,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     told += [judged_the_other_way(found.search.first, context)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     if found.verdict == "unexplained":
-        told += [other_horizons_advised(found.search.final, context.split)]
+        told += [other_horizons_advised(found.search.final, context.split, found.accuracy.noise)]
     if found.verdict == "unexplained" and refused_for_significance(traced):
         told += [parts_of_all_advised(context.split)]
     if found.verdict == "unexplained" and not traced.by_recording:
@@ -73,9 +73,10 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
 
 def _may_differ_by_recording(found: Search, context: Context) -> str:
     """How to ask what differs by recording, where an effect was refused as its amplitude is another one in
-    the held-out records; else empty."""
+    the held-out records; else empty. Parts of one file are one recording."""
+    recordings = {record.digest or record.name for record in context.split.records}
     reasons = [found.withdrawn, *(trial.reason for step in found.steps for trial in step.trials)]
-    if len(context.split.records) < 2 or not any(NO_CONSTANT in reason for reason in reasons):
+    if len(recordings) < 2 or not any(NO_CONSTANT in reason for reason in reasons):
         return ""
     return (
         " To ask which parameter differs between the recordings: trace.by_recording=true trace.records=null "

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hybridid.naming import counted, listed
+from hybridid.trace.longer import MOSTLY_NOISE
 from hybridid.trace.refit import Refit
 from hybridid.trace.shorter import SHARE
 from hybridid.trace.split import FEWEST, Split
@@ -11,11 +15,13 @@ MANY_MORE = 1.5
 """Times the horizons that judge, from which as many more are worth another trace."""
 
 
-def other_horizons_advised(final: Refit, split: Split) -> str:
-    """That a trace over longer or shorter horizons may show more, in words; else empty.
+def other_horizons_advised(final: Refit, split: Split, noise: NDArray[np.float64]) -> str:
+    """That a trace over longer or shorter horizons may show more, in words; else empty. ``noise`` (n_y,) are
+    the standard deviations of the sensors' noise.
 
     Over longer ones, where a state of the plant is shown by no output: it is estimated anew for each horizon.
-    Else over shorter ones, where the fit of the last model differs over them.
+    Else over shorter ones, where the fit of the last model differs over them. Where that fit leaves mostly
+    noise, it differs by that, and the shorter horizons show nothing.
     """
     hidden = [state.name for state in final.model.plant.states if state.observed_by is None]
     dt = split.records[0].dt
@@ -27,7 +33,7 @@ def other_horizons_advised(final: Refit, split: Split) -> str:
             f" No output shows {listed(hidden)}: estimated anew for each horizon, it may stand for what is "
             f"missing. Longer horizons may show more (trace.horizon, at most {_short(longest * dt)})."
         )
-    if final.shorter is None:
+    if final.shorter is None or bool((final.shorter.score.rmse <= MOSTLY_NOISE * noise).all()):
         return ""
     seconds = _short(split.horizon // SHARE * dt)
     return (

@@ -80,7 +80,7 @@ def undetermined(trial: Trial, rules: Rules) -> str:
     assert trial.refit is not None
     values, errors = trial.own("values"), trial.refit.std
     amplitudes = _amplitudes(trial)
-    if not _is_hard(trial) and _strength(trial, amplitudes) * rules.vague < 1.0:
+    if not _is_hard(trial) and not _stand_off_nothing(trial, amplitudes, rules):
         said = ", ".join(
             f"{n} = {values[n]:.3g} ± {errors[f'{trial.candidate.name}.{n}']:.2g}" for n in amplitudes
         )
@@ -122,6 +122,14 @@ def _judged_alone(trial: Trial) -> Iterator[tuple[EffectParameter, Parameter]]:
         declared = p.at(port)
         if not (declared.fixed or p.minor or p.hard or (p.nests and several)):
             yield p, declared
+
+
+def _stand_off_nothing(trial: Trial, amplitudes: Sequence[str], rules: Rules) -> bool:
+    """Whether the amplitudes together are as unlikely to be nothing as one whose standard error is
+    ``rules.vague`` of its value. Of several the largest stands off by chance more often, so more is asked of
+    these: the square of their strength is chi-squared, with as many degrees of freedom as there are."""
+    likely = stats.chi2.sf(_strength(trial, amplitudes) ** 2, max(len(amplitudes), 1))
+    return bool(likely <= stats.chi2.sf(rules.vague**-2, 1))
 
 
 def _strength(trial: Trial, amplitudes: Sequence[str]) -> float:

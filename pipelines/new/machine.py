@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from hybridid.advice.decay import free_decay, settles, swing, undriven
+from hybridid.advice.decay import coasts, free_decay, settles, swing, undriven
 from hybridid.advice.horizon import proposed_horizon
 from hybridid.records.checks import MINIMUM_SAMPLES
 from hybridid.records.record import Record
@@ -108,13 +108,13 @@ class Machine:
         return _instant(record.time[0] + FITTED_SHARE * (record.time[-1] - record.time[0]), record)
 
     @property
-    def decays(self) -> bool:
+    def all_judge(self) -> bool:
         """Whether parts of all recordings are to judge: what is fitted is one free decay, which alone cannot
         tell a friction over the amplitude from one over the time; or the only recording has settled where it
-        would judge, or is too short to be divided; or the last one, which nothing drives, is too short to
-        judge."""
+        would judge, or is driven no more, or is too short to be divided; or the last one, which nothing
+        drives, is too short to judge."""
         if self.split is not None:
-            return settles(self.records[0], self.split)
+            return settles(self.records[0], self.split) or coasts(self.records[0], self.split)
         if len(self.records) == 1 or any(free_decay(self.records[:-1])):
             return True
         judging, longest = self.records[-1], max(self.records, key=lambda one: one.n * one.dt)

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from benchmarks.torture.pendulum import Pendulum
-from hybridid.advice.decay import free_decay, settles, undriven
+from hybridid.advice.decay import coasts, free_decay, settles, undriven
 from hybridid.advice.horizon import proposed_horizon
 from hybridid.advice.relaxation import relaxation
 from hybridid.declarations import Parameter, Port, Signal, State
@@ -169,6 +169,20 @@ def test_a_record_has_settled_where_it_varies_by_a_fifth_of_before(after, driven
     """A swing of 30 s that decays with a time constant of 10 s; a driven one may start again."""
     swing = decaying(0.6, "swing", torque=(lambda t: 1e-9 * np.sin(t)) if driven else None)
     assert settles(swing, after) is settled
+
+
+@pytest.mark.parametrize(
+    ("torque", "coasting"),
+    [
+        (lambda t: np.where(t < 2.0, 0.1, 0.0), True),
+        (lambda t: np.where(t < 28.0, 0.1, 0.0), False),
+        (lambda t: 0.1 * np.sin(t), False),
+        (None, False),
+    ],
+)
+def test_a_record_coasts_where_an_input_that_drove_it_changes_no_more(torque, coasting):
+    """Of 30 s the last 9: after a pulse, in it, under a sine, and of what was never driven."""
+    assert coasts(decaying(0.6, "swing", torque=torque), 21.0) is coasting
 
 
 def test_decays_from_one_amplitude_are_told_and_from_two_are_not():

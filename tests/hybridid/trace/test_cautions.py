@@ -30,10 +30,13 @@ from hybridid.trace.rules import Rules
 
 def test_where_an_amplitude_is_no_constant_the_recordings_may_differ():
     refused = "spring.offset may stand in for something else: its amplitude is no constant: 2 N, then 3 N"
-    two, one = (SimpleNamespace(split=SimpleNamespace(records=[None] * n)) for n in (2, 1))
+    named = [SimpleNamespace(name=name, digest="") for name in ("up", "down")]
+    parts = [SimpleNamespace(name=name, digest="1f0a") for name in ("fitted", "judging")]
+    two, one, of_one = (SimpleNamespace(split=SimpleNamespace(records=n)) for n in (named, named[:1], parts))
     withdrawn, kept = (SimpleNamespace(withdrawn=why, steps=()) for why in (refused, ""))
     assert _may_differ_by_recording(withdrawn, two).endswith("trace.held_out=null.")
     assert _may_differ_by_recording(withdrawn, one) == _may_differ_by_recording(kept, two) == ""
+    assert _may_differ_by_recording(withdrawn, of_one) == "", "two parts of one file are one recording"
     step = SimpleNamespace(trials=[SimpleNamespace(reason=refused)])
     assert _may_differ_by_recording(SimpleNamespace(withdrawn="", steps=[step]), two)
 

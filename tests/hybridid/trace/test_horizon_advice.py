@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hybridid.trace.horizon_advice import (
@@ -12,8 +13,13 @@ from hybridid.trace.horizon_advice import (
     parts_of_all_advised,
 )
 
+NOISE = np.array([0.01])
 
-def final(*hidden: str, shorter: object = None):
+
+def final(*hidden: str, left: float | None = None):
+    """A last model; over shorter horizons its fit has other parameters and leaves the error ``left``."""
+    score = SimpleNamespace(rmse=np.array([left]))
+    shorter = None if left is None else SimpleNamespace(score=score)
     states = [SimpleNamespace(name="q", observed_by="position")]
     states += [SimpleNamespace(name=name, observed_by=None) for name in hidden]
     return SimpleNamespace(model=SimpleNamespace(plant=SimpleNamespace(states=states)), shorter=shorter)
@@ -27,16 +33,21 @@ def split(horizons: int, samples: int = 200, dt: float = 0.005):
 
 
 def test_shorter_ones_where_the_fit_is_bent():
-    assert other_horizons_advised(final(shorter="another fit"), split(20)) == (
+    assert other_horizons_advised(final(left=0.03), split(20), NOISE) == (
         " Over horizons of 0.1 s the fit has other parameters: what is missing bends it over longer ones. "
         "trace.horizon=0.1 may show more."
     )
-    assert other_horizons_advised(final(), split(20)) == ""
+    assert other_horizons_advised(final(), split(20), NOISE) == ""
+
+
+def test_no_shorter_ones_that_show_nothing():
+    """The fit over these leaves the noise, which moves its parameters."""
+    assert other_horizons_advised(final(left=0.012), split(20), NOISE) == ""
 
 
 def test_longer_ones_where_no_output_shows_a_state():
     """Though the fit is bent: over shorter ones the hidden state hides more."""
-    said = other_horizons_advised(final("h", shorter="another fit"), split(21, 50, 4.0))
+    said = other_horizons_advised(final("h", left=0.03), split(21, 50, 4.0), NOISE)
     assert said == (
         " No output shows h: estimated anew for each horizon, it may stand for what is missing. Longer "
         "horizons may show more (trace.horizon, at most 1000)."
@@ -45,7 +56,7 @@ def test_longer_ones_where_no_output_shows_a_state():
 
 @pytest.mark.parametrize("horizons", [4, 7])
 def test_none_where_the_records_give_no_longer_ones(horizons):
-    assert other_horizons_advised(final("h"), split(horizons)) == ""
+    assert other_horizons_advised(final("h"), split(horizons), NOISE) == ""
 
 
 @pytest.mark.parametrize(("fitted", "judging", "advised"), [(23, 10, True), (10, 10, False), (15, 10, False)])

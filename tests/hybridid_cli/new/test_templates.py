@@ -78,6 +78,20 @@ def test_of_a_body_that_cools_parts_of_the_recording_judge(say, own_folder, rig)
     assert case["trace"] == {"records": ["fitted", "judging"], "held_out": None}
 
 
+def test_of_one_pulse_parts_of_the_recording_judge(say, own_folder, rig):
+    """After it nothing drives the machine: place, speed and time go together there."""
+    time = np.arange(0.0, 4.0, 0.005)
+    torque = np.where((time > 0.5) & (time < 1.0), 0.2, 0.0)
+    angle = np.cumsum(np.cumsum(torque) * 0.005) * 0.005
+    rows = np.column_stack([time, torque, angle])
+    names = "time [s],torque [N·m],angle [rad]"
+    np.savetxt(own_folder / "pulse.csv", rows, delimiter=",", header=names, comments="", encoding="utf-8")
+    said = say("new", rig, "--from", "pulse.csv", "--template", "rotary")
+    assert said.code == 0, said.complaint
+    case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
+    assert case["trace"] == {"records": ["fitted", "judging"], "held_out": None}
+
+
 def test_a_room_is_a_heater_in_surroundings_that_are_measured():
     """At random states the two move alike, and an effect sees the temperature above the surroundings."""
     heater, room = (compose(template(kind).plant(), ["thermal_radiation"]) for kind in ("heater", "room"))
