@@ -25,7 +25,8 @@ class Channel:
     digital controller), ``foh`` linear, ``bandlimited`` (measured through an anti-alias filter).
     Only inputs use it. ``assumed``: the hold is not declared, so that a trace varies it. ``constant``: it is
     a number that belongs to the record, declared with it. ``made_of``: the recorded signal that a step of
-    preprocessing made it of; empty for one that was recorded.
+    preprocessing made it of; empty for one that was recorded. ``rounding``: the standard deviation, in its
+    unit, of what the recorder rounded off, where resampling has hidden that in the samples; else 0.
 
     Raises:
         RecordError: if ``hold`` is none of these.
@@ -38,6 +39,7 @@ class Channel:
     assumed: bool = False
     constant: bool = False
     made_of: str = ""
+    rounding: float = 0.0
 
     def __post_init__(self) -> None:
         if self.hold not in HOLDS:

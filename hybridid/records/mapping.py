@@ -17,7 +17,8 @@ from hybridid.records.checks import check_finite, set_resample
 from hybridid.records.columns import Columns, clock_of, find_column, find_time
 from hybridid.records.readers import read_columns
 from hybridid.records.record import Record
-from hybridid.records.resample import Resample, resampled
+from hybridid.records.resample import KEPT, Resample, resampled
+from hybridid.records.sensor_noise import rounding_of
 from hybridid.records.sources import DataRoot, digest_of, locate
 
 LONGEST = 60
@@ -198,10 +199,13 @@ def build_record(
     values = [gap.filled for gap in gaps]
     warnings: tuple[str, ...] = tuple(gap.said for gap in gaps if gap.said)
     absent = [gap.absent for gap in gaps]
+    channels = [signal.channel for signal in signals]
     if resample is not None:
         plan = resample if isinstance(resample, Resample) else Resample(resample)
         holds = [s.channel.hold if i < len(inputs) else None for i, s in enumerate(signals)]
         _check_finite(name, stamps, signals, values)
+        rounded = [KEPT * rounding_of(column) for column in values]
+        channels = [replace(one, rounding=std) for one, std in zip(channels, rounded, strict=True)]
         stamps, values, remarks = resampled(stamps, values, holds, plan, f"record {name}", clocks)
         absent = [on_grid(stamps, at, cells) for at, cells in zip(own, absent, strict=True)]
         warnings = (*warnings, *remarks)
@@ -211,10 +215,10 @@ def build_record(
         time=stamps,
         inputs=_matrix(values[:n_u], len(stamps)),
         outputs=_matrix(values[n_u:n_y], len(stamps)),
-        input_channels=tuple(s.channel for s in inputs),
-        output_channels=tuple(s.channel for s in outputs),
+        input_channels=tuple(channels[:n_u]),
+        output_channels=tuple(channels[n_u:n_y]),
         auxiliary=_matrix(values[n_y:], len(stamps)) if auxiliary else None,
-        auxiliary_channels=tuple(s.channel for s in auxiliary),
+        auxiliary_channels=tuple(channels[n_y:]),
         source=", ".join(map(str, paths)),
         digest=digest_of(paths),
         warnings=warnings,

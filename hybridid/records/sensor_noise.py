@@ -34,11 +34,11 @@ class SensorNoise(NamedTuple):
 
 def sensor_noise(record: Record) -> tuple[SensorNoise, ...]:
     """The noise of each output: at least the quantisation, and the larger of two looks at white noise."""
-    return tuple(_told(y) for y in _counted(record))
+    return tuple(_told(y, step) for y, step in zip(_counted(record), rounding(record), strict=True))
 
 
-def _told(y: Array) -> SensorNoise:
-    step, local, quietest = _quantisation(y) / np.sqrt(12), _local(y), _quietest(y)
+def _told(y: Array, step: float) -> SensorNoise:
+    local, quietest = _local(y), _quietest(y)
     agree = 0 < max(local, quietest) <= AGREE * min(local, quietest)
     level = max(step, local, quietest) if agree else max(step, min(local, quietest))
     return SensorNoise(float(level), bool(agree or (step > 0 and step >= max(local, quietest))))
@@ -56,8 +56,16 @@ def noise_level(record: Record) -> Array:
 
 
 def rounding(record: Record) -> Array:
-    """Standard deviation (n_y,) of the rounding of each output to a grid: the step over sqrt(12); else 0."""
-    return np.array([_quantisation(y) for y in _counted(record)]) / np.sqrt(12)
+    """Standard deviation (n_y,) of the rounding of each output to a grid: that which the samples show, or
+    which its channel tells; else 0."""
+    shown = [rounding_of(y) for y in _counted(record)]
+    return np.maximum(shown, [channel.rounding for channel in record.output_channels])
+
+
+def rounding_of(y: Array) -> float:
+    """Standard deviation of the rounding of the samples ``y`` (n,) to a grid, its step over sqrt(12); 0 where
+    they lie on none."""
+    return float(_quantisation(y) / np.sqrt(12))
 
 
 def _counted(record: Record) -> list[Array]:

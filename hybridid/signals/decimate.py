@@ -62,6 +62,7 @@ class Decimate(Step):
             time=record.time[:: self.factor][:kept],
             inputs=part(record.inputs, tuple(c.hold for c in record.input_channels)),
             outputs=part(record.outputs, (None,) * len(record.output_channels)),
+            output_channels=tuple(replace(c, rounding=0.0) for c in record.output_channels),
             auxiliary=None if auxiliary is None else part(auxiliary, (None,) * auxiliary.shape[1]),
             masked=masked_of(_thinned(record.levels, self.factor, kept)) if record.masked else (),
             absent=None if record.absent is None else self._fewer(record.absent, kept),

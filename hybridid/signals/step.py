@@ -113,8 +113,9 @@ def edited(record: Record, values: Mapping[str, Array], unit: str | None = None)
 
     def part(matrix: Array, channels: tuple[Channel, ...]) -> tuple[Array, tuple[Channel, ...]]:
         columns = [values.get(c.name, matrix[:, j]) for j, c in enumerate(channels)]
-        units = tuple(replace(c, unit=unit) if unit is not None and c.name in values else c for c in channels)
-        return (np.column_stack(columns) if columns else matrix), units
+        changed = [replace(c, unit=c.unit if unit is None else unit, rounding=0.0) for c in channels]
+        own = tuple(new if c.name in values else c for c, new in zip(channels, changed, strict=True))
+        return (np.column_stack(columns) if columns else matrix), own
 
     inputs, input_channels = part(record.inputs, record.input_channels)
     outputs, output_channels = part(record.outputs, record.output_channels)
