@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -20,6 +21,28 @@ SHORTEST_STEP, LONGEST_STEP = 1e-12, 1e9
 STEP_TOLERANCE = 0.01  # of the sampling time
 # Small errors of the steps add up: beyond half a sample, a fit would take the sum for a delay.
 GRID_TOLERANCE = 0.5  # of the sampling time
+ONE_STEP = 1e-6
+"""Share of a step by which two are one, however long the records."""
+
+
+class Sampled(Protocol):
+    """A recording of ``n`` samples, one every ``dt`` s."""
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+
+    @property
+    def dt(self) -> float:
+        """Sampling time in s."""
+
+
+def have_one_step(one: Sampled, other: Sampled) -> bool:
+    """Whether two recordings can be simulated with one step: over the shorter of them, stamps of the one step
+    and of the other drift no farther apart than a stamp may from its even grid. Stamps that are rounded make
+    such a difference between two parts of one recording."""
+    allowed = max(GRID_TOLERANCE / min(one.n, other.n), ONE_STEP)
+    return abs(one.dt - other.dt) <= allowed * min(one.dt, other.dt)
 
 
 def check_samples(

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.records.checks import have_one_step
 from hybridid.records.record import Record
 from hybridid.simulation.holds import all_held, stage_inputs
 
@@ -136,7 +137,7 @@ def cut(records: Sequence[Record], horizon: int | None, substeps: int, most: int
     """
     dt = records[0].dt
     for record in records:
-        if abs(record.dt - dt) > 1e-6 * dt:
+        if not have_one_step(record, records[0]):
             raise ValueError(
                 f"records {records[0].name} and {record.name} differ in sampling time "
                 f"({dt:g} s, {record.dt:g} s): resample one of them in preprocess"

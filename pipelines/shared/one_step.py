@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybridid.naming import listed
+from hybridid.records.checks import have_one_step
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.prepared import Prepared
-
-ALIKE = 1e-6
-"""Share of a step by which steps may differ."""
 
 
 def check_one_step(records: Sequence[Prepared]) -> None:
@@ -19,7 +17,7 @@ def check_one_step(records: Sequence[Prepared]) -> None:
         ConfigError: if they have not; the message gives the keys that make it so.
     """
     finest = min(records, key=lambda one: one.dt)
-    coarser = [one for one in records if one.dt > (1.0 + ALIKE) * finest.dt]
+    coarser = [one for one in records if not have_one_step(one, finest)]
     if coarser:
         step = f"{finest.dt:.12g}"
         differ = listed([f"{one.name} ({one.dt:.6g} s)" for one in coarser])

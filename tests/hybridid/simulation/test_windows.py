@@ -69,6 +69,18 @@ def test_records_of_different_sampling_times_are_refused():
         cut([record(50), record(50, dt=0.02, name="slow")], None, 1)
 
 
+def test_rounded_stamps_of_two_parts_of_a_recording_are_of_one_step():
+    """Of 1.0237 s, rounded to 0.01 s: each part has a mean step of its own, a tenth of a per cent apart."""
+    stamps = np.round(1.0237 * np.arange(312), 2)
+    parts = [stamps[:218], stamps[218:]]
+    steps = [(part[-1] - part[0]) / (len(part) - 1) for part in parts]
+    assert abs(steps[0] - steps[1]) > 1e-5
+    first, second = (record(len(t), dt=dt, name=f"{dt}") for t, dt in zip(parts, steps, strict=True))
+    assert cut([first, second], None, 1).count == 2
+    with pytest.raises(ValueError, match="differ in sampling time"):
+        cut([record(2000, dt=1.0237), record(2000, dt=1.0240)], None, 1)
+
+
 def test_a_horizon_of_one_sample_is_refused():
     with pytest.raises(ValueError, match="at least 2"):
         cut([record(50)], 1, 1)
