@@ -9,6 +9,7 @@ from rich.text import Text
 
 from hybridid.naming import counted
 from hybridid.quantities import NONE, UNKNOWN, change, probability, quantity, r_squared, share
+from hybridid.trace.before_after import FITTED
 from hybridid.trace.remarks import (
     completeness_in_words,
     idle_in_words,
@@ -59,14 +60,17 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
     ]
     if found.accepted:
         parts.append(Text(f"go on:  {said.commands[0]}"))
-    return [*parts, *_advice_of_the_fit(tree)]
+    return [*parts, *_advice_of_the_fit(tree, found)]
 
 
-def _advice_of_the_fit(tree: Path) -> list[RenderableType]:
-    """What the fit advises that the trace stands on: a trace over too short horizons finds little."""
+def _advice_of_the_fit(tree: Path, found: Trace) -> list[RenderableType]:
+    """What the fit advises that the trace stands on: a trace over too short horizons finds little. Where the
+    trace fits every record, none of them leaves what was fitted."""
     if not (tree / ESTIMATE).exists():
         return []
-    return [Text(f"advice of the fit: {one.said}", style="cyan") for one in fit_of(tree).quality.advice]
+    fits_all = all(record.role == FITTED for record in found.records)
+    advice = [one for one in fit_of(tree).quality.advice if not (fits_all and one.kind == "range")]
+    return [Text(f"advice of the fit: {one.said}", style="cyan") for one in advice]
 
 
 def _accepted(found: Trace) -> RenderableType:
@@ -95,6 +99,20 @@ def _before_after(found: Trace) -> RenderableType:
         "record", "output", "view", "network", "RMSE before", "after", "change", "R² before", "after", "data",
     )  # fmt: skip
     made = table("Before and after", columns, words=(0, 1, 2, 3, 9))
+    first, last = found.path[0].held_out_rmse, found.path[-1].held_out_rmse
+    for name, floor in found.noise_floor.items():
+        made.add_row(
+            "horizons that judge",
+            name,
+            view(found.horizon),
+            NONE,
+            quantity(first[name], floor.unit),
+            quantity(last[name], floor.unit),
+            change(first[name], last[name]),
+            NONE,
+            NONE,
+            provenance(found.provenance),
+        )
     for before, after in zip(found.before, found.after, strict=True):
         made.add_row(
             f"{before.record} ({before.role})",

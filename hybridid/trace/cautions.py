@@ -23,6 +23,7 @@ from hybridid.trace.horizon_advice import (
     determining_parts_advised,
     other_horizons_advised,
     parts_of_all_advised,
+    slower_dynamics,
 )
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.idle import SURE
@@ -46,10 +47,12 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     told = [revision_advised(found, context), several_hystereses(found.accepted)]
     told += [judged_the_other_way(found.search.first, context)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
+    told += [slower_dynamics(found.search.final, context.split)]
     if found.verdict == "unexplained":
         told += [other_horizons_advised(found.search.final, context.split, found.accuracy.noise)]
-    if found.verdict == "unexplained" and refused_for_significance(traced):
-        told += [parts_of_all_advised(context.split)]
+    unconfirmed = _only_fitted(found, context) if found.verdict == "unexplained" else ""
+    if unconfirmed or (found.verdict == "unexplained" and refused_for_significance(traced)):
+        told += [unconfirmed, parts_of_all_advised(context.split)]
     if found.verdict == "unexplained" and not traced.by_recording:
         told += [_may_differ_by_recording(found.search, context)]
     cut = found.search.cut_within_a_step or (found.out_of_time and bool(found.accepted))
@@ -81,6 +84,22 @@ def _may_differ_by_recording(found: Search, context: Context) -> str:
     return (
         " To ask which parameter differs between the recordings: trace.by_recording=true trace.records=null "
         "trace.held_out=null."
+    )
+
+
+def _only_fitted(found: Conclusion, context: Context) -> str:
+    """Which effect takes most of the squared error from the fitted horizons, though not from those that
+    judge; empty if none does. Where few judge, one disturbance among them may hide what the fit shows."""
+    steps, rules = found.search.steps, context.rules
+    tried = steps[-1].trials if steps and not steps[-1].taken else ()
+    most = max(tried, key=lambda trial: trial.fitted_gain, default=None)
+    if most is None or most.fitted_gain < rules.majority or most.gain >= rules.worth:
+        return ""
+    if most.refit is None or most.refit.ended_early or most.refit.too_stiff:
+        return ""
+    return (
+        f" {most.candidate.name} takes {share(most.fitted_gain)} of the squared error from the fitted "
+        "horizons, and the others do not confirm it."
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.advice.horizon import RESOLVED, TOLERATED, slowest_time
 from hybridid.naming import counted, listed
 from hybridid.trace.longer import MOSTLY_NOISE
 from hybridid.trace.refit import Refit
@@ -42,15 +43,31 @@ def other_horizons_advised(final: Refit, split: Split, noise: NDArray[np.float64
     )
 
 
+def slower_dynamics(final: Refit, split: Split) -> str:
+    """That the horizons are shorter than the slowest dynamics of the last model that the records resolve, in
+    words; else empty. Each has an initial state of its own, which is fitted."""
+    records, seconds = split.records, split.horizon * split.records[0].dt
+    longest = RESOLVED * min(float(record.time[-1] - record.time[0]) for record in records)
+    slowest = slowest_time(final.model, final.values, records, longest)
+    if slowest <= TOLERATED * seconds:
+        return ""
+    return (
+        f" Beware: the horizons of {_short(seconds)} s are shorter than the slowest dynamics that the "
+        f"records resolve ({_short(slowest)} s). What acts as slowly may hide in their initial states. "
+        "Longer records give longer horizons."
+    )
+
+
 def parts_of_all_advised(split: Split) -> str:
     """That parts of every record judge better than a short record alone, in words; empty where as many
-    horizons judge already."""
+    horizons judge already. Their length is told: of more records, longer ones would be chosen, and as few."""
     judging, every = len(split.held_out), len(split.fitted) + len(split.held_out)
     if split.gap or every < MANY_MORE * 2 * judging:
         return ""
+    seconds = f"{split.horizon * split.records[0].dt:.3g}"
     return (
-        f" Only {counted(judging, 'horizon')} judge. With trace.records=null trace.held_out=null parts of "
-        "every record do, which may decide more."
+        f" Only {counted(judging, 'horizon')} judge. With trace.records=null trace.held_out=null "
+        f"trace.horizon={seconds} parts of every record do, which may decide more."
     )
 
 

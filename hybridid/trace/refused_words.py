@@ -22,13 +22,15 @@ def most_refused(found: Trace) -> str:
     """The gain of an effect or a pair that was refused beside the last model and has the most evidence, and
     why; empty if none of them is worth having, or possible. Of those with about the same evidence that is the
     largest. One that takes more still by what is worth having is told as well: what few horizons cannot show
-    may be there."""
+    may be there. A p-value of 1 is no evidence: then the largest is told as what it is."""
     possible = _possible(found)
     if not possible:
         return ""
     evident = EVIDENT * max(found.rules.alpha, min(one.p_value for one in possible))
     best = max((one for one in possible if one.p_value <= evident), key=attrgetter("gain"))
     largest = max(possible, key=attrgetter("gain"))
+    if best.p_value >= 1.0 and best.reason not in found.withdrawn:
+        return f" Chance alone explains each of the refused gains. The largest is {_told(largest, found)}."
     told = f" The best supported of the refused gains is {_told(best, found)}."
     if largest.gain < best.gain + found.rules.worth:
         return told

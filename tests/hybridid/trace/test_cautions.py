@@ -19,6 +19,7 @@ from hybridid.trace.cautions import (
     _hidden_by_the_simulation,
     _may_differ_by_recording,
     _moved,
+    _only_fitted,
     _other_held_out,
     _takes_little,
     not_told_from_zero,
@@ -49,6 +50,25 @@ def test_what_grows_over_longer_horizons_is_told_beside_nothing():
         "effect that adds up slowly may be missing."
     )
     assert fitted.startswith(" Beware: fitted over horizons of 7.2 s the model")
+
+
+def test_what_only_the_fitted_horizons_show_is_told():
+    """A delay, of which the horizons that judge hold a disturbance as well."""
+    context = SimpleNamespace(rules=Rules())
+
+    def after(fitted: float, held_out: float, ended_early: bool = False) -> str:
+        refit = SimpleNamespace(ended_early=ended_early, too_stiff=False)
+        candidate = SimpleNamespace(name="gas.input_delay")
+        delay = SimpleNamespace(fitted_gain=fitted, gain=held_out, refit=refit, candidate=candidate)
+        step = SimpleNamespace(trials=(delay,), taken=())
+        return _only_fitted(SimpleNamespace(search=SimpleNamespace(steps=(step,))), context)
+
+    assert after(0.72, -0.02) == (
+        " gas.input_delay takes 72.0 % of the squared error from the fitted horizons, and the others do not "
+        "confirm it."
+    )
+    assert after(0.4, -0.02) == after(0.72, 0.3) == after(0.72, -0.02, ended_early=True) == ""
+    assert _only_fitted(SimpleNamespace(search=SimpleNamespace(steps=())), context) == ""
 
 
 def told(effect: str, port: str, **values: tuple[float, float]) -> str:

@@ -11,6 +11,7 @@ from hybridid.trace.horizon_advice import (
     determining_parts_advised,
     other_horizons_advised,
     parts_of_all_advised,
+    slower_dynamics,
 )
 
 NOISE = np.array([0.01])
@@ -59,16 +60,32 @@ def test_none_where_the_records_give_no_longer_ones(horizons):
     assert other_horizons_advised(final("h"), split(horizons), NOISE) == ""
 
 
+def test_dynamics_that_a_horizon_does_not_show_are_told(make_model, carriage):
+    """The carriage's own time constant is M / f_v, here 3 s."""
+    model, record = make_model(), carriage.record(n=12000)
+    slow = {**{p.name: p.guess for p in model.parameters}, "M": 90.0, "carriage.viscous.f_v": 30.0}
+
+    def said(seconds: float) -> str:
+        horizons = SimpleNamespace(records=(record,), horizon=round(seconds / record.dt))
+        return slower_dynamics(SimpleNamespace(model=model, values=slow), horizons)
+
+    assert said(0.5).startswith(
+        " Beware: the horizons of 0.5 s are shorter than the slowest dynamics that the records resolve (3 s)."
+    )
+    assert said(2.5) == ""
+
+
 @pytest.mark.parametrize(("fitted", "judging", "advised"), [(23, 10, True), (10, 10, False), (15, 10, False)])
 def test_parts_of_every_record_judge_where_few_horizons_do(fitted, judging, advised):
     numbers = tuple(range(fitted + judging))
     whole = SimpleNamespace(fitted=numbers[:fitted], held_out=numbers[fitted:], gap=0)
+    whole.horizon, whole.records = 49, [SimpleNamespace(dt=0.005)]
     said = parts_of_all_advised(whole)
     assert bool(said) is advised
     if advised:
         assert said == (
-            " Only 10 horizons judge. With trace.records=null trace.held_out=null parts of every record do, "
-            "which may decide more."
+            " Only 10 horizons judge. With trace.records=null trace.held_out=null trace.horizon=0.245 parts "
+            "of every record do, which may decide more."
         )
     whole.gap = 3
     assert parts_of_all_advised(whole) == "", "parts of every record judge already"

@@ -36,6 +36,11 @@ def test_pairs_that_were_tried_are_told(nothing):
         "is 7.0 % with carriage.coulomb: adjusted p = 0.02 over 0.01. The largest is 58.0 % with "
         "carriage.spring and carriage.offset: adjusted p = 1 over 0.01. The error"
     ) in sentence(replace(found, steps=steps)), "laws were tried after the pairs"
+    alone = sentence(replace(found, steps=(replace(step, pairs=(strong, replace(strong, gain=0.2))),)))
+    assert (
+        "Chance alone explains each of the refused gains. The largest is 58.0 % with carriage.spring and "
+        "carriage.offset: adjusted p = 1"
+    ) in alone, "nothing supports it"
     at_noise = replace(found, times=1.1)
     assert "refused" not in sentence(at_noise), "no complete model could take 10 %"
     assert tried_in_words(found) == "2 effects and 2 of 741 pairs of them"
@@ -56,8 +61,12 @@ def test_what_had_passed_and_was_withdrawn_is_told(nothing):
 def test_what_the_records_do_not_determine_is_no_hint(nothing):
     """A sine of any period fits few horizons; the drag, which takes less, is known."""
     lacking = "not significant: adjusted p = 0.05 over 0.01"
-    sine = replace(tried("periodic_error", 0.3, lacking), parameters={"period": Value(512.0, 1085.0, "m")})
-    drag = replace(tried("quadratic_drag", 0.2, lacking), parameters={"c_d": Value(7.0, 0.6, "N·s²/m²")})
+    sine = replace(
+        tried("periodic_error", 0.3, lacking), p_value=0.05, parameters={"period": Value(512.0, 1085.0, "m")}
+    )
+    drag = replace(
+        tried("quadratic_drag", 0.2, lacking), p_value=0.05, parameters={"c_d": Value(7.0, 0.6, "N·s²/m²")}
+    )
     step = StepTaken(nothing().path[0], None, (), (sine, drag))
     found = replace(nothing(DRAG), verdict="unexplained", times=9.0, steps=(step,))
     assert "gains is 20.0 % with carriage.quadratic_drag: not significant" in sentence(found)
