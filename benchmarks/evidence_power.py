@@ -10,7 +10,8 @@ record.
 - Nothing missing: no candidate is in the errors. Counted are the records on which any passes.
 - One missing: the first candidate takes a share of the error. Counted are the records on which it passes.
 
-Both with the horizons as units and with the blocks of ``hybridid.trace.score``.
+With the horizons as units, with the blocks of ``hybridid.trace.score``, and with these where both sides judge
+(``hybridid.trace.cross_fitting``).
 
     python benchmarks/evidence_power.py [--draws 200] [--candidates 100] [--seed 0]
 """
@@ -28,6 +29,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from benchmarks.studies import OUT
+from hybridid.trace.cross_fitting import TESTS, joined
 from hybridid.trace.evidence import compare, holm
 from hybridid.trace.rules import Rules
 from hybridid.trace.score import BLOCKS, Score, score_of
@@ -40,7 +42,7 @@ RATE = 100
 SECONDS = (6, 12, 30, 60)
 SHARES = (0.0, 0.1, 0.2)
 """By how much the RMSE falls without what the first candidate explains; 0: nothing is missing."""
-UNITS: Mapping[str, int] = {"horizons": 1, "blocks": BLOCKS}
+UNITS: Mapping[str, int] = {"horizons": 1, "blocks": BLOCKS, "both sides": BLOCKS}
 
 
 def _coloured(n: int, generator: Generator, memory: float) -> Array:
@@ -66,22 +68,35 @@ NOISES: Mapping[str, Callable[[int, Generator], Array]] = {
 }
 
 
-def p_values(errors: Array, candidates: Array, horizon: int, blocks: int) -> list[float]:
-    """p-value of each of ``candidates`` (c, n) in ``errors`` (n,), adjusted for all of them."""
+def p_values(errors: Array, candidates: Array, horizon: int, blocks: int, both: bool = False) -> list[float]:
+    """p-value of each of ``candidates`` (c, n) in ``errors`` (n,), adjusted for all of them; ``both``: with
+    either side fitted and judging."""
     rows = errors[: len(errors) // horizon * horizon].reshape(-1, horizon, 1)
+    shapes = [signal[: rows.size].reshape(rows.shape) for signal in candidates]
     poorer = _score(rows, blocks)
-    found, taken = [], []
-    for signal in candidates:
-        shape = signal[: rows.size].reshape(rows.shape)
-        power, together = (shape[::2] ** 2).sum(), (shape[::2] * rows[::2]).sum()
-        amplitude = together / power if power > 0 else 0.0
-        found.append(compare(poorer, _score(rows - amplitude * shape, blocks)).p_value)
-        taken.append(amplitude * together / (rows[::2] ** 2).sum())
-    return holm(found, taken)
+    fitted = [_without(rows, shape, 0) for shape in shapes]
+    scores = [_score(left, blocks) for left, _ in fitted]
+    alone = holm([compare(poorer, score).p_value for score in scores], [taken for _, taken in fitted])
+    if not both:
+        return alone
+    before = joined(poorer, _score(rows, blocks, 1))
+    there = (_score(_without(rows, shape, 1)[0], blocks, 1) for shape in shapes)
+    p_both = [compare(before, joined(*pair)).p_value for pair in zip(scores, there, strict=True)]
+    return [min(1.0, TESTS * min(one, len(shapes) * other)) for one, other in zip(alone, p_both, strict=True)]
 
 
-def _score(rows: Array, blocks: int) -> Score:
-    return score_of(list(rows[::2]), list(rows[1::2]), np.ones(1), blocks)
+def _without(rows: Array, shape: Array, side: int) -> tuple[Array, float]:
+    """``rows`` (h, n, 1) less what explains every other one, from number ``side`` on, best; and the share of
+    these that it takes."""
+    ours, signal = rows[side::2], shape[side::2]
+    power, together = (signal**2).sum(), (signal * ours).sum()
+    amplitude = together / power if power > 0 else 0.0
+    return rows - amplitude * shape, float(amplitude * together / (ours**2).sum())
+
+
+def _score(rows: Array, blocks: int, side: int = 0) -> Score:
+    """The score on the other rows of what was fitted to every other one from number ``side`` on."""
+    return score_of(list(rows[side::2]), list(rows[1 - side :: 2]), np.ones(1), blocks)
 
 
 def _now_and_then(n: int, generator: Generator) -> Array:
@@ -119,7 +134,7 @@ def counted(
     for _ in range(draws):
         errors, candidates = drawn(noise, acts, seconds, share, count, generator)
         for unit, blocks in UNITS.items():
-            found = p_values(errors, candidates, horizon, blocks)
+            found = p_values(errors, candidates, horizon, blocks, both=unit == "both sides")
             passed[unit] += (found[0] if share else min(found)) <= alpha
     return {unit: passed[unit] / draws for unit in UNITS}
 

@@ -17,6 +17,7 @@ from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
 from hybridid.trace.doubted import revision_advised
+from hybridid.trace.drive_sides import drive_changes_on_one_side
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.free_run import far_in_free_run, worse_in_free_run
 from hybridid.trace.horizon_advice import (
@@ -32,12 +33,16 @@ from hybridid.trace.refused_words import refused_for_significance
 from hybridid.trace.result import Trace
 from hybridid.trace.rules import Rules
 from hybridid.trace.sampling import within_half_a_sample
+from hybridid.trace.shorter import seeks
 from hybridid.trace.steps import Accepted, Search
+from hybridid.trace.trial import Trial
 from hybridid.trace.verdict import Conclusion
 from hybridid.validation.drift import outputs_that_drift
 
 OTHER = 0.2
 """Share of its value by which a parameter must differ to be told: a machine that warms up changes by less."""
+MOST_FREE = 2
+"""Parameters of an effect up to which what it takes from the fitted horizons alone is told."""
 LITTLE = 0.01
 """Of the squared error that all accepted effects take: what takes less is told."""
 
@@ -46,6 +51,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     """Sentences for the trace of the fitted ``records``, each after a space; empty if there is none."""
     told = [revision_advised(found, context), several_hystereses(found.accepted)]
     told += [judged_the_other_way(found.search.first, context)]
+    told += [drive_changes_on_one_side(found.model, context.split)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     told += [slower_dynamics(found.search.final, context.split)]
     if found.verdict == "unexplained":
@@ -89,10 +95,12 @@ def _may_differ_by_recording(found: Search, context: Context) -> str:
 
 def _only_fitted(found: Conclusion, context: Context) -> str:
     """Which effect takes most of the squared error from the fitted horizons, though not from those that
-    judge; empty if none does. Where few judge, one disturbance among them may hide what the fit shows."""
+    judge; empty if none does. Where few judge, one disturbance among them may hide what the fit shows. An
+    effect that seeks a pitch, a place or a frequency, or has more than two parameters, fits anything."""
     steps, rules = found.search.steps, context.rules
     tried = steps[-1].trials if steps and not steps[-1].taken else ()
-    most = max(tried, key=lambda trial: trial.fitted_gain, default=None)
+    stiff = [trial for trial in tried if not seeks(trial.candidate) and _free(trial) <= MOST_FREE]
+    most = max(stiff, key=lambda trial: trial.fitted_gain, default=None)
     if most is None or most.fitted_gain < rules.majority or most.gain >= rules.worth:
         return ""
     if most.refit is None or most.refit.ended_early or most.refit.too_stiff:
@@ -101,6 +109,10 @@ def _only_fitted(found: Conclusion, context: Context) -> str:
         f" {most.candidate.name} takes {share(most.fitted_gain)} of the squared error from the fitted "
         "horizons, and the others do not confirm it."
     )
+
+
+def _free(trial: Trial) -> int:
+    return sum(not p.fixed for p in trial.candidate.effect.parameters)
 
 
 def _grows(found: Conclusion) -> str:

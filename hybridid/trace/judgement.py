@@ -43,13 +43,15 @@ def judge(trials: Sequence[Trial], rules: Rules, family: int = 0) -> list[Trial]
         adjusted = [min(1.0, p * family) for p in p_values]
     else:
         adjusted = holm(p_values, [t.fitted_gain for t in trials])
-    return [_decided(replace(t, p_adjusted=p), rules) for t, p in zip(trials, adjusted, strict=True)]
+    return [decided_at(t, p, rules) for t, p in zip(trials, adjusted, strict=True)]
 
 
-def _decided(trial: Trial, rules: Rules) -> Trial:
+def decided_at(trial: Trial, p: float, rules: Rules) -> Trial:
+    """``trial`` with its status and reason, where ``p`` is its adjusted p-value."""
+    trial = replace(trial, p_adjusted=p)
     if trial.comparison is None:
         return replace(trial, status=UNTRIED, reason=f"could not be fitted: {trial.failure}")
-    gain, p = trial.comparison.gain, trial.p_adjusted
+    gain = trial.comparison.gain
     ended = "; its refit promised little and ended early" if trial.refit and trial.refit.ended_early else ""
     if gain < rules.worth:
         return replace(

@@ -115,7 +115,7 @@ def _what_the_network_finds(found: Trace, check: Completeness) -> str:
     if check.gain < found.rules.worth:
         unsolved = any(one.failure for one in found.ceilings.after)
         unseen = found.times > found.rules.far and not unsolved
-        more = "; what is missing is no function of what it sees" if unseen else ""
+        more = "; what is missing is no function of these variables alone" if unseen else ""
         return f"That is less than {percent(found.rules.worth)}: it finds nothing more worth having{more}"
     if check.complete:
         level = percent(found.rules.alpha)

@@ -15,6 +15,7 @@ from hybridid.trace.backtrack import better_branch, without_the_better
 from hybridid.trace.ceiling import ceilings
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
+from hybridid.trace.cross_fitting import cross_fitted
 from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import exchanged, still_alike
 from hybridid.trace.judgement import judge
@@ -209,7 +210,7 @@ def _out_of_time(steps: Sequence[Step], took: float, context: Context) -> str:
 def _step(base: Refit, context: Context, number: int) -> Step:
     """Try every candidate beside ``base`` and accept the best that passes and survives other numerics."""
     trials, left_out = trials_of(base, context, f"step {number}")
-    judged = judge(trials, context.rules)
+    judged = cross_fitted(judge(trials, context.rules), base, context)
     if left_out:  # one of these may explain more than what passed
         return Step(base, tuple(judged), None, left_out=left_out)
     return decided(base, judged, context)

@@ -20,8 +20,8 @@ def test_the_first_candidate_takes_its_share_of_the_error(noise, acts):
 
 def test_more_is_seen_where_more_is_missing():
     none, much = (counted("white", "always", 12, share, 6, 10, seed=1) for share in (0.0, 0.4))
-    assert none == {"horizons": 0.0, "blocks": 0.0}
-    assert much["blocks"] == 1.0
+    assert none == {"horizons": 0.0, "blocks": 0.0, "both sides": 0.0}
+    assert much["blocks"] == much["both sides"] == 1.0
 
 
 def test_what_acts_now_and_then_is_seen_in_blocks():
@@ -37,5 +37,7 @@ def test_the_table_is_written(tmp_path, monkeypatch):
     assert len(table) == 3 * len(ACTS) * len(NOISES)
     assert "simulated" in said[0]
     assert (
-        (tmp_path / "evidence_power.csv").read_text().startswith("noise,acts,seconds,missing,horizons,blocks")
+        (tmp_path / "evidence_power.csv")
+        .read_text()
+        .startswith("noise,acts,seconds,missing,horizons,blocks,both sides")
     )

@@ -56,9 +56,9 @@ def test_what_only_the_fitted_horizons_show_is_told():
     """A delay, of which the horizons that judge hold a disturbance as well."""
     context = SimpleNamespace(rules=Rules())
 
-    def after(fitted: float, held_out: float, ended_early: bool = False) -> str:
+    def after(fitted: float, held_out: float, ended_early: bool = False, effect: str = "input_delay") -> str:
         refit = SimpleNamespace(ended_early=ended_early, too_stiff=False)
-        candidate = SimpleNamespace(name="gas.input_delay")
+        candidate = Candidate(effect_named(effect), "gas")
         delay = SimpleNamespace(fitted_gain=fitted, gain=held_out, refit=refit, candidate=candidate)
         step = SimpleNamespace(trials=(delay,), taken=())
         return _only_fitted(SimpleNamespace(search=SimpleNamespace(steps=(step,))), context)
@@ -68,6 +68,7 @@ def test_what_only_the_fitted_horizons_show_is_told():
         "confirm it."
     )
     assert after(0.4, -0.02) == after(0.72, 0.3) == after(0.72, -0.02, ended_early=True) == ""
+    assert after(0.9, -0.02, effect="cogging") == "", "a sine of any pitch fits anything"
     assert _only_fitted(SimpleNamespace(search=SimpleNamespace(steps=())), context) == ""
 
 
