@@ -11,7 +11,7 @@ from hybridid.advice.horizon import unsuitable_horizon
 from hybridid.advice.ranges import out_of_range
 from hybridid.advice.relaxation import relaxation
 from hybridid.advice.unfinished import few_starts, stopped
-from hybridid.advice.untold import judged_by_itself, left_open
+from hybridid.advice.untold import faster_than_the_samples, judged_by_itself, left_open
 from hybridid.estimators.estimate import Estimate
 from hybridid.estimators.problem import Problem
 from hybridid.records.record import Record
@@ -28,6 +28,7 @@ def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()
         *stopped(estimate),
         *few_starts(estimate),
         *left_open(estimate),
+        *faster_than_the_samples(problem, estimate),
         *out_of_range(problem, estimate, held_out),
         *judged_by_itself(problem.records, held_out),
     )

@@ -1,4 +1,5 @@
-"""What records do not tell: a parameter that they leave open, and a held-out record that was fitted."""
+"""What records do not tell: a parameter that they leave open, or that is bound to less than a sample; and a
+held-out record that was fitted."""
 
 from __future__ import annotations
 
@@ -7,9 +8,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from hybridid.advice.advice import Advice
+from hybridid.effects.sampled import PATHS
 from hybridid.estimators.estimate import Estimate
-from hybridid.quantities import estimated
+from hybridid.estimators.problem import Problem
+from hybridid.quantities import estimated, number
 from hybridid.records.record import Record
+
+MANY = 10
+"""Samples that a delay or a lag may take at most, as at samples of 1 ms."""
 
 
 def left_open(estimate: Estimate) -> Iterator[Advice]:
@@ -23,6 +29,26 @@ def left_open(estimate: Estimate) -> Iterator[Advice]:
                 f"{one.name} is {estimated(one.value, one.std, one.unit)}: its standard error is larger than "
                 "itself, so the fit does not tell it; take longer horizons or livelier records, or fix it at "
                 f"a value that you know, as in parameters.{one.name}.fixed=...",
+            )
+
+
+def faster_than_the_samples(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
+    """Each delay or lag of a signal that ends at a largest value of less than a sample: the library's bounds
+    are those of samples of 1 ms. A trace widens them by itself."""
+    step = problem.windows.dt
+    ports = [port.name for port in problem.model.plant.ports if port.kind in PATHS]
+    for one in estimate.parameters:
+        port, name = one.name.partition(".")[0], one.name.rpartition(".")[2]
+        if port in ports and one.unit == "s" and one.at_bound and 0 < one.upper < step:
+            wider = f"parameters.{one.name}.upper={number(MANY * step, 2)}"
+            window = one.name.removesuffix(name) + "window"
+            if any(p.name == window for p in problem.model.parameters):
+                wider += f" parameters.{window}.guess={number(MANY * step, 2)}"
+            yield Advice(
+                "bound",
+                f"{one.name} ends at its bound of {number(one.upper, 2)} s, less than a sample of "
+                f"{number(step, 2)} s: the library's bounds are those of samples of 1 ms; {wider} allows "
+                f"{MANY} samples",
             )
 
 

@@ -68,6 +68,14 @@ class Motor(Plant):
 def turned(resistance=6.5, n=800, dt=0.01, seed=5):
     """A motor of 6.5 Ω, outside the bounds: its true friction and inertia are those of 0.02 N·m·s/rad."""
     u = np.repeat(np.random.default_rng(seed).uniform(-6, 6, n // 20), 20)
+    channels = (Channel("u", "V", "zoh"),), (Channel("angle", "rad"),)
+    angle = turned_by(u, resistance, dt)
+    return Record("turned", dt * np.arange(n), u[:, None], angle[:, None], *channels, simulated=True)
+
+
+def turned_by(u, resistance=6.5, dt=0.01):
+    """The angle of that motor under the voltage ``u`` (n,), with noise."""
+    n = len(u)
     x, angle = np.zeros(2), np.empty(n)
     for k in range(n):
         angle[k] = x[0]
@@ -75,9 +83,7 @@ def turned(resistance=6.5, n=800, dt=0.01, seed=5):
             x[1], (0.2 * (u - 0.2 * x[1]) / resistance - 0.05 * x[1]) / 0.02
         ]  # fmt: skip
         x = solve_ivp(rate, (0, dt), x, rtol=1e-9, atol=1e-11).y[:, -1]
-    angle += np.random.default_rng(6).normal(0, 1e-3, n)
-    channels = (Channel("u", "V", "zoh"),), (Channel("angle", "rad"),)
-    return Record("turned", dt * np.arange(n), u[:, None], angle[:, None], *channels, simulated=True)
+    return angle + np.random.default_rng(6).normal(0, 1e-3, n)
 
 
 def test_a_parameter_at_its_bound_is_told_with_the_one_it_runs_along():
@@ -93,6 +99,25 @@ def test_a_bound_alone_is_no_matter_of_two(make_model, record):
     estimate = fit(tight, [record])
     assert [p.name for p in estimate.parameters if p.at_bound] == ["M"]
     assert told("bound", tight, [record]) == []
+
+
+def test_a_delay_that_may_not_reach_a_sample_is_told_with_the_keys_that_let_it():
+    """The motor at 50 ms a sample, its voltage 0.1 s late: the library's delay ends at 10 ms."""
+    prompt = turned(n=4000)
+    late = np.concatenate([np.zeros(10), prompt.inputs[:-10, 0]])
+    angle = turned_by(late)[::5, None]
+    record = replace(prompt, time=prompt.time[::5], inputs=prompt.inputs[::5], outputs=angle)
+    known = {"J": {"fixed": 0.02}, "R": {"fixed": 6.5, "upper": 7.0}, "k_t": {"fixed": 0.2}}
+    model = compose(Motor(), ["viscous", "input_delay@u"], known)
+    (said,) = told("bound", model, [record])
+    assert said == (
+        "u.input_delay.delay ends at its bound of 0.01 s, less than a sample of 0.05 s: the library's bounds "
+        "are those of samples of 1 ms; parameters.u.input_delay.delay.upper=0.5 "
+        "parameters.u.input_delay.window.guess=0.5 allows 10 samples"
+    )
+    wider = {**known, "u.input_delay.delay": {"upper": 0.5}, "u.input_delay.window": {"guess": 0.5}}
+    estimate = fit(compose(Motor(), ["viscous", "input_delay@u"], wider), [record])
+    assert estimate.values["u.input_delay.delay"] == pytest.approx(0.1, abs=0.03)
 
 
 def test_a_friction_that_is_not_there_is_told_nothing(make_model, record):
