@@ -53,8 +53,8 @@ def slower_dynamics(final: Refit, split: Split) -> str:
         return ""
     return (
         f" Beware: the horizons of {_short(seconds)} s are shorter than the slowest dynamics that the "
-        f"records resolve ({_short(slowest)} s). What acts as slowly may hide in their initial states. "
-        "Longer records give longer horizons."
+        f"records resolve ({_short(slowest)} s). What acts as slowly may hide in their initial states. A "
+        "longer trace.horizon shows it, where the records give enough of them."
     )
 
 

@@ -146,6 +146,21 @@ def test_an_amplitude_that_could_be_nothing_is_not_identifiable(trial):
     assert "not determined" in judged.reason
 
 
+@pytest.mark.parametrize(
+    ("effect", "std", "status"),
+    [
+        ("asymmetric_viscous", 0.49, PASSED),
+        ("asymmetric_viscous", 0.51, UNIDENTIFIABLE),
+        ("gravity", 0.55, PASSED),
+        ("gravity", 0.6, UNIDENTIFIABLE),
+    ],
+)
+def test_two_amplitudes_stand_off_nothing_as_surely_as_one(trial, effect, std, status):
+    """Each of gravity's is ``1 / std`` standard errors off, together sqrt(2) times that. Of two the chi-squared
+    distribution asks 2.49, where one amplitude needs 2."""
+    assert only(trial(effect, std=std)).status == status
+
+
 def test_the_stiffness_of_a_limit_may_be_large_without_end(trial):
     """Its likelihood is flat towards infinity, so no interval of it excludes zero."""
     assert only(trial("end_stop", std=0.8, d=1e-3)).status == PASSED

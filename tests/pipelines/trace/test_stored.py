@@ -15,7 +15,7 @@ from hybridid.quality import Quality
 from hybridid_cli.tables import rendered
 from hybridid_cli.trace_results import trace_results
 from pipelines.shared.fitted import ESTIMATE, Fit
-from pipelines.shared.storage import write_json
+from pipelines.shared.storage import read_json, write_json
 from pipelines.shared.traced import TRACE, trace_of
 
 
@@ -46,7 +46,7 @@ def test_the_terminal_prints_it(tree):
     text = rendered(trace_results(tree))
     for part in (
         "ambiguous: The model lacked a friction.", "f_c = 2.000 ± 0.098 N", "2 of 3 variations", "diverges",
-        "simulated", "tried 3 effects in 1 step,", "go on:  hybridid run case=cart",
+        "simulated", "tried 3 effects in 1 step,", "go on:  hybridid run case=cart", "horizons that judge",
     ):  # fmt: skip
         assert part in text, part
 
@@ -54,11 +54,16 @@ def test_the_terminal_prints_it(tree):
 def test_the_terminal_repeats_what_the_fit_advises(tree):
     """A trace over horizons that the fit calls too short."""
     nothing, advice = np.zeros((0, 0)), Advice("horizon", "horizons of 12 s would show more")
+    beyond = Advice("range", "record b leaves what was fitted")
     estimate = Estimate(
         (), {}, nothing, nothing, (), 1.0, "converged", converged=True, iterations=3, seconds={},
         substeps=1, settings=FitSettings(),
     )  # fmt: skip
-    quality = Quality("sound", "sound", (), (), 0.0, advice=(advice,))
+    quality = Quality("sound", "sound", (), (), 0.0, advice=(advice, beyond))
     (tree / ESTIMATE).parent.mkdir()
     write_json(tree / ESTIMATE, Fit("cart", "gray box", ("push",), "simulated", (), quality, estimate))
     assert "advice of the fit: horizons of 12 s would show more" in rendered(trace_results(tree))
+    assert "b leaves what was fitted" in rendered(trace_results(tree))
+    stored = read_json(tree / TRACE)
+    write_json(tree / TRACE, {**stored, "records": [{**one, "role": "fitted"} for one in stored["records"]]})
+    assert "leaves what was fitted" not in rendered(trace_results(tree)), "the trace fits them all"
