@@ -156,8 +156,8 @@ def test_an_amplitude_that_could_be_nothing_is_not_identifiable(trial):
     ],
 )
 def test_two_amplitudes_stand_off_nothing_as_surely_as_one(trial, effect, std, status):
-    """Each of gravity's is ``1 / std`` standard errors off, together sqrt(2) times that. Of two the chi-squared
-    distribution asks 2.49, where one amplitude needs 2."""
+    """Each of gravity's is ``1 / std`` standard errors off, together sqrt(2) times that. Of two the
+    chi-squared distribution asks 2.49, where one amplitude needs 2."""
     assert only(trial(effect, std=std)).status == status
 
 
