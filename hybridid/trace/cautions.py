@@ -16,7 +16,7 @@ from hybridid.records.record import Record
 from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
-from hybridid.trace.doubted import revision_advised
+from hybridid.trace.doubted import other_law_possible, revision_advised
 from hybridid.trace.drive_sides import drive_changes_on_one_side
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.free_run import far_in_free_run, worse_in_free_run
@@ -70,6 +70,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     if found.verdict == "nothing_missing":
         told += [_hidden_by_the_simulation(traced, found.model), _grows(found)]
     if traced.accepted:
+        told += [other_law_possible(found, context)]
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
         told += [
             _takes_little(found.search),

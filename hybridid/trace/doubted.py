@@ -1,8 +1,9 @@
-"""Declared effects that may be the wrong law: functions of the variable over which structure remains.
+"""Effects that may be the wrong law: functions of the variable over which structure remains.
 
-Where nothing that was tried explains the errors, and a learned effort over a variable does, a declared effect
-that is itself a function of that variable may be wrong: a search that only adds cannot replace it. So may any
-declared effect where no learned effort helps either.
+Of an accepted effect that is told: a library holds a few laws over a variable, and names the nearest. A
+declared one may have to be replaced. Where nothing that was tried explains the errors, and a learned effort
+over a variable does, a declared effect that is itself a function of that variable may be wrong: a search that
+only adds cannot replace it. So may any declared effect where no learned effort helps either.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hybridid.effects.composed import is_composed
 from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
@@ -48,6 +50,23 @@ def doubted(declared: Model, final: Refit, places: Sequence[Ceiling], split: Spl
     ]
 
 
+def other_law_possible(found: Conclusion, context: Context) -> str:
+    """Which accepted effects are functions of a variable over which structure remains, in words: a library
+    holds a few laws over it, and names the nearest. Empty if none is."""
+    names = [one.name for one in found.accepted if not is_composed(one.trial.candidate.effect)]
+    places = _remaining(found)
+    final = found.search.final
+    told = [name for name in doubted(final.model, final, places, context.split) if name in names]
+    if not told:
+        return ""
+    them, its = ("are functions", "their laws") if len(told) > 1 else ("is itself a function", "its law")
+    return f" {listed(told)} {them} of a variable over which structure remains: {its} may be the wrong one."
+
+
+def _remaining(found: Conclusion) -> list[Ceiling]:
+    return [one for one in found.ceilings if f"at {one.place}" in found.remains]
+
+
 def revision_advised(found: Conclusion, context: Context) -> str:
     """That ``trace.revise`` may help, in words, where a declared effect may be the wrong law; else empty."""
     if found.verdict != "unexplained" or context.revise:
@@ -59,8 +78,7 @@ def revision_advised(found: Conclusion, context: Context) -> str:
             f" The declared {listed(declared)} {was} not questioned: trace.revise=true seeks others in the "
             "place of each."
         )
-    places = [one for one in found.ceilings if f"at {one.place}" in found.remains]
-    names = doubted(found.search.first.model, found.search.final, places, context.split)
+    names = doubted(found.search.first.model, found.search.final, _remaining(found), context.split)
     if not names:
         return ""
     return (

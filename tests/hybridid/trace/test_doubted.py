@@ -6,10 +6,12 @@ from types import SimpleNamespace
 
 import pytest
 
+from hybridid.effects.library import effect_named
 from hybridid.effects.over import Over
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
-from hybridid.trace.doubted import doubted, revision_advised
+from hybridid.trace.doubted import doubted, other_law_possible, revision_advised
 from hybridid.trace.refit import refit
 
 
@@ -32,6 +34,33 @@ def test_functions_of_the_variable_are_doubted(fitted, over, names):
     base, split = fitted
     found = ceiling(base, split, "carriage", over)
     assert doubted(base.model, base, [found], split) == names
+
+
+@pytest.mark.parametrize(
+    ("effect", "remains", "said"),
+    [
+        (
+            "viscous",
+            True,
+            " carriage.viscous is itself a function of a variable over which structure remains",
+        ),
+        ("viscous", False, ""),
+        ("offset", True, ""),
+    ],
+)
+def test_an_accepted_effect_is_doubted_in_the_same_way(fitted, effect, remains, said):
+    """As if the carriage's friction had been found."""
+    base, split = fitted
+    found = ceiling(base, split, "carriage", Over("velocity"))
+    candidate = Candidate(effect_named(effect), "carriage")
+    accepted = SimpleNamespace(name=candidate.name, trial=SimpleNamespace(candidate=candidate))
+    ended = SimpleNamespace(
+        accepted=(accepted,), search=SimpleNamespace(final=base), ceilings=[found],
+        remains=(f"at {found.place}",) if remains else (),
+    )  # fmt: skip
+    told = other_law_possible(ended, Context(split, ()))
+    assert told.startswith(said)
+    assert bool(told) is bool(said)
 
 
 def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_asked(fitted):
