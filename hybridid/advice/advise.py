@@ -19,8 +19,10 @@ from hybridid.records.record import Record
 
 def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()) -> tuple[Advice, ...]:
     """What to do about ``estimate``, the solution of ``problem``; ``held_out`` are records that judge it."""
+    fast = [*faster_than_the_samples(problem, estimate)]
+    told = [one.said.partition(" ")[0] for one in fast]
     return (
-        *at_bound(estimate),
+        *(one for one in at_bound(estimate) if one.said.partition(" ")[0] not in told),
         *shared_scale(problem, estimate),
         *free_decay(problem.records),
         *relaxation(problem.records),
@@ -28,7 +30,7 @@ def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()
         *stopped(estimate),
         *few_starts(estimate),
         *left_open(estimate),
-        *faster_than_the_samples(problem, estimate),
+        *fast,
         *out_of_range(problem, estimate, held_out),
         *judged_by_itself(problem.records, held_out),
     )

@@ -101,7 +101,7 @@ def test_a_bound_alone_is_no_matter_of_two(make_model, record):
     assert told("bound", tight, [record]) == []
 
 
-def test_a_delay_that_may_not_reach_a_sample_is_told_with_the_keys_that_let_it():
+def test_a_delay_that_may_take_few_samples_is_told_with_the_keys_that_widen_it():
     """The motor at 50 ms a sample, its voltage 0.1 s late: the library's delay ends at 10 ms."""
     prompt = turned(n=4000)
     late = np.concatenate([np.zeros(10), prompt.inputs[:-10, 0]])
@@ -111,9 +111,9 @@ def test_a_delay_that_may_not_reach_a_sample_is_told_with_the_keys_that_let_it()
     model = compose(Motor(), ["viscous", "input_delay@u"], known)
     (said,) = told("bound", model, [record])
     assert said == (
-        "u.input_delay.delay ends at its bound of 0.01 s, less than a sample of 0.05 s: the library's bounds "
-        "are those of samples of 1 ms; parameters.u.input_delay.delay.upper=0.5 "
-        "parameters.u.input_delay.window.guess=0.5 allows 10 samples"
+        "u.input_delay.delay ends at its bound of 0.01 s, fewer than 10 samples of 0.05 s: the library's "
+        "bounds are those of samples of 1 ms; parameters.u.input_delay.delay.upper=0.5 "
+        "parameters.u.input_delay.window.guess=0.5 allows 10"
     )
     wider = {**known, "u.input_delay.delay": {"upper": 0.5}, "u.input_delay.window": {"guess": 0.5}}
     estimate = fit(compose(Motor(), ["viscous", "input_delay@u"], wider), [record])
