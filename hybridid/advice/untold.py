@@ -33,23 +33,23 @@ def left_open(estimate: Estimate) -> Iterator[Advice]:
 
 
 def faster_than_the_samples(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
-    """Each delay or lag of a signal that ends at a largest value of fewer than ``MANY`` samples: the bounds of
-    the library are those of samples of 1 ms. A trace widens them by itself."""
+    """Each delay or lag of a signal that ends at a largest value of fewer than ``MANY`` samples: the bounds
+    of the library are those of samples of 1 ms. A trace widens them by itself."""
     step = problem.windows.dt
     ports = [port.name for port in problem.model.plant.ports if port.kind in PATHS]
+    fixed = [p.name for p in problem.model.parameters if p.fixed]
     for one in estimate.parameters:
-        port, name = one.name.partition(".")[0], one.name.rpartition(".")[2]
-        if port in ports and one.unit == "s" and one.at_bound and 0 < one.upper < MANY * step:
-            wider = f"parameters.{one.name}.upper={number(MANY * step, 2)}"
-            window = one.name.removesuffix(name) + "window"
-            if any(p.name == window for p in problem.model.parameters):
-                wider += f" parameters.{window}.guess={number(MANY * step, 2)}"
-            yield Advice(
-                "bound",
-                f"{one.name} ends at its bound of {number(one.upper, 2)} s, fewer than {MANY} samples of "
-                f"{number(step, 2)} s: the library's bounds are those of samples of 1 ms; {wider} allows "
-                f"{MANY}",
-            )
+        of_a_signal = one.unit == "s" and one.name.partition(".")[0] in ports
+        if not (of_a_signal and one.at_bound and 0 < one.upper < min(2 * one.value, MANY * step)):
+            continue
+        enough, window = number(MANY * step, 2), f"{one.name.rpartition('.')[0]}.window"
+        also = f" parameters.{window}.guess={enough}" if window in fixed else ""
+        yield Advice(
+            "bound",
+            f"{one.name} ends at its bound of {number(one.upper, 2)} s, fewer than {MANY} samples of "
+            f"{number(step, 2)} s: the library's bounds are those of samples of 1 ms; "
+            f"parameters.{one.name}.upper={enough}{also} allows {MANY}",
+        )
 
 
 def judged_by_itself(fitted: Sequence[Record], held_out: Sequence[Record]) -> Iterator[Advice]:
