@@ -34,14 +34,16 @@ class SensorNoise(NamedTuple):
 
 def sensor_noise(record: Record) -> tuple[SensorNoise, ...]:
     """The noise of each output: at least the quantisation, and the larger of two looks at white noise."""
-    return tuple(_told(y, step) for y, step in zip(_counted(record), rounding(record), strict=True))
+    hidden = [channel.rounding for channel in record.output_channels]
+    return tuple(_told(y, least) for y, least in zip(_counted(record), hidden, strict=True))
 
 
-def _told(y: Array, step: float) -> SensorNoise:
-    local, quietest = _local(y), _quietest(y)
+def _told(y: Array, least: float) -> SensorNoise:
+    """``least`` is what resampling has hidden of the rounding: a bound, which does not tell the level."""
+    step, local, quietest = rounding_of(y), _local(y), _quietest(y)
     agree = 0 < max(local, quietest) <= AGREE * min(local, quietest)
     level = max(step, local, quietest) if agree else max(step, min(local, quietest))
-    return SensorNoise(float(level), bool(agree or (step > 0 and step >= max(local, quietest))))
+    return SensorNoise(max(float(level), least), bool(agree or (step > 0 and step >= max(local, quietest))))
 
 
 def noise_level(record: Record) -> Array:
