@@ -16,6 +16,7 @@ from hybridid.quantities import (
     share,
 )
 from hybridid.trace.before_after import AFTER, BEFORE
+from hybridid.trace.cross_fitting import FEW
 from hybridid.trace.entries import AcceptedEffect, EstimatedValue, LearnedGain
 from hybridid.trace.remarks import (
     completeness_in_words,
@@ -287,10 +288,12 @@ def _taken(one: LearnedGain) -> str:
 def _rules(traced: TraceFile) -> Table:
     found = traced.found
     rules, (fitted, held_out) = found.rules, found.horizons
+    both = f"; fewer than {FEW} horizons judge: what they leave open, both sides decide (cross-fitting)"
     rows = (
         ("horizons", f"{found.split}; {found.horizon:g} s each, {fitted} fitted, {held_out} held out"),
         ("records", listed([f"{r.name} ({r.provenance}, {r.source})" for r in found.records])),
-        ("significant", f"adjusted p at most {rules.alpha:g} over all effects tried in a step"),
+        ("significant", f"adjusted p at most {rules.alpha:g} over all effects tried in a step"
+                        + (both if held_out < FEW else "")),
         ("worth having", f"held-out RMSE lower by {percent(rules.worth)} or more"),
         ("alike", f"effects whose errors differ by less than {percent(rules.tie)}, or not significantly"),
         ("identifiable", f"standard errors at most {percent(rules.vague)} of the value, correlations at "

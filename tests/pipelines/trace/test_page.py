@@ -89,6 +89,13 @@ def test_an_accepted_effect_shows_its_class_and_what_would_tell_it_apart(section
     assert outcomes == ["", "survives", "lost", "refuted by the records", "too stiff to simulate"]
 
 
+@pytest.mark.parametrize(("judging", "both"), [(12, True), (24, False)])
+def test_the_rules_say_whether_both_sides_judge(section, judging, both):
+    (table,) = section("How it was decided", horizons=(24, judging)).tables
+    (said,) = (row[1] for row in table.rows if row[0] == "significant")
+    assert said.endswith("both sides decide (cross-fitting)") is both
+
+
 def test_parameters_before_and_after(section):
     (table,) = section("Parameters").tables
     rows = {row[0]: row[1:] for row in table.rows}
