@@ -35,8 +35,8 @@ from hybridid.trace.score import Score
 from hybridid.trace.trial import Trial
 
 FEW = 24
-"""Horizons that judge, below which the others do as well: of so many a third may disagree, and the p-value of
-their signs is still one of some fifty effects' at the level of one per cent."""
+"""Horizons that judge, below which the others do as well. Of so many an eighth may disagree: the p-value of
+their signs, 1.4e-4, is then still below the 2e-4 that one of fifty effects needs at the level of 1 %."""
 TESTS = 2
 """The horizons that judge alone, and both sides."""
 
