@@ -55,10 +55,12 @@ def test_an_accepted_effect_is_doubted_in_the_same_way(fitted, effect, remains, 
     candidate = Candidate(effect_named(effect), "carriage")
     accepted = SimpleNamespace(name=candidate.name, trial=SimpleNamespace(candidate=candidate))
     ended = SimpleNamespace(
-        accepted=(accepted,), search=SimpleNamespace(final=base), ceilings=[found],
+        verdict="effect_found", accepted=(accepted,), search=SimpleNamespace(final=base), ceilings=[found],
         remains=(f"at {found.place}",) if remains else (),
     )  # fmt: skip
     told = other_law_possible(ended, Context(split, ()))
+    ended.verdict = "undecided"
+    assert other_law_possible(ended, Context(split, ())) == "", "the rest may explain it"
     assert told.startswith(said)
     assert bool(told) is bool(said)
 
