@@ -52,8 +52,7 @@ def doubted(declared: Model, final: Refit, places: Sequence[Ceiling], split: Spl
 
 def other_law_possible(found: Conclusion, context: Context) -> str:
     """Which accepted effects are functions of a variable over which structure remains, in words: a library
-    holds a few laws over it, and names the nearest. Empty if none is, or where the search for the rest was cut
-    off."""
+    holds a few laws over it, and names the nearest. Empty if none is, or where the search was cut off."""
     if found.verdict == "undecided":
         return ""
     names = [one.name for one in found.accepted if not is_composed(one.trial.candidate.effect)]
