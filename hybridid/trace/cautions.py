@@ -35,7 +35,6 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.shorter import seeks
 from hybridid.trace.steps import Accepted, Search
-from hybridid.trace.trial import Trial
 from hybridid.trace.verdict import Conclusion
 from hybridid.validation.drift import outputs_that_drift
 
@@ -100,7 +99,7 @@ def _only_fitted(found: Conclusion, context: Context) -> str:
     effect that seeks a pitch, a place or a frequency, or has more than two parameters, fits anything."""
     steps, rules = found.search.steps, context.rules
     tried = steps[-1].trials if steps and not steps[-1].taken else ()
-    stiff = [trial for trial in tried if not seeks(trial.candidate) and _free(trial) <= MOST_FREE]
+    stiff = [trial for trial in tried if not seeks(trial.candidate) and trial.free_parameters <= MOST_FREE]
     most = max(stiff, key=lambda trial: trial.fitted_gain, default=None)
     if most is None or most.fitted_gain < rules.majority or most.gain >= rules.worth:
         return ""
@@ -110,10 +109,6 @@ def _only_fitted(found: Conclusion, context: Context) -> str:
         f" {most.candidate.name} takes {share(most.fitted_gain)} of the squared error from the fitted "
         "horizons, and the others do not confirm it."
     )
-
-
-def _free(trial: Trial) -> int:
-    return sum(not p.fixed for p in trial.candidate.effect.parameters)
 
 
 def _grows(found: Conclusion) -> str:

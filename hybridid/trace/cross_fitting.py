@@ -51,14 +51,14 @@ def cross_fitted(judged: Sequence[Trial], base: Refit, context: Context) -> list
         return list(judged)
     open_ = [t for t in judged if t.gain >= rules.worth and TESTS * t.p_adjusted > rules.alpha and _ended(t)]
     poorer = context.one(refit_if_possible, *_swapped(base, context)) if open_ else None
-    if poorer is None:
+    if poorer is None or not poorer.converged:  # what it leaves would count for the effects
         return list(judged)
     richer = context.mapper(refit_if_possible, [_swapped(t.refit, context) for t in open_ if t.refit])
     before = joined(base.score, poorer.score)
     p_values = {
         t.candidate.name: len(judged) * compare(before, joined(t.refit.score, other.score)).p_value
         for t, other in zip(open_, richer, strict=True)
-        if t.refit is not None and other is not None
+        if t.refit is not None and other is not None and other.converged
     }
     return [_decided(t, p_values, context) for t in judged]
 

@@ -300,14 +300,10 @@ def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
     models of one size apart, the likelihood of the others may."""
     best = max(passed, key=lambda t: t.gain)
     alike = [best, *(t for t in passed if t is not best and indistinguishable(best, t, rules))]
-    fewest = min(map(_free_parameters, alike))
-    small = [t for t in alike if _free_parameters(t) == fewest]
+    fewest = min(t.free_parameters for t in alike)
+    small = [t for t in alike if t.free_parameters == fewest]
     likely = (1.0 - max(t.fitted_gain for t in small)) / (1.0 - rules.tie) ** 2
     return max((t for t in small if 1.0 - t.fitted_gain <= likely), key=lambda t: t.gain)
-
-
-def _free_parameters(trial: Trial) -> int:
-    return sum(not p.fixed for p in trial.candidate.effect.parameters)
 
 
 def survivals_of(base: Refit, best: Trial, context: Context, otherwise: Otherwise) -> tuple[Survival, ...]:

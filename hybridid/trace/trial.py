@@ -67,6 +67,11 @@ class Trial:
         after = self.refit.score.loss**2
         return after / (1.0 - self.gain) ** 2 - after
 
+    @property
+    def free_parameters(self) -> int:
+        """How many of the effect's own parameters are estimated."""
+        return sum(not p.fixed for p in self.candidate.effect.parameters)
+
     def own(self, quantity: str) -> dict[str, float]:
         """The effect's own ``values`` or ``std`` by short name; a known constant has no std."""
         assert self.refit is not None

@@ -14,10 +14,7 @@ import scipy.io
 from hybridid.records.mapping import build_record, read_record, record_map
 from hybridid.records.record import Record, RecordError
 from hybridid.records.resample import Resample
-from hybridid.records.sensor_noise import rounding
 from hybridid.records.sources import RecordNotFoundError
-from hybridid.records.store import load_record, save_record
-from hybridid.signals.butterworth import Butterworth
 
 N = 400
 T = np.arange(N) * 1e-3
@@ -249,26 +246,6 @@ def test_an_uneven_record_passes_only_when_resampling_is_asked_for(tmp_path):
     assert np.abs(record.output("y") - np.sin(20 * T)).max() < 0.02
     linear = read_record("holed", record_map({**plan, "resample": {"dt": 0.001, "method": "linear"}}), [])
     assert any("(linear" in w for w in linear.warnings)
-
-
-def test_resampling_hides_no_rounding(tmp_path):
-    """The counts of an encoder at uneven stamps: between two of them the line is on no grid any more."""
-    step, stamps = 0.01, T + np.where(np.arange(N) % 3 == 1, 4e-4, 0.0)
-    counts = np.round(np.sin(9 * stamps) / step)
-    pd.DataFrame({"t": stamps, "y": counts}).to_csv(tmp_path / "run.csv", index=False)
-    plan = {
-        "files": str(tmp_path / "run.csv"),
-        "time": {"column": "t"},
-        "outputs": {"y": {"unit": "rad", "column": "y", "scale": step}},
-        "resample": 0.001,
-    }
-    record = read_record("counted", record_map(plan), [])
-    error = np.std(record.output("y") - np.sin(9 * record.time))
-    assert rounding(record) == pytest.approx([np.sqrt(2 / 3) * step / np.sqrt(12)])
-    assert rounding(record) == pytest.approx([error], rel=0.25)
-    filtered = Butterworth(("y",), 20.0).apply(record)
-    assert rounding(filtered) == [0.0], "a filter takes a part of it, which nobody knows"
-    assert load_record(save_record(record, tmp_path / "kept.parquet")).output_channels[0].rounding > 0
 
 
 @pytest.fixture

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.signal import welch
 
+from hybridid.records.mapping import read_record, record_map
 from hybridid.records.record import Channel, Record
 from hybridid.records.sensor_noise import _density, noise_level, rounding
+from hybridid.records.store import load_record, save_record
+from hybridid.signals.butterworth import Butterworth
 
 TIME = np.arange(4000) * 1e-3
 MOTION = 0.1 * np.sin(2 * np.pi * 0.7 * TIME)
@@ -40,6 +44,26 @@ def test_counts_of_an_encoder_that_a_file_rounds_to_some_digits():
     step = 2 * np.pi / 16384
     turned = np.round(30 * (1 - np.cos(TIME)) / step) * step
     assert rounding(record_of(np.round(turned, 8))) == pytest.approx([step / np.sqrt(12)], rel=1e-3)
+
+
+def test_resampling_hides_no_rounding(tmp_path):
+    """The counts of an encoder at uneven stamps: between two of them the line is on no grid any more."""
+    step, stamps = 0.01, TIME[:400] + np.where(np.arange(400) % 3 == 1, 4e-4, 0.0)
+    counts = np.round(np.sin(9 * stamps) / step)
+    pd.DataFrame({"t": stamps, "y": counts}).to_csv(tmp_path / "run.csv", index=False)
+    plan = {
+        "files": str(tmp_path / "run.csv"),
+        "time": {"column": "t"},
+        "outputs": {"y": {"unit": "rad", "column": "y", "scale": step}},
+        "resample": 0.001,
+    }
+    record = read_record("counted", record_map(plan), [])
+    error = np.std(record.output("y") - np.sin(9 * record.time))
+    assert rounding(record) == pytest.approx([np.sqrt(2 / 3) * step / np.sqrt(12)])
+    assert rounding(record) == pytest.approx([error], rel=0.25)
+    filtered = Butterworth(("y",), 20.0).apply(record)
+    assert rounding(filtered) == [0.0], "a filter takes a part of it, which nobody knows"
+    assert load_record(save_record(record, tmp_path / "kept.parquet")).output_channels[0].rounding > 0
 
 
 def test_a_jerk_does_not_raise_the_floor(noise):

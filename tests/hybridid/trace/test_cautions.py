@@ -25,8 +25,10 @@ from hybridid.trace.cautions import (
     not_told_from_zero,
 )
 from hybridid.trace.entries import Floor, Value
+from hybridid.trace.evidence import Comparison
 from hybridid.trace.longer import Longer
 from hybridid.trace.rules import Rules
+from hybridid.trace.trial import Trial
 
 
 def test_where_an_amplitude_is_no_constant_the_recordings_may_differ():
@@ -59,7 +61,7 @@ def test_what_only_the_fitted_horizons_show_is_told():
     def after(fitted: float, held_out: float, ended_early: bool = False, effect: str = "input_delay") -> str:
         refit = SimpleNamespace(ended_early=ended_early, too_stiff=False)
         candidate = Candidate(effect_named(effect), "gas")
-        delay = SimpleNamespace(fitted_gain=fitted, gain=held_out, refit=refit, candidate=candidate)
+        delay = Trial(candidate, refit, Comparison(held_out, 1.0, 0.0), fitted)
         step = SimpleNamespace(trials=(delay,), taken=())
         return _only_fitted(SimpleNamespace(search=SimpleNamespace(steps=(step,))), context)
 

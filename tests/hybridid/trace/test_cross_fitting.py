@@ -13,7 +13,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.cross_fitting import FEW, cross_fitted, joined
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import decided_at
-from hybridid.trace.refit import refit
+from hybridid.trace.refit import refit, refit_if_possible
 from hybridid.trace.score import score_of
 from hybridid.trace.trial import PASSED, REJECTED, attempt
 
@@ -67,3 +67,12 @@ def test_an_effect_that_is_not_there_passes_less_often_than_the_level():
         (poorer, richer), (poorer_there, richer_there) = sides
         passed += compare(joined(poorer, poorer_there), joined(richer, richer_there)).p_value <= level
     assert passed <= 200 * level
+
+
+def test_a_fit_that_has_not_converged_decides_nothing(tried, monkeypatch):
+    """Of the poorer model, what it leaves too much would count for the effect."""
+    trial, base, context = tried
+    left_open = decided_at(trial, 0.02, context.rules)
+    halfway = lambda *given: replace(refit_if_possible(*given), converged=False)  # noqa: E731
+    monkeypatch.setattr("hybridid.trace.cross_fitting.refit_if_possible", halfway)
+    assert cross_fitted([left_open], base, context) == [left_open]
