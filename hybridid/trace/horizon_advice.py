@@ -60,14 +60,13 @@ def slower_dynamics(final: Refit, split: Split) -> str:
 
 def parts_of_all_advised(split: Split) -> str:
     """That parts of every record judge better than a short record alone, in words; empty where as many
-    horizons judge already. Their length is told: of more records, longer ones would be chosen, and as few."""
+    horizons judge already."""
     judging, every = len(split.held_out), len(split.fitted) + len(split.held_out)
     if split.gap or every < MANY_MORE * 2 * judging:
         return ""
-    seconds = f"{split.horizon * split.records[0].dt:.3g}"
     return (
-        f" Only {counted(judging, 'horizon')} judge. With trace.records=null trace.held_out=null "
-        f"trace.horizon={seconds} parts of every record do, which may decide more."
+        f" Only {counted(judging, 'horizon')} judge. With trace.records=null trace.held_out=null parts of "
+        "every record do, more or longer ones, which may decide more."
     )
 
 
