@@ -11,7 +11,12 @@ from hybridid.advice.horizon import unsuitable_horizon
 from hybridid.advice.ranges import out_of_range
 from hybridid.advice.relaxation import relaxation
 from hybridid.advice.unfinished import few_starts, stopped
-from hybridid.advice.untold import faster_than_the_samples, judged_by_itself, left_open
+from hybridid.advice.untold import (
+    bound_to_few_samples,
+    faster_than_the_samples,
+    judged_by_itself,
+    left_open,
+)
 from hybridid.estimators.estimate import Estimate
 from hybridid.estimators.problem import Problem
 from hybridid.records.record import Record
@@ -19,10 +24,8 @@ from hybridid.records.record import Record
 
 def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()) -> tuple[Advice, ...]:
     """What to do about ``estimate``, the solution of ``problem``; ``held_out`` are records that judge it."""
-    fast = [*faster_than_the_samples(problem, estimate)]
-    told = [one.said.partition(" ")[0] for one in fast]
     return (
-        *(one for one in at_bound(estimate) if one.said.partition(" ")[0] not in told),
+        *at_bound(estimate, bound_to_few_samples(problem, estimate)),
         *shared_scale(problem, estimate),
         *free_decay(problem.records),
         *relaxation(problem.records),
@@ -30,7 +33,7 @@ def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()
         *stopped(estimate),
         *few_starts(estimate),
         *left_open(estimate),
-        *fast,
+        *faster_than_the_samples(problem, estimate),
         *out_of_range(problem, estimate, held_out),
         *judged_by_itself(problem.records, held_out),
     )

@@ -7,7 +7,7 @@ Source: Bellman, Åström (1970), On structural identifiability, Mathematical Bi
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,14 +32,14 @@ SMALL = 1e-6
 """Share of its scale below which a value counts as zero: no factor changes it."""
 
 
-def at_bound(estimate: Estimate) -> Iterator[Advice]:
-    """Of each parameter at its bound the one that it is collinear with. A bound of zero is physics: a
-    friction that is not there does not want wider bounds."""
+def at_bound(estimate: Estimate, but: Sequence[EstimatedParameter] = ()) -> Iterator[Advice]:
+    """Of each parameter at its bound, ``but`` for some, the one that it is collinear with. A bound of zero is
+    physics: a friction that is not there does not want wider bounds."""
     if not estimate.converged:
         return
     told: set[frozenset[str]] = set()
     for k, one in enumerate(estimate.parameters):
-        if not one.at_bound or one.value == 0:
+        if not one.at_bound or one.value == 0 or one in but:
             continue
         sizes = np.abs(np.where(np.arange(len(estimate.parameters)) == k, 0.0, estimate.correlation[k]))
         other = estimate.parameters[int(np.argmax(sizes))]

@@ -9,7 +9,7 @@ import numpy as np
 
 from hybridid.advice.advice import Advice
 from hybridid.effects.sampled import PATHS
-from hybridid.estimators.estimate import Estimate
+from hybridid.estimators.estimate import Estimate, EstimatedParameter
 from hybridid.estimators.problem import Problem
 from hybridid.quantities import estimated, number
 from hybridid.records.record import Record
@@ -32,16 +32,24 @@ def left_open(estimate: Estimate) -> Iterator[Advice]:
             )
 
 
-def faster_than_the_samples(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
+def bound_to_few_samples(problem: Problem, estimate: Estimate) -> list[EstimatedParameter]:
     """Each delay or lag of a signal that ends at a largest value of fewer than ``MANY`` samples: the bounds
     of the library are those of samples of 1 ms. A trace widens them by itself."""
-    step = problem.windows.dt
     ports = [port.name for port in problem.model.plant.ports if port.kind in PATHS]
+    most = MANY * problem.windows.dt
+    return [
+        one
+        for one in estimate.parameters
+        if one.unit == "s" and one.name.partition(".")[0] in ports
+        if one.at_bound and 0 < one.upper < min(2 * one.value, most)
+    ]
+
+
+def faster_than_the_samples(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
+    """Of each parameter that is ``bound_to_few_samples``, the keys that allow it more."""
+    step = problem.windows.dt
     fixed = [p.name for p in problem.model.parameters if p.fixed]
-    for one in estimate.parameters:
-        of_a_signal = one.unit == "s" and one.name.partition(".")[0] in ports
-        if not (of_a_signal and one.at_bound and 0 < one.upper < min(2 * one.value, MANY * step)):
-            continue
+    for one in bound_to_few_samples(problem, estimate):
         enough, window = number(MANY * step, 2), f"{one.name.rpartition('.')[0]}.window"
         also = f" parameters.{window}.guess={enough}" if window in fixed else ""
         yield Advice(
