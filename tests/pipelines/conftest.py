@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +17,7 @@ from jsonschema import Draft202012Validator
 from scipy.signal import lfilter
 
 from hybridid.rigs.emps import EMPSRig
+from pipelines.plot import stage as plot_stage
 from pipelines.shared.config import Settings
 from pipelines.tracking import store
 
@@ -128,6 +129,26 @@ def settings(
         return Settings("short", config, **more)
 
     return changed
+
+
+@pytest.fixture
+def draw_only(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """``draw_only("parameters")``: of the figures that ``plot`` chooses, these are drawn; of the others,
+    which take their time, empty files are left."""
+    real = plot_stage._written
+    monkeypatch.setattr(plot_stage, "core_count", lambda: 1)  # others would not know
+
+    def chosen(*names: str) -> None:
+        def written(name: str, draw: Callable, folder: Path, kinds: Sequence[str]) -> str:
+            if name in names:
+                return real(name, draw, folder, kinds)
+            for kind in kinds:
+                (folder / f"{name}.{kind}").touch()
+            return ""
+
+        monkeypatch.setattr(plot_stage, "_written", written)
+
+    return chosen
 
 
 @pytest.fixture

@@ -23,10 +23,11 @@ def written(tree):
 
 
 def test_only_the_formats_asked_for_are_written(settings, data, heard):
-    short = settings({"validate.views": ["free_run"], "plot": {"formats": ["svg"]}})
+    first = {"validate.views": ["free_run"], "plot.records": ["first"]}
+    short = settings({**first, "plot.formats": ["svg"]})
     assert written(run_stages(short, "run", heard).tree) == {".svg"}
     heard.said.clear()
-    more = settings({"validate.views": ["free_run"], "plot": {"formats": ["svg", "png"]}})
+    more = settings({**first, "plot.formats": ["svg", "png"]})
     assert written(run_stages(more, "run", heard).tree) == {".svg", ".png"}
     assert sum("fresh, reused" in line for line in heard.said) == 3  # only the drawing was done again
 
@@ -35,9 +36,7 @@ def test_a_short_record_gets_the_figures_that_it_can_fill(settings, data, heard)
     for name in ("first.csv", "second.csv"):
         head, *samples = (data / name).read_text().splitlines()
         (data / name).write_text("\n".join([head, *samples[500:530]]) + "\n")  # in motion
-    short = settings(
-        {"validate.views": ["free_run"], "plot": {"formats": ["svg"]}, "estimator.horizon": None}
-    )
+    short = settings({"validate.views": ["free_run"], "plot.records": ["first"], "estimator.horizon": None})
     tree = run_stages(short, "run", heard).tree
     drawn = {path.name for path in (tree / "plot").glob("*.svg")}
     assert "first.position.comparison.svg" in drawn
@@ -62,7 +61,8 @@ def many(settings, data):
     return lambda **plot: settings({**quick, "plot": plot})
 
 
-def test_of_many_records_the_worst_is_drawn_and_two_are_compared(many, heard):
+def test_of_many_records_the_worst_is_drawn_and_two_are_compared(many, heard, draw_only):
+    draw_only("position.raincloud")
     tree = run_stages(many(), "run", heard).tree
     ordered = sorted(errors(tree).items(), key=lambda one: one[1])
     assert len(ordered) == 5
@@ -86,7 +86,8 @@ def test_of_many_records_the_worst_is_drawn_and_two_are_compared(many, heard):
         (["late[12]", "first"], {"first", "late1", "late2"}),
     ],
 )
-def test_the_records_asked_for_are_drawn(many, heard, wanted, names):
+def test_the_records_asked_for_are_drawn(many, heard, draw_only, wanted, names):
+    draw_only()
     assert drawn_records(run_stages(many(records=wanted), "run", heard).tree) == names
     assert not any("plot.records=all" in line for line in heard.said)
 
