@@ -95,7 +95,7 @@ def worn_context(split_of, decided) -> Context:
     """A carriage whose friction differs by direction, by 80 N s/m, and six effects to try."""
     frictions = ("stribeck", "asymmetric_viscous", "asymmetric_coulomb", "quadratic_drag")
     tried = tuple(map(effect_named, (*frictions, "cubic_stiffness", "input_gain")))
-    return Context(split_of(df_v=80.0), tried, say=decided.append)
+    return Context(split_of(df_v=80.0), tried, say=decided.append, variables=("velocity", "position"))
 
 
 @pytest.fixture(scope="session")

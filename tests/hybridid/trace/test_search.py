@@ -69,7 +69,7 @@ def test_nothing_is_found_where_nothing_is_missing(make_model, split_of, worn_co
 def test_two_effects_are_found_one_after_the_other(make_model, split_of):
     """From viscous friction alone: the Coulomb friction first, then the asymmetry."""
     tried = tuple(map(effect_named, ("coulomb", "offset", "asymmetric_viscous", "quadratic_drag")))
-    context = Context(split_of(df_v=DF_V), tried, variables=("velocity", "position"))
+    context = Context(split_of(df_v=DF_V), tried, variables=("velocity",))
     found = conclude(make_model(("viscous", "offset")), context)
     assert [one.name for one in found.accepted] == ["carriage.coulomb", "carriage.asymmetric_viscous"]
     assert found.model.terms[-1].name == "carriage.asymmetric_viscous"
@@ -78,7 +78,9 @@ def test_two_effects_are_found_one_after_the_other(make_model, split_of):
 def test_structure_that_no_effect_explains_is_said_to_remain(make_model, split_of):
     """Friction by direction with nothing in the library that knows direction: unexplained, and where."""
     tried = tuple(map(effect_named, ("stribeck", "input_gain")))
-    found = conclude(make_model(), Context(split_of(df_v=DF_V), tried, laws=False))
+    found = conclude(
+        make_model(), Context(split_of(df_v=DF_V), tried, laws=False, variables=("velocity", "position"))
+    )
     assert found.verdict == "unexplained"
     assert "at carriage over velocity" in found.remains
 
@@ -119,7 +121,8 @@ def test_an_effect_that_the_numerics_made_does_not_survive(make_model, two_recor
 
     first, second = (held_as(record, "foh") for record in two_records())
     split = by_record([first], [second], 50)
-    found = search(make_model(), Context(split, (effect_named("input_delay"),)), [{}])
+    tried = (effect_named("input_delay"),)
+    found = search(make_model(), Context(split, tried, variables=("velocity",)), [{}])
     step = found.steps[0]
     (trial,) = step.trials
     assert trial.gain > 0.05
