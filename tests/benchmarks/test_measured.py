@@ -22,7 +22,7 @@ options:
 - rig.duration=4.0
 - trace.effects=[asymmetric_viscous]
 - trace.laws=false
-- trace.variables=[velocity,position]
+- trace.variables=[velocity]
 declared: [viscous@carriage]
 lacks: [asymmetric_viscous]
 judge: {records: [validation], output: position}

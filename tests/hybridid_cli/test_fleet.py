@@ -18,7 +18,7 @@ FEW = (
     "trace.horizon=0.5",
     "trace.laws=false",
     "rig.duration=6",
-    "trace.variables=[velocity,position]",
+    "trace.variables=[velocity]",
 )
 
 
