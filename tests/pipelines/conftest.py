@@ -131,6 +131,37 @@ def settings(
     return changed
 
 
+@pytest.fixture(scope="session")
+def made_before(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """What ``once`` keeps: a folder for each name, and what was returned."""
+    return tmp_path_factory.mktemp("made"), {}
+
+
+@pytest.fixture
+def once(
+    own_folder: Path, made_before: tuple[Path, dict[str, Any]]
+) -> Callable[[str, Callable[[], Any]], Any]:
+    """``once("validated", make)``: what ``make()`` returns and leaves in this folder. The first test that
+    asks makes it, the others get a copy."""
+    kept, results = made_before
+
+    def made(name: str, make: Callable[[], Any]) -> Any:
+        if name in results:
+            shutil.copytree(kept / name, own_folder, symlinks=True, dirs_exist_ok=True)
+        else:
+            there = {path.name for path in own_folder.iterdir()}
+            results[name] = make()
+            shutil.copytree(
+                own_folder,
+                kept / name,
+                symlinks=True,
+                ignore=lambda at, names: there if Path(at) == own_folder else (),
+            )
+        return deepcopy(results[name])
+
+    return made
+
+
 @pytest.fixture
 def draw_only(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """``draw_only("parameters")``: of the figures that ``plot`` chooses, these are drawn; of the others,

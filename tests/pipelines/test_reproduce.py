@@ -25,6 +25,16 @@ def experiments(settings, data):
     }
 
 
+@pytest.fixture
+def reproduced(experiments, heard, once):
+    """The page of both, and what was said of the work."""
+    page, heard.said, heard.works = once(
+        "reproduced",
+        lambda: (reproduce(experiments, Path("outputs"), heard, processes=1), heard.said, heard.works),
+    )
+    return page
+
+
 def pages(folder="outputs"):
     return [(Path(folder) / "thesis" / f"index.{kind}").read_text() for kind in ("html", "md")]
 
@@ -41,9 +51,8 @@ def value(cell):
     return float(mantissa) * 10.0 ** int(exponent.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0)
 
 
-def test_the_page_is_written_twice_with_numbers_errata_and_figures(experiments, heard):
-    page = reproduce(experiments, Path("outputs"), heard, processes=1)
-    assert page == Path("outputs/thesis/index.html")
+def test_the_page_is_written_twice_with_numbers_errata_and_figures(reproduced):
+    assert reproduced == Path("outputs/thesis/index.html")
     html, markdown = pages()
     for text in (html, markdown):
         assert "Table 6.2: EMPS, estimates of the gray box" in text
@@ -59,8 +68,7 @@ def test_the_page_is_written_twice_with_numbers_errata_and_figures(experiments, 
     assert re.search(r'<section id="chapter-6', html)
 
 
-def test_the_numbers_are_those_of_the_run_trees(experiments, heard):
-    reproduce(experiments, Path("outputs"), heard, processes=1)
+def test_the_numbers_are_those_of_the_run_trees(reproduced):
     _, markdown = pages()
     masses = [read_json(tree / "fit/estimate.json")["parameters"]["M"] for tree in trees()]
     shown = {row(markdown, "M")[2], row(markdown, "M, fitted over 1 s")[2]}
@@ -71,16 +79,14 @@ def trees():
     return [p for p in Path("outputs/short").iterdir() if not p.is_symlink()]
 
 
-def test_every_line_says_which_experiment_and_since_when(experiments, heard):
-    reproduce(experiments, Path("outputs"), heard, processes=1)
+def test_every_line_says_which_experiment_and_since_when(reproduced, heard):
     assert re.match(r"\[0:0\d\] 1 of 2 emps_free_run: begins", heard.said[0])
     end = r"\[\d:\d\d\] 2 of 2 emps_horizon: done in \d+ s; 2 of 2 are done"
     assert any(re.fullmatch(end, line) for line in heard.said)
     assert any(re.match(r"thesis: 0 of 2 done, 0:\d\d; emps_free_run: fit: ", s) for s in heard.works)
 
 
-def test_a_second_run_reuses_everything(experiments, heard):
-    reproduce(experiments, Path("outputs"), heard, processes=1)
+def test_a_second_run_reuses_everything(experiments, reproduced, heard):
     first = pages()[1]
     heard.said.clear()
     reproduce(experiments, Path("outputs"), heard, processes=1)
@@ -157,8 +163,7 @@ def test_a_wrong_number_of_processes_is_said(experiments, heard, processes):
         reproduce(experiments, Path("outputs"), heard, processes=processes)
 
 
-def test_only_what_the_page_needs_is_run(experiments, heard):
-    reproduce(experiments, Path("outputs"), heard, processes=1)
+def test_only_what_the_page_needs_is_run(reproduced):
     assert module.LAST_STAGE == "validate"
     assert not any((tree / "plot").exists() for tree in trees())
 

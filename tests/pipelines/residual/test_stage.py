@@ -34,8 +34,8 @@ def made(settings, heard, data):
 
 class TestGrid:
     @pytest.fixture
-    def tree(self, made, narx_grid):
-        return made(narx_grid)
+    def tree(self, made, narx_grid, once):
+        return once("grid", lambda: made(narx_grid, out="tree"))
 
     def test_every_size_and_seed_is_a_row(self, tree):
         rows = read_json(tree / "residual/residual.json")["networks"]

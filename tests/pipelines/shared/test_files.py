@@ -20,8 +20,8 @@ from pipelines.shared.storage import read_json, write_json
 
 
 @pytest.fixture
-def tree(settings, heard, data):
-    return run_stages(settings(), "validate", heard).tree
+def tree(settings, heard, data, once):
+    return once("validated", lambda: run_stages(settings({"out": "tree"}), "validate", heard)).tree
 
 
 def test_estimate(tree):

@@ -18,6 +18,20 @@ OUT = {"out": "tree"}
 TREE = Path("tree")
 
 
+@pytest.fixture
+def validated(settings, heard, data, once):
+    """The tree of ``settings(OUT)``."""
+    once("validated", lambda: run_stages(settings(OUT), "validate", heard))
+    heard.said.clear()
+
+
+@pytest.fixture
+def fitted(settings, heard, data, once):
+    """The same, not validated."""
+    once("fitted", lambda: run_stages(settings(OUT), "fit", heard))
+    heard.said.clear()
+
+
 def stamps(folder: Path) -> dict[str, int]:
     return {p.name: p.stat().st_mtime_ns for p in folder.iterdir()}
 
@@ -52,20 +66,16 @@ def test_second_run_reuses_everything(settings, heard, data):
         ({"case.title": "another title"}, (), ""),
     ],
 )
-def test_a_change_makes_stale_what_depends_on_it(settings, heard, data, change, stale, reason):
-    run_stages(settings(OUT), "validate", heard)
-    heard.said.clear()
+def test_a_change_makes_stale_what_depends_on_it(settings, heard, validated, change, stale, reason):
     assert run_stages(settings({**OUT, **change}), "validate", heard).ran == stale
     if stale:
         assert f"{stale[0]}: stale, {reason}" in "\n".join(heard.said)
 
 
-def test_a_changed_file_is_noticed(settings, heard, data, recordings):
-    run_stages(settings(OUT), "fit", heard)
+def test_a_changed_file_is_noticed(settings, heard, data, fitted, recordings):
     (data / "first.csv").write_text(recordings["first.csv"].replace("t,force,mm", "t,force,mm", 1)[:-60])
     text = (data / "first.csv").read_text()
     (data / "first.csv").write_text(text[: text.rindex("\n") + 1])
-    heard.said.clear()
     assert run_stages(settings(OUT), "fit", heard).ran == ("preprocess", "fit")
     assert heard.said[0] == "preprocess: stale, record first changed"
 
@@ -95,12 +105,10 @@ def test_another_version_of_a_library_is_noticed(settings, heard, data, monkeypa
     assert heard.said[0] == f"preprocess: stale, numpy changed ({version('numpy')} -> 9.0)"
 
 
-def test_a_changed_plant_is_noticed_where_the_config_names_it(settings, heard, data, monkeypatch):
+def test_a_changed_plant_is_noticed_where_the_config_names_it(settings, heard, validated, monkeypatch):
     """No stage imports a plant: the config names it."""
-    run_stages(settings(OUT), "validate", heard)
     files = imports.files_of("hybridid.plants.emps")
     monkeypatch.setattr(imports, "files_of", lambda module: [*files, "hybridid/naming.py"])
-    heard.said.clear()
     assert run_stages(settings(OUT), "validate", heard).ran == ("fit", "validate")
     assert heard.said[1] == "fit: stale, the code of hybridid.plants.emps changed"
 
@@ -115,16 +123,13 @@ def test_a_changed_rig_makes_its_records_stale(settings, heard, data, monkeypatc
     assert "preprocess: stale, the code of hybridid.rigs.emps changed" in heard.said
 
 
-def test_results_of_an_earlier_fit_do_not_stay_beside_a_new_one(settings, heard, data):
-    run_stages(settings(OUT), "validate", heard)
-    heard.said.clear()
+def test_results_of_an_earlier_fit_do_not_stay_beside_a_new_one(settings, heard, validated):
     run_stages(settings({**OUT, "effects": ["viscous"]}), "fit", heard)
     assert not (TREE / "validate").exists()
     assert "validate: removed" in heard.said[-1]
 
 
-def test_a_remade_stage_with_the_same_result_leaves_the_rest_fresh(settings, heard, data):
-    run_stages(settings(OUT), "fit", heard)
+def test_a_remade_stage_with_the_same_result_leaves_the_rest_fresh(settings, heard, fitted):
     (TREE / "preprocess" / "stage.json").unlink()
     assert run_stages(settings(OUT), "fit", heard).ran == ("preprocess",)
 
@@ -136,8 +141,7 @@ def test_force_makes_again_what_is_fresh(settings, heard, data):
     assert heard.said == ["preprocess: fresh, made again (force)"]
 
 
-def test_a_stage_that_fails_leaves_what_was_there(settings, heard, data):
-    run_stages(settings(OUT), "fit", heard)
+def test_a_stage_that_fails_leaves_what_was_there(settings, heard, data, fitted):
     before = (TREE / "fit" / "estimate.json").read_text()
     text = (data / "first.csv").read_text().splitlines()
     text[50] = "0.049,nan,1.0"
