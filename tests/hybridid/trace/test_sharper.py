@@ -67,7 +67,9 @@ TRIED = tuple(map(effect_named, ("asymmetric_viscous", "quadratic_drag")))
 
 def test_a_smoothing_that_pays_only_beside_an_effect_leaves_it_if_it_stays_the_best(too_wide, split_of):
     said = []
-    found = search(too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append), [{}])
+    found = search(
+        too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append, variables=("velocity",)), [{}]
+    )
     assert [one.name for one in found.accepted] == ["carriage.asymmetric_viscous"]
     assert width_of(found.final.model) < width_of(found.first.model)
     assert not any("begins anew" in line for line in said)
@@ -76,7 +78,9 @@ def test_a_smoothing_that_pays_only_beside_an_effect_leaves_it_if_it_stays_the_b
 def test_where_another_effect_then_explains_more_the_search_begins_anew(too_wide, split_of, monkeypatch):
     said = []
     monkeypatch.setattr(search_module, "_outdone", lambda sharp, steps, context: bool(steps))
-    found = search(too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append), [{}])
+    found = search(
+        too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append, variables=("velocity",)), [{}]
+    )
     assert [one.name for one in found.accepted] == ["carriage.asymmetric_viscous"]
     assert sum("begins anew" in line for line in said) == 1
     assert width_of(found.final.model) == width_of(found.first.model) < width_of(too_wide)
@@ -86,14 +90,16 @@ def test_the_search_begins_anew_only_if_time_is_left_for_as_much_again(too_wide,
     said = []
     monkeypatch.setattr(search_module, "_outdone", lambda sharp, steps, context: bool(steps))
     monkeypatch.setattr(Context, "has_time_for", lambda self, seconds: seconds < 1e-6)
-    found = search(too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append), [{}])
+    found = search(
+        too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append, variables=("velocity",)), [{}]
+    )
     assert [one.name for one in found.accepted] == ["carriage.asymmetric_viscous"]
     assert not any("begins anew" in line for line in said)
 
 
 def test_a_step_is_made_again_with_a_narrower_smoothing_once(make_model, split_of, monkeypatch):
     """As if the effect passed each time that it is retried, and never in the step: the wider one stays."""
-    context = Context(split_of(df_v=75.0), TRIED[1:])
+    context = Context(split_of(df_v=75.0), TRIED[1:], variables=("velocity",))
     made = []
 
     def narrower(step, context):
@@ -127,7 +133,7 @@ def test_an_effect_that_explains_more_in_the_place_of_another_outdoes_it(make_mo
 def test_where_none_passes_the_best_are_tried_with_a_narrower_smoothing(make_model, split_of):
     """As if the asymmetry had been refused, for an error of the smoothing."""
     said = []
-    context = Context(split_of(df_v=75.0), TRIED, say=said.append)
+    context = Context(split_of(df_v=75.0), TRIED, say=said.append, variables=("velocity",))
     base = refit(make_model(), context.split)
     candidates = [Candidate(effect, "carriage") for effect in TRIED]
     trials = tuple(attempt(one, base, context.split) for one in candidates)
