@@ -103,7 +103,7 @@ def test_a_bound_alone_is_no_matter_of_two(make_model, record):
 
 def test_a_delay_that_may_take_few_samples_is_told_with_the_keys_that_widen_it():
     """The motor at 50 ms a sample, its voltage 0.1 s late: the library's delay ends at 10 ms."""
-    prompt = turned(n=4000)
+    prompt = turned(n=2000)
     late = np.concatenate([np.zeros(10), prompt.inputs[:-10, 0]])
     angle = turned_by(late)[::5, None]
     record = replace(prompt, time=prompt.time[::5], inputs=prompt.inputs[::5], outputs=angle)

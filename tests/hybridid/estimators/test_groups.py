@@ -29,9 +29,9 @@ def model(make_model):
 def pair(carriage_like, noise):
     """``pair(f_c of a, f_c of b, seed)``: two recordings, simulated."""
 
-    def make(f_a, f_b, seed=0):
+    def make(f_a, f_b, seed=0, n=600):
         made = (carriage_like(f_c=f) for f in (f_a, f_b))
-        return [one.record(noise=noise(600, NOISE, seed=2 * seed + k)) for k, one in enumerate(made)]
+        return [one.record(n, noise=noise(n, NOISE, seed=2 * seed + k)) for k, one in enumerate(made)]
 
     return make
 
@@ -54,7 +54,7 @@ def fitted(model, pair, settings=SETTINGS):
 @pytest.mark.parametrize("method", ["gauss_newton", "multiple_shooting"])
 def test_with_every_parameter_by_record_it_is_two_fits(model, pair, method):
     settings = replace(SETTINGS, method=method, tolerance=1e-12)
-    records = pair(20.0, 21.0)
+    records = pair(20.0, 21.0, n=200)
     plain = model()
     together = fitted(model(*(p.name for p in plain.free)), records, settings).values
     for group, record in zip(AB, records, strict=True):

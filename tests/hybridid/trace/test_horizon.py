@@ -28,7 +28,7 @@ def test_a_horizon_holds_some_samples():
 
 def test_a_fast_machine_keeps_the_usual_horizon_and_a_slow_one_gets_a_longer_one(make_model, carriage):
     """The carriage's own time constant is M / f_v."""
-    model, records = make_model(), 2 * [carriage.record(n=12000)]
+    model, records = make_model(), 2 * [carriage.record(n=3000, dt=0.02)]
     start = {p.name: p.guess for p in model.parameters}
     fast = {**start, "M": 90.0, "carriage.viscous.f_v": 200.0}
     slow = {**start, "M": 90.0, "carriage.viscous.f_v": 30.0}
@@ -37,7 +37,7 @@ def test_a_fast_machine_keeps_the_usual_horizon_and_a_slow_one_gets_a_longer_one
 
 
 def test_where_nothing_drives_the_machine_horizons_are_as_long_as_enough_are_left(make_model, carriage):
-    model, record = make_model(), carriage.record(n=12000)
+    model, record = make_model(), carriage.record(n=3000, dt=0.02)
     still = replace(record, inputs=np.zeros_like(record.inputs))
     start = {p.name: p.guess for p in model.parameters}
     seconds = record.n * record.dt

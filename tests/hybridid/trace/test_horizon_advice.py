@@ -62,7 +62,7 @@ def test_none_where_the_records_give_no_longer_ones(horizons):
 
 def test_dynamics_that_a_horizon_does_not_show_are_told(make_model, carriage):
     """The carriage's own time constant is M / f_v, here 3 s."""
-    model, record = make_model(), carriage.record(n=12000)
+    model, record = make_model(), carriage.record(n=3000, dt=0.02)
     slow = {**{p.name: p.guess for p in model.parameters}, "M": 90.0, "carriage.viscous.f_v": 30.0}
 
     def said(seconds: float) -> str:
