@@ -79,6 +79,7 @@ def test_a_trace_takes_each_record_s_own(settings, two_masses, heard):
             "effects": ["asymmetric_viscous"],
             "processes": 1,
             "laws": False,
+            "horizon": 0.3,
             "variables": ["velocity"],
         },
         "fit.records": ["identification"],
