@@ -22,7 +22,7 @@ Source: Wasserman, Ramdas, Balakrishnan (2020), Universal inference, Proc. Natl.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -30,6 +30,7 @@ import numpy as np
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import decided_at
+from hybridid.trace.pair import PairTrial, decided_pair
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.score import Score
 from hybridid.trace.trial import Trial
@@ -41,26 +42,71 @@ TESTS = 2
 """The horizons that judge alone, and both sides."""
 
 
-def cross_fitted(judged: Sequence[Trial], base: Refit, context: Context) -> list[Trial]:
+def cross_fitted(judged: Sequence[Trial], base: Refit, context: Context, family: int = 0) -> list[Trial]:
     """The ``judged`` trials beside ``base``, decided by both tests where fewer than ``FEW`` horizons judge.
 
-    Only those are fitted to the other side that the first test leaves open.
+    Only those are fitted to the other side that the first test leaves open. All of the ``family`` count, or
+    all that were judged.
     """
-    split, rules = context.split, context.rules
-    if len(split.held_out) >= FEW:
-        return list(judged)
-    open_ = [t for t in judged if t.gain >= rules.worth and TESTS * t.p_adjusted > rules.alpha and _ended(t)]
-    poorer = context.one(refit_if_possible, *_swapped(base, context)) if open_ else None
-    if poorer is None or not poorer.converged:  # what it leaves would count for the effects
-        return list(judged)
-    richer = context.mapper(refit_if_possible, [_swapped(t.refit, context) for t in open_ if t.refit])
-    before = joined(base.score, poorer.score)
-    p_values = {
-        t.candidate.name: len(judged) * compare(before, joined(t.refit.score, other.score)).p_value
-        for t, other in zip(open_, richer, strict=True)
-        if t.refit is not None and other is not None and other.converged
+    open_ = [t for t in judged if _is_open(t.gain, t.p_adjusted, t.refit, context)]
+    models = {t.candidate.name: [base, t.refit] for t in open_ if t.refit}
+    p_values = _of_both_sides(models, family or len(judged), context)
+    return [
+        decided_at(t, _smaller(p_values[t.candidate.name], t.p_adjusted), context.rules)
+        if t.candidate.name in p_values
+        else t
+        for t in judged
+    ]
+
+
+def pairs_cross_fitted(
+    judged: Sequence[PairTrial], base: Refit, family: int, context: Context
+) -> list[PairTrial]:
+    """As ``cross_fitted``, of pairs of effects: both against neither, and each beside the other."""
+    open_ = [
+        pair
+        for pair in judged
+        if _is_open(min([pair.gain, *(m.gain for m in pair.members)]), pair.p_adjusted, pair.refit, context)
+    ]
+    models = {pair.name: [base, *pair.alone, pair.refit] for pair in open_ if pair.refit}
+    p_values = _of_both_sides(models, family, context)
+    return [
+        decided_pair(pair, _smaller(p_values[pair.name], pair.p_adjusted), context.rules)
+        if pair.name in p_values
+        else pair
+        for pair in judged
+    ]
+
+
+def _smaller(one: float, other: float) -> float:
+    """The smaller of the p-values of both tests, which counts twice."""
+    return min(1.0, TESTS * min(one, other))
+
+
+def _is_open(gain: float, p_adjusted: float, fitted: Refit | None, context: Context) -> bool:
+    """Whether the other side is asked: few horizons judge, and they leave open a gain worth having of a refit
+    that was carried to the end."""
+    few = len(context.split.held_out) < FEW
+    unsure = gain >= context.rules.worth and TESTS * p_adjusted > context.rules.alpha
+    return few and unsure and fitted is not None and not fitted.ended_early
+
+
+def _of_both_sides(models: Mapping[str, Sequence[Refit]], family: int, context: Context) -> dict[str, float]:
+    """The p-values, by name, of the last of the ``models`` over each of those before it: the largest one,
+    with the horizons of both sides, ``family`` times. None where a fit to the other side has not converged:
+    of a poorer model, what it leaves too much would count for the effect."""
+    every = list({id(one): one for several in models.values() for one in several}.values())
+    swapped = context.mapper(refit_if_possible, [_swapped(one, context) for one in every])
+    scores = {
+        id(one): joined(one.score, other.score)
+        for one, other in zip(every, swapped, strict=True)
+        if other is not None and other.converged
     }
-    return [_decided(t, p_values, context) for t in judged]
+    return {
+        name: family * max(compare(scores[id(one)], scores[id(richer)]).p_value for one in poorer)
+        for name, (*poorer, richer) in models.items()
+        if all(id(one) in scores for one in (*poorer, richer))
+    }
 
 
 def joined(one: Score, other: Score) -> Score:
@@ -70,17 +116,5 @@ def joined(one: Score, other: Score) -> Score:
     return replace(one, innovation=np.maximum(one.innovation, other.innovation), **both)
 
 
-def _ended(trial: Trial) -> bool:
-    """Whether its refit was carried to the end."""
-    return trial.refit is not None and not trial.refit.ended_early
-
-
 def _swapped(fitted: Refit, context: Context) -> tuple[object, ...]:
     return fitted.model, context.split.swapped, [fitted.values], fitted, fitted.numerics
-
-
-def _decided(trial: Trial, p_values: dict[str, float], context: Context) -> Trial:
-    p = p_values.get(trial.candidate.name)
-    if p is None:
-        return trial
-    return decided_at(trial, min(1.0, TESTS * min(p, trial.p_adjusted)), context.rules)

@@ -38,6 +38,7 @@ from hybridid.naming import counted, listed
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
+from hybridid.trace.cross_fitting import cross_fitted
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import judge
 from hybridid.trace.law_curve import LawOverLearned, law_over_learned
@@ -64,7 +65,8 @@ def with_law(
         return found
     levelled, more = with_levels(base, laws, left, context)
     trials, family = [*laws, *(one.trial for one in levelled)], family_of(left) + more
-    judged = [_unless_short(trial, base, left, rules) for trial in judge(trials, rules, family)]
+    both_sides = cross_fitted(judge(trials, rules, family), base, context, family)
+    judged = [_unless_short(trial, base, left, rules) for trial in both_sides]
     step = decided(base, judged, context)
     context.say(f"of {family} laws, {len(trials)} tried: {said_of(step)}")
     law = step.accepted

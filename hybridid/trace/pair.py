@@ -164,10 +164,12 @@ def _beside_each_other(pair: PairTrial, singles: Sequence[Trial | None], split: 
 
 def judge_pairs(pairs: Sequence[PairTrial], family: int, rules: Rules) -> list[PairTrial]:
     """Give every pair its status and reason; all of the ``family`` count."""
-    return [_decided(replace(pair, p_adjusted=min(1.0, family * pair.p_value)), rules) for pair in pairs]
+    return [decided_pair(pair, min(1.0, family * pair.p_value), rules) for pair in pairs]
 
 
-def _decided(pair: PairTrial, rules: Rules) -> PairTrial:
+def decided_pair(pair: PairTrial, p: float, rules: Rules) -> PairTrial:
+    """``pair`` with its status and reason, where ``p`` is its adjusted p-value."""
+    pair = replace(pair, p_adjusted=p)
     if pair.refit is None or (pair.failure and not pair.members):
         return replace(pair, status=UNTRIED, reason=f"could not be fitted: {pair.failure}")
     if pair.gain < rules.worth:
@@ -176,7 +178,6 @@ def _decided(pair: PairTrial, rules: Rules) -> PairTrial:
         return replace(pair, status=REJECTED, reason=said)
     if pair.refit.ended_early:
         return replace(pair, status=REJECTED, reason="its refit promised too little and ended early")
-    p = pair.p_adjusted
     members = tuple(
         replace(
             member,

@@ -28,6 +28,7 @@ from hybridid.naming import counted, listed
 from hybridid.trace.alike import equivalents, related
 from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
+from hybridid.trace.cross_fitting import pairs_cross_fitted
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import judge
 from hybridid.trace.pair import PairTrial, attempt_pair, judge_pairs
@@ -79,7 +80,7 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     family = len(candidates) * (len(candidates) - 1) // 2
     if accepted_before is None:
         trials = context.each("pairs", attempt_pair, chosen, _name, _inner_states, always=0)
-        judged = judge_pairs(trials, family, rules)
+        judged = pairs_cross_fitted(judge_pairs(trials, family, rules), step.base, family, context)
     else:
         family += accepted_before.steps[-1].family
         trials, judged = _judged_in_place(chosen, accepted_before, family, context)

@@ -12,8 +12,9 @@ from hybridid.effects.library import effect_named
 from hybridid.trace import pairs
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
+from hybridid.trace.cross_fitting import FEW, pairs_cross_fitted
 from hybridid.trace.evidence import Comparison
-from hybridid.trace.pair import PairTrial
+from hybridid.trace.pair import PairTrial, decided_pair
 from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.promise import promises
 from hybridid.trace.refit import refit
@@ -70,6 +71,27 @@ def test_it_completes_the_step_that_stalled(stalled, paired):
     assert all(one.trial.gain > 0.9 for one in step.taken)
     assert all(one.alike == (one.trial,) for one in step.taken)
     assert all(len(one.survivals) > 3 for one in step.taken)
+
+
+def test_a_pair_that_few_horizons_leave_open_both_sides_decide(stalled, paired, context):
+    (step,) = paired.steps
+    (best,) = (pair for pair in step.pairs if pair.status == PASSED)
+    assert len(context.split.held_out) < FEW
+    left_open = decided_pair(best, 0.02, context.rules)
+    assert left_open.status == REJECTED
+    (decided,) = pairs_cross_fitted([left_open], stalled.final, step.family, context)
+    assert decided.status == PASSED
+    assert decided.p_adjusted < 1e-3
+    assert all(member.p_adjusted == decided.p_adjusted for member in decided.members)
+
+
+def test_a_pair_of_which_one_is_not_worth_having_is_not_asked_again(stalled, paired, context):
+    (step,) = paired.steps
+    (best,) = (pair for pair in step.pairs if pair.status == PASSED)
+    first, second = best.members
+    little = replace(first, comparison=replace(first.comparison, gain=0.03))
+    left_open = decided_pair(replace(best, members=(little, second)), 0.02, context.rules)
+    assert pairs_cross_fitted([left_open], stalled.final, step.family, context) == [left_open]
 
 
 def test_one_pair_is_refitted_where_one_is_asked_for_and_it_is_the_most_promising(stalled, context):
