@@ -1,7 +1,8 @@
 """Held-out records that leave the range of outputs, inputs, speeds and loads that was fitted.
 
 A model says little of where it was not fitted: a held-out error there is one of extrapolation. A range is
-that of 99.9 % of the samples.
+that of 99.9 % of the samples. The range of a position on which nothing depends says nothing: the machine is
+the same at every place.
 """
 
 from __future__ import annotations
@@ -77,7 +78,10 @@ def _quantities(model: Model, p: Array, records: Sequence[Record]) -> tuple[dict
 
 
 def _of_record(model: Model, p: Array, record: Record) -> dict[str, tuple[str, Array]]:
-    found = {c.name: (c.unit, record.output(c.name)) for c in record.output_channels}
+    everywhere = _alike_everywhere(model)
+    found = {
+        c.name: (c.unit, record.output(c.name)) for c in record.output_channels if c.name not in everywhere
+    }
     found |= {c.name: (c.unit, record.input(c.name)) for c in record.input_channels if not c.constant}
     own = len(model.plant.states)
     if not all(observed(model)[:own]):
@@ -91,6 +95,26 @@ def _of_record(model: Model, p: Array, record: Record) -> dict[str, tuple[str, A
             velocity = moved.reshape(len(ports), record.n, 2)[k, :, 1]
             found[f"speed at {port.name}"] = (f"{port.position_unit}/s", velocity)
     return found | _loads(model, p, record, states)
+
+
+def _alike_everywhere(model: Model) -> set[str]:
+    """The outputs that are linear in states on which no equation of motion depends: at every value of such an
+    output the machine is the same."""
+    t, x, u, p = (
+        ca.SX.sym(name, size)
+        for name, size in zip(
+            "txup", (1, len(model.states), len(model.inputs), len(model.parameters)), strict=True
+        )
+    )
+    acting = set(ca.jacobian(model.f(t, x, u, p), x).sparsity().get_triplet()[1])
+    slopes = ca.jacobian(model.h(t, x, u, p), x)
+    return {
+        output.name
+        for k, output in enumerate(model.outputs)
+        if slopes[k, :].nnz()
+        and acting.isdisjoint(slopes[k, :].sparsity().get_triplet()[1])
+        and not ca.depends_on(slopes[k, :], x)
+    }
 
 
 def _loads(model: Model, p: Array, record: Record, states: Array) -> dict[str, tuple[str, Array]]:

@@ -240,8 +240,14 @@ def test_speed_and_load_are_looked_at_too(pressed, record):
     (said,) = told("range", model, [slow], held_out=[record])
     assert "speed at carriage" in said
     assert "load at carriage" in said
-    assert "position" in said
+    assert "position" not in said, "the carriage is the same everywhere"
     assert "force" not in said
+
+
+def test_a_position_is_a_range_where_something_depends_on_it(make_model, record):
+    slow = replace(record, name="slow", outputs=0.5 * record.outputs, warnings=())
+    (said,) = told("range", make_model(("viscous", "linear_stiffness")), [slow], held_out=[record])
+    assert "position" in said
 
 
 def test_a_load_by_a_parameter_with_a_value_for_each_group_is_that_of_the_group(pressed, record):
@@ -271,7 +277,8 @@ def test_a_sample_that_stands_out_is_no_range(make_model, carriage):
     spike = np.array(long.outputs)
     spike[700] += 10.0
     held_out = [replace(long, name="spiked", outputs=spike, warnings=())]
-    said = told("range", make_model(), [long], FitSettings(horizon=200), held_out)
+    model = make_model(("viscous", "coulomb", "linear_stiffness"))
+    said = told("range", model, [long], FitSettings(horizon=200), held_out)
     assert all("position" not in one for one in said)
 
 
