@@ -56,9 +56,9 @@ from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 def with_law(
     found: Search, left: Sequence[Ceiling], context: Context, rival: Refit | None = None, finer: bool = False
 ) -> Search:
-    """``found`` with the law that explains best what the learned efforts ``left`` still find; itself if none
-    passes. Refits end early that do not beat the ``rival``, if there is one; with ``finer`` only laws are
-    tried that may be finer than a learned effort."""
+    """``found`` with the law that explains best what the learned efforts ``left`` still find, or with those
+    that were refused if none passes. Refits end early that do not beat the ``rival``, if there is one; with
+    ``finer`` only laws are tried that may be finer than a learned effort."""
     base, rules = found.final, context.rules
     laws = _tried(base, left, context, rival, finer)
     if not laws:
@@ -71,7 +71,7 @@ def with_law(
     context.say(f"of {family} laws, {len(trials)} tried: {said_of(step)}")
     law = step.accepted
     if law is None or law.trial.refit is None:
-        return found
+        return replace(found, refused_laws=step.trials, laws_formed=family)
     with_it = law.trial.refit
     law = replace(law, drawn=_drawn(base, law.trial, left, levelled, context.split))
     final, accepted, dropped = without_needless(with_it, [*found.accepted, law], context)

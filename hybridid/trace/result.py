@@ -86,7 +86,9 @@ class Trace:
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
     each record, where that was asked; the last model has one value of each. ``narrowed`` are the smoothings
-    of sign(v) that were made narrower. ``time_limit`` [s] is the one that ended the search, if one did.
+    of sign(v) that were made narrower. ``refused_laws`` are the composed laws, of ``laws_formed``, that were
+    tried beside the last model, none of which passed. ``time_limit`` [s] is the one that ended the search, if
+    one did.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
     """
 
@@ -121,6 +123,8 @@ class Trace:
     replacements: tuple[ReplacedEffect, ...] = ()
     by_recording: tuple[DifferingParameter, ...] = ()
     narrowed: tuple[Width, ...] = ()
+    refused_laws: tuple[TriedEffect, ...] = ()
+    laws_formed: int = 0
     time_limit: float | None = None
     steady: float | None = None
     longer: Longer | None = None

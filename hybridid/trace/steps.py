@@ -71,7 +71,8 @@ class Step:
 class Search:
     """The path from the declared model to the last; ``stopped`` says why it ended.
 
-    ``withdrawn`` says why an effect that had passed was withdrawn afterwards, if one was.
+    ``withdrawn`` says why an effect that had passed was withdrawn afterwards, if one was. ``refused_laws``
+    are the composed laws, of ``laws_formed``, that were tried beside the last model; none of them passed.
     """
 
     steps: tuple[Step, ...]
@@ -79,6 +80,8 @@ class Search:
     accepted: tuple[Accepted, ...]
     stopped: str
     withdrawn: str = ""
+    refused_laws: tuple[Trial, ...] = ()
+    laws_formed: int = 0
 
     @property
     def first(self) -> Refit:
@@ -99,4 +102,6 @@ class Search:
     def before_any(self) -> Search:
         """The search as if its first step had accepted nothing."""
         first = replace(self.steps[0], accepted=None, together=None, dropped=())
-        return replace(self, steps=(first,), final=first.base, accepted=(), withdrawn="")
+        return replace(
+            self, steps=(first,), final=first.base, accepted=(), withdrawn="", refused_laws=(), laws_formed=0
+        )

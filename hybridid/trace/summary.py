@@ -81,6 +81,8 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         steps=steps_taken(found.search),
         idle=idle_terms(evidence.models[0].model, last.estimate),
         replacements=tuple(map(_replaced, found.replacements)),
+        refused_laws=refused_laws(found.search),
+        laws_formed=found.search.laws_formed,
         evidence=evidence,
     )
 
@@ -130,6 +132,12 @@ def rejected_effects(search: Search) -> tuple[TriedEffect, ...]:
         _at_the_end(search, trial, number) for name, (number, trial) in last.items() if name not in accepted
     ]
     return tuple(sorted(entries, key=lambda entry: -entry.gain))
+
+
+def refused_laws(search: Search) -> tuple[TriedEffect, ...]:
+    """The composed laws that were tried beside the last model and refused, the largest gain first."""
+    tried = sorted(search.refused_laws, key=lambda trial: -trial.gain)
+    return tuple(_tried(trial, len(search.steps)) for trial in tried)
 
 
 def steps_taken(search: Search) -> tuple[StepTaken, ...]:

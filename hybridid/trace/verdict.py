@@ -190,7 +190,9 @@ def _with_laws(settled: Settled, context: Context) -> Settled:
     is left, and in the place of effects that a law may outdo."""
     if settled.is_open(context.rules):
         lawful = with_law(settled.found, settled.left, context)
-        if lawful is not settled.found:
+        if lawful.refused_laws or lawful is settled.found:
+            settled = replace(settled, found=lawful)
+        else:
             settled = settle(continued(lawful, context), context)
     found = settled.found
     if not _may_be_outdone(settled, context.rules):

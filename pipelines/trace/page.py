@@ -37,6 +37,8 @@ from pipelines.trace.scores import score_tables
 
 KINDS = ("waterfall", "trials", "missing_effort", "ceiling", "error", "law")
 """Kinds of figures, as in the names of their files."""
+MOST_LAWS = 10
+"""Refused laws that are told."""
 _TRIED = (
     "Every effect at every port of its kind was added to the model and all parameters refitted together; the "
     "gain is the relative decrease of the RMSE on horizons that no fit has seen. p-values are adjusted for "
@@ -67,7 +69,12 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
         Section("Parameters", tables=(_parameters(found),)),
         _declared(found),
         _by_recording(found),
-        Section("What was tried", _tried(found), (*_refused(found), *_pairs(found)), about["trials"]),
+        Section(
+            "What was tried",
+            _tried(found),
+            (*_refused(found), *_pairs(found), *_laws(found)),
+            about["trials"],
+        ),
         Section("The residual", (_RESIDUAL,), pictures=(*about["error"], *about["missing_effort"])),
         _remaining(found, about["ceiling"]),
         Section("How it was decided", tables=(_rules(traced),)),
@@ -260,6 +267,19 @@ def _pairs(found: Trace) -> tuple[Table, ...]:
     family = sum(step.family for step in found.steps)
     title = f"Pairs tried: the {len(rows)} most promising of {family} ({found.provenance})"
     return (Table(title, header, rows, words=(0, 5, 6)),) if rows else ()
+
+
+def _laws(found: Trace) -> tuple[Table, ...]:
+    header = ("law", "port", "gain", "p", "decision", "reason")
+    rows = tuple(
+        (law.effect, law.port, share(law.gain), probability(law.p_value), law.status, law.reason)
+        for law in found.refused_laws[:MOST_LAWS]
+    )
+    title = (
+        f"Laws tried beside the last model: the best {len(rows)} of {len(found.refused_laws)}; none passes. "
+        f"All {found.laws_formed} that could be formed count ({found.provenance})"
+    )
+    return (Table(title, header, rows, words=(0, 1, 4, 5)),) if rows else ()
 
 
 def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:

@@ -20,7 +20,7 @@ from hybridid.trace.refit import refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import by_blocks
 from hybridid.trace.steps import Accepted, Search, Step
-from hybridid.trace.trial import REJECTED, Trial, attempt
+from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 from hybridid.trace.verdict import conclude
 
 DF_V = 80.0
@@ -99,7 +99,11 @@ def test_nothing_is_proposed_where_nothing_is_missing(make_model, split_of):
     found = conclude(make_model(), context)
     assert found.verdict == "nothing_missing"
     assert found.accepted == ()
-    assert with_law(found.search, found.ceilings, context) is found.search
+    again = with_law(found.search, found.ceilings, context)
+    assert (again.accepted, again.final) == ((), found.search.final)
+    assert again.refused_laws
+    assert all(law.status != PASSED for law in again.refused_laws)
+    assert again.laws_formed > len(again.refused_laws)
 
 
 def test_a_sine_finer_than_any_learned_effort_is_found(make_model, split_of):

@@ -136,6 +136,18 @@ def test_pairs_that_were_tried_and_the_one_that_was_accepted(section, stored):
     assert "cart.coulomb was found only together with cart.offset" in accepted.paragraphs[1]
 
 
+def test_of_the_laws_that_were_refused_the_best_are_told(section, stored):
+    effect = stored().found.rejected[0]
+    laws = tuple(replace(effect, effect=f"law_{k}", reason=f"p = {k}", is_law=True) for k in range(12))
+    table = section("What was tried", refused_laws=laws, laws_formed=244).tables[-1]
+    assert table.caption == (
+        "Laws tried beside the last model: the best 10 of 12; none passes. All 244 that could be formed "
+        "count (simulated)"
+    )
+    assert column(table, "law") == [f"law_{k}" for k in range(10)]
+    assert column(table, "reason")[0] == "p = 0"
+
+
 @pytest.mark.parametrize(
     ("gain", "p_value", "remains", "said"),
     [
