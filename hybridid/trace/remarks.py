@@ -47,9 +47,9 @@ def narrowed_in_words(found: Trace) -> str:
 
 
 def refused_rivals(found: Trace) -> tuple[str, ...]:
-    """Effects that explain the errors as well as an accepted one, and were refused for their amplitudes."""
+    """Effects not shown to explain less than an accepted one that were refused for their amplitudes."""
     return tuple(
-        f"{trial.name} explains the errors as well as {step.accepted}, but {trial.reason}."
+        f"{trial.name} is not shown to explain less than {step.accepted}, but {trial.reason}."
         for step in found.steps
         if step.accepted in [one.name for one in found.accepted]
         for trial in step.trials

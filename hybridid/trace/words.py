@@ -11,6 +11,7 @@ from hybridid.trace.recording_words import by_recording_in_words
 from hybridid.trace.refused_words import more_than_possible, most_refused
 from hybridid.trace.remarks import named_effects, none_of, parameters_in_words
 from hybridid.trace.result import Trace
+from hybridid.trace.steps import AT_FLOOR_TOGETHER
 from hybridid.trace.trial import PASSED, UNTRIED
 
 VERDICTS = {
@@ -293,6 +294,11 @@ def _more_is_missing(found: Trace) -> str:
     """That names are less sure where far more than noise and simulation is left; empty where it is not."""
     if found.times <= found.rules.far:
         return ""
+    if found.stopped == AT_FLOOR_TOGETHER:
+        return (
+            f" The error left is {_times(found.times)} what noise and simulation alone leave. Fitted to all "
+            "horizons together, the model leaves no more than that: its parameters are uncertain."
+        )
     return (
         f" More is missing: the error left is {_times(found.times)} what noise and simulation alone leave. "
         "A name may stand for a part of that."

@@ -101,11 +101,13 @@ class Machine:
     @property
     def split(self) -> float | None:
         """The time in s up to which the only recording is fitted; None where there are several, or the rest
-        is too short for a record."""
+        of what is usable is too short for a record."""
         record = self.records[0]
-        if len(self.records) > 1 or (1 - FITTED_SHARE) * record.n < MINIMUM_SAMPLES + 1:
+        at = record.time[0] + FITTED_SHARE * (record.time[-1] - record.time[0])
+        end = self._usable(record)[1] or record.time[-1]
+        if len(self.records) > 1 or (end - at) / record.dt < MINIMUM_SAMPLES:
             return None
-        return _instant(record.time[0] + FITTED_SHARE * (record.time[-1] - record.time[0]), record)
+        return _instant(at, record)
 
     @property
     def all_judge(self) -> bool:

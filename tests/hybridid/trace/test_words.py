@@ -28,6 +28,7 @@ from hybridid.trace.remarks import (
     unsure_in_words,
 )
 from hybridid.trace.result import LearnedGains
+from hybridid.trace.steps import AT_FLOOR_TOGETHER
 from hybridid.trace.words import _members, error_left, sentence
 
 
@@ -232,6 +233,9 @@ def test_a_name_far_above_the_noise_may_stand_for_a_part(nothing, times, said):
         "A name may stand for a part of that."
     )
     assert "More is missing" not in sentence(replace(found, times=2.9))
+    together = sentence(replace(found, stopped=AT_FLOOR_TOGETHER))
+    assert "More is missing" not in together
+    assert "its parameters are uncertain" in together
 
 
 def test_a_parameter_without_a_standard_error_is_explained(nothing):
@@ -247,7 +251,7 @@ def test_a_rival_that_was_refused_for_its_amplitude_is_told(nothing):
     step = StepTaken(nothing().path[0], name.name, (), (DRAG, rival))
     found = replace(nothing(), accepted=(name,), steps=(step,))
     assert refused_rivals(found) == (
-        f"carriage.cogging explains the errors as well as carriage.stribeck, but {why}.",
+        f"carriage.cogging is not shown to explain less than carriage.stribeck, but {why}.",
     )
     assert refused_rivals(replace(found, accepted=())) == ()
 

@@ -90,6 +90,15 @@ def test_a_recording_too_short_to_be_divided_is_judged_by_parts(say, rig, own_fo
     assert case["trace"] == {"records": list(case["records"]), "held_out": None}
 
 
+def test_what_the_derivatives_leave_of_a_recording_is_too_short_to_judge(say, rig, own_folder):
+    text = "".join(f"{k / 40},{0.1 + 0.05 * k / 40},{2 + k / 40}\n" for k in range(63))
+    (own_folder / "pull.csv").write_text(f"t [s],position [m],pull [N]\n{text}")
+    words = ("--signal", "displacement=position", "--signal", "force=pull")
+    say("new", rig, "--from", "pull.csv", "--template", "test_rig", *words)
+    assert "validation" not in (own_folder / f"{rig}/case/{rig}.yaml").read_text()
+    assert say("preprocess", "--config-dir", rig, f"case={rig}", "mlflow.enabled=false").code == 0
+
+
 def test_uneven_stamps_are_resampled(say, own_folder, rig):
     t = 0.01 * np.arange(400) + 0.002 * (np.arange(400) % 3)
     rows = "\n".join(f"{a:.4f},{np.sin(a):.6f}" for a in t)
