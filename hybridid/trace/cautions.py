@@ -29,6 +29,7 @@ from hybridid.trace.horizon_advice import (
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.idle import SURE
 from hybridid.trace.one_way import judged_the_other_way
+from hybridid.trace.recording_offset import offset_by_recording
 from hybridid.trace.refused_words import refused_for_significance
 from hybridid.trace.result import Trace
 from hybridid.trace.rules import Rules
@@ -60,6 +61,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [unconfirmed, parts_of_all_advised(context.split)]
     if found.verdict == "unexplained" and not traced.by_recording:
         told += [_may_differ_by_recording(found.search, context)]
+        told += [offset_by_recording(found.search.final, context.split, context.rules)]
     cut = found.search.cut_within_a_step or (found.out_of_time and bool(found.accepted))
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         advised = determining_parts_advised if traced.vague else parts_of_all_advised

@@ -163,7 +163,7 @@ class _View:
             problem = problem_of(self.model, self.split, self.base, start)
             begun = begin(problem, self.model.values(start), self.base, self.base.numerics)
             problem, x0 = problem.on(fitted), begun.x0[fitted]
-            self.points[key] = _Point(problem, begun.p, x0, *_linearised(problem, begun.p, x0))
+            self.points[key] = _Point(problem, begun.p, x0, *linearised(problem, begun.p, x0))
         return self.points[key]
 
     def _shape(
@@ -194,7 +194,7 @@ class _View:
         return Shape(rest[every, :-1], positive, own_start), rest[every, -1]
 
 
-def _linearised(problem: Problem, p: Array, x0: Array) -> tuple[Array, Array]:
+def linearised(problem: Problem, p: Array, x0: Array) -> tuple[Array, Array]:
     """J (w, n_x + n_free, n) and the residuals (w, n) at a point."""
     shot = problem.shooter(x0, p, sensitivities=True)
     by = columns(problem, shot.by_state, by_parameter(problem, shot))
