@@ -215,7 +215,7 @@ typical magnitudes. It asks for everything else. Without a terminal it names the
   hybridid new my_rig --from a.csv b.csv --template carriage --signal force=cur --scale force=2.1
   hybridid new my_rig --from motor.mat+link.mat --template two_inertias   two files of one recording
 
---signal SIGNAL=COLUMN   which column a signal is; the unit in its header may be left out
+--signal SIGNAL=COLUMN   which column a signal is, once for each; the unit in its header may be left out
 --signal SIGNAL=none     the machine lacks it: nothing drives it, as in a coast-down, or it is not measured
 --scale SIGNAL=NUMBER    the signal's unit over the column's, as N·m per A
 --hold INPUT=HOLD        how an input runs between two samples: zoh (held), foh (linear) or bandlimited

@@ -65,7 +65,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     cut = found.search.cut_within_a_step or (found.out_of_time and bool(found.accepted))
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         advised = determining_parts_advised if traced.vague else parts_of_all_advised
-        told += [advised(context.split)]
+        told += [_only_fitted(found, context), advised(context.split)]
     if found.verdict in ("undecided", "nothing_missing") and not (cut or traced.longer):
         told += [far_in_free_run(traced, _drifting(found, context))]
     if found.verdict == "nothing_missing":
@@ -96,20 +96,25 @@ def _may_differ_by_recording(found: Search, context: Context) -> str:
 
 
 def _only_fitted(found: Conclusion, context: Context) -> str:
-    """Which effect takes most of the squared error from the fitted horizons, though not from those that
-    judge; empty if none does. Where few judge, one disturbance among them may hide what the fit shows. An
-    effect that seeks a pitch, a place or a frequency, or has more than two parameters, fits anything."""
+    """Which effect takes most of the squared error from the fitted horizons, though those that judge do not
+    show it; empty if none does, or it is told already. Where few judge, one disturbance among them may hide
+    what the fit shows. An effect that seeks a pitch, a place or a frequency, or has more than two parameters,
+    fits anything."""
     steps, rules = found.search.steps, context.rules
     tried = steps[-1].trials if steps and not steps[-1].taken else ()
     stiff = [trial for trial in tried if not seeks(trial.candidate) and trial.free_parameters <= MOST_FREE]
     most = max(stiff, key=lambda trial: trial.fitted_gain, default=None)
-    if most is None or most.fitted_gain < rules.majority or most.gain >= rules.worth:
+    if most is None or most.fitted_gain < rules.majority or most.candidate.name in found.refused:
         return ""
     if most.refit is None or most.refit.ended_early or most.refit.too_stiff:
         return ""
+    lower = most.gain >= rules.worth
+    if lower and found.verdict == "unexplained":  # the refused gains are told there
+        return ""
+    others = f"of the others the RMSE falls by {share(most.gain)}, not significantly"
     return (
         f" {most.candidate.name} takes {share(most.fitted_gain)} of the squared error from the fitted "
-        "horizons, and the others do not confirm it."
+        f"horizons; {others if lower else 'the others do not confirm it'}."
     )
 
 

@@ -70,7 +70,7 @@ def _too_slow(frequency: float, split: Split) -> str:
     if frequency * longest < OF_A_RESONANCE:
         return (
             f"the longest record of {longest:.3g} s is shorter than one period of its {frequency:.3g} Hz: "
-            "a load so slow stands still, and pulls as a spring to the ground would"
+            "in so short a time such a load hardly moves, and acts as a spring to the ground"
         )
     return ""
 

@@ -191,8 +191,9 @@ def _answered(
     asked = "; which ".join(f"is {_described(signal)}" for signal in left)
     flags = " ".join(f"--signal {signal.name}=COLUMN" for signal in left)
     without = "".join(f", or, if {why}, --signal {name}={NONE}" for name, why in lacks.items())
+    names = [f"{one.name} (constant in the first recording)" if one.constant else one.name for one in free]
     raise ConfigError(
-        f"which column {asked}? Give {flags}{without}; columns left: {_listed(by_name, unusable)}"
+        f"which column {asked}? Give {flags}{without}; columns left: {_listed(names, unusable)}"
     )
 
 

@@ -58,16 +58,23 @@ def test_what_only_the_fitted_horizons_show_is_told():
     """A delay, of which the horizons that judge hold a disturbance as well."""
     context = SimpleNamespace(rules=Rules())
 
-    def after(fitted: float, held_out: float, ended_early: bool = False, effect: str = "input_delay") -> str:
+    def after(fitted, held_out, ended_early=False, effect="input_delay", refused="", verdict="unexplained"):
         refit = SimpleNamespace(ended_early=ended_early, too_stiff=False)
         candidate = Candidate(effect_named(effect), "gas")
         delay = Trial(candidate, refit, Comparison(held_out, 1.0, 0.0), fitted)
         step = SimpleNamespace(trials=(delay,), taken=())
-        return _only_fitted(SimpleNamespace(search=SimpleNamespace(steps=(step,))), context)
+        found = SimpleNamespace(search=SimpleNamespace(steps=(step,)), refused=refused, verdict=verdict)
+        return _only_fitted(found, context)
 
     assert after(0.72, -0.02) == (
-        " gas.input_delay takes 72.0 % of the squared error from the fitted horizons, and the others do not "
+        " gas.input_delay takes 72.0 % of the squared error from the fitted horizons; the others do not "
         "confirm it."
+    )
+    assert after(0.72, 0.3, verdict="undecided").endswith(
+        "; of the others the RMSE falls by 30.0 %, not significantly."
+    )
+    assert after(0.72, 0.3, verdict="undecided", refused="30.0 % with gas.input_delay, refused") == "", (
+        "told already"
     )
     assert after(0.4, -0.02) == after(0.72, 0.3) == after(0.72, -0.02, ended_early=True) == ""
     assert after(0.9, -0.02, effect="cogging") == "", "a sine of any pitch fits anything"

@@ -194,3 +194,10 @@ def test_a_column_may_be_called_none(say, own_folder, rig):
     assert say("new", rig, *words).code == 0
     case = yaml.safe_load((own_folder / f"{rig}/case/{rig}.yaml").read_text())
     assert case["signals"]["inputs"]["torque"]["column"] == "none"
+
+
+def test_a_column_that_never_changes_is_listed_as_that(say, rig, own_folder):
+    rows = "".join(f"{k / 100},0.5,{k % 7}\n" for k in range(200))
+    (own_folder / "stuck.csv").write_text(f"t [s],angle [rad],torque [N·m]\n{rows}")
+    told = say("new", rig, "--from", "stuck.csv", "--template", "rotary").complaint
+    assert told.endswith("columns left: angle [rad] (constant in the first recording)")
