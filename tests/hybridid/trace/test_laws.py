@@ -95,7 +95,7 @@ def test_a_law_starts_in_the_likeness_of_the_learned_effort(proposed, split_of):
 
 
 def test_nothing_is_proposed_where_nothing_is_missing(make_model, split_of):
-    context = Context(split_of(), TRIED, variables=("velocity",))
+    context = Context(split_of(), TRIED, variables=("position",))
     found = conclude(make_model(), context)
     assert found.verdict == "nothing_missing"
     assert found.accepted == ()
