@@ -261,21 +261,11 @@ def _modes(
         (entries,) = slopes([[t], list(states.T.copy()), list(u.T.copy()), list(p)])
         stacked = np.array([np.broadcast_to(entry, t.shape) for entry in entries])
         matrices = stacked.reshape(n_x, n_x, len(t)).T
-        return _eigenvalues(np.where(np.isfinite(matrices), matrices, 0.0))
+        return np.linalg.eigvals(np.where(np.isfinite(matrices), matrices, 0.0)).astype(complex)
 
     ends = np.cumsum([len(k) for k in chosen])[:-1]
     moving, resting = (np.split(eigenvalues(states), ends) for states in (x, np.zeros_like(x)))
     return list(zip(moving, resting, strict=True))
-
-
-def _eigenvalues(matrices: Array) -> Modes:
-    """Those of each of ``matrices`` (m, n, n). Where nothing moves, and where all is linear, many are equal:
-    each is solved once."""
-    written = [matrix.tobytes() for matrix in matrices]
-    first = {one: k for k, one in reversed(list(enumerate(written)))}
-    places = {one: k for k, one in enumerate(first)}
-    found = np.linalg.eigvals(matrices[list(first.values())]).astype(complex)
-    return found[[places[one] for one in written]]
 
 
 def _probed(record: Record) -> NDArray[np.intp]:
