@@ -95,10 +95,9 @@ def _said(one: Candidate, asked: _Asked, names: dict[str, str], unit: str) -> st
     each = [f"{quantity(mean, unit)} in {names[r]}" for r, mean in asked.means.items()]
     more = [] if len(each) <= TOLD else [f"others in {len(each) - TOLD} more"]
     return (
-        f" The recordings ask for another constant effort each at {one.port} "
-        f"({listed([*each[:TOLD], *more])}): that makes {share(asked.between / asked.squares)} of the "
-        f"squared error. A preload, a slope or a zero may differ: the effect {OFFSET} with "
-        f"parameters.{one.name}.{OFFSET}.by=record fits one for each."
+        f" A constant effort at {one.port} that differs by recording ({listed([*each[:TOLD], *more])}) makes "
+        f"{share(asked.between / asked.squares)} of the squared error. A preload, a slope or a zero may "
+        f"differ: the effect {OFFSET} with parameters.{one.name}.{OFFSET}.by=record fits one for each."
     )
 
 

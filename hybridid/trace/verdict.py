@@ -190,7 +190,7 @@ def _with_laws(settled: Settled, context: Context) -> Settled:
     is left, and in the place of effects that a law may outdo."""
     if settled.is_open(context.rules):
         lawful = with_law(settled.found, settled.left, context)
-        if lawful.refused_laws or lawful is settled.found:
+        if lawful.final is settled.found.final:
             settled = replace(settled, found=lawful)
         else:
             settled = settle(continued(lawful, context), context)

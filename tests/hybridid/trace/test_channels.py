@@ -66,7 +66,7 @@ def test_friction_that_follows_a_channel_is_named_with_the_channel(model, split)
 
 
 def test_a_learned_effort_over_the_channel_finds_it_where_no_effect_names_it(model, split):
-    variables = ("time", "input")
+    variables = ("velocity", "position", "time", "input")
     found = conclude(model, Context(split, OTHERS, laws=False, variables=variables))
     assert found.verdict == "unexplained"
     assert found.accepted == ()

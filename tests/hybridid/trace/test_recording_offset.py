@@ -34,7 +34,7 @@ def said(make_model, carriage_like, noise):
 
 def test_a_constant_effort_that_differs_by_recording_is_told(said):
     told = said(6.0, -6.0, 1.0)
-    assert told.startswith(" The recordings ask for another constant effort each at carriage (")
+    assert told.startswith(" A constant effort at carriage that differs by recording (")
     assert all(f" in run{k}" in told for k in range(3))
     assert "parameters.carriage.offset.offset.by=record" in told
 
