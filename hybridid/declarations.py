@@ -75,7 +75,8 @@ class Parameter:
     """One constant of a model: ``lower <= value <= upper``, in ``unit``.
 
     ``guess`` is where a fit starts when nothing better is known, ``scale`` a typical
-    magnitude. A ``fixed`` parameter is known and not estimated.
+    magnitude. A ``fixed`` parameter is known and not estimated. Where it is a width over which the law is
+    smoothed, a descent begins with it wider, by the factors of its continuation to the power ``smooths``.
 
     Raises:
         ValueError: if the bounds are crossed or the guess lies outside them.
@@ -89,6 +90,7 @@ class Parameter:
     scale: float = 0.0
     fixed: bool = False
     meaning: str = ""
+    smooths: int = 0
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper:

@@ -32,9 +32,10 @@ class EffectParameter:
     ``starts`` are further starting values for a shape parameter whose cost has several local
     minima (a Stribeck velocity, a pitch). ``sought`` says that starting values are estimated from
     the record as well: a ``"period"`` over the positions of the port, a ``"place"`` (one of these
-    positions), a ``"frequency"`` of the model's residual over time, or a ``"load"``, an
-    amplitude that is a part of the inertia which the model without it has found. A fixed parameter that is
-    the ``"mean"`` takes the mean over the records of the first channel that the effect sees.
+    positions), a ``"frequency"`` of the model's residual over time, a ``"load"``, an
+    amplitude that is a part of the inertia which the model without it has found, or a ``"play"`` before such
+    a load. A fixed parameter that is the ``"mean"`` takes the mean over the records of the first channel that
+    the effect sees.
 
     A ``hard`` amplitude is the stiffness of a limit. As it grows, the law becomes the ideal limit (a wall, an
     edge), so records may show no more than that it is large.
@@ -44,7 +45,8 @@ class EffectParameter:
 
     A ``fixed`` parameter belongs to the form of the law (a smoothing width, the window of a
     delay). It is not estimated. Its ``starts`` are alternative values, each kept fixed in a fit. One that is
-    best a little ``above`` another parameter is set there once that one is known.
+    best a little ``above`` another parameter is set there once that one is known. ``smooths`` is as
+    ``hybridid.declarations.Parameter`` has it.
 
     Raises:
         ValueError: if the guess or a start lies outside the bounds.
@@ -62,8 +64,9 @@ class EffectParameter:
     absolute: bool = False
     fixed: bool = False
     minor: bool = False
-    sought: Literal["", "period", "place", "frequency", "load", "mean"] = ""
+    sought: Literal["", "period", "place", "frequency", "load", "play", "mean"] = ""
     above: str = ""
+    smooths: int = 0
 
     def __post_init__(self) -> None:
         for value in (self.guess, *self.starts):
@@ -91,6 +94,7 @@ class EffectParameter:
             upper=self.upper * s,
             scale=abs(self.guess) * s or s,
             fixed=self.fixed,
+            smooths=self.smooths,
             meaning=self.meaning,
         )
 

@@ -144,16 +144,18 @@ class Problem:
         return 0.5 * EXACT**2 * self.windows.samples * len(self.scale)
 
     def smoothed(self, p: Array, factor: float) -> Array:
-        """``p`` with every declared smoothing width (``epsilon``, not estimated) times ``factor``."""
+        """``p`` with every declared smoothing width (not estimated) times ``factor``, to the power that it
+        ``smooths``."""
         q = np.array(p)
         for k in self.widths:
-            q[k] = self.model.parameters[k].guess * factor
+            width = self.model.parameters[k]
+            q[k] = width.guess * factor**width.smooths
         return q
 
     @property
     def widths(self) -> list[int]:
         """Places of the smoothing widths in the parameter vector."""
-        return [k for k, q in enumerate(self.model.parameters) if q.fixed and q.name.endswith(".epsilon")]
+        return [k for k, q in enumerate(self.model.parameters) if q.fixed and q.smooths]
 
     def on(self, horizons: Sequence[int]) -> Problem:
         """The same problem on some of its horizons, by number."""

@@ -288,7 +288,8 @@ def _lacks(port: Port) -> str:
 def _epsilon(port: Port) -> Parameter:
     name = f"{port.name}.epsilon"
     unit = f"{port.position_unit}/s"
-    return Parameter(name, unit, port.epsilon, lower=0.0, fixed=True, meaning="smoothing velocity of sign(v)")
+    said = "smoothing velocity of sign(v)"
+    return Parameter(name, unit, port.epsilon, lower=0.0, fixed=True, meaning=said, smooths=1)
 
 
 def _adjusted(parameter: Parameter, changes: Mapping[str, float]) -> Parameter:

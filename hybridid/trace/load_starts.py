@@ -1,11 +1,16 @@
-"""Starts of a load behind a spring or a play: half of the inertia that the model without it has found.
+"""Starts of a load behind a spring or a play: a part of the inertia that the model without it has found.
 
 Slow motion shows the sum of both inertias alone, and the model without the load has found that as the
 machine's. With no load to begin with, a descent goes along a valley in which the sum stays: it is long, and
 may end at a small load. So the load also begins in the midst of it, with half of the sum.
 
+A load behind a play has a rough valley besides: each knock comes a little earlier or later. What the records
+tell well is about the product of load and play, so a descent hardly leaves the load that it began with. It
+therefore begins with several, each with its contact closed: the play is no wider than the error that the
+model without it leaves, and the contact as stiff as the sampling resolves. From there the play opens.
+
 The inertia at a port is 1 over the change of its acceleration by an effort there. Of the plant's parameters,
-the one that makes up most of it gives the half away.
+the one that makes up most of it gives the load away.
 
 Source: Spong (1987), ASME J. Dyn. Syst. Meas. Control 109(4), 310-319 (a machine and its load as two bodies).
 """
@@ -13,11 +18,13 @@ Source: Spong (1987), ASME J. Dyn. Syst. Meas. Control 109(4), 310-319 (a machin
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.effects.dimension import FREQUENCY
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.path import Path
@@ -31,7 +38,26 @@ PROBES = 50
 NUDGE = 1e-4
 """Share of its value by which a parameter is changed, to see how much of the inertia it makes up."""
 MOST = 0.6
-"""Share of the inertia that a parameter makes up at least, to give half of it away."""
+"""Share of the inertia that a parameter makes up at least, to give a part of it away."""
+BEHIND_PLAY = (1 / 6, 1 / 3, 1 / 2)
+"""Shares of the inertia with which a load behind a play begins."""
+FASTEST = 0.2
+"""Highest natural frequency that samples resolve, over that of the sampling: a fifth of a period a sample."""
+
+
+@dataclass(frozen=True)
+class Giver:
+    """The parameter of the plant that makes up most of the inertia at a port: its ``name`` and ``value``, the
+    ``share`` of the inertia that it makes up, and the ``whole`` inertia."""
+
+    name: str
+    value: float
+    share: float
+    whole: float
+
+    def without(self, part: float) -> float:
+        """Its value where it has given this part of the inertia away."""
+        return self.value * (1 - part / self.share)
 
 
 def with_half_the_inertia(
@@ -39,34 +65,66 @@ def with_half_the_inertia(
 ) -> list[dict[str, float]]:
     """``starts`` with half of the inertia at the port as that of the load; none where the effect has no load,
     or no parameter of the plant is that inertia."""
-    loads = [p.name for p in candidate.effect.parameters if p.sought == "load"]
-    given = _largest_part(candidate.port, base, split) if loads and starts else None
-    if given is None:
+    (load,) = _sought(candidate, "load") or ("",)
+    giver = _giver(candidate.port, base, split) if load and starts else None
+    return each_once([{**start, **_given(giver, 0.5, load)} for start in starts]) if giver else []
+
+
+def with_closed_contact(
+    candidate: Candidate, model: Model, base: Refit, split: Split
+) -> list[dict[str, float]]:
+    """Starts of a load behind a play in the augmented ``model``: with each of ``BEHIND_PLAY`` of the inertia
+    and the contact closed. None where the effect has no play, no output shows the port's position or no
+    parameter of the plant is that inertia."""
+    play, load = (_sought(candidate, what) for what in ("play", "load"))
+    seen = _least_error(candidate.port, base) if play and load else None
+    giver = _giver(candidate.port, base, split) if seen is not None else None
+    if giver is None or seen is None:
         return []
-    name, left, half = given
-    return each_once([{**start, name: left, f"{candidate.name}.{loads[0]}": half} for start in starts])
+    declared = {p.name: p for p in model.parameters}
+    (stiff,) = (f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.dimension == FREQUENCY)
+    wanted = {play[0]: seen, stiff: FASTEST / split.records[0].dt}
+    closed = {n: min(max(v, declared[n].lower), declared[n].upper) for n, v in wanted.items()}
+    start = candidate.starts(model, base.values)[0]
+    return [{**start, **closed, **_given(giver, part, load[0])} for part in BEHIND_PLAY]
 
 
-def _largest_part(port: str, base: Refit, split: Split) -> tuple[str, float, float] | None:
-    """The parameter of the plant that makes up most of the inertia at ``port``, its value without half of the
-    inertia, and this half; None if none makes up enough, or that value is below its bound."""
+def _sought(candidate: Candidate, what: str) -> list[str]:
+    """The parameters, by their qualified names, of which starts are ``sought`` as ``what``; one at most."""
+    return [f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.sought == what]
+
+
+def _given(giver: Giver, part: float, load: str) -> dict[str, float]:
+    """The values where ``giver`` has given ``part`` of the inertia to the parameter ``load``."""
+    return {giver.name: giver.without(part), load: part * giver.whole}
+
+
+def _least_error(port: str, base: Refit) -> float | None:
+    """The least held-out RMSE of the outputs in the unit of the port's position; None if there is none."""
+    unit = base.model.plant.port(port).position_unit
+    errors = [e for e, one in zip(base.score.rmse, base.model.outputs, strict=True) if one.unit == unit]
+    return float(min(errors)) if errors else None
+
+
+def _giver(port: str, base: Refit, split: Split) -> Giver | None:
+    """The parameter that gives the load at ``port`` away; None if none makes up enough of the inertia, or its
+    value without half of it is below its bound."""
     path = Path.of(base, split, split.fitted[:1])
     inertia = _inertia(base.model, port, path)
     whole = inertia(base.values)
     if not (np.isfinite(whole) and whole > 0):
         return None
-    parts = []
+    found = []
     own = {p.name for p in base.model.plant.parameters}
     for p in base.model.free:
         value = base.values[p.name]
         if p.name in own and value > 0:
             more = inertia({**base.values, p.name: (1 + NUDGE) * value})
-            parts.append(((more - whole) / (NUDGE * whole), value, p))
-    if not parts:
+            found.append((Giver(p.name, value, (more - whole) / (NUDGE * whole), whole), p.lower))
+    if not found:
         return None
-    share, value, p = max(parts, key=lambda part: part[0])
-    left = value * (1 - 0.5 / max(share, MOST))
-    return (p.name, left, whole / 2) if share >= MOST and left >= p.lower else None
+    most, lower = max(found, key=lambda one: one[0].share)
+    return most if most.share >= MOST and most.without(0.5) >= lower else None
 
 
 def _inertia(model: Model, port: str, path: Path) -> Callable[[Mapping[str, float]], float]:

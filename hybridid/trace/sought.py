@@ -22,7 +22,7 @@ from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import promise
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.load_starts import with_half_the_inertia
+from hybridid.trace.load_starts import FASTEST, with_closed_contact, with_half_the_inertia
 from hybridid.trace.order_spectrum import pitches
 from hybridid.trace.path import Path
 from hybridid.trace.refit import Refit, begin, problem_of
@@ -36,8 +36,6 @@ PERIODS, PLACES, RESONANCES = 40, 16, 16
 tried."""
 SLOWEST = 3.0
 """Periods of a resonance in the longest record, at least."""
-FASTEST = 0.2
-"""Highest frequency of a resonance that is tried, over that of the sampling: a fifth of a period a sample."""
 GRIDS = ("period", "place", "frequency")
 """What is sought on a grid or in a spectrum."""
 LOOKED_AT = 10
@@ -53,7 +51,8 @@ def sought(candidate: Candidate, model: Model, base: Refit, split: Split) -> lis
         for start in _starts(candidate, parameter, model, base, split)
     ]
     without_load = found or candidate.starts(model, base.values)
-    return [*found, *with_half_the_inertia(candidate, without_load, base, split)]
+    loaded = with_half_the_inertia(candidate, without_load, base, split)
+    return [*found, *loaded, *with_closed_contact(candidate, model, base, split)]
 
 
 def known_means(candidate: Candidate, model: Model, split: Split) -> dict[str, float]:
