@@ -57,7 +57,11 @@ class Giver:
 
     def without(self, part: float) -> float:
         """Its value where it has given this part of the inertia away."""
-        return self.value * (1 - part / self.share)
+        return self.value - self.value_of(part * self.whole)
+
+    def value_of(self, inertia: float) -> float:
+        """What makes up so much ``inertia``."""
+        return self.value * inertia / (self.share * self.whole)
 
 
 def with_half_the_inertia(
@@ -65,8 +69,8 @@ def with_half_the_inertia(
 ) -> list[dict[str, float]]:
     """``starts`` with half of the inertia at the port as that of the load; none where the effect has no load,
     or no parameter of the plant is that inertia."""
-    (load,) = _sought(candidate, "load") or ("",)
-    giver = _giver(candidate.port, base, split) if load and starts else None
+    load = sought_by(candidate, "load")
+    giver = giver_of(candidate.port, base, split) if load and starts else None
     return each_once([{**start, **_given(giver, 0.5, load)} for start in starts]) if giver else []
 
 
@@ -76,22 +80,23 @@ def with_closed_contact(
     """Starts of a load behind a play in the augmented ``model``: with each of ``BEHIND_PLAY`` of the inertia
     and the contact closed. None where the effect has no play, no output shows the port's position or no
     parameter of the plant is that inertia."""
-    play, load = (_sought(candidate, what) for what in ("play", "load"))
+    play, load = (sought_by(candidate, what) for what in ("play", "load"))
     seen = _least_error(candidate.port, base) if play and load else None
-    giver = _giver(candidate.port, base, split) if seen is not None else None
+    giver = giver_of(candidate.port, base, split) if seen is not None else None
     if giver is None or seen is None:
         return []
     declared = {p.name: p for p in model.parameters}
     (stiff,) = (f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.dimension == FREQUENCY)
-    wanted = {play[0]: seen, stiff: FASTEST / split.records[0].dt}
+    wanted = {play: seen, stiff: FASTEST / split.records[0].dt}
     closed = {n: min(max(v, declared[n].lower), declared[n].upper) for n, v in wanted.items()}
     start = candidate.starts(model, base.values)[0]
-    return [{**start, **closed, **_given(giver, part, load[0])} for part in BEHIND_PLAY]
+    return [{**start, **closed, **_given(giver, part, load)} for part in BEHIND_PLAY]
 
 
-def _sought(candidate: Candidate, what: str) -> list[str]:
-    """The parameters, by their qualified names, of which starts are ``sought`` as ``what``; one at most."""
-    return [f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.sought == what]
+def sought_by(candidate: Candidate, what: str) -> str:
+    """The parameter, by its qualified name, of which starts are ``sought`` as ``what``; empty if none is."""
+    names = (f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.sought == what)
+    return next(names, "")
 
 
 def _given(giver: Giver, part: float, load: str) -> dict[str, float]:
@@ -106,7 +111,7 @@ def _least_error(port: str, base: Refit) -> float | None:
     return float(min(errors)) if errors else None
 
 
-def _giver(port: str, base: Refit, split: Split) -> Giver | None:
+def giver_of(port: str, base: Refit, split: Split) -> Giver | None:
     """The parameter that gives the load at ``port`` away; None if none makes up enough of the inertia, or its
     value without half of it is below its bound."""
     path = Path.of(base, split, split.fitted[:1])

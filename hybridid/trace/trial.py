@@ -13,6 +13,7 @@ from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.numerics import Numerics
+from hybridid.trace.play_valley import along_the_valley
 from hybridid.trace.refit import (
     LEAST_DECREASE,
     Refit,
@@ -132,6 +133,7 @@ def _attempt(
         found = _begun_anew(found, base, split) if found.converged else found
         found = _unless_better_from_shorter(found, candidate, base, split, least)
         found = _with_form_fitted(found, candidate, base, split, least)
+        found = along_the_valley(found, candidate, base, split, least)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):

@@ -1,0 +1,70 @@
+"""A load behind a play is found from a wrong load, too."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from benchmarks.drawn.oracle import split_of as judged
+from benchmarks.rebuilt import machines
+from benchmarks.rebuilt.draw import all_draws
+from hybridid.effects.library import effect_named
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.play_valley import _as_wide_as_the_valley, along_the_valley
+from hybridid.trace.refit import refit
+
+PLAY = Candidate(effect_named("backlash"), "carriage")
+LOAD = f"{PLAY.name}.m_l"
+
+
+@pytest.fixture(scope="module")
+def behind_a_play():
+    """A simulated carriage with a third of its mass behind a play: its draw, base, split and a refit that
+    begins, and so ends, with too large a load."""
+    draw = next(
+        d for d in all_draws(8) if d.row == "backlash" and d.category == "missing" and d.kind == "sines"
+    )
+    case = machines.declared(draw)
+    split = judged(case, machines.records_of(draw))
+    base = refit(case.model(), split, [case.truth])
+    mass, third = draw.parameters["M"], draw.parameters["M"] / 3
+    wrong = {"M": mass - 1.4 * third, LOAD: 1.4 * third, f"{PLAY.name}.g": draw.amounts["gap"] / 2 / 1.4}
+    contact = {
+        f"{PLAY.name}.{n}": draw.amounts[a] for n, a in (("frequency", "frequency"), ("zeta", "damping"))
+    }
+    model = PLAY.added_to(base.model)
+    return third, base, split, refit(model, split, [{**base.values, **wrong, **contact}], base)
+
+
+def test_it_leaves_a_load_that_is_too_large(behind_a_play):
+    load, base, split, wrong = behind_a_play
+    assert wrong.values[LOAD] > 1.2 * load, "a descent alone finds it: this test shows nothing"
+    found = along_the_valley(wrong, PLAY, base, split, 0.02)
+    assert found.cost < wrong.cost
+    assert found.values[LOAD] == pytest.approx(load, rel=0.1)
+    assert found.values["M"] == pytest.approx(2 * load, rel=0.05)
+
+
+@pytest.mark.parametrize(("more", "reached"), [(0.0, True), (0.1, False)])
+def test_standard_errors_reach_the_fits_that_are_as_likely(behind_a_play, more, reached):
+    _, _, split, found = behind_a_play
+    far = found.std[LOAD] * 3
+    other = replace(
+        found, cost=found.cost * (1 + more), values={**found.values, LOAD: found.values[LOAD] + far}
+    )
+    wider = _as_wide_as_the_valley(found, [found, other], [LOAD], split)
+    assert wider.std[LOAD] == pytest.approx(far if reached else found.std[LOAD])
+    assert wider.std["M"] == found.std["M"]
+
+
+@pytest.mark.parametrize("name", ["flexible_mode", "coulomb"])
+def test_what_has_no_play_stays(behind_a_play, name):
+    _, base, split, wrong = behind_a_play
+    assert along_the_valley(wrong, Candidate(effect_named(name), "carriage"), base, split, 0.02) is wrong
+
+
+def test_what_takes_too_little_stays(behind_a_play):
+    _, base, split, wrong = behind_a_play
+    worse = replace(wrong, score=base.score)
+    assert along_the_valley(worse, PLAY, base, split, 0.02) is worse
