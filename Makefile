@@ -6,7 +6,8 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PYTHONS := $(or $(PYTHON),python3.11 python3.12 python3.13 python3 python)
 USABLE := import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))
-PIP_FLAGS := --disable-pip-version-check $(if $(CI),--quiet)
+# in CI, Python compiles what it imports; pip would compile all that the libraries hold
+PIP_FLAGS := --disable-pip-version-check $(if $(CI),--quiet --no-compile)
 TESTS ?= tests
 JOBS ?= 2
 

@@ -34,13 +34,13 @@ def make_importable(folders: Iterable[Path]) -> None:
 
     Only for folders that the user named or trusts: to import a module is to run it.
     """
-    for folder in folders:
-        if folder not in _folders:
-            _folders.append(folder)
-            sys.path += [place for place in _places(folder) if place not in sys.path]
+    new = [folder for folder in dict.fromkeys(folders) if folder not in _folders]
+    for folder in new:
+        _folders.append(folder)
+        sys.path += [place for place in _places(folder) if place not in sys.path]
     if _finder_of not in sys.path_hooks:
         sys.path_hooks.insert(0, _finder_of)
-    for path in [path for path in sys.path_importer_cache if _is_own(path)]:
+    for path in [path for path in sys.path_importer_cache if new and _is_own(path)]:
         del sys.path_importer_cache[path]  # it may have been found by Python's own finder
 
 
@@ -144,6 +144,8 @@ def _finder_of(path: str) -> FileFinder:
 def _is_own(path: str) -> bool:
     """Whether the nearest folder above in ``sys.path`` is one of the user's own: an environment may lie below
     that folder, and is none."""
+    if not any(Path(path).is_relative_to(folder) for folder in _folders):
+        return False
     above = [entry for entry in sys.path if entry and Path(path).is_relative_to(entry)]
     nearest = max(above, key=len, default="")
     return any(nearest in _places(folder) for folder in _folders)
