@@ -33,7 +33,8 @@ LEAST_GOOD, MOST_SPEAK, LEAST_RIGHT = 57 / 60, 2 / 60, 0.9
 COUNTED = ("right", "wrong", "all_clear", "good", "speaks")
 AXLES = ("front_suspension", "rear_suspension", "front_suspension+rear_suspension")
 TRUTHS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "overflow": (("upper",), ("overflow",)),
+    # of what overflows the upper tank, the lower one gets a share; the library held no such effect at first
+    "overflow": (("upper", "upper+lower"), ("overflow", "overflow_into")),
     # the library's bouc_wen excludes gamma + delta < 0
     "hysteresis": (("oscillator",), ("hardening_hysteresis",)),
     "friction_behind_gap": (("damper",), ("friction_behind_play",)),

@@ -212,12 +212,15 @@ class Effect:
     ``needs`` is what the law uses beside the motion; a port must have it (``Port.knows``). ``channels`` names
     the inputs or auxiliary channels that the law sees; the model must have them.
 
+    A flow may lead from one level into another. Such an effect acts at two flow ports: the law is that of the
+    first, and the share of it that its parameter ``into`` says enters the second.
+
     An effect is sent to another process by its name: see ``hybridid.effects.pickling``.
 
     Raises:
         ValueError: if no port is of its kind, its law is no function, states come without dynamics or
-            dynamics without states, no parameter nests the effect, or two of its parameters and states
-            share a name.
+            dynamics without states, no parameter nests the effect, two of its parameters and states
+            share a name, or ``into`` is no parameter of a flow without states.
     """
 
     id: str
@@ -236,6 +239,7 @@ class Effect:
     ports: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
     channels: tuple[str, ...] = ()
+    into: str = ""
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(PortKind):
@@ -250,6 +254,10 @@ class Effect:
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(f"effect {self.id}: two of its parameters and states are called {name}")
+        if self.into and (self.into not in names or self.states or self.kind != "flow"):
+            raise ValueError(
+                f"effect {self.id}: into is {self.into!r}, no parameter of a flow without states"
+            )
 
     @property
     def in_equations(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from hybridid.effects.dimension import EFFORT, FREQUENCY, POSITION, STIFFNESS
+from hybridid.effects.dimension import EFFORT, FREQUENCY, ONE, POSITION, STIFFNESS
 from hybridid.effects.disturbance import AMPLITUDES, OVER_TIME, sine_over_time
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.smooth import ramp
@@ -66,6 +66,16 @@ def _over_the_edge(at: Local) -> ca.SX:
     return at.p.k * over * ca.sqrt(over / at.p.h)
 
 
+_EDGE = (
+    EffectParameter(
+        "k", STIFFNESS, "flow over height, where the level is h above the edge", guess=1.0, lower=0.0,
+        nests=True, hard=True,
+    ),
+    EffectParameter("limit", POSITION, "level of the edge", guess=0.8, lower=-5.0, upper=5.0, sought="place"),
+    HEIGHT,
+    EffectParameter("width", POSITION, "rounding of the edge", guess=1e-3, lower=0.0, fixed=True),
+)  # fmt: skip
+
 OVERFLOW = Effect(
     id="overflow",
     kind="flow",
@@ -73,17 +83,7 @@ OVERFLOW = Effect(
     title="overflow over an edge",
     equation="F = k r √(r/h),  r = ramp(q - limit),  ramp(x) = 0 for x < 0, x for x > 0",
     law=_over_the_edge,
-    parameters=(
-        EffectParameter(
-            "k", STIFFNESS, "flow over height, where the level is h above the edge", guess=1.0, lower=0.0,
-            nests=True, hard=True,
-        ),
-        EffectParameter(
-            "limit", POSITION, "level of the edge", guess=0.8, lower=-5.0, upper=5.0, sought="place"
-        ),
-        HEIGHT,
-        EffectParameter("width", POSITION, "rounding of the edge", guess=1e-3, lower=0.0, fixed=True),
-    ),
+    parameters=_EDGE,
     source=(
         "Francis (1855), Lowell Hydraulic Experiments (rectangular weir); White (2011), Fluid Mechanics, 7th "
         "ed., sec. 10.7"
@@ -92,10 +92,43 @@ OVERFLOW = Effect(
         "nothing up to one level, then a flow that rises faster than the level; the level stays near the edge"
         " whatever more flows in"
     ),
-    look_alikes=("linear_leak", "orifice_leak", "input_saturation"),
+    look_alikes=("linear_leak", "orifice_leak", "input_saturation", "overflow_into"),
     separating_experiment=(
         "fill slowly past the suspected edge with several inflows: the level stands above the edge by the "
         "inflow to the power 2/3, and below it nothing is lost"
+    ),
+)
+
+OVERFLOW_INTO = Effect(
+    id="overflow_into",
+    kind="flow",
+    position_units=LIQUIDS,
+    title="overflow over an edge into another tank",
+    equation=(
+        "F = k r √(r/h) out of the first level,  share F into the second,  r = ramp(q - limit),  ramp(x) = 0"
+        " for x < 0, x for x > 0"
+    ),
+    law=_over_the_edge,
+    parameters=(
+        *_EDGE,
+        EffectParameter(
+            "share", ONE, "share of the overflow that enters the second level", guess=0.5, lower=0.0,
+            upper=2.0,
+        ),
+    ),
+    into="share",
+    source=(
+        "Schoukens, Mattsson, Wigren, Noël (2016), Cascaded tanks benchmark combining soft and hard "
+        "nonlinearities: part of what overflows enters the lower tank"
+    ),
+    pattern=(
+        "above one level of the first tank the second one rises at once with the inflow, no longer through "
+        "the outlet between them; with a share of 0 it is an overflow"
+    ),
+    look_alikes=("overflow", "linear_leak", "orifice_leak"),
+    separating_experiment=(
+        "fill slowly past the suspected edge, and collect what runs beside the second tank: it is what the "
+        "first one loses less what the second one gains"
     ),
 )  # fmt: skip
 

@@ -75,6 +75,7 @@ EFFECTS: tuple[Effect, ...] = (
     flows.LINEAR_LEAK,
     flows.ORIFICE_LEAK,
     flows.OVERFLOW,
+    flows.OVERFLOW_INTO,
     flows.PERIODIC_FLOW,
     capacity.SIDE_CAPACITY,
     heat_loss.NATURAL_CONVECTION,

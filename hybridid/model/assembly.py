@@ -201,6 +201,10 @@ def _resolve_acceleration(
     acting = [(term, name) for term in local.terms if term.effect.in_equations for name in term.ports]
     for term, name in acting:
         port = plant.port(name)
+        if term.effect.into and name == term.ports[1]:
+            share = local.p[f"{term.name}.{term.effect.into}"]
+            efforts[term.name, name] = -share * efforts[term.name, term.ports[0]]
+            continue
         if name in moving:
             seen = local.at_effort_port(term, port, motion[name], a[moving.index(name)], loads)
         else:

@@ -10,10 +10,12 @@ from hybridid.plants.plant import TOGETHER
 
 @dataclass(frozen=True)
 class Term:
-    """An effect at a port, or at several with one set of parameters: ``front_damper+rear_damper``.
+    """An effect at a port, or at several with one set of parameters: ``front_damper+rear_damper``. A flow
+    that leads into another level acts at two: out of the first, into the second.
 
     Raises:
-        ValueError: if an effect with states of its own acts at several ports.
+        ValueError: if an effect with states of its own acts at several ports, or one that leads into another
+            level not at two.
     """
 
     effect: Effect
@@ -23,6 +25,12 @@ class Term:
         if len(self.ports) > 1 and self.effect.states:
             raise ValueError(
                 f"effect {self.effect.id} has states of its own: it acts at one port, not {self.port}"
+            )
+
+        if self.effect.into and len(self.ports) != 2:
+            raise ValueError(
+                f"effect {self.effect.id} leads from one level into another: name both, as "
+                f"FIRST{TOGETHER}SECOND, not {self.port}"
             )
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import permutations
 
 from hybridid.effects.effect import Effect
 from hybridid.model import Model, Term
@@ -93,6 +94,9 @@ def admissible(
 
 
 def _places(plant: Plant, effect: Effect) -> Iterator[tuple[str, ...]]:
+    if effect.into:
+        yield from permutations([port.name for port in plant.ports], 2)
+        return
     yield from ((port.name,) for port in plant.ports)
     if not effect.states:
         yield from plant.alike

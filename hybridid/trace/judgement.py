@@ -87,6 +87,10 @@ def undetermined(trial: Trial, rules: Rules) -> str:
             f"{n} = {values[n]:.3g} ± {errors[f'{trial.candidate.name}.{n}']:.2g}" for n in amplitudes
         )
         return f"{said}: not determined by these records"
+    into = trial.candidate.effect.into
+    if into and not _stand_off_nothing(trial, [into], rules):
+        std = errors[f"{trial.candidate.name}.{into}"]
+        return f"{into} = {values[into]:.3g} ± {std:.2g}: nothing is shown to enter the second level"
     for p, declared in _judged_alone(trial):
         value, std = values[p.name], errors[f"{trial.candidate.name}.{p.name}"]
         vague = ORDER if declared.lower > 0 else rules.vague

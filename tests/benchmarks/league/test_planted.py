@@ -153,6 +153,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "input_nonlinearity",
         "input_rate_limit",
         "side_capacity",
+        "overflow_into",
         "natural_convection",
         "thermal_radiation",
         "falling_supply",

@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchmarks.rebuilt.tanks import Tanks
 from hybridid.declarations import Port
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.model import Model, Term, compose
@@ -51,6 +52,7 @@ PROMISED = [
     "varying_inertia",
     "cyclic_inertia",
     "overflow",
+    "overflow_into",
     "orifice_leak",
     "linear_leak",
     "steady_leak",
@@ -78,13 +80,16 @@ each_effect = pytest.mark.parametrize("effect", EFFECTS, ids=IDS)
 
 @pytest.fixture
 def plant(effect, pressed, tank):
-    """Where the effect is possible: on the carriage, or on the tank."""
+    """Where the effect is possible: on the carriage, on the tank, or from one tank into another."""
+    if effect.into:
+        return Tanks()
     return tank if effect.kind == "flow" else pressed
 
 
 def with_effect(effect, plant) -> Model:
     """The bare plant with one effect, wherever its kind fits."""
-    return Model(plant, (Term(effect, PORT_OF[effect.kind]),))
+    port = "upper+lower" if effect.into else PORT_OF[effect.kind]
+    return Model(plant, (Term(effect, port),))
 
 
 def random_points(model: Model, rng, count: int = 20):

@@ -123,7 +123,8 @@ def test_a_weir_and_a_hole_are_found_again(tank, leaking):
 
 def test_flows_are_tried_at_levels_only_and_nothing_else_of_the_equations_is(tank):
     """No friction, spring or inertia at a level, no flow at a carriage."""
-    flows = {"steady_leak", "linear_leak", "orifice_leak", "overflow", "periodic_flow", "side_capacity"}
+    flows = {"steady_leak", "linear_leak", "orifice_leak", "periodic_flow", "side_capacity"}
+    flows |= {"overflow", "overflow_into"}
     heats = {"natural_convection", "thermal_radiation"}
     level, (carriage, *_) = replace(tank.port("tank"), drive=""), EMPS().ports
     assert {effect.id for effect in EFFECTS if effect.admissible_at(level)} == flows
@@ -133,7 +134,7 @@ def test_flows_are_tried_at_levels_only_and_nothing_else_of_the_equations_is(tan
     for unit in ("°C", "K"):
         heat = replace(level, position_unit=unit)
         left = {effect.id for effect in EFFECTS if effect.admissible_at(heat)}
-        assert flows - left == {"overflow", "orifice_leak"}
+        assert flows - left == {"overflow", "overflow_into", "orifice_leak"}
         assert left - flows == heats
     tried = {one.effect.kind for one in admissible(compose(tank), EFFECTS) if one.port == "tank"}
     assert tried == {"flow"}

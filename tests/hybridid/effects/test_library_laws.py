@@ -65,7 +65,7 @@ EVEN_IN_VELOCITY = (
 BLIND_TO_VELOCITY = (
     *("offset", "cogging", "periodic_disturbance", "linear_stiffness", "cubic_stiffness", "free_play"),
     *("gravity", "end_stop", "wheel_lift_off", "added_inertia", "detent"),
-    *("overflow", "orifice_leak", "linear_leak", "steady_leak", "periodic_flow"),
+    *("overflow", "overflow_into", "orifice_leak", "linear_leak", "steady_leak", "periodic_flow"),
     *("varying_force_factor", "torque_ripple", "natural_convection", "thermal_radiation"),
     "falling_supply",
 )
