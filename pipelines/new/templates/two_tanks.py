@@ -15,8 +15,8 @@ FLOW = 1e-4  # m³/s, exceeded 5 % of the time
 class TwoTanks(Plant):
     """``A_1 h_1' = inflow - c_1 √h_1 - F_1``, ``A_2 h_2' = c_1 √h_1 - c_2 √h_2 - F_2``.
 
-    F_1 and F_2 are whatever else leaves the tanks. What F_1 takes from the upper tank does not reach the
-    lower one.
+    F_1 and F_2 are whatever else leaves the tanks. What F_1 takes from the upper tank reaches the lower one
+    with the effect overflow_into alone.
     """
 
     name = "two_tanks"

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from benchmarks.drawn.oracle import split_of as judged
 from benchmarks.rebuilt import machines
-from benchmarks.rebuilt.draw import all_draws
+from benchmarks.rebuilt.draw import Draw, all_draws
 from benchmarks.rebuilt.tanks import WEIR, Tanks
 from hybridid.effects.dimension import EFFORT
 from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.effects.library import effect_named
 from hybridid.model import compose
 from hybridid.trace.candidates import Candidate, admissible
-from hybridid.trace.refit import refit
-from hybridid.trace.trial import attempt
+from hybridid.trace.judgement import undetermined
+from hybridid.trace.refit import Refit, refit
+from hybridid.trace.rules import Rules
+from hybridid.trace.split import Split
+from hybridid.trace.trial import Trial, attempt
 
 INTO = "upper+lower.overflow_into"
 
@@ -56,15 +61,29 @@ def test_only_a_flow_leads_into_another_level_by_a_parameter_of_its_own(kind, in
         Effect("own", kind, "own", "F = k", lambda at: at.p.k, "source", "pattern", (k,), into=into)
 
 
-def test_a_hidden_overflow_is_told_from_one_that_is_lost():
-    """Simulated: the upper tank overflows, in part into the lower one, whose level alone is recorded."""
-    draw = next(d for d in all_draws(8) if d.row == "overflow" and d.category == "missing")
+DRAW = next(d for d in all_draws(8) if d.row == "overflow" and d.category == "missing")
+
+
+def overflowing(draw: Draw) -> tuple[Refit, Split, Trial]:
+    """Of simulated tanks the declared model, its split, and the trial of an overflow into the lower one. The
+    lower level alone is recorded."""
     case = machines.declared(draw)
     split = judged(case, machines.records_of(draw))
     base = refit(case.model(), split, [case.truth])
-    into = attempt(Candidate(effect_named("overflow_into"), "upper+lower"), base, split)
+    return base, split, attempt(Candidate(effect_named("overflow_into"), "upper+lower"), base, split)
+
+
+def test_what_enters_the_lower_tank_is_told_from_what_is_lost():
+    base, split, into = overflowing(DRAW)
     lost = attempt(Candidate(effect_named("overflow"), "upper"), base, split)
     assert into.gain > 0.5 > lost.gain
     own = into.own("values")
-    assert own["share"] == pytest.approx(draw.amounts["share"], abs=0.03)
+    assert own["share"] == pytest.approx(DRAW.amounts["share"], abs=0.03)
     assert own["k"] * own["h"] ** -0.5 == pytest.approx(WEIR, rel=0.3)
+    assert not undetermined(into, Rules())
+
+
+def test_where_all_is_lost_nothing_is_said_to_enter_the_lower_tank():
+    _, _, into = overflowing(replace(DRAW, amounts={**DRAW.amounts, "share": 0.0}))
+    assert into.gain > 0.5
+    assert undetermined(into, Rules()).endswith("nothing is shown to enter the second level")
