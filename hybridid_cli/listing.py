@@ -176,7 +176,7 @@ def _described(effect: Effect) -> str:
     """What an effect is: equation, parameters with units, source."""
     lines = [
         f"{effect.id}: {effect.title}",
-        f"  acts at   {effect.kind} ports",
+        f"  acts at   {effect.kind} ports" + (", from one into another" if effect.into else ""),
         f"  equation  {effect.equation}",
     ]
     for parameter in effect.parameters:

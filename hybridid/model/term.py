@@ -26,11 +26,10 @@ class Term:
             raise ValueError(
                 f"effect {self.effect.id} has states of its own: it acts at one port, not {self.port}"
             )
-
         if self.effect.into and len(self.ports) != 2:
             raise ValueError(
                 f"effect {self.effect.id} leads from one level into another: name both, as "
-                f"FIRST{TOGETHER}SECOND, not {self.port}"
+                f"{self.effect.id}@FIRST{TOGETHER}SECOND, not {self.port}"
             )
 
     @property

@@ -50,7 +50,7 @@ def test_it_is_tried_from_each_level_into_each_other(tank):
 
 @pytest.mark.parametrize("port", ["upper", None])
 def test_one_level_alone_is_refused(port):
-    with pytest.raises(ValueError, match=r"leads from one level into another: name both, as FIRST\+SECOND"):
+    with pytest.raises(ValueError, match=r"name both, as overflow_into@FIRST\+SECOND"):
         compose(Tanks()).plus(effect_named("overflow_into"), port)
 
 
