@@ -20,6 +20,7 @@ class Dimension:
 
     ``channel`` is the power of ``channel_unit``, the unit of an input or channel that an effect sees. N/°C is
     ``Dimension(effort=1, channel=-1, channel_unit="°C")``. No port knows the scale of that unit: it is 1.
+    ``called`` names the unit where the powers would be read otherwise: 1/s may be taken for rad/s.
     """
 
     effort: int = 0
@@ -27,6 +28,7 @@ class Dimension:
     time: int = 0
     channel: int = 0
     channel_unit: str = "1"
+    called: str = ""
 
     def scale(self, port: Port) -> float:
         """The natural magnitude of such a quantity at ``port``, in SI units."""
@@ -49,6 +51,8 @@ class Dimension:
 
         What effort and position have in common cancels: m³/s over m is m²/s.
         """
+        if self.called:
+            return self.called
         powers: dict[str, int] = {}
         for name, power in (
             (port.effort_unit, self.effort),
@@ -91,7 +95,7 @@ def _power(name: str, exponent: int) -> str:
 
 ONE = Dimension()
 TIME = Dimension(time=1)
-FREQUENCY = Dimension(time=-1)
+FREQUENCY = Dimension(time=-1, called="Hz")
 EFFORT = Dimension(effort=1)
 POSITION = Dimension(position=1)
 VELOCITY = Dimension(position=1, time=-1)

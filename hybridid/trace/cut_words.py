@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hybridid.naming import counted
 from hybridid.quantities import share
-from hybridid.trace.entries import StepTaken
+from hybridid.trace.entries import StepTaken, TriedEffect
 from hybridid.trace.remarks import none_of, parameters_in_words
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED
@@ -29,9 +29,14 @@ def cut_step(found: Trace) -> StepTaken | None:
     return found.steps[-1] if found.steps and found.steps[-1].left_out else None
 
 
+def passed_in(step: StepTaken) -> list[TriedEffect]:
+    """The effects of a step that passed."""
+    return [one for one in step.trials if one.status == PASSED]
+
+
 def best_tried(step: StepTaken) -> str:
     """What explains most of a step that the time limit ended; one of the others may explain more."""
-    passed = [one for one in step.trials if one.status == PASSED]
+    passed = passed_in(step)
     if not passed:
         return f"{none_of(len(step.trials), 'explain')} the error"
     best = max(passed, key=lambda one: one.gain)

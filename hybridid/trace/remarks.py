@@ -125,7 +125,7 @@ def _what_the_network_finds(found: Trace, check: Completeness) -> str:
         )
     if not found.remains:
         return "That gain does not survive other ways of solving the equations"
-    return "It finds what no effect in the library names"
+    return "It finds what none of the effects tried is shown to explain"
 
 
 def parameters_in_words(values: Mapping[str, Value]) -> list[str]:

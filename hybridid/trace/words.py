@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hybridid.naming import counted, listed
 from hybridid.quantities import percent, probability, quantity, share
-from hybridid.trace.cut_words import best_tried, cut_short, cut_step
+from hybridid.trace.cut_words import best_tried, cut_short, cut_step, passed_in
 from hybridid.trace.entries import AcceptedEffect, ReplacedEffect, TriedEffect
 from hybridid.trace.law_words import passed_before, proposed
 from hybridid.trace.recording_words import by_recording_in_words
@@ -84,7 +84,9 @@ def _concluded(found: Trace) -> str:
     if found.verdict == "nothing_missing":
         return f"Nothing that can be found is missing: {_none_passes(found, where)} {error_left(found)}"
     if found.verdict == "undecided" and not found.accepted:
-        return f"{_undecided(found, where)} {error_left(found)}"
+        last = cut_step(found)
+        beside = " without it" if last and passed_in(last) else ""
+        return f"{_undecided(found, where)} {error_left(found, beside)}"
     if found.verdict == "unexplained":
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
         withdrawn = f" {found.withdrawn}." if found.withdrawn else ""
@@ -208,8 +210,9 @@ def _none_passes(found: Trace, where: str) -> str:
     )
 
 
-def error_left(found: Trace) -> str:
-    """How far the error that is left is from what noise and simulation alone leave."""
+def error_left(found: Trace, beside: str = "") -> str:
+    """How far the error that is left is from what noise and simulation alone leave; ``beside`` says beside
+    what, in words."""
     each, leave = [], "noise and simulation alone leave"
     for name, one in found.noise_floor.items():
         rmse = quantity(found.path[-1].held_out_rmse[name], one.unit, 3)
@@ -219,7 +222,7 @@ def error_left(found: Trace) -> str:
             leave = "noise, simulation and parameters may leave"
         told = ", ".join(f"{what} {quantity(value, one.unit, 2)}" for what, value in parts.items())
         each.append(f"{rmse} of {name} ({told})")
-    return f"The error left is {listed(each)}: {_times(found.times)} what {leave}."
+    return f"The error left{beside} is {listed(each)}: {_times(found.times)} what {leave}."
 
 
 def _times(times: float) -> str:

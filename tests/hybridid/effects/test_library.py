@@ -335,7 +335,7 @@ def test_the_drives_path_is_at_rest_before_the_record_and_no_lag_has_free_initia
     ("name", "unit"),
     [
         ("added_inertia.m_a", "kg"),
-        ("flexible_mode.frequency", "1/s"),
+        ("flexible_mode.frequency", "Hz"),
         ("cubic_stiffness.k_3", "N/m³"),
         ("lugre.tau_b", "s"),
         ("dahl.s", "m"),

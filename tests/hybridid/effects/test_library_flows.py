@@ -170,7 +170,7 @@ def test_a_level_has_a_unit_for_every_coefficient(tank):
     model = compose(tank, ["overflow", "linear_leak", "periodic_flow"])
     units = {p.name: p.unit for p in model.parameters}
     assert units["tank.overflow.k"] == units["tank.linear_leak.k"] == "m²/s"
-    assert units["tank.periodic_flow.frequency"] == "1/s"
+    assert units["tank.periodic_flow.frequency"] == "Hz"
     assert {d.unit(tank.port("tank")) for d in (EFFORT, DAMPING, INERTIA)} == {"m³/s", "m²", "m²·s"}
     assert not any(name.endswith(".epsilon") for name in units)
 

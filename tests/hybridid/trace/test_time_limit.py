@@ -130,4 +130,5 @@ def test_the_sentence_tells_what_is_left_out_and_the_best_so_far(make_model, spl
     assert "ended the search in step 1 and left 1 of 6 effects untried: the verdict holds for" in said
     assert "The best so far: stribeck at carriage (df_s = " in said
     assert "which is no name while others are untried, on held-out horizons of 0.4 s (" in said
+    assert "The error left without it is " in said
     assert len(found.steps[0].left_out) == 1
