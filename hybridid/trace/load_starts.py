@@ -86,8 +86,8 @@ def with_closed_contact(
     if giver is None or seen is None:
         return []
     declared = {p.name: p for p in model.parameters}
-    (stiff,) = (f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.dimension == FREQUENCY)
-    wanted = {play: seen, stiff: FASTEST / split.records[0].dt}
+    stiff = [f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.dimension == FREQUENCY]
+    wanted = {play: seen, **dict.fromkeys(stiff, FASTEST / split.records[0].dt)}
     closed = {n: min(max(v, declared[n].lower), declared[n].upper) for n, v in wanted.items()}
     start = candidate.starts(model, base.values)[0]
     return [{**start, **closed, **_given(giver, part, load)} for part in BEHIND_PLAY]
