@@ -8,12 +8,14 @@ variables to estimate derivatives of real functions, SIAM Review 40 (1998).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import permutations
 
 import casadi as ca
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.rebuilt.tanks import Tanks
 from hybridid.effects.library import EFFECTS
 from hybridid.model import Model, Term
 from hybridid.plants.duffing import Duffing
@@ -105,9 +107,9 @@ def models(plant: Plant):
     """The plant alone, then with each effect at each port where it is possible."""
     yield Model(plant)
     for effect in EFFECTS:
-        for port in plant.ports:
-            if effect.possible_at(port):
-                yield Model(plant, (Term(effect, port.name),))
+        possible = [port.name for port in plant.ports if effect.possible_at(port)]
+        for port in map("+".join, permutations(possible, 2)) if effect.into else possible:
+            yield Model(plant, (Term(effect, port),))
 
 
 def points(model: Model, random: np.random.Generator):
@@ -121,17 +123,19 @@ def points(model: Model, random: np.random.Generator):
 
 def error(model: Model, random: np.random.Generator) -> float:
     """The largest error of the derivatives of x' and y by time, states, inputs and parameters, each over the
-    size of what it is by: relative to itself, or to a ten-millionth of the largest of the same x' or y."""
+    size of what it is by: relative to itself, or to a share of the largest of the same x' or y: a
+    ten-millionth, or a hundred-thousandth where an edge is so narrow that rounding is 1e-11 of the largest."""
     symbols = [ca.SX.sym("g", model.f.size1_in(k)) for k in range(model.f.n_in())]
     value, by = ca.vertcat(model.f(*symbols), model.h(*symbols)), ca.vertcat(*symbols)
     by_casadi = ca.Function("J", symbols, [ca.densify(ca.jacobian(value, by))])
     plain, worst = ca.Function("V", symbols, [value]), 0.0
+    narrow = any(p.smooths > 1 for p in model.parameters)
     for at in points(model, random):
         found, expected = (
             slope * np.concatenate(at) for slope in (by_casadi(*at).full(), slopes(plain, *at))
         )
         assert np.isfinite(expected).all()
-        least = 1e-7 * np.abs(expected).max(axis=1, keepdims=True) + 1e-300
+        least = (1e-5 if narrow else 1e-7) * np.abs(expected).max(axis=1, keepdims=True) + 1e-300
         worst = max(worst, float(np.max(np.abs(found - expected) / (np.abs(expected) + least))))
     return worst
 
@@ -150,7 +154,7 @@ def test_every_effect_at_every_port(plant):
 
 
 def test_the_effects_that_no_plant_of_ours_has_a_port_for(pressed, tank):
-    assert wrong(pressed) | wrong(tank) == {}
+    assert wrong(pressed) | wrong(tank) | wrong(Tanks()) == {}
 
 
 def test_a_wrong_derivative_is_seen(monkeypatch):

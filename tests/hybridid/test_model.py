@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchmarks.rebuilt.tanks import Tanks
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.effects.effect import Dimension, Effect, EffectParameter, EffectState
 from hybridid.effects.library import EFFECTS
@@ -96,12 +97,14 @@ def rate(model: Model, x, u, **values) -> np.ndarray:
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.id)
 def test_a_model_lies_inside_the_model_with_one_effect_more(effect, pressed, tank):
-    if effect.kind == "flow":
+    if effect.into:
+        base = compose(Tanks(), ["orifice_leak"])
+    elif effect.kind == "flow":
         base = compose(tank, ["linear_leak" if effect.id == "orifice_leak" else "orifice_leak"])
     else:
         base = compose(pressed, ["viscous", "offset"] if effect.id == "coulomb" else ["coulomb"])
     n = len(base.states)
-    more = base.plus(effect)
+    more = base.plus(effect, "upper+lower" if effect.into else None)
     zero = {
         p.name: 0.0
         for p in more.parameters
