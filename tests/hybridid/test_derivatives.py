@@ -123,8 +123,8 @@ def points(model: Model, random: np.random.Generator):
 
 def error(model: Model, random: np.random.Generator) -> float:
     """The largest error of the derivatives of x' and y by time, states, inputs and parameters, each over the
-    size of what it is by: relative to itself, or to a share of the largest of the same x' or y: a
-    ten-millionth, or a hundred-thousandth where an edge is so narrow that rounding is 1e-11 of the largest."""
+    size of what it is by: relative to itself, or to a share of the largest of the same x' or y. That is a
+    ten-millionth, or a hundred-thousandth where an edge is so narrow that rounding takes 1e-11."""
     symbols = [ca.SX.sym("g", model.f.size1_in(k)) for k in range(model.f.n_in())]
     value, by = ca.vertcat(model.f(*symbols), model.h(*symbols)), ca.vertcat(*symbols)
     by_casadi = ca.Function("J", symbols, [ca.densify(ca.jacobian(value, by))])
