@@ -81,9 +81,10 @@ def with_closed_contact(
     and the contact closed. None where the effect has no play, no output shows the port's position or no
     parameter of the plant is that inertia."""
     play, load = (sought_by(candidate, what) for what in ("play", "load"))
-    seen = _least_error(candidate.port, base) if play and load else None
-    giver = giver_of(candidate.port, base, split) if seen is not None else None
-    if giver is None or seen is None:
+    if not (play and load):
+        return []
+    seen, giver = _least_error(candidate.port, base), giver_of(candidate.port, base, split)
+    if seen is None or giver is None:
         return []
     declared = {p.name: p for p in model.parameters}
     stiff = [f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.dimension == FREQUENCY]

@@ -40,7 +40,8 @@ def make_importable(folders: Iterable[Path]) -> None:
         sys.path += [place for place in _places(folder) if place not in sys.path]
     if _finder_of not in sys.path_hooks:
         sys.path_hooks.insert(0, _finder_of)
-    for path in [path for path in sys.path_importer_cache if new and _is_own(path)]:
+    found_before = [path for path in sys.path_importer_cache if _is_own(path)] if new else []
+    for path in found_before:
         del sys.path_importer_cache[path]  # it may have been found by Python's own finder
 
 
