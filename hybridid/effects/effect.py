@@ -33,9 +33,9 @@ class EffectParameter:
     minima (a Stribeck velocity, a pitch). ``sought`` says that starting values are estimated from
     the record as well: a ``"period"`` over the positions of the port, a ``"place"`` (one of these
     positions), a ``"frequency"`` of the model's residual over time, a ``"load"``, an
-    amplitude that is a part of the inertia which the model without it has found, or a ``"play"`` before such
-    a load. A fixed parameter that is the ``"mean"`` takes the mean over the records of the first channel that
-    the effect sees.
+    amplitude that is a part of the inertia which the model without it has found, a ``"play"`` before such
+    a load, or a ``"limit"``, 1 over a magnitude that the input exceeds. A fixed parameter that is the
+    ``"mean"`` takes the mean over the records of the first channel that the effect sees.
 
     A ``hard`` amplitude is the stiffness of a limit. As it grows, the law becomes the ideal limit (a wall, an
     edge), so records may show no more than that it is large.
@@ -64,7 +64,7 @@ class EffectParameter:
     absolute: bool = False
     fixed: bool = False
     minor: bool = False
-    sought: Literal["", "period", "place", "frequency", "load", "play", "mean"] = ""
+    sought: Literal["", "period", "place", "frequency", "load", "play", "limit", "mean"] = ""
     above: str = ""
     smooths: int = 0
 

@@ -30,6 +30,7 @@ LIMIT = EffectParameter(
     upper=100.0,
     starts=(0.1, 1.0),
     nests=True,
+    sought="limit",
 )
 SHARPNESS = EffectParameter(
     "n",
@@ -89,7 +90,7 @@ BACK_EMF_LIMIT = Effect(
     equation="F = drive - drive/(1 + |drive/limit|^n)^(1/n),  limit = F_0 (1 - v sign(drive)/v_0)",
     law=_lacking,
     parameters=(
-        replace(LIMIT, meaning="1/F_0: 1 over the largest effort at standstill", starts=(1.0,)),
+        replace(LIMIT, meaning="1/F_0: 1 over the largest effort at standstill", starts=(1.0,), sought=""),
         EffectParameter(
             "v_0", VELOCITY, "no-load speed, at which nothing is left", guess=2.0, lower=0.2, upper=50.0
         ),

@@ -35,7 +35,7 @@ REST = 0.1
 """Standard errors, of white noise, by which parameters that stand still may move in ``SLOW_STEPS`` steps."""
 ROUNDS = 10
 """Descents from better initial states, at most."""
-ROUGH = "converged (slowly: rough cost)"
+CONVERGED, ROUGH = "converged", "converged (slowly: rough cost)"
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def _descend(
         equations = learned.added_to(normal) if learned else normal
         step = equations.step(damping, held)
         if cost <= problem.rounding or _promises_little(normal, held, cost, tolerance, step):
-            return Solution(p, x0, cost, "converged", True, iteration - 1, tuple(history))
+            return Solution(p, x0, cost, CONVERGED, True, iteration - 1, tuple(history))
         slopes = iteration < stop.iterations  # most first trials are taken, and then slopes are needed
         while True:
             trial_p, trial_x = variables.moved(p, x0, *step)

@@ -22,6 +22,7 @@ from hybridid.trace.cautions import cautions
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import with_decay_classes
+from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.horizon import horizon_for
 from hybridid.trace.longer import lengthened, over_long_enough
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
@@ -34,7 +35,7 @@ from hybridid.trace.split import check_measured, divided
 from hybridid.trace.steps import OUT_OF_TIME
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
-from hybridid.trace.verdict import Conclusion, conclude, declared_starts
+from hybridid.trace.verdict import Conclusion, conclude
 from hybridid.trace.words import sentence
 
 OPEN = ("nothing_missing", "undecided")

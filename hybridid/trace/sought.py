@@ -22,6 +22,7 @@ from hybridid.estimators.problem import Problem
 from hybridid.estimators.reduced import promise
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
+from hybridid.trace.limit_starts import with_limit_exceeded
 from hybridid.trace.load_starts import FASTEST, with_closed_contact, with_half_the_inertia
 from hybridid.trace.order_spectrum import pitches
 from hybridid.trace.path import Path
@@ -52,7 +53,8 @@ def sought(candidate: Candidate, model: Model, base: Refit, split: Split) -> lis
     ]
     without_load = found or candidate.starts(model, base.values)
     loaded = with_half_the_inertia(candidate, without_load, base, split)
-    return [*found, *loaded, *with_closed_contact(candidate, model, base, split)]
+    closed = with_closed_contact(candidate, model, base, split)
+    return [*found, *loaded, *closed, *with_limit_exceeded(candidate, model, split)]
 
 
 def known_means(candidate: Candidate, model: Model, split: Split) -> dict[str, float]:

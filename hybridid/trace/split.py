@@ -43,6 +43,12 @@ class Split:
         """The same horizons: what was held out is fitted, and what was fitted is held out."""
         return replace(self, fitted=self.held_out, held_out=self.fitted)
 
+    @property
+    def fitted_records(self) -> list[Record]:
+        """The records of which a horizon is fitted."""
+        origins = cut(self.records, self.horizon, 1).origin
+        return [self.records[k] for k in sorted({origins[one][0] for one in self.fitted})]
+
     def shorter(self, samples: int) -> Split:
         """The same records in horizons of ``samples``: fitted and held out are those within one that was."""
         before, now = (cut(self.records, length, 1).origin for length in (self.horizon, samples))

@@ -13,7 +13,6 @@ from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.play_valley import along_the_valley
 from hybridid.trace.refit import (
     LEAST_DECREASE,
     Refit,
@@ -29,6 +28,7 @@ from hybridid.trace.shown import not_shown
 from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
+from hybridid.trace.valley import along_the_valley
 
 ABOVE = 1.2
 """Times another parameter that a fixed one is set to: see ``EffectParameter.above``."""

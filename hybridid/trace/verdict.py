@@ -11,16 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from hybridid.effects.composed import is_composed
-from hybridid.estimators.start import regression_start
 from hybridid.model import Model
 from hybridid.simulation.chosen import AUTO
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.constancy import fitted_to_held_out
 from hybridid.trace.context import Context
+from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.laws import law_in_place, with_law
 from hybridid.trace.longer import Longer, more_over_longer, shows_little, worth_looking_for
 from hybridid.trace.numerics import numerics_for
@@ -31,11 +28,9 @@ from hybridid.trace.revision import Replacement, replacements
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import continued, search
 from hybridid.trace.settled import Ceilings, Settled, learned_beside, settle, settle_below_noise
-from hybridid.trace.split import Split
 from hybridid.trace.steady_error import steady_over
 from hybridid.trace.steps import OUT_OF_TIME, Accepted, Search
 
-Array = NDArray[np.float64]
 Verdict = Literal["effect_found", "ambiguous", "law_proposed", "nothing_missing", "undecided", "unexplained"]
 
 
@@ -210,27 +205,6 @@ def _may_be_outdone(settled: Settled, rules: Rules) -> bool:
     accepted = settled.found.accepted
     names = [one for one in accepted if not is_composed(one.trial.candidate.effect)]
     return bool(names) and (len(accepted) > 1 or settled.is_open(rules))
-
-
-def declared_starts(
-    model: Model, split: Split, start: Sequence[Mapping[str, float]] = ()
-) -> Sequence[Mapping[str, float]]:
-    """Where the fit of the declared model starts: at ``start``, or by regression and at the guesses. Where
-    the motion hides a parameter, regression strays."""
-    return start or [regressed(model, split), {}]
-
-
-def regressed(model: Model, split: Split) -> dict[str, float]:
-    """Parameter values to start from: by regression on the fitted records, else the guesses."""
-    records = [split.records[k] for k in sorted({_record_of(split, h) for h in split.fitted})]
-    start = regression_start(model, records)
-    values = model.values() if start is None else start
-    return {q.name: float(v) for q, v in zip(model.parameters, values, strict=True)}
-
-
-def _record_of(split: Split, horizon: int) -> int:
-    counts = np.cumsum([-(-record.n // split.horizon) for record in split.records])
-    return min(int(np.searchsorted(counts, horizon, side="right")), len(split.records) - 1)
 
 
 def _steady(settled: Settled, context: Context) -> float | None:

@@ -1,4 +1,4 @@
-"""A load behind a play is found from a wrong load, too."""
+"""A load behind a play, and a limit that is nearly always exceeded, are found from a wrong place, too."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ from benchmarks.rebuilt import machines
 from benchmarks.rebuilt.draw import all_draws
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.play_valley import _as_wide_as_the_valley, along_the_valley
-from hybridid.trace.refit import refit
+from hybridid.trace.limit_starts import PARTS, with_limit_exceeded
+from hybridid.trace.refit import CONTINUATION, refit
+from hybridid.trace.valley import _as_wide_as_the_valley, along_the_valley
 
 PLAY = Candidate(effect_named("backlash"), "carriage")
 LOAD = f"{PLAY.name}.m_l"
+SATURATION = Candidate(effect_named("input_saturation"), "force")
+LIMIT = f"{SATURATION.name}.inverse_limit"
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +71,48 @@ def test_what_takes_too_little_stays(behind_a_play):
     _, base, split, wrong = behind_a_play
     worse = replace(wrong, score=base.score)
     assert along_the_valley(worse, PLAY, base, split, 0.02) is worse
+
+
+@pytest.fixture(scope="module")
+def saturated():
+    """A simulated carriage whose drive gives a fifth of what is asked of it nearly all the time: its draw,
+    base and split."""
+    draw = next(d for d in all_draws(9) if d.number == 9157)
+    case = machines.declared(draw)
+    split = judged(case, machines.records_of(draw))
+    return draw, refit(case.model(), split), split
+
+
+def test_a_limit_begins_at_parts_of_the_largest_input_with_all_else_in_proportion(saturated):
+    _, base, split = saturated
+    largest = max(abs(record.inputs[:, 0]).max() for record in split.fitted_records)
+    starts = with_limit_exceeded(SATURATION, SATURATION.added_to(base.model), split)
+    assert [1 / start[LIMIT] for start in starts] == pytest.approx([part * largest for part in PARTS])
+    for name in ("M", "carriage.viscous.f_v"):
+        assert starts[0][name] / starts[1][name] == pytest.approx(PARTS[0] / PARTS[1], rel=0.15)
+
+
+def test_it_leaves_a_limit_that_is_too_large(saturated):
+    draw, base, split = saturated
+    start = with_limit_exceeded(SATURATION, SATURATION.added_to(base.model), split)[0]
+    wrong = refit(SATURATION.added_to(base.model), split, [start], base, factors=CONTINUATION)
+    mass = draw.parameters["M"]
+    assert wrong.values["M"] > 2 * mass, "a descent alone finds it: this test shows nothing"
+    found = along_the_valley(wrong, SATURATION, base, split, 0.02)
+    assert found.cost < wrong.cost
+    assert found.values["M"] == pytest.approx(mass, rel=0.15)
+
+
+def test_a_limit_that_converged_stays(saturated):
+    _, base, split = saturated
+    start = with_limit_exceeded(SATURATION, SATURATION.added_to(base.model), split)[2]
+    there = replace(
+        refit(SATURATION.added_to(base.model), split, [start], base, factors=CONTINUATION), status="converged"
+    )
+    assert along_the_valley(there, SATURATION, base, split, 0.02) is there
+
+
+def test_an_effect_without_a_limit_begins_at_none(saturated):
+    _, base, split = saturated
+    gain = Candidate(effect_named("input_gain"), "force")
+    assert with_limit_exceeded(gain, gain.added_to(base.model), split) == []

@@ -1,0 +1,96 @@
+"""A fit goes on along its valley: where several parameters change together and the cost hardly does.
+
+A descent creeps along such a valley, or stays where it entered it. So the fit goes on from a place farther
+up or down the valley, by a large factor first, then by less. The lowest cost stays. Two effects have one:
+
+- A load behind a play. Each knock of the contact makes the cost rough, and what the records tell well is
+  about the product of load and play. So the load changes, the play and the inertia of the machine against it.
+- A limit that the input exceeds most of the time. Inertia, friction and limit can be scaled together. So the
+  limit changes, and all other parameters with it, by regression. What converged needs no such search.
+
+The gradient at a rough minimum tells too little of how far the valley goes on. So the standard errors of load
+and play are at least the distance to the farthest of these fits of which the likelihood is within 1/2 of the
+best one.
+
+Source: Hooke, Jeeves (1961), J. ACM 8(2), 212-229 (pattern search); Venzon, Moolgavkar (1988), Applied
+Statistics 37(1), 87-94 (intervals by the profile of the likelihood).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+from hybridid.estimators.levenberg_marquardt import CONVERGED
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.limit_starts import regressed_beside
+from hybridid.trace.load_starts import Giver, giver_of, sought_by
+from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.split import Split
+
+OF_PLAY, OF_LIMIT = (1.25, 1.1, 1.04), (2.0, 1.4, 1.2, 1.1)
+"""By which the load, or the limit, is changed, one after the other."""
+MOST = 4
+"""Steps by one factor."""
+Start = Mapping[str, float]
+Move = Callable[[Refit, float], Start | None]
+"""Values by name so many times farther along the valley than a refit; None beyond a bound."""
+
+
+def along_the_valley(found: Refit, candidate: Candidate, base: Refit, split: Split, least: float) -> Refit:
+    """``found``, or the refit with the lowest cost along its valley. What has none, or takes less than the
+    share ``least`` from the held-out error of ``base``, stays."""
+    if found.score.loss > (1 - least) * base.score.loss:
+        return found
+    play, load, limit = (sought_by(candidate, what) for what in ("play", "load", "limit"))
+    giver = giver_of(candidate.port, base, split) if play and load else None
+    if giver is not None:
+        seen = _search(found, OF_PLAY, lambda one, by: _with_load(one, giver, load, play, by), split)
+        return _as_wide_as_the_valley(seen[0], seen, (giver.name, load, play), split)
+    if not limit or found.status == CONVERGED:
+        return found
+    own = [name for name in found.values if name.startswith(f"{candidate.name}.")]
+    return _search(found, OF_LIMIT, lambda one, by: _with_limit(one, own, limit, by, split), split)[0]
+
+
+def _search(found: Refit, factors: Sequence[float], move: Move, split: Split) -> list[Refit]:
+    """``found`` and all refits along the valley, the lowest cost first."""
+    seen = [found]
+    for factor in factors:
+        for _ in range(MOST):
+            tried = [_from(found, move(found, by), split) for by in (factor, 1 / factor)]
+            seen += (one for one in tried if one is not None)
+            best = min(seen, key=lambda one: one.cost)
+            if best is found:
+                break
+            found = best
+    return sorted(seen, key=lambda one: one.cost)
+
+
+def _from(found: Refit, start: Start | None, split: Split) -> Refit | None:
+    """``found`` refitted from ``start``, if there is one."""
+    if start is None:
+        return None
+    return refit_if_possible(found.model, split, [start], found, found.numerics, float("inf"))
+
+
+def _with_load(found: Refit, giver: Giver, load: str, play: str, by: float) -> Start | None:
+    changed = found.values[load] * by
+    left = found.values[giver.name] - giver.value_of(changed - found.values[load])
+    changes = {giver.name: left, load: changed, play: found.values[play] / by}
+    declared = {p.name: p for p in found.model.parameters}
+    inside = all(declared[name].lower < value < declared[name].upper for name, value in changes.items())
+    return {**found.values, **changes} if inside else None
+
+
+def _with_limit(found: Refit, own: Sequence[str], limit: str, by: float, split: Split) -> Start | None:
+    known = {**{name: found.values[name] for name in own}, limit: found.values[limit] / by}
+    return regressed_beside(known, found.model, split)
+
+
+def _as_wide_as_the_valley(found: Refit, seen: Sequence[Refit], names: Sequence[str], split: Split) -> Refit:
+    """``found`` with standard errors of ``names`` that reach the fits ``seen`` that are as likely."""
+    n = int(found.problem(split).on(split.fitted).windows.cells.sum())
+    near = [one for one in seen if n * (one.cost / found.cost - 1) <= 1]
+    reach = {name: max(abs(one.values[name] - found.values[name]) for one in near) for name in names}
+    return replace(found, std={name: max(s, reach.get(name, 0.0)) for name, s in found.std.items()})
