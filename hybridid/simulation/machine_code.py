@@ -30,9 +30,9 @@ from hybridid.simulation.sensitivities import Part, output_part, step_part
 from hybridid.simulation.windows import Windows
 
 Array = NDArray[np.float64]
-WORTH = 3e6
-"""Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.2 s, pays: a
-fit simulates some thirty times, and the code is kept."""
+WORTH = 2e5
+"""Operations of one simulation (interpreted, some 4 ns each) from which compiling, at 0.2 s, pays: the trial
+of an effect simulates some two hundred times, a fit some thirty, and the code is kept."""
 LANES = 4
 """Horizons side by side, where there are as many; of more, as many as a register of the processor holds."""
 TURNS = 2
