@@ -117,7 +117,8 @@ def simulation_error(final: Refit, context: Context) -> Array:
         finer.append((OF_EPSILON, replace(ours, name="epsilon / 2", smoothing=ours.smoothing / 2)))
     given = [(final.model, split, [final.values], final, numerics) for _, numerics in finer]
     squares = np.zeros(len(final.model.outputs))
-    for (factor, _), again in zip(finer, context.mapper(refit_if_possible, given), strict=True):
+    finely = context.each("simulated more finely", refit_if_possible, given)
+    for (factor, _), again in zip(finer, finely, strict=True):
         if again is not None:
             squares += factor * np.maximum(0.0, final.score.rmse**2 - again.score.rmse**2)
     return np.sqrt(squares)

@@ -83,7 +83,7 @@ def fitted_to_held_out(fitted: Sequence[Refit], context: Context) -> list[Refit 
     """Each model, fitted to the held-out horizons alone; None if it cannot be simulated there."""
     there = context.split.swapped
     given = [(one.model, there, [one.values], one, one.numerics, math.inf) for one in fitted]
-    return list(context.mapper(refit_if_possible, given))
+    return context.each("fitted to the other horizons", refit_if_possible, given)
 
 
 def amplitudes(here: Refit, there: Refit, term: str) -> tuple[Amplitude, ...]:

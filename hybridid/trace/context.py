@@ -29,6 +29,11 @@ def nothing_known(*given: Any) -> int:
     return 0
 
 
+def unlabelled(result: Any) -> str:
+    """A result is counted, not named."""
+    return ""
+
+
 @dataclass(frozen=True, eq=False)
 class Context:
     """The horizons of a trace, what is tried where, by which rules, and how the refits run.
@@ -92,11 +97,12 @@ class Context:
         stage: str,
         function: Callable[..., T],
         arguments: Sequence[tuple[Any, ...]],
-        label: Callable[[T], str],
+        label: Callable[[T], str] = unlabelled,
         slow: Callable[..., int] = nothing_known,
         always: int | None = None,
     ) -> list[T]:
-        """``function`` of each of ``arguments``, in their order; every result is reported by its ``label``.
+        """``function`` of each of ``arguments``, in their order; the beginning is reported, and then every
+        result by its ``label``.
 
         Those for which ``slow`` is larger begin first, so that at the end no process waits long for another
         (longest processing time first: Graham 1969, SIAM J. Appl. Math. 17(2), 416-429).
@@ -109,6 +115,8 @@ class Context:
         order = every if limited else sorted(every, key=lambda k: -slow(*arguments[k]))
         begun = (arguments[k] for k in order if not limited or k < (always or 0) or not self.out_of_time)
         results: dict[int, T] = {}
+        if arguments:
+            self.report(stage, 0, len(arguments), "")
         for k, result in zip(order, self.mapper(function, begun), strict=not limited):
             results[k] = result
             self.report(stage, len(results), len(arguments), label(result))

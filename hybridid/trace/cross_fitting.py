@@ -96,7 +96,8 @@ def _of_both_sides(models: Mapping[str, Sequence[Refit]], family: int, context: 
     with the horizons of both sides, ``family`` times. None where a fit to the other side has not converged:
     of a poorer model, what it leaves too much would count for the effect."""
     every = list({id(one): one for several in models.values() for one in several}.values())
-    swapped = context.mapper(refit_if_possible, [_swapped(one, context) for one in every])
+    given = [_swapped(one, context) for one in every]
+    swapped = context.each("fitted to the other horizons", refit_if_possible, given)
     scores = {
         id(one): joined(one.score, other.score)
         for one, other in zip(every, swapped, strict=True)

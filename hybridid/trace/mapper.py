@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable
 Mapper = Callable[[Callable[..., object], Iterable[tuple]], Iterable]
 """``mapper(function, argument tuples)``: results in order; a process pool, or plain ``map``."""
 Report = Callable[[str, int, int, str], None]
-"""``report(stage, done, of, what)``: the stage's name, how many results of how many, and the last one."""
+"""``report(stage, done, of, what)``: the stage's name, how many results of how many, and the last one; empty
+where there is none yet, or it has no name."""
 
 
 def serial(function: Callable[..., object], arguments: Iterable[tuple]) -> Iterable:

@@ -47,7 +47,8 @@ def _with_those_alike(found: Search, context: Context) -> Search:
         if rival is not one.trial
     ]
     given = [(found.final, one.trial, rival, context.split, context.rules) for one, rival in rivals]
-    alike = [pair for pair, is_so in zip(rivals, context.mapper(still_alike, given), strict=True) if is_so]
+    told = context.each("in place of what was accepted", still_alike, given)
+    alike = [pair for pair, is_so in zip(rivals, told, strict=True) if is_so]
     classes = [(one.trial, *(rival for of, rival in alike if of is one)) for one in found.accepted]
     kept = (replace(one, alike=its) for one, its in zip(found.accepted, classes, strict=True))
     return replace(found, accepted=tuple(kept))

@@ -68,7 +68,7 @@ def variations(
 def refitted_under(base: Refit, varied: Sequence[Numerics], context: Context) -> list[Refit | None]:
     """``base`` refitted under each variation; None where it cannot be simulated so."""
     given = [(base.model, context.split, [base.values], base, numerics) for numerics in varied]
-    return list(context.mapper(refit_if_possible, given))
+    return context.each("by other numerics", refit_if_possible, given)
 
 
 def survival(
@@ -144,9 +144,9 @@ def surviving(learned: Sequence[Refit], final: Refit, context: Context) -> list[
     varied = variations(context.split.records, final.numerics, smooths)
     poorer = refitted_under(final, varied, context)
     places = [(k, *under) for k in range(len(learned)) for under in zip(varied, poorer, strict=True)]
-    given = ((final, learned[k], "", context.split, how, context.rules, base) for k, how, base in places)
-    again = zip(places, context.mapper(survival, given), strict=True)
-    lost = {k for (k, *_), one in again if not one.survives}
+    given = [(final, learned[k], "", context.split, how, context.rules, base) for k, how, base in places]
+    again = context.each("by other numerics", survival, given)
+    lost = {k for (k, *_), one in zip(places, again, strict=True) if not one.survives}
     return [k for k in range(len(learned)) if k not in lost]
 
 

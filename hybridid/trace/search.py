@@ -80,7 +80,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         base = sharp
         stopped = _nothing_to_seek(base, accepted, context)
         begun = base
-        base = begun if stopped else _beside_shorter(begun, context)
+        base = begun if stopped or context.out_of_time else _beside_shorter(begun, context)
         if base.cost < begun.cost:
             continue
         if stopped := stopped or _out_of_time(steps, took, context):
@@ -316,8 +316,8 @@ def survivals_of(base: Refit, best: Trial, context: Context, otherwise: Otherwis
     varied = variations(split.records, best.refit.numerics, best.refit.model.smooths)
     new = [numerics for numerics in varied if numerics not in otherwise]
     otherwise.update(zip(new, refitted_under(base, new, context), strict=True))
-    given = ((base, best.refit, name, split, how, context.rules, otherwise[how]) for how in varied)
-    return tuple(context.mapper(survival, given))
+    given = [(base, best.refit, name, split, how, context.rules, otherwise[how]) for how in varied]
+    return tuple(context.each("by other numerics", survival, given))
 
 
 def without_needless(

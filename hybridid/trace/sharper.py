@@ -76,7 +76,8 @@ def _halved(base: Refit, context: Context) -> Refit | None:
         return None
     values = {name: value for name, value in base.values.items() if name not in widths}
     given = (narrower, context.split, [values], base, base.numerics, math.inf)
-    return context.one(refit_if_possible, *given)
+    (again,) = context.each("narrower smoothing", refit_if_possible, [given])
+    return again
 
 
 def _said(model: Model) -> str:

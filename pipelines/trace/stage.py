@@ -160,7 +160,8 @@ class _Report:
         self._watcher = job.watcher
 
     def __call__(self, stage: str, done: int, of: int, what: str) -> None:
-        self._watcher.progress(stage, f"{done} of {of}, {what}", done / of)
+        named = f", {what}" if what else ""
+        self._watcher.progress(stage, f"{done} of {of}{named}", done / of)
 
     def say(self, line: str) -> None:
         self._watcher.say(f"trace: {line}")
