@@ -8,10 +8,14 @@ parameters and on the initial states x_j of the horizons before it:
 
 with the derivatives of horizon k's outputs, and of the end of k - 1, by what is its own. Left out, a fit
 creeps: a load behind a spring swings on for many horizons.
+
+Horizons that follow one another make a chain, those of one record. Chains meet in the parameters alone, so
+the equations have the arrow shape of ``normal_equations``, with a chain in the place of a horizon.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,11 +23,12 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from hybridid.estimators.jacobian import of_each
-from hybridid.estimators.normal_equations import small
+from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
 from hybridid.simulation.shooter import Shot
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 FORGOTTEN = 1e-4
 """Share of the norm of a horizon's own sensitivity below which an earlier initial state no longer counts."""
 RIDGE = 1e-14
@@ -32,116 +37,219 @@ RIDGE = 1e-14
 
 @dataclass(frozen=True)
 class Coupled:
-    """Scaled Gauss-Newton normal equations ``gram`` (n + w m, n + w m), ``gradient`` (n + w m,) of ``count``
-    parameters and the initial states (w, m). As ``normal_equations.Normal``, without its arrow shape."""
+    """Scaled Gauss-Newton normal equations of ``chains``: as ``Normal``, with c chains in the place of
+    horizons, and the e estimated states of each of a chain's k horizons together, ``xx`` (c, k e, k e).
 
-    gram: Array
-    gradient: Array
-    count: int
-    states: tuple[int, int]
+    ``members`` (c, k) are the horizons of each chain, -1 where it is shorter than the longest; ``estimated``
+    (w, m) marks the initial states that are estimated.
+    """
+
+    chains: Normal
+    members: NDArray[np.int64]
+    estimated: Mask
 
     @classmethod
     def of(cls, problem: Problem, shot: Shot, p_scale: Array, x_scale: Array) -> Coupled:
         """From a shot with sensitivities; steps count in ``p_scale`` (n,) and ``x_scale`` (m,)."""
-        w, m, n = problem.windows.count, len(x_scale), len(p_scale)
-        square, error = of_each(problem, shot)
-        begins = _handed_on(problem, shot, square)
-        along = np.tile(np.eye(m + n), (w, 1, 1))
-        along[:, np.flatnonzero(problem.carried), m:] += begins[..., :n]
-        square, error = along.swapaxes(1, 2) @ square @ along, (error[:, None] @ along)[:, 0]
-        matrix, error = _together(problem, square, error, begins[..., n:])
-        places = np.concatenate([np.arange(n), n + np.flatnonzero(problem.moving)])
-        scale = np.concatenate([p_scale, np.tile(x_scale, w)])[places]
-        gram, gradient = np.zeros((n + w * m, n + w * m)), np.zeros(n + w * m)
-        gram[np.ix_(places, places)] = matrix * np.outer(scale, scale)
-        gradient[places] = -error * scale
-        return cls(gram, gradient, n, (w, m))
+        members = _chains(problem.windows.follows)
+        links = _Links.of(problem, shot, members)
+        square, error = links.by_all_that_is_earlier()
+        x = np.tile(x_scale[links.own], members.shape[1])
+        xx, xp, gx = links.of_states(square, error)
+        m = len(x_scale)
+        chains = Normal(
+            pp=square[..., m:, m:].sum(axis=(0, 1)) * np.outer(p_scale, p_scale),
+            xx=xx * np.outer(x, x),
+            xp=xp * np.outer(x, p_scale),
+            gp=-error[..., m:].sum(axis=(0, 1)) * p_scale,
+            gx=-gx * x,
+        )
+        return cls(chains, members, problem.moving)
 
     @property
     def finite(self) -> bool:
         """Whether every number is one, and small enough to be multiplied with another."""
-        return small(self.gram, self.gradient)
+        return self.chains.finite
 
     @property
     def gp(self) -> Array:
         """Gradient by the parameters, (n_p,)."""
-        return self.gradient[: self.count]
+        return self.chains.gp
 
     @property
     def gx(self) -> Array:
         """Gradient by the initial states, (w, m)."""
-        return self.gradient[self.count :].reshape(self.states)
+        return self._by_horizon(self.chains.gx)
 
-    def holding(self, states: NDArray[np.bool_]) -> Coupled:
+    def holding(self, states: Mask) -> Coupled:
         """The equations with the initial states in ``states`` (w, m) held where they are."""
-        moving = np.concatenate([np.ones(self.count), np.where(states, 0.0, 1.0).ravel()])
-        return replace(self, gram=self.gram * moving[:, None] * moving, gradient=self.gradient * moving)
+        held = self._by_chain(states.astype(float)) > 0
+        return replace(self, chains=self.chains.holding(held))
 
-    def step(self, damping: float, fixed: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def step(self, damping: float, fixed: Mask) -> tuple[Array, Array]:
         """The damped step (dp, dx), with the parameters in ``fixed`` held."""
-        size = np.sqrt(np.diag(self.gram))
-        moving = size > 0
-        moving[: self.count] &= ~fixed
-        size = size[moving]
-        scaled = self.gram[np.ix_(moving, moving)] / np.outer(size, size)
-        scaled[np.diag_indices_from(scaled)] = 1.0 + damping + RIDGE
-        right, step = self.gradient[moving] / size, np.zeros(len(self.gradient))
-        if moving.any():
-            _, solved, indefinite = lapack.dposv(scaled, right)
-            step[moving] = -(np.linalg.lstsq(scaled, right, rcond=RIDGE)[0] if indefinite else solved) / size
-        return step[: self.count], step[self.count :].reshape(self.states)
+        solved = _by_cholesky(self.chains, damping, fixed)
+        dp, dx = _by_least_squares(self.chains, damping, fixed) if solved is None else solved
+        return dp, self._by_horizon(dx)
 
     def predicted(self, dp: Array, dx: Array) -> float:
         """Decrease of the cost that the linear model promises for a step."""
-        step = np.concatenate([dp, dx.ravel()])
-        return -float(self.gradient @ step + 0.5 * step @ self.gram @ step)
+        return self.chains.predicted(dp, self._by_chain(dx))
+
+    def _by_chain(self, states: Array) -> Array:
+        """What belongs to initial states, (w, m), as (c, k e)."""
+        found = states[:, self.estimated[0]][self.members]
+        found[self.members < 0] = 0.0
+        return found.reshape(len(self.members), -1)
+
+    def _by_horizon(self, chained: Array) -> Array:
+        """What belongs to estimated states, (c, k e), as (w, m)."""
+        found, there = np.zeros(self.estimated.shape), self.members >= 0
+        found[np.ix_(self.members[there], np.flatnonzero(self.estimated[0]))] = chained.reshape(
+            *self.members.shape, -1
+        )[there]
+        return found
 
 
-def _handed_on(problem: Problem, shot: Shot, square: Array) -> Array:
-    """dz_k/dp and dz_k/dx_j (w, i, n + w e) of the i inner states in which each horizon begins, by the n
-    parameters and by the e estimated initial states of each earlier horizon that it still feels, else zero.
-    ``square`` (w, m + n, m + n) are the products J'J by each horizon's own."""
-    own, inner = problem.moving[0], problem.carried
-    w, m = square.shape[0], len(own)
-    i, e, n = int(inner.sum()), int(own.sum()), square.shape[1] - m
-    found = np.zeros((w, i, n + w * e))
-    by_x = found[:, :, n:].reshape(w, i, w, e)
-    whole: NDArray[np.bool_] = np.all(np.isfinite(shot.ends_by), axis=(1, 2))
-    ends = shot.ends_by[..., inner].swapaxes(1, 2)
-    end_by_z, end_by_x = ends[:, :, :m][..., inner], ends[:, :, :m][..., own]
+def _chains(follows: Sequence[int]) -> NDArray[np.int64]:
+    """The horizons (c, k) that follow one another, -1 where a chain is shorter than the longest."""
+    chains: list[list[int]] = []
+    of: dict[int, list[int]] = {}
+    for horizon, before in enumerate(follows):
+        chain = of.get(before, [])
+        if not chain:
+            chains.append(chain)
+        chain.append(horizon)
+        of[horizon] = chain
+    longest = max(map(len, chains), default=0)
+    return np.array([chain + [-1] * (longest - len(chain)) for chain in chains], dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class _Links:
+    """What each horizon of a chain knows of itself, and how it begins.
+
+    The products J'J ``square`` (c, k, m + n, m + n) and J'r ``error`` (c, k, m + n) by its own initial state
+    and the n parameters, and dz/dp and dz/dx_j ``begins`` (c, k, i, n + k e) of the i ``inner`` states in
+    which it begins, by the parameters and by the e states ``own`` of each earlier horizon that it feels.
+    """
+
+    square: Array
+    error: Array
+    begins: Array
+    own: Mask
+    inner: Mask
+
+    @classmethod
+    def of(cls, problem: Problem, shot: Shot, members: NDArray[np.int64]) -> _Links:
+        square, error = of_each(problem, shot)
+        there = members >= 0
+        square, error = square[members], error[members]
+        square[~there], error[~there] = 0.0, 0.0
+        own, inner = problem.moving[0], problem.carried
+        whole = np.all(np.isfinite(shot.ends_by), axis=(1, 2))
+        goes_on = whole[members][:, :-1] & there[:, 1:]
+        ends = shot.ends_by[..., inner].swapaxes(1, 2)[members]
+        return cls(square, error, _handed_on(square, ends, goes_on, own, inner), own, inner)
+
+    def by_all_that_is_earlier(self) -> tuple[Array, Array]:
+        """``square`` and ``error`` with what the parameters do to the states in which a horizon begins."""
+        m, q = len(self.own), self.square.shape[-1]
+        along = np.tile(np.eye(q), (*self.square.shape[:2], 1, 1))
+        along[:, :, np.flatnonzero(self.inner), m:] += self.begins[..., : q - m]
+        square = along.swapaxes(-1, -2) @ self.square @ along
+        return square, (self.error[..., None, :] @ along)[..., 0, :]
+
+    def of_states(self, square: Array, error: Array) -> tuple[Array, Array, Array]:
+        """J'J (c, k e, k e) by the estimated states of each chain, (c, k e, n) by these and the parameters,
+        and J'r (c, k e)."""
+        c, k, m = *square.shape[:2], len(self.own)
+        e, i, n = int(self.own.sum()), int(self.inner.sum()), square.shape[-1] - m
+        own, inner = (np.append(mask, np.zeros(n, dtype=bool)) for mask in (self.own, self.inner))
+        earlier = self.begins[..., n:]
+        through, to_own = square[:, :, inner], square[:, :, own]
+        back = earlier.reshape(c, k * i, k * e).swapaxes(-1, -2)
+        later = (to_own[..., inner] @ earlier).reshape(c, k * e, k * e)
+        xx = back @ (through[..., inner] @ earlier).reshape(c, k * i, k * e) + later + later.swapaxes(-1, -2)
+        np.einsum("ckakb->ckab", xx.reshape(c, k, e, k, e))[...] += to_own[..., own]
+        xp = back @ through[..., m:].reshape(c, k * i, n) + to_own[..., m:].reshape(c, k * e, n)
+        gx = back @ error[..., inner].reshape(c, k * i, 1) + error[..., own].reshape(c, k * e, 1)
+        return xx, xp, gx[..., 0]
+
+
+def _handed_on(square: Array, ends: Array, goes_on: Mask, own: Mask, inner: Mask) -> Array:
+    """``begins`` of ``_Links``. ``ends`` (c, k, i, m + n) are the derivatives of the inner states in which
+    each horizon ends; the next one ``goes_on`` (c, k - 1) from there, or not."""
+    c, k, i, _ = ends.shape
+    m, e = len(own), int(own.sum())
+    n = square.shape[-1] - m
+    found = np.zeros((c, k, i, n + k * e))
+    by_x = found[..., n:].reshape(c, k, i, k, e)
     places = np.flatnonzero(inner)
-    through = square[:, places[:, None], places]
-    faint = FORGOTTEN**2 * np.diagonal(square, axis1=1, axis2=2)[:, :m][:, own]
-    for k, before in enumerate(problem.windows.follows):
-        if before < 0 or not whole[before]:
-            continue
-        np.matmul(end_by_z[before], found[before], out=found[k])
-        found[k, :, :n] += ends[before, :, m:]
-        by_x[k, :, before] = end_by_x[before]
-        past = np.flatnonzero(by_x[k].any(axis=(0, 2)))
-        block = by_x[k][:, past].reshape(i, len(past) * e)
-        shown = ((through[k] @ block) * block).sum(axis=0).reshape(len(past), e)
-        felt = (shown > faint[k]).any(axis=1)
-        by_x[k][:, past[~felt]] = 0.0
+    through = square[:, :, places[:, None], places]
+    faint = FORGOTTEN**2 * np.diagonal(square, axis1=2, axis2=3)[..., :m][..., own]
+    for at in range(1, k):
+        end, past = ends[:, at - 1], n + (at - 1) * e
+        found[:, at, :, :past] = end[..., :m][..., inner] @ found[:, at - 1, :, :past]
+        found[:, at, :, :n] += end[..., m:]
+        by_x[:, at, :, at - 1] = end[..., :m][..., own]
+        block = found[:, at, :, n : past + e]
+        shown = ((through[:, at] @ block) * block).sum(axis=1).reshape(c, at, e)
+        felt = (shown > faint[:, at, None]).any(axis=2)
+        by_x[:, at, :, :at] = np.where(felt[:, None, :, None], by_x[:, at, :, :at], 0.0)
+        found[~goes_on[:, at - 1], at] = 0.0
     return found
 
 
-def _together(problem: Problem, square: Array, error: Array, earlier: Array) -> tuple[Array, Array]:
-    """J'J (n + w e, n + w e) and J'r (n + w e,) by the parameters and all estimated initial states.
+def _by_cholesky(normal: Normal, damping: float, fixed: Mask) -> tuple[Array, Array] | None:
+    """The step (dp, dx) of scaled equations by eliminating chain after chain; None where rounding leaves a
+    matrix that is not positive definite."""
+    size = np.sqrt(np.diag(normal.pp))
+    moving = (size > 0) & ~fixed
+    size = size[moving]
+    reduced, right = _scaled(normal.pp[np.ix_(moving, moving)], size, damping), normal.gp[moving] / size
+    sizes = np.sqrt(np.einsum("cii->ci", normal.xx))
+    solved = []
+    for xx, xp, gx, own in zip(normal.xx, normal.xp, normal.gx, sizes, strict=True):
+        free = own > 0
+        across = xp[np.ix_(free, moving)] / np.outer(own[free], size)
+        given = np.column_stack([across, gx[free] / own[free]])
+        _, found, indefinite = lapack.dposv(_scaled(xx[np.ix_(free, free)], own[free], damping), given)
+        if indefinite:
+            return None
+        reduced -= across.T @ found[:, :-1]
+        right = right - across.T @ found[:, -1]
+        solved.append((free, found))
+    dp, dx = np.zeros(len(normal.gp)), np.zeros(normal.gx.shape)
+    if moving.any():
+        _, step, indefinite = lapack.dposv(reduced, right)
+        if indefinite:
+            return None
+        dp[moving] = -step / size
+    for row, own, (free, found) in zip(dx, sizes, solved, strict=True):
+        row[free] = -(found[:, -1] + found[:, :-1] @ (dp[moving] * size)) / own[free]
+    return dp, dx
 
-    Made of each horizon's own, ``square`` (w, m + n, m + n) and ``error`` (w, m + n), in whose columns by the
-    parameters dz_k/dp is included, and of dz_k/dx_j ``earlier`` (w, i, w e)."""
-    w, m = problem.moving.shape
-    n, e = square.shape[1] - m, int(problem.moving[0].sum())
-    none = np.zeros(n, dtype=bool)
-    own, inner = np.append(problem.moving[0], none), np.append(problem.carried, none)
-    through, to_own = square[:, inner], square[:, own]
-    tall = earlier.reshape(-1, w * e)
-    later = (to_own[:, :, inner] @ earlier).reshape(w * e, w * e)
-    xx = tall.T @ (through[:, :, inner] @ earlier).reshape(tall.shape) + later + later.T
-    each = np.arange(w)
-    xx.reshape(w, e, w, e)[each, :, each] += to_own[:, :, own]
-    xp = tall.T @ through[:, :, m:].reshape(len(tall), n) + to_own[:, :, m:].reshape(w * e, n)
-    gx = tall.T @ error[:, inner].ravel() + error[:, own].ravel()
-    matrix = np.block([[square[:, m:, m:].sum(axis=0), xp.T], [xp, xx]])
-    return matrix, np.concatenate([error[:, m:].sum(axis=0), gx])
+
+def _scaled(matrix: Array, size: Array, damping: float) -> Array:
+    scaled: Array = matrix / np.outer(size, size)
+    scaled[np.diag_indices_from(scaled)] = 1.0 + damping + RIDGE
+    return scaled
+
+
+def _by_least_squares(normal: Normal, damping: float, fixed: Mask) -> tuple[Array, Array]:
+    """The shortest step (dp, dx) of the scaled equations, all at once."""
+    n, (c, k) = len(normal.gp), normal.gx.shape
+    gram = np.zeros((n + c * k, n + c * k))
+    gram[:n, :n] = normal.pp
+    gram[n:, :n] = normal.xp.reshape(c * k, n)
+    gram[:n, n:] = gram[n:, :n].T
+    np.einsum("iaib->iab", gram[n:, n:].reshape(c, k, c, k))[...] = normal.xx
+    gradient, size = np.concatenate([normal.gp, normal.gx.ravel()]), np.sqrt(np.diag(gram))
+    moving = size > 0
+    moving[:n] &= ~fixed
+    step, size = np.zeros(len(size)), size[moving]
+    if moving.any():
+        scaled = _scaled(gram[np.ix_(moving, moving)], size, damping)
+        step[moving] = -np.linalg.lstsq(scaled, gradient[moving] / size, rcond=RIDGE)[0] / size
+    return step[:n], step[n:].reshape(c, k)
