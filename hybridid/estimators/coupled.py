@@ -184,56 +184,53 @@ def _handed_on(square: Array, ends: Array, goes_on: Mask, own: Mask, inner: Mask
     m, e = len(own), int(own.sum())
     n = square.shape[-1] - m
     found = np.zeros((c, k, i, n + k * e))
-    by_x = found[..., n:].reshape(c, k, i, k, e)
     places = np.flatnonzero(inner)
     through = square[:, :, places[:, None], places]
     faint = FORGOTTEN**2 * np.diagonal(square, axis1=2, axis2=3)[..., :m][..., own]
+    by_z, by_x, by_p = ends[..., :m][..., inner], ends[..., :m][..., own], ends[..., m:]
+    first, now_p, now_x = 0, found[:, 0, :, :n], found[:, 0, :, n:n]
     for at in range(1, k):
-        end, past = ends[:, at - 1], n + (at - 1) * e
-        found[:, at, :, :past] = end[..., :m][..., inner] @ found[:, at - 1, :, :past]
-        found[:, at, :, :n] += end[..., m:]
-        by_x[:, at, :, at - 1] = end[..., :m][..., own]
-        block = found[:, at, :, n : past + e]
-        shown = ((through[:, at] @ block) * block).sum(axis=1).reshape(c, at, e)
+        now_p = by_z[:, at - 1] @ now_p + by_p[:, at - 1]
+        now_x = np.concatenate([by_z[:, at - 1] @ now_x, by_x[:, at - 1]], axis=2)
+        now_p[~goes_on[:, at - 1]], now_x[~goes_on[:, at - 1]] = 0.0, 0.0
+        shown = ((through[:, at] @ now_x) * now_x).sum(axis=1).reshape(c, at - first, e)
         felt = (shown > faint[:, at, None]).any(axis=2)
-        by_x[:, at, :, :at] = np.where(felt[:, None, :, None], by_x[:, at, :, :at], 0.0)
-        found[~goes_on[:, at - 1], at] = 0.0
+        if not felt.all():
+            gone = int(felt.any(axis=0).argmax()) if felt.any() else at - first
+            still = np.repeat(felt[:, None, gone:], e, axis=2)
+            first, now_x = first + gone, np.where(still, now_x[..., gone * e :], 0.0)
+        found[:, at, :, :n], found[:, at, :, n + first * e : n + at * e] = now_p, now_x
     return found
 
 
 def _by_cholesky(normal: Normal, damping: float, fixed: Mask) -> tuple[Array, Array] | None:
     """The step (dp, dx) of scaled equations by eliminating chain after chain; None where rounding leaves a
     matrix that is not positive definite."""
-    size = np.sqrt(np.diag(normal.pp))
+    size, own = np.sqrt(np.diag(normal.pp)), np.sqrt(np.einsum("cii->ci", normal.xx))
     moving = (size > 0) & ~fixed
-    size = size[moving]
-    reduced, right = _scaled(normal.pp[np.ix_(moving, moving)], size, damping), normal.gp[moving] / size
-    sizes = np.sqrt(np.einsum("cii->ci", normal.xx))
-    solved = []
-    for xx, xp, gx, own in zip(normal.xx, normal.xp, normal.gx, sizes, strict=True):
-        free = own > 0
-        across = xp[np.ix_(free, moving)] / np.outer(own[free], size)
-        given = np.column_stack([across, gx[free] / own[free]])
-        _, found, indefinite = lapack.dposv(_scaled(xx[np.ix_(free, free)], own[free], damping), given)
+    size, own = size[moving], np.where(own > 0, own, 1.0)  # a row without a diagonal is zero
+    across = normal.xp[..., moving] / (own[..., None] * size)
+    found = np.concatenate([across, (normal.gx / own)[..., None]], axis=2)
+    for k, matrix in enumerate(_scaled(normal.xx, own, damping) if found.size else ()):
+        _, found[k], indefinite = lapack.dposv(matrix, found[k])
         if indefinite:
             return None
-        reduced -= across.T @ found[:, :-1]
-        right = right - across.T @ found[:, -1]
-        solved.append((free, found))
-    dp, dx = np.zeros(len(normal.gp)), np.zeros(normal.gx.shape)
+    taken = (across.swapaxes(1, 2) @ found).sum(axis=0)
+    dp, scaled = np.zeros(len(normal.gp)), np.zeros(len(size))
     if moving.any():
-        _, step, indefinite = lapack.dposv(reduced, right)
+        reduced = _scaled(normal.pp[np.ix_(moving, moving)], size, damping) - taken[:, :-1]
+        _, solved, indefinite = lapack.dposv(reduced, normal.gp[moving] / size - taken[:, -1])
         if indefinite:
             return None
-        dp[moving] = -step / size
-    for row, own, (free, found) in zip(dx, sizes, solved, strict=True):
-        row[free] = -(found[:, -1] + found[:, :-1] @ (dp[moving] * size)) / own[free]
-    return dp, dx
+        scaled = -solved
+    dp[moving] = scaled / size
+    return dp, -(found[..., -1] + found[..., :-1] @ scaled) / own
 
 
 def _scaled(matrix: Array, size: Array, damping: float) -> Array:
-    scaled: Array = matrix / np.outer(size, size)
-    scaled[np.diag_indices_from(scaled)] = 1.0 + damping + RIDGE
+    """``matrix`` (..., n, n) over ``size`` (..., n) of its rows and columns, damped."""
+    scaled: Array = matrix / (size[..., None] * size[..., None, :])
+    np.einsum("...ii->...i", scaled)[...] = 1.0 + damping + RIDGE
     return scaled
 
 
