@@ -212,10 +212,11 @@ def refit_if_possible(
     before: Refit,
     numerics: Numerics,
     std_up_to: float = WITHOUT_STD,
+    hopeful: float = np.inf,
 ) -> Refit | None:
     """``refit``, or None where the model cannot be simulated with ``numerics``."""
     try:
-        return refit(model, split, starts, before, numerics, std_up_to=std_up_to)
+        return refit(model, split, starts, before, numerics, std_up_to=std_up_to, hopeful=hopeful)
     except (TooStiff, *FAILURES):
         return None
 

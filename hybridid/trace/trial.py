@@ -183,6 +183,6 @@ def _unless_better_from_shorter(
     if shorter is None or same_valley(candidate, shorter[0], found.values):
         return found
     start, begun = shorter
-    std_up_to = (1 - least) * base.score.loss
-    again = refit_if_possible(found.model, split, [start], begun, found.numerics, std_up_to)
-    return found if again is None or again.cost >= (1 - LEAST_DECREASE) * found.cost else again
+    std_up_to, lower = (1 - least) * base.score.loss, (1 - LEAST_DECREASE) * found.cost
+    again = refit_if_possible(found.model, split, [start], begun, found.numerics, std_up_to, lower)
+    return found if again is None or again.cost >= lower else again
