@@ -34,7 +34,7 @@ def unsure_in_words(found: Trace) -> str:
 
 
 def narrowed_in_words(found: Trace) -> str:
-    """Which smoothings of sign(v) were made narrower; empty if none was."""
+    """Which smoothings of sign(v) were made narrower, and what that says of the gains; empty if none was."""
     if not found.narrowed:
         return ""
     told = listed(
@@ -43,7 +43,10 @@ def narrowed_in_words(found: Trace) -> str:
             for one in found.narrowed
         ]
     )
-    return f"sign(v) is smoothed over {told}: the wider smoothing left an error of its own."
+    said = f"sign(v) is smoothed over {told}: the wider smoothing left an error of its own."
+    if not found.accepted:
+        return said
+    return f"{said} The gain of an effect in the table is that of its step, which may have had the wider one."
 
 
 def refused_rivals(found: Trace) -> tuple[str, ...]:

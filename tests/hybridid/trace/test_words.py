@@ -316,11 +316,11 @@ def test_a_replacement_that_is_only_as_good_is_told_as_such(nothing):
 
 
 def test_a_narrower_smoothing_is_told(nothing):
-    width = Width("carriage.epsilon", "m/s", 1e-3, 2.5e-4)
-    assert narrowed_in_words(replace(nothing(), narrowed=(width,))) == (
-        "sign(v) is smoothed over 250 µm/s instead of 1 mm/s (carriage.epsilon): the wider smoothing left "
-        "an error of its own."
-    )
+    found = replace(nothing(), narrowed=(Width("carriage.epsilon", "m/s", 1e-3, 2.5e-4),))
+    said = "sign(v) is smoothed over 250 µm/s instead of 1 mm/s (carriage.epsilon): the wider smoothing left "
+    assert narrowed_in_words(found) == f"{said}an error of its own."
+    named = narrowed_in_words(replace(found, accepted=(accepted("stribeck", "F = k", False),)))
+    assert named.endswith(" is that of its step, which may have had the wider one.")
     assert narrowed_in_words(nothing()) == ""
 
 
