@@ -22,6 +22,7 @@ from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.free_run import far_in_free_run, worse_in_free_run
 from hybridid.trace.horizon_advice import (
     determining_parts_advised,
+    few_samples,
     other_horizons_advised,
     parts_of_all_advised,
     slower_dynamics,
@@ -54,6 +55,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     told += [drive_changes_on_one_side(found.model, context.split)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     told += [slower_dynamics(found.search.final, context.split)]
+    told += [few_samples(found.search.final, context.split)]
     if found.verdict == "unexplained":
         told += [other_horizons_advised(found.search.final, context.split, found.accuracy.noise)]
     unconfirmed = _only_fitted(found, context) if found.verdict == "unexplained" else ""

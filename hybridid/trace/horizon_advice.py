@@ -12,6 +12,8 @@ from hybridid.trace.refit import Refit
 from hybridid.trace.shorter import SHARE
 from hybridid.trace.split import FEWEST, Split
 
+ABSORBED = 0.2
+"""Initial states that a horizon estimates, over its measured values, from which these may hide an effect."""
 MANY_MORE = 1.5
 """Times the horizons that judge, from which as many more are worth another trace."""
 
@@ -40,6 +42,20 @@ def other_horizons_advised(final: Refit, split: Split, noise: NDArray[np.float64
     return (
         f" Over horizons of {seconds} s the fit has other parameters: what is missing bends it over longer "
         f"ones. trace.horizon={seconds} may show more."
+    )
+
+
+def few_samples(final: Refit, split: Split) -> str:
+    """That each horizon has few measured values for the initial states that it estimates, in words; else
+    empty."""
+    own = int(final.problem(split).moving[0].sum())
+    values = split.horizon * len(final.model.outputs)
+    if own <= ABSORBED * values:
+        return ""
+    few = counted(values, "measured value")
+    return (
+        f" Beware: from the {few} of each horizon {counted(own, 'initial state')} of its own are estimated. "
+        "What is missing may hide there. A longer trace.horizon shows more."
     )
 
 

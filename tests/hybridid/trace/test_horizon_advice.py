@@ -9,6 +9,7 @@ import pytest
 
 from hybridid.trace.horizon_advice import (
     determining_parts_advised,
+    few_samples,
     other_horizons_advised,
     parts_of_all_advised,
     slower_dynamics,
@@ -96,3 +97,16 @@ def test_parts_of_every_record_may_determine_the_parameters():
         " With trace.records=null trace.held_out=null parts of"
     )
     assert determining_parts_advised(SimpleNamespace(gap=3)) == ""
+
+
+@pytest.mark.parametrize(("samples", "told"), [(3, True), (9, True), (10, False), (200, False)])
+def test_horizons_of_few_samples_are_told(samples, told):
+    """Of two states, of one output: two initial states from so many values."""
+    own = SimpleNamespace(
+        model=SimpleNamespace(outputs=("position",)),
+        problem=lambda split: SimpleNamespace(moving=np.array([[True, True, False]])),
+    )
+    said = few_samples(own, split(20, samples))
+    expected = f" Beware: from the {samples} measured values of each horizon 2 initial states of its own are"
+    assert said.startswith(expected) is told
+    assert bool(said) is told
