@@ -70,7 +70,8 @@ def _advice_of_the_fit(tree: Path, found: Trace) -> list[RenderableType]:
         return []
     fits_all = all(record.role == FITTED for record in found.records)
     advice = [one for one in fit_of(tree).quality.advice if not (fits_all and one.kind == "range")]
-    return [Text(f"advice of the fit: {one.said}", style="cyan") for one in advice]
+    whose = "advice of the fit of the declared model" if found.accepted else "advice of the fit"
+    return [Text(f"{whose}: {one.said}", style="cyan") for one in advice]
 
 
 def _accepted(found: Trace) -> RenderableType:

@@ -92,7 +92,7 @@ def structure_in_words(found: Trace) -> str:
         )
     if not found.ceilings.after:
         return f"No {learned(found)} was tried."
-    return f"No {learned(found)} takes {worth} or more from the held-out error."
+    return f"No {learned(found)} is shown to take {worth} or more from the held-out error."
 
 
 def learned(found: Trace) -> str:

@@ -84,7 +84,7 @@ def test_what_a_network_still_takes_is_called_by_its_name(traced, tree):
     left = (tree / "trace/report.md").read_text().partition("## What is left")[2]
     worth = [c for c in data["ceilings"]["after"] if c["gain"] >= data["rules"]["worth"]]
     assert worth
-    assert ("No learned effort takes" in left) == (not worth)
+    assert ("No learned effort is shown to take" in left) == (not worth)
     assert ("does not survive other ways of solving the equations" in left) == (
         not data["remains"] and not data["completeness"]["complete"]
     )

@@ -153,8 +153,8 @@ def test_of_the_laws_that_were_refused_the_best_are_told(section, stored):
     [
         (0.3, 1e-9, ("at cart over velocity",), "Structure remains at cart over velocity"),
         (0.3, 1e-9, (), "do not keep that gain when the equations are solved another way"),
-        (0.3, 0.5, (), "No learned effort takes 5 % or more"),
-        (0.01, 1e-9, (), "No learned effort takes 5 % or more"),
+        (0.3, 0.5, (), "No learned effort is shown to take 5 % or more"),
+        (0.01, 1e-9, (), "No learned effort is shown to take 5 % or more"),
     ],
 )
 def test_what_is_left(stored, section, gain, p_value, remains, said):

@@ -62,7 +62,7 @@ def test_the_terminal_repeats_what_the_fit_advises(tree):
     quality = Quality("sound", "sound", (), (), 0.0, advice=(advice, beyond))
     (tree / ESTIMATE).parent.mkdir()
     write_json(tree / ESTIMATE, Fit("cart", "gray box", ("push",), "simulated", (), quality, estimate))
-    assert "advice of the fit: horizons of 12 s would show more" in rendered(trace_results(tree))
+    assert "advice of the fit of the declared model: horizons of 12 s" in rendered(trace_results(tree))
     assert "b leaves what was fitted" in rendered(trace_results(tree))
     stored = read_json(tree / TRACE)
     write_json(tree / TRACE, {**stored, "records": [{**one, "role": "fitted"} for one in stored["records"]]})
