@@ -120,7 +120,7 @@ def test_horizons_on_their_own(problem_of, outputs, estimate_x0):
     assert estimate_x0 == bool(found.xx.any())
 
 
-def whole(found):
+def assembled(found):
     """The matrix of coupled equations, by the parameters and all initial states (n + w m, n + w m)."""
     n, (w, m) = len(found.gp), found.estimated.shape
     own = np.flatnonzero(found.estimated[0])
@@ -147,10 +147,40 @@ def test_horizons_that_hand_states_on(monkeypatch, problem_of, effect, outputs, 
     found = LeastSquares.of(problem).linearised(shot)
     assert isinstance(found, Coupled)
     gram, error = written_out(problem, shot, forgotten)
-    close(whole(found), gram)
+    close(assembled(found), gram)
     close(np.concatenate([found.gp, found.gx.ravel()]), -error)
     n, m = len(problem.free), len(problem.model.states)
     assert gram[n : n + m, n + m : n + 2 * m].any(), "the second horizon feels where the first began"
+
+
+@pytest.mark.parametrize("damping", [1e-10, 1e-2])
+@pytest.mark.parametrize("held", [(), (0,)])
+def test_a_step_by_chains_is_that_of_the_whole_matrix(problem_of, damping, held):
+    """Two records of unequal length: the second chain is shorter."""
+    problem = problem_of("viscous", "flexible_mode")
+    found = LeastSquares.of(problem).linearised(shot_of(problem))
+    assert len(found.members) == 2
+    assert (found.members < 0).any()
+    n, (w, m) = len(found.gp), found.estimated.shape
+    gram, gradient = assembled(found), np.concatenate([found.gp, found.gx.ravel()])
+    moving = np.diag(gram) > 0
+    moving[list(held)] = False
+    expected, size = np.zeros(n + w * m), np.sqrt(np.diag(gram)[moving])
+    scaled = gram[np.ix_(moving, moving)] / np.outer(size, size) + damping * np.eye(moving.sum())
+    expected[moving] = -np.linalg.solve(scaled, gradient[moving] / size) / size
+    fixed = np.isin(np.arange(n), held)
+    for dp, dx in (found.step(damping, fixed), _by_all_at_once(found, damping, fixed)):
+        np.testing.assert_allclose(dp, expected[:n], rtol=1e-6, atol=1e-9 * np.abs(expected[:n]).max())
+        np.testing.assert_allclose(dx.ravel(), expected[n:], rtol=1e-6, atol=1e-8 * np.abs(dx).max())
+        promised = -(gradient @ expected + expected @ gram @ expected / 2)
+        assert found.predicted(dp, dx) == pytest.approx(promised, rel=1e-6)
+
+
+def _by_all_at_once(found, damping, fixed):
+    """The step where a matrix is not positive definite by rounding."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(coupled, "_by_cholesky", lambda *given: None)
+        return found.step(damping, fixed)
 
 
 @pytest.mark.parametrize("effects", [("coulomb",), ("maxwell",), ("flexible_mode",)])
@@ -175,7 +205,7 @@ def test_what_is_hardly_felt_is_left_out(monkeypatch, problem_of):
     between = {}
     for forgotten in (0.0, 1e9):
         monkeypatch.setattr(coupled, "FORGOTTEN", forgotten)
-        found = whole(LeastSquares.of(problem).linearised(shot))
+        found = assembled(LeastSquares.of(problem).linearised(shot))
         between[forgotten] = np.abs(found[n : n + m, n + m :]).max()
     assert between[0.0] > 0.0
     assert between[1e9] == 0.0
@@ -193,7 +223,7 @@ def test_initial_states_alone(problem_of, effect):
     if isinstance(found, Normal):
         close(found.xx, gram.reshape(w, m, w, m)[np.arange(w), :, np.arange(w)])
     else:
-        close(whole(found), gram)
+        close(assembled(found), gram)
 
 
 @pytest.mark.parametrize("effects", [("viscous", "coulomb"), ("viscous", "maxwell")])
