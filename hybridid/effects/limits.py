@@ -30,7 +30,6 @@ LIMIT = EffectParameter(
     upper=100.0,
     starts=(0.1, 1.0),
     nests=True,
-    sought="limit",
 )
 SHARPNESS = EffectParameter(
     "n",
@@ -50,7 +49,7 @@ INPUT_SATURATION = Effect(
     title="drive that saturates",
     equation="u → u / (1 + |u/limit|^n)^(1/n)",
     law=lambda at: _clipping(at.signal, at.p.inverse_limit, at.p.n),
-    parameters=(LIMIT, SHARPNESS),
+    parameters=(replace(LIMIT, sought="limit"), SHARPNESS),
     source=(
         "Tao, Kokotović (1996), Adaptive Control of Systems with Actuator and Sensor Nonlinearities, "
         "Wiley, ch. 1"
@@ -90,7 +89,7 @@ BACK_EMF_LIMIT = Effect(
     equation="F = drive - drive/(1 + |drive/limit|^n)^(1/n),  limit = F_0 (1 - v sign(drive)/v_0)",
     law=_lacking,
     parameters=(
-        replace(LIMIT, meaning="1/F_0: 1 over the largest effort at standstill", starts=(1.0,), sought=""),
+        replace(LIMIT, meaning="1/F_0: 1 over the largest effort at standstill", starts=(1.0,)),
         EffectParameter(
             "v_0", VELOCITY, "no-load speed, at which nothing is left", guess=2.0, lower=0.2, upper=50.0
         ),

@@ -54,8 +54,8 @@ def few_samples(final: Refit, split: Split) -> str:
         return ""
     few = counted(values, "measured value")
     return (
-        f" Beware: from the {few} of each horizon {counted(own, 'initial state')} of its own are estimated. "
-        "What is missing may hide there. A longer trace.horizon shows more."
+        f" Beware: each horizon estimates {counted(own, 'initial state')} of its own from {few}. What is "
+        "missing may hide there. A longer trace.horizon shows more."
     )
 
 

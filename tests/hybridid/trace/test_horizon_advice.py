@@ -107,6 +107,6 @@ def test_horizons_of_few_samples_are_told(samples, told):
         problem=lambda split: SimpleNamespace(moving=np.array([[True, True, False]])),
     )
     said = few_samples(own, split(20, samples))
-    expected = f" Beware: from the {samples} measured values of each horizon 2 initial states of its own are"
+    expected = f" Beware: each horizon estimates 2 initial states of its own from {samples} measured values."
     assert said.startswith(expected) is told
     assert bool(said) is told
