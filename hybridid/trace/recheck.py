@@ -27,6 +27,7 @@ from hybridid.trace.judgement import judge
 from hybridid.trace.refit import refit_if_possible, values_without
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import PASSED, Trial, attempt
+from hybridid.trace.tried import along_valleys
 
 NEARLY = 0.9
 """Of what the accepted effect took, that a rival took which a wider smoothing may have kept out."""
@@ -83,7 +84,9 @@ def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accep
         return one
     here = replace(one.trial, refit=final, comparison=compare(poorer.score, final.score))
     given = [(rival, poorer, context.split, rules.worth) for rival in rivals]
-    trials = context.each(f"in place of {one.name}", attempt, given, lambda t: t.candidate.name)
+    stage = f"in place of {one.name}"
+    trials = context.each(stage, attempt, given, lambda t: t.candidate.name)
+    trials = along_valleys(trials, poorer, context, stage)
     judged = judge(trials, rules, len(found.steps[0].trials))
     _, *as_good = equivalents(here, judged, rules, context.meets_noise(final.score))
     return replace(one, alike=(*one.alike, *as_good))

@@ -90,6 +90,8 @@ def attempt(
 ) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons.
 
+    A trial that may be chosen then goes on along its valley: see ``hybridid.trace.tried``.
+
     A refit that promises little ends early: less than ``LEAST_DECREASE``, and than half of ``worth``, of the
     fitted cost and of the held-out RMSE of ``base``, or of a ``rival`` that it is to replace. One that takes
     so little of the RMSE of ``base`` has no standard errors.
@@ -133,11 +135,27 @@ def _attempt(
         found = _begun_anew(found, base, split) if found.converged else found
         found = _unless_better_from_shorter(found, candidate, base, split, least)
         found = _with_form_fitted(found, candidate, base, split, least)
-        found = along_the_valley(found, candidate, base, split, least)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):
         return Trial(candidate, None, None, failure="the simulation diverges from every start")
+    return _ended(candidate, found, base, split)
+
+
+def gone_on(trial: Trial, base: Refit, split: Split) -> Trial:
+    """``trial``, its refit gone on along its valley (``hybridid.trace.valley``), if that explains more."""
+    assert trial.refit is not None
+    began = time.perf_counter()
+    try:
+        found = along_the_valley(trial.refit, trial.candidate, base, split)
+    except (ValueError, ArithmeticError):  # from there it cannot be simulated
+        return trial
+    ended = _ended(trial.candidate, found, base, split)
+    return replace(ended, seconds=trial.seconds + time.perf_counter() - began)
+
+
+def _ended(candidate: Candidate, found: Refit, base: Refit, split: Split) -> Trial:
+    """The trial that ended at ``found``, with its evidence over ``base``."""
     evidence = compare(base.score, found.score)
     fitted_gain = max(0.0, 1.0 - found.cost / base.cost) if base.cost > 0 else 0.0
     return Trial(candidate, found, evidence, fitted_gain, not_shown=not_shown(candidate, found, split))

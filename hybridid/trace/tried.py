@@ -2,6 +2,10 @@
 
 A trial takes seconds to minutes, the promise of an effect (``hybridid.trace.promise``) a few simulations. It
 only orders the trials. What is left out is told.
+
+Where several parameters change together and the cost hardly does, a refit goes on along that valley
+(``hybridid.trace.valley``), by up to two dozen more refits. That serves only a trial that its step may
+choose, so the best trial is known first.
 """
 
 from __future__ import annotations
@@ -12,12 +16,16 @@ from collections.abc import Sequence
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.context import Context
 from hybridid.trace.promise import promised_alone
-from hybridid.trace.refit import Refit
+from hybridid.trace.refit import Refit, least_of
 from hybridid.trace.sensitivity import seen
-from hybridid.trace.trial import Trial, attempt
+from hybridid.trace.trial import Trial, attempt, gone_on
+from hybridid.trace.valley import has_valley
 
 ALWAYS = 5
 """Effects that are tried in any time: without a trial there is no answer."""
+NEAR = 2.0
+"""Times the held-out error of the best trial up to which another goes on along its valley. Along a valley the
+cost changes little, so what leaves far more error than the best trial will not be chosen."""
 
 
 def trials_of(base: Refit, context: Context, stage: str) -> tuple[list[Trial], tuple[str, ...]]:
@@ -25,13 +33,31 @@ def trials_of(base: Refit, context: Context, stage: str) -> tuple[list[Trial], t
     candidates = list(admissible(base.model, context.effects, context.ports))
     if math.isinf(context.until):
         given = _given(candidates, base, context)
-        return context.each(stage, attempt, given, _name, lambda candidate, *_: candidate.inner_states), ()
+        trials = context.each(stage, attempt, given, _name, lambda candidate, *_: candidate.inner_states)
+        return along_valleys(trials, base, context, stage), ()
     ordered = _most_promising_first(candidates, base, context)
     trials = context.each(stage, attempt, _given(ordered, base, context), _name, always=ALWAYS)
+    trials = along_valleys(trials, base, context, stage)
     left_out = {one.name for one in ordered[len(trials) :]}
     by_name = {one.candidate.name: one for one in trials}
     as_listed = [by_name[one.name] for one in candidates if one.name in by_name]
     return as_listed, tuple(one.name for one in candidates if one.name in left_out)
+
+
+def along_valleys(trials: Sequence[Trial], base: Refit, context: Context, stage: str) -> list[Trial]:
+    """``trials`` beside ``base``; those that may be chosen have gone on along their valleys, while there is
+    time."""
+    losses = [trial.refit.score.loss if trial.refit else math.inf for trial in trials]
+    most = min(NEAR * min(losses, default=math.inf), (1 - least_of(context.rules.worth)) * base.score.loss)
+    near = [
+        k
+        for k, (trial, loss) in enumerate(zip(trials, losses, strict=True))
+        if trial.refit and loss <= most and has_valley(trial.refit, trial.candidate)
+    ]
+    given = [(trials[k], base, context.split) for k in near]
+    gone = context.each(f"{stage}, along valleys", gone_on, given, _name, always=0)
+    found = dict(zip(near, gone, strict=False))  # a time limit may leave out the last ones
+    return [found.get(k, trial) for k, trial in enumerate(trials)]
 
 
 def _given(

@@ -37,20 +37,25 @@ Move = Callable[[Refit, float], Start | None]
 """Values by name so many times farther along the valley than a refit; None beyond a bound."""
 
 
-def along_the_valley(found: Refit, candidate: Candidate, base: Refit, split: Split, least: float) -> Refit:
-    """``found``, or the refit with the lowest cost along its valley. What has none, or takes less than the
-    share ``least`` from the held-out error of ``base``, stays."""
-    if found.score.loss > (1 - least) * base.score.loss:
+def has_valley(found: Refit, candidate: Candidate) -> bool:
+    """Whether the refit of ``candidate`` may go on along a valley."""
+    play, load, limit = (sought_by(candidate, what) for what in ("play", "load", "limit"))
+    return bool((play and load) or (limit and found.status != CONVERGED))
+
+
+def along_the_valley(found: Refit, candidate: Candidate, base: Refit, split: Split) -> Refit:
+    """``found``, or the refit with the lowest cost along its valley. What has none stays."""
+    if not has_valley(found, candidate):
         return found
     play, load, limit = (sought_by(candidate, what) for what in ("play", "load", "limit"))
-    giver = giver_of(candidate.port, base, split) if play and load else None
-    if giver is not None:
-        seen = _search(found, OF_PLAY, lambda one, by: _with_load(one, giver, load, play, by), split)
-        return _as_wide_as_the_valley(seen[0], seen, (giver.name, load, play), split)
-    if not limit or found.status == CONVERGED:
+    if limit:
+        own = [name for name in found.values if name.startswith(f"{candidate.name}.")]
+        return _search(found, OF_LIMIT, lambda one, by: _with_limit(one, own, limit, by, split), split)[0]
+    giver = giver_of(candidate.port, base, split)
+    if giver is None:
         return found
-    own = [name for name in found.values if name.startswith(f"{candidate.name}.")]
-    return _search(found, OF_LIMIT, lambda one, by: _with_limit(one, own, limit, by, split), split)[0]
+    seen = _search(found, OF_PLAY, lambda one, by: _with_load(one, giver, load, play, by), split)
+    return _as_wide_as_the_valley(seen[0], seen, (giver.name, load, play), split)
 
 
 def _search(found: Refit, factors: Sequence[float], move: Move, split: Split) -> list[Refit]:

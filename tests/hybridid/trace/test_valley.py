@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from dataclasses import replace
 
 import pytest
@@ -11,13 +13,18 @@ from benchmarks.rebuilt import machines
 from benchmarks.rebuilt.draw import all_draws
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
 from hybridid.trace.limit_starts import PARTS, with_limit_exceeded
 from hybridid.trace.refit import CONTINUATION, refit
+from hybridid.trace.trial import Trial
+from hybridid.trace.tried import along_valleys
 from hybridid.trace.valley import _as_wide_as_the_valley, along_the_valley
 
 PLAY = Candidate(effect_named("backlash"), "carriage")
 LOAD = f"{PLAY.name}.m_l"
 SATURATION = Candidate(effect_named("input_saturation"), "force")
+COULOMB = Candidate(effect_named("coulomb"), "carriage")
 LIMIT = f"{SATURATION.name}.inverse_limit"
 
 
@@ -43,7 +50,7 @@ def behind_a_play():
 def test_it_leaves_a_load_that_is_too_large(behind_a_play):
     load, base, split, wrong = behind_a_play
     assert wrong.values[LOAD] > 1.2 * load, "a descent alone finds it: this test shows nothing"
-    found = along_the_valley(wrong, PLAY, base, split, 0.02)
+    found = along_the_valley(wrong, PLAY, base, split)
     assert found.cost < wrong.cost
     assert found.values[LOAD] == pytest.approx(load, rel=0.1)
     assert found.values["M"] == pytest.approx(2 * load, rel=0.05)
@@ -64,13 +71,32 @@ def test_standard_errors_reach_the_fits_that_are_as_likely(behind_a_play, more, 
 @pytest.mark.parametrize("name", ["flexible_mode", "coulomb"])
 def test_what_has_no_play_stays(behind_a_play, name):
     _, base, split, wrong = behind_a_play
-    assert along_the_valley(wrong, Candidate(effect_named(name), "carriage"), base, split, 0.02) is wrong
+    assert along_the_valley(wrong, Candidate(effect_named(name), "carriage"), base, split) is wrong
 
 
-def test_what_takes_too_little_stays(behind_a_play):
+def trial_of(found, base):
+    return Trial(PLAY, found, compare(base.score, found.score))
+
+
+def test_a_trial_that_its_step_may_choose_goes_on(behind_a_play):
+    load, base, split, wrong = behind_a_play
+    (gone,) = along_valleys([trial_of(wrong, base)], base, Context(split), "step 1")
+    assert gone.gain > trial_of(wrong, base).gain
+    assert gone.own("values")["m_l"] == pytest.approx(load, rel=0.1)
+
+
+@pytest.mark.parametrize("why", ["another leaves far less", "it takes too little", "no time is left"])
+def test_no_other_trial_goes_on(behind_a_play, why):
     _, base, split, wrong = behind_a_play
-    worse = replace(wrong, score=base.score)
-    assert along_the_valley(worse, PLAY, base, split, 0.02) is worse
+    near = replace(wrong, score=replace(base.score, squares=0.99 * base.score.squares))
+    best = replace(wrong, score=replace(wrong.score, squares=wrong.score.squares / 9))
+    trials = {
+        "another leaves far less": [trial_of(wrong, base), replace(trial_of(best, base), candidate=COULOMB)],
+        "it takes too little": [trial_of(near, base)],
+        "no time is left": [trial_of(wrong, base)],
+    }[why]
+    context = Context(split, until=time.monotonic() - 1 if why == "no time is left" else math.inf)
+    assert along_valleys(trials, base, context, "step 1") == trials
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +124,7 @@ def test_it_leaves_a_limit_that_is_too_large(saturated):
     wrong = refit(SATURATION.added_to(base.model), split, [start], base, factors=CONTINUATION)
     mass = draw.parameters["M"]
     assert wrong.values["M"] > 2 * mass, "a descent alone finds it: this test shows nothing"
-    found = along_the_valley(wrong, SATURATION, base, split, 0.02)
+    found = along_the_valley(wrong, SATURATION, base, split)
     assert found.cost < wrong.cost
     assert found.values["M"] == pytest.approx(mass, rel=0.15)
 
@@ -109,7 +135,7 @@ def test_a_limit_that_converged_stays(saturated):
     there = replace(
         refit(SATURATION.added_to(base.model), split, [start], base, factors=CONTINUATION), status="converged"
     )
-    assert along_the_valley(there, SATURATION, base, split, 0.02) is there
+    assert along_the_valley(there, SATURATION, base, split) is there
 
 
 def test_an_effect_without_a_limit_begins_at_none(saturated):
