@@ -39,14 +39,24 @@ RETRIED = 3
 
 
 def sharp_enough(base: Refit, context: Context) -> Refit:
-    """``base``, or its refit over as narrow a smoothing as pays. An epsilon that the user has fixed stays."""
+    """``base``, or its refit over as narrow a smoothing as pays. An epsilon that the user has fixed stays.
+
+    Where a half does not pay, a quarter may: in the same steps, the narrower law is integrated less well, and
+    that may take more than the smoothing left. Shorter steps come with the next half.
+    """
+    kept = last = base
     for _ in range(MOST_HALVINGS):
-        again = _halved(base, context)
-        if again is None or compare(base.score, again.score).gain < context.rules.worth:
+        again = _halved(last, context)
+        if again is None:
             break
-        base = again
-        context.say(f"{_said(base.model)} from here on: that leaves less error")
-    return base
+        if compare(kept.score, again.score).gain >= context.rules.worth:
+            kept = last = again
+            context.say(f"{_said(kept.model)} from here on: that leaves less error")
+        elif last is not kept:
+            break
+        else:
+            last = again
+    return kept
 
 
 def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:

@@ -110,15 +110,17 @@ def test_a_planted_effect_is_fitted_back(effect, pressed):
         assert found.values[name] == pytest.approx(truth[name], rel=0.03)
 
 
-@pytest.mark.parametrize(("planted", "found"), [(2.0, (2.0, 3.0)), (100.0, (30.0, 100.0))])
+@pytest.mark.parametrize(
+    ("planted", "found"), [(0.5, (0.33, 0.5)), (0.01, (0.0, 0.033)), (0.001, (0.0, 0.004))]
+)
 def test_a_saturation_is_as_sharp_as_the_records_show(planted, found):
     """Iron bends early, software clips."""
     model = compose(EMPS(), ["viscous", "coulomb", "input_saturation"])
-    truth = {**KNOWN, "force.input_saturation.inverse_limit": 1 / 50, "force.input_saturation.n": planted}
+    truth = {**KNOWN, "force.input_saturation.inverse_limit": 1 / 50, "force.input_saturation.bend": planted}
     record = record_of(position_of(model, truth))
     known = {name: {"fixed": value} for name, value in KNOWN.items() if name != "M"}
     free = compose(EMPS(), ["viscous", "coulomb", "input_saturation"], known)
     values = fit(free, [record], FitSettings(starts=4)).values
-    assert found[0] <= values["force.input_saturation.n"] <= found[1]
+    assert found[0] <= values["force.input_saturation.bend"] <= found[1]
     assert values["force.input_saturation.inverse_limit"] == pytest.approx(1 / 50, rel=0.02)
     assert values["M"] == pytest.approx(KNOWN["M"], rel=0.01)

@@ -101,8 +101,8 @@ def test_saturation_passes_small_signals_and_holds_large_ones(bench):
     u = np.linspace(-50, 50, 1001)
     assert np.diff([out(value) for value in u]).min() > 0
     soft, hard = (
-        bench("input_saturation", inverse_limit=1 / 8.0, n=2.0),
-        bench("input_saturation", inverse_limit=1 / 8.0, n=12.0),
+        bench("input_saturation", inverse_limit=1 / 8.0, bend=0.5),
+        bench("input_saturation", inverse_limit=1 / 8.0, bend=1 / 12),
     )
     assert soft.law(signal=8.0) < effect.law(signal=8.0) < hard.law(signal=8.0) < 0
 
