@@ -23,6 +23,7 @@ _PREFIXABLE = re.compile(r"^(Nm|rad|Hz|Pa|[mNVAWJsTFΩ])(?=$|[·/])")
 _DIMENSIONLESS = ("", "1", "-", NONE)
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _TINY = 1e-300  # below it a factor to 1 is no floating-point number
+_TINY_REST = 1e-8  # what is left of all, below it 100 %
 _SMALLEST_P = 1e-15  # below it the tests' normal theory says nothing
 _PLACES, _SMALL, _LARGEST = 5, 1e-3, 1e6  # decimals and magnitudes that need no power of ten
 
@@ -172,16 +173,23 @@ def percent(share_of_one: float | None, places: int | None = None, missing: str 
     return f"{number(hundredfold, 6) if places is None else fixed(hundredfold, places)} %"
 
 
+def places_below_all(part: float | None, least: int) -> int:
+    """Decimals of ``part`` of one in per cent: ``least``, or as many as keep 99.97 % from reading 100 %."""
+    rest = 1.0 if part is None else 200 * (1.0 - abs(part))
+    return max(least, math.floor(-math.log10(rest)) + 1) if _TINY_REST < rest < 1 else least
+
+
 def share(gain: float | None) -> str:
     """``36.1 %`` less, or how much more; an error that at least doubled counts as divergence."""
-    return DIVERGES if gain is not None and gain <= -1 else percent(gain, 1)
+    return DIVERGES if gain is not None and gain <= -1 else percent(gain, places_below_all(gain, 1))
 
 
 def change(before: float | None, after: float | None, places: int = 1) -> str:
     """``−36.1 %``: the change as a part of ``before``; empty where either is missing or ``before`` is 0."""
     if not before or after is None or not (math.isfinite(before) and math.isfinite(after)):
         return ""
-    return f"{minus(f'{100 * (after / before - 1):+.{places}f}')} %"
+    part = after / before - 1
+    return f"{minus(f'{100 * part:+.{places_below_all(part, places)}f}')} %"
 
 
 def _plus_minus(value: float, half: float) -> str:

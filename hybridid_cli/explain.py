@@ -81,7 +81,7 @@ def _config_problem(error: Exception, command: str, words: Sequence[str]) -> str
     if isinstance(error, MissingConfigException) and error.missing_cfg_file:
         group, _, name = str(error.missing_cfg_file).rpartition("/")
         known = unknown(group or "config", name, error.options or options(group, folders))
-        return f"{known}{_folder_left_out(group, name)}"
+        return f"{known}{_folder_left_out(group, name, folders)}"
     if isinstance(error, OverrideParseException):
         return (
             f"cannot read {error.override!r}: write key=value, and quote what the shell would split or change"
@@ -110,11 +110,15 @@ def _twice_quoted(word: str) -> str:
     return f"; special signs need quotes inside the shell's: '{key}=\"{value}\"'" if key and special else ""
 
 
-def _folder_left_out(group: str, name: str) -> str:
-    """A hint at a folder here that holds the config which ``--config-dir`` would add."""
-    held = (one for one in sorted(Path().iterdir()) if (one / group / f"{name}.yaml").is_file())
-    folder = next(held, None) if group and name else None
-    return f"; {folder}/{group}/{name}.yaml is there: add --config-dir {folder}" if folder else ""
+def _folder_left_out(group: str, name: str, folders: Sequence[Path]) -> str:
+    """A hint at the folder here, or in here, that holds the config which ``--config-dir`` would add; without
+    one, and where no folder was named, that a case of one's own needs it."""
+    if not (group and name):
+        return ""
+    here = (Path(), *sorted(Path().iterdir()))
+    if folder := next((one for one in here if (one / group / f"{name}.yaml").is_file()), None):
+        return f"; {folder / group / name}.yaml is there: add --config-dir {folder}"
+    return "; a case of your own needs --config-dir FOLDER" if group == "case" and not folders else ""
 
 
 def _plain(text: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hybridid.naming import counted, listed
-from hybridid.quantities import percent, probability, quantity, share
+from hybridid.quantities import percent, places_below_all, probability, quantity, share
 from hybridid.trace.cut_words import best_tried, cut_short, cut_step, passed_in
 from hybridid.trace.entries import AcceptedEffect, ReplacedEffect, TriedEffect
 from hybridid.trace.law_words import passed_before, proposed
@@ -273,7 +273,7 @@ def _fall(found: Trace) -> str:
 
 def _whole(change: float) -> str:
     """``96 %``; ``99.5 %`` where no less than nearly all is meant."""
-    return percent(change, 0 if change < 0.99 else 1)
+    return percent(change, 0 if change < 0.99 else places_below_all(change, 1))
 
 
 def _rest(found: Trace) -> str:

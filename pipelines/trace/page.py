@@ -241,10 +241,15 @@ def _interval(parameter: EstimatedValue | None) -> tuple[str, str]:
 def _refused(found: Trace) -> tuple[Table, ...]:
     header = ("effect", "port", "gain", "p", "decision", "reason")
     rows = tuple(
-        (r.effect, r.port, share(r.gain), probability(r.p_value), r.status, r.reason) for r in found.rejected
+        (r.effect, r.port, share(r.gain), _p(r.gain, r.p_value), r.status, r.reason) for r in found.rejected
     )
     title = f"Tried and not accepted: {len(rows)}, each as judged last ({found.provenance})"
     return (Table(title, header, rows, words=(0, 1, 4, 5)),) if rows else ()
+
+
+def _p(gain: float, p_value: float) -> str:
+    """The p-value of a gain; none where nothing was gained."""
+    return probability(p_value) if gain > 0 else NONE
 
 
 def _tried(found: Trace) -> tuple[str, ...]:
@@ -258,7 +263,7 @@ def _pairs(found: Trace) -> tuple[Table, ...]:
     rows = tuple(
         (
             listed(pair.effects), share(pair.promised), share(pair.gain),
-            ", ".join(map(share, pair.gains)) or NONE, probability(pair.p_value),
+            ", ".join(map(share, pair.gains)) or NONE, _p(pair.gain, pair.p_value),
             "accepted" if pair.name == " + ".join(step.taken) else pair.status, pair.reason,
         )
         for step in found.steps
@@ -272,7 +277,7 @@ def _pairs(found: Trace) -> tuple[Table, ...]:
 def _laws(found: Trace) -> tuple[Table, ...]:
     header = ("law", "port", "gain", "p", "decision", "reason")
     rows = tuple(
-        (law.effect, law.port, share(law.gain), probability(law.p_value), law.status, law.reason)
+        (law.effect, law.port, share(law.gain), _p(law.gain, law.p_value), law.status, law.reason)
         for law in found.refused_laws[:MOST_LAWS]
     )
     title = (

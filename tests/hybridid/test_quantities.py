@@ -170,6 +170,16 @@ def test_shares_and_changes():
     assert change(0.0, 1.0) == ""
 
 
+def test_nearly_all_does_not_read_as_all():
+    assert (share(0.9994), share(0.9997), share(0.999996), share(1.0)) == (
+        "99.9 %",
+        "99.97 %",
+        "99.9996 %",
+        "100.0 %",
+    )
+    assert (change(1.0, 3e-4), change(1.0, 4e-3, 0), change(1.0, 0.0)) == ("−99.97 %", "−99.6 %", "−100.0 %")
+
+
 def test_mean_squares_and_coefficients_of_determination():
     assert mean_square(2.09e-7, "m/s") == "2.090·10⁻⁷ (m/s)²"
     assert mean_square(0.0, "m") == "0 m²"

@@ -83,7 +83,7 @@ def test_own_case_plant_and_effect_are_fitted(say, mylab):
     assert "cable" in say("effects", "cable:CABLE", "--config-dir", "mylab").out
 
 
-def test_a_case_or_its_folder_that_is_left_out_is_told(say, mylab):
+def test_a_case_or_its_folder_that_is_left_out_is_told(say, mylab, monkeypatch):
     said = say("fit", "--config-dir", "mylab")
     assert (said.code, said.complaint) == (
         2,
@@ -93,6 +93,9 @@ def test_a_case_or_its_folder_that_is_left_out_is_told(say, mylab):
     assert said.code == 2
     assert said.complaint.startswith("hybridid: unknown case 'mine'")
     assert said.complaint.endswith("; mylab/case/mine.yaml is there: add --config-dir mylab")
+    monkeypatch.chdir("mylab")
+    assert say("fit", "case=mine").complaint.endswith("; case/mine.yaml is there: add --config-dir .")
+    assert say("fit", "case=yours").complaint.endswith("; a case of your own needs --config-dir FOLDER")
 
 
 @pytest.mark.usefixtures("nothing_imported")

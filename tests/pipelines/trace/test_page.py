@@ -106,6 +106,7 @@ def test_parameters_before_and_after(section):
 def test_refused_effects_keep_their_reason(section):
     (table,) = section("What was tried").tables
     assert column(table, "gain") == ["60.0 %", "diverges"]
+    assert column(table, "p")[1] == "–", "what takes nothing has no p-value to show"
     assert set(column(table, "reason")) == {"its reason"}
 
 
