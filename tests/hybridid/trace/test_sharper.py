@@ -6,6 +6,7 @@ import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace import search as search_module
+from hybridid.trace import sharper
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.minor import MINOR
@@ -48,6 +49,20 @@ def test_a_smoothing_that_leaves_nothing_stays(make_model, split):
     base = refit(make_model(), split)
     assert sharp_enough(base, Context(split)) is base
     assert narrowed(base.model, base.model) == ()
+
+
+@pytest.mark.parametrize(
+    ("errors", "kept"),
+    [((1.1, 0.5, 0.49, 0.48), 1), ((1.1, 1.2, 0.1, 0.1), None), ((0.5, 0.6, 0.2, 0.19), 2)],
+)
+def test_a_quarter_is_looked_at_where_a_half_does_not_pay(make_model, split, monkeypatch, errors, kept):
+    base = refit(make_model(), split)
+    squares = [replace(base.score, squares=error**2 * base.score.squares) for error in errors]
+    halves = [replace(base, score=score) for score in squares]
+    coming = iter(halves)
+    monkeypatch.setattr(sharper, "_halved", lambda last, context: next(coming))
+    found = sharp_enough(base, Context(split))
+    assert found is (base if kept is None else halves[kept])
 
 
 def test_an_epsilon_that_the_user_fixed_stays(make_model, split):
