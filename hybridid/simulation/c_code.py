@@ -46,6 +46,7 @@ OF_LANES: Mapping[int, str] = {
     ca.OP_LOG: "LOGARITHM({0})",
     ca.OP_SIN: "SINE({0})",
     ca.OP_COS: "COSINE({0})",
+    ca.OP_SQRT: "ROOT({0})",
     ca.OP_POW: "POWER({0}, {1})",
     ca.OP_CONSTPOW: "POWER({0}, {1})",
 }
@@ -69,13 +70,14 @@ OF_ONE: Mapping[int, str] = {
     ca.OP_LOG: "log({0})",
     ca.OP_SIN: "sin({0})",
     ca.OP_COS: "cos({0})",
+    ca.OP_SQRT: "sqrt({0})",
     ca.OP_POW: "pow({0}, {1})",
     ca.OP_CONSTPOW: "pow({0}, {1})",
 }
 LIBRARY: Mapping[int, str] = {
     getattr(ca, f"OP_{name.upper()}"): name
     for name in (
-        "sqrt", "log1p", "expm1", "tan", "asin", "acos", "atan", "sinh", "cosh", "asinh",
+        "log1p", "expm1", "tan", "asin", "acos", "atan", "sinh", "cosh", "asinh",
         "acosh", "atanh", "floor", "ceil", "erf",
     )
 }  # fmt: skip

@@ -114,6 +114,15 @@ def test_powers_and_logarithms_over_the_whole_range():
     np.testing.assert_allclose(found[1, 4000:], raised[4000:], rtol=1e-15)
 
 
+def test_roots_to_the_last_bit():
+    ours = written(of(lambda x, p: ca.sqrt(x[0]), n=1), 4)
+    seen = np.exp(np.random.default_rng(8).uniform(-300, 300, size=4000))
+    x = np.array([[*seen, 0.0, -0.0, np.inf, np.nan, 5e-324, 1e-310, 1.7e308, -1.0]])
+    found = np.hstack([ours(x[:, k : k + 4], [0.0, 0.0]) for k in range(0, x.shape[1], 4)])
+    with np.errstate(invalid="ignore"):
+        np.testing.assert_array_equal(found, np.sqrt(x))
+
+
 def test_sines_to_the_last_bits_of_one():
     ours = written(of(lambda x, p: ca.vertcat(ca.sin(x[0]), ca.cos(x[0])), n=1), 4)
     draw = np.random.default_rng(7).normal
