@@ -81,15 +81,14 @@ def _shapes(
     port, known = model.plant.port(candidate.port), known_means(candidate, model, split)
     amplitudes = {f"{candidate.name}.{p.name}": p.at(port) for p in candidate.effect.parameters if p.nests}
     nothing = dict.fromkeys(amplitudes, 0.0)
-    starts = candidate.starts(model, base.values)
+    begun: list[Mapping[str, float]] = [*candidate.starts(model, base.values)]
     if searched:
-        starts = [*starts, *(_if_possible(sought, candidate, model, base, split) or ())]
+        begun += _if_possible(sought, candidate, model, base, split) or ()
     if single is not None and single.refit is not None:
-        own = {n: v for n, v in single.refit.values.items() if n.startswith(f"{candidate.name}.")}
-        starts = [{**base.values, **own}, *starts]
+        begun = [single.refit.values, *begun]
+    starts = [{**base.values, **_own(start, candidate), **known} for start in begun]
     positive = tuple(p.lower >= 0 for p in amplitudes.values())
     view = _View(candidate, model, base, split, positive)
-    starts = [{**start, **known} for start in starts]
     absent = each_once([{**start, **nothing} for start in starts])
     found = [_if_possible(view.derivative, start, tuple(amplitudes)) for start in absent]
     if single is not None and single.refit is not None:
@@ -98,6 +97,11 @@ def _shapes(
         present = each_once([start for start in starts if any(start[name] for name in amplitudes)])
         found = [_if_possible(view.difference, start, {**start, **nothing}) for start in present]
     yield from filter(None, found)
+
+
+def _own(start: Mapping[str, float], candidate: Candidate) -> dict[str, float]:
+    """The effect's own values: beside them, all others stay where the base model ended."""
+    return {name: value for name, value in start.items() if name.startswith(f"{candidate.name}.")}
 
 
 def _if_possible(look: Callable[..., T], *given: object) -> T | None:
@@ -189,9 +193,8 @@ class _View:
         if not (np.linalg.norm(rest[:, :-1], axis=0) > UNSEEN * size).all():
             return None
         every = slice(None, None, -(-len(rest) // SAMPLES))
-        own_start = {n: v for n, v in start.items() if n.startswith(f"{self.candidate.name}.")}
         positive = self.positive if several else (True,)
-        return Shape(rest[every, :-1], positive, own_start), rest[every, -1]
+        return Shape(rest[every, :-1], positive, _own(start, self.candidate)), rest[every, -1]
 
 
 def linearised(problem: Problem, p: Array, x0: Array) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from benchmarks.drawn.oracle import split_of as judged
 from benchmarks.rebuilt import machines
 from benchmarks.rebuilt.draw import all_draws
 from hybridid.effects.library import effect_named
+from hybridid.trace import sensitivity
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
@@ -136,6 +137,17 @@ def test_a_limit_that_converged_stays(saturated):
         refit(SATURATION.added_to(base.model), split, [start], base, factors=CONTINUATION), status="converged"
     )
     assert along_the_valley(there, SATURATION, base, split) is there
+
+
+def test_the_ranking_looks_at_each_limit_beside_the_base_as_it_ended(saturated, monkeypatch):
+    _, base, split = saturated
+    looked, problem_of = [], sensitivity.problem_of
+    monkeypatch.setattr(
+        sensitivity, "problem_of", lambda *given: looked.append(given[-1]) or problem_of(*given)
+    )
+    shown = sensitivity.seen(SATURATION, None, base, split, searched=True)
+    assert len({shape.start[LIMIT] for shape in shown.shapes}) > len(PARTS)
+    assert {start["M"] for start in looked} == {base.values["M"]}
 
 
 def test_an_effect_without_a_limit_begins_at_none(saturated):
