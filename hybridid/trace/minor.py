@@ -11,13 +11,15 @@ says that the effect is minor. No learned effort takes more than all, so an effe
 L_base^2 is not minor, and nothing need be learned. Of two effects that add up, the larger takes at least half
 of what any curve can take; so a true effect is minor only where two help together and not alone. A learned
 effort adds up all effects of its variable, so it says nothing against an effect that is itself a curve over
-that variable. If the effect is minor, the step ends as if none had passed: a narrower smoothing of sign(v) is
-tried next, then pairs, and then composed laws, beside which the search goes on.
+that variable. If the effect that takes most is minor, the step ends as if none had passed: a narrower
+smoothing of sign(v) is tried next, then pairs, and then composed laws, beside which the search goes on. If it
+is not, but the one that was preferred to it is, the step decides again among those that are not minor.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
@@ -37,26 +39,29 @@ def may_be_minor(best: Trial, base: Refit, context: Context) -> bool:
     return not noisy and best.taken < context.rules.majority * base.score.loss**2
 
 
-def minor_beside(best: Trial, base: Refit, learned: Sequence[Ceiling], context: Context) -> Ceiling | None:
-    """The learned effort beside ``base`` that takes so much that ``best`` is minor; None if there is none.
+def minor_beside(
+    tried: Sequence[Trial], base: Refit, learned: Sequence[Ceiling], context: Context
+) -> dict[str, Ceiling]:
+    """Those of ``tried`` that are minor, by name, each with the learned effort beside ``base`` that shows it.
 
-    Its gain must be worth having, significant, and survive other numerics. One does not count if ``best`` is
-    a curve over the same variable: it may be one of several effects that the learned effort adds up.
+    The gain of that must be worth having, significant, and survive other numerics. One does not count if the
+    effect is a curve over the same variable: it may be one of several that the learned effort adds up.
     """
-    rules, split, found = context.rules, context.split, best.refit
-    assert found is not None
+    rules, split = context.rules, context.split
+    passed = sorted((c for c in learned if c.passes(rules)), key=lambda c: -c.taken(base))
+    survives = cache(lambda k: bool(surviving([passed[k].refit], base, context)))
 
-    def takes(one: Ceiling) -> float:
-        return base.score.loss**2 - one.refit.score.loss**2
+    def is_curve(trial: Trial, one: Ceiling) -> bool:
+        name, ports, found = trial.candidate.name, trial.candidate.ports, trial.refit
+        assert found is not None
+        return one.port in ports and is_curve_over(found, name, one.port, one.over, split)
 
-    larger = [c for c in learned if c.passes(rules) and best.taken < rules.majority * takes(c)]
-    for one in sorted(larger, key=takes, reverse=True):
-        name, ports = best.candidate.name, best.candidate.ports
-        if one.port in ports and is_curve_over(found, name, one.port, one.over, split):
-            continue
-        if surviving([one.refit], base, context):
-            return one
-    return None
+    def shown_by(trial: Trial) -> Ceiling | None:
+        larger = [(k, c) for k, c in enumerate(passed) if trial.taken < rules.majority * c.taken(base)]
+        return next((c for k, c in larger if not is_curve(trial, c) and survives(k)), None)
+
+    found = {trial.candidate.name: shown_by(trial) for trial in tried}
+    return {name: one for name, one in found.items() if one is not None}
 
 
 def said_of_minor(best: Trial, base: Refit, learned: Ceiling) -> str:

@@ -261,23 +261,29 @@ def of_constant_amplitude(
 
 
 def _unless_minor(step: Step, context: Context) -> Step:
-    """``step`` without its effect, if a learned effort beside the same model takes far more."""
+    """``step`` without what is minor: a learned effort beside the same model takes far more."""
     one = step.accepted
     passed = [trial for trial in step.trials if trial.status == PASSED]
     most = max(passed, key=lambda t: t.taken, default=None)
     if one is None or most is None or not may_be_minor(most, step.base, context):
         return step
     learned = ceilings(step.base, context)
-    larger = minor_beside(most, step.base, learned, context)
-    if larger is None:
+    minor = minor_beside(passed, step.base, learned, context)
+    larger = minor.get(most.candidate.name)
+    refused = dict.fromkeys((t.candidate.name for t in passed), larger) if larger else minor
+    if one.name not in refused:
         return replace(step, learned=learned)
 
-    def refused(trial: Trial) -> Trial:
-        return replace(trial, status=REJECTED, reason=f"{MINOR}{said_of_minor(trial, step.base, larger)}")
+    def judged(trial: Trial) -> Trial:
+        beside = refused.get(trial.candidate.name)
+        said = said_of_minor(trial, step.base, beside) if beside else ""
+        return replace(trial, status=REJECTED, reason=f"{MINOR}{said}") if beside else trial
 
-    trials = tuple(refused(t) if t.status == PASSED else t for t in step.trials)
-    minor = f"{one.name} is minor: {said_of_minor(one.trial, step.base, larger)}"
-    return replace(step, trials=trials, accepted=None, learned=learned, minor=minor)
+    trials = [judged(trial) for trial in step.trials]
+    if larger is None:
+        return replace(decided(step.base, trials, context), learned=learned)
+    said = f"{one.name} is minor: {said_of_minor(one.trial, step.base, larger)}"
+    return replace(step, trials=tuple(trials), accepted=None, learned=learned, minor=said)
 
 
 def said_of(step: Step) -> str:

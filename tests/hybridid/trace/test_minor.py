@@ -10,8 +10,9 @@ from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
 from hybridid.trace.minor import may_be_minor, minor_beside
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import search
-from hybridid.trace.steps import Search
+from hybridid.trace.search import _unless_minor, search
+from hybridid.trace.steps import Accepted, Search, Step
+from hybridid.trace.trial import PASSED, REJECTED
 
 LENIENT = Rules(alpha=0.999, worth=0.01, kept=-9.0, steady=100.0)
 """So that an effect passes that explains little."""
@@ -69,15 +70,31 @@ def test_a_curve_over_the_learned_variable_is_not_minor(make_model, context_of):
     assert first.learned[0].gain > 0.9 > 2 * first.accepted.trial.gain
 
 
+def test_a_minor_effect_is_no_name_where_another_that_is_not_minor_passed_too(make_model, context_of):
+    """With as few parameters, or fewer, it may be preferred to the one that takes most."""
+    context = context_of("asymmetric_coulomb", RESEMBLES)
+    first = search(make_model(), context, [{}]).steps[0]
+    by_effect = {trial.candidate.effect.id: replace(trial, status=PASSED) for trial in first.trials}
+    minor = by_effect[RESEMBLES]
+    step = Step(first.base, tuple(by_effect.values()), Accepted(minor, (minor,), ()))
+    found = _unless_minor(step, context)
+    assert [one.name for one in found.taken] == ["carriage.asymmetric_coulomb"]
+    refused = next(trial for trial in found.trials if trial.candidate.effect.id == RESEMBLES)
+    assert (refused.status, refused.reason[:5]) == (REJECTED, "minor")
+    assert found.learned
+    assert found.minor == ""
+
+
 def test_half_of_what_is_learned_is_enough(poor, context_of):
     (step,) = poor.steps
     (learned,) = step.learned
     context = context_of(RESEMBLES)
     takes = step.base.score.loss**2 - learned.refit.score.loss**2
     share = step.trials[0].taken / takes
-    assert minor_beside(step.trials[0], step.base, step.learned, context) is learned
+    name = step.trials[0].candidate.name
+    assert minor_beside(step.trials, step.base, step.learned, context) == {name: learned}
     enough = replace(context, rules=replace(LENIENT, majority=0.99 * share))
-    assert minor_beside(step.trials[0], step.base, step.learned, enough) is None
+    assert minor_beside(step.trials, step.base, step.learned, enough) == {}
 
 
 def test_what_takes_half_or_ends_at_the_noise_cannot_be_minor(poor, context_of):
