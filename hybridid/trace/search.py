@@ -268,7 +268,8 @@ def _unless_minor(step: Step, context: Context) -> Step:
     if one is None or most is None or not may_be_minor(most, step.base, context):
         return step
     learned = ceilings(step.base, context)
-    minor = minor_beside(passed, step.base, learned, context)
+    asked = [most] if one.name == most.candidate.name else passed
+    minor = minor_beside(asked, step.base, learned, context)
     larger = minor.get(most.candidate.name)
     refused = dict.fromkeys((t.candidate.name for t in passed), larger) if larger else minor
     if one.name not in refused:
