@@ -39,8 +39,8 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.search import survivals_of, without_needless
 from hybridid.trace.sensitivity import seen
 from hybridid.trace.steps import Accepted, Search, Step
-from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial, attempt
-from hybridid.trace.tried import along_valleys
+from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial
+from hybridid.trace.tried import tried_in_place
 
 TOLD = 5
 """Effects that are in no pair and are told by name, at most."""
@@ -260,10 +260,7 @@ def _class_of(
     member, poorer, rules = best.members[k], best.alone[k], context.rules
     name = member.candidate.name
     rivals = [one for one in admissible(poorer.model, context.effects, context.ports) if one.name != name]
-    given = [(one, poorer, context.split, rules.worth) for one in rivals]
-    stage = f"in place of {name}"
-    trials = context.each(stage, attempt, given, lambda trial: trial.candidate.name)
-    trials = along_valleys(trials, poorer, context, stage)
+    trials = tried_in_place(name, rivals, poorer, context)
     assert best.refit is not None
     at_noise = context.meets_noise(best.refit.score)
     alike = equivalents(member, judge(trials, rules, family), rules, at_noise)

@@ -26,8 +26,8 @@ from hybridid.trace.exchange import still_alike
 from hybridid.trace.judgement import judge
 from hybridid.trace.refit import refit_if_possible, values_without
 from hybridid.trace.steps import Accepted, Search
-from hybridid.trace.trial import PASSED, Trial, attempt
-from hybridid.trace.tried import along_valleys
+from hybridid.trace.trial import PASSED, Trial
+from hybridid.trace.tried import tried_in_place
 
 NEARLY = 0.9
 """Of what the accepted effect took, that a rival took which a wider smoothing may have kept out."""
@@ -83,10 +83,7 @@ def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accep
     if poorer is None:
         return one
     here = replace(one.trial, refit=final, comparison=compare(poorer.score, final.score))
-    given = [(rival, poorer, context.split, rules.worth) for rival in rivals]
-    stage = f"in place of {one.name}"
-    trials = context.each(stage, attempt, given, lambda t: t.candidate.name)
-    trials = along_valleys(trials, poorer, context, stage)
+    trials = tried_in_place(one.name, rivals, poorer, context)
     judged = judge(trials, rules, len(found.steps[0].trials))
     _, *as_good = equivalents(here, judged, rules, context.meets_noise(final.score))
     return replace(one, alike=(*one.alike, *as_good))

@@ -143,12 +143,13 @@ def _attempt(
 
 
 def gone_on(trial: Trial, base: Refit, split: Split) -> Trial:
-    """``trial``, its refit gone on along its valley (``hybridid.trace.valley``), if that explains more."""
+    """``trial``, its refit gone on along its valley (``hybridid.trace.valley``), if that explains more. It
+    stays where the valley cannot be simulated: a place to go on from is no part of the evidence."""
     assert trial.refit is not None
     began = time.perf_counter()
     try:
         found = along_the_valley(trial.refit, trial.candidate, base, split)
-    except (ValueError, ArithmeticError):  # from there it cannot be simulated
+    except (ValueError, ArithmeticError):
         return trial
     ended = _ended(trial.candidate, found, base, split)
     return replace(ended, seconds=trial.seconds + time.perf_counter() - began)
