@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from hybridid.estimators.carried import run_on
+from hybridid.estimators.estimate import Solution
 from hybridid.estimators.one_start import Task, carried_to_the_end
 from hybridid.estimators.plan import Descent, Look, Result, Start
 from hybridid.estimators.reduced import promise
@@ -16,18 +17,22 @@ from hybridid.estimators.stop import Stop
 BLURRED = 1.5**2
 """Ratio of the costs at the widest and the narrowest smoothing above which the records refute the wide one: a
 descent there would fit the error of the smoothing."""
+BEST = 3
+"""Starts with the lowest costs at the widest smoothing that are looked at with the narrowest."""
+NEAR = 1e-3, 0.02
+"""Relative differences of the costs and of every parameter up to which two starts have met."""
 
 
 def from_the_best(starts: Iterable[Start], plan: Descent, stop: Stop, fitted: Sequence[int] | None) -> Result:
     """Of ``starts`` the one from which a short descent, until ``stop``, gets farthest, carried to the end if
     it is hopeful; if it diverges, the next one."""
-    looks = [_look(start, plan, stop, fitted) for start in starts]
-    diverged = tuple(k for k, one in enumerate(looks) if not np.isfinite(one.seen.cost))
-    looks.sort(key=lambda one: one.seen.cost)
-    if np.isfinite(looks[0].seen.cost) and not _hopeful(looks[0], plan, fitted):
-        ended = _ended_early(looks[0], plan, stop, fitted)
-        return replace(ended, diverged=diverged, looks=tuple(looks))
-    return replace(from_looks(looks, plan, fitted), diverged=diverged)
+    looks = _looks([Task.of(start, plan.method, fitted) for start in starts], plan, stop)
+    diverged = tuple(sorted(k for k, one in looks.items() if not np.isfinite(one.seen.cost)))
+    ordered = list(looks.values())
+    if np.isfinite(ordered[0].seen.cost) and not _hopeful(ordered[0], plan, fitted):
+        ended = _ended_early(ordered[0], plan, stop, fitted)
+        return replace(ended, diverged=diverged, looks=tuple(ordered))
+    return replace(from_looks(ordered, plan, fitted), diverged=diverged)
 
 
 def from_looks(looks: Sequence[Look], plan: Descent, fitted: Sequence[int] | None) -> Result:
@@ -41,16 +46,60 @@ def from_looks(looks: Sequence[Look], plan: Descent, fitted: Sequence[int] | Non
     return replace(found, starts=tuple(costs))
 
 
-def _look(start: Start, plan: Descent, stop: Stop, fitted: Sequence[int] | None) -> Look:
-    """A short descent at the widest smoothing, then one at the narrowest, if anything is smoothed."""
-    task = Task.of(start, plan.method, fitted)
+def _looks(tasks: Sequence[Task], plan: Descent, stop: Stop) -> dict[int, Look]:
+    """Where the short descents from each start ended, by its number, the lowest cost first.
+
+    All are made at the widest smoothing. The ``BEST`` of these that have not met one another go on at the
+    narrowest, as do those that diverged; all of them, where the records refute the wide one. Those that do
+    not go on come after those that did.
+    """
     widest, narrowest = plan.continuation[:1], plan.continuation[-1:]
-    wide = task.solve(start.p, start.x0, widest, stop)
-    seen, factors = wide, plan.continuation
-    if widest != narrowest and start.problem.widths:
-        seen = task.solve(wide.p, task.with_ours(start.x0, wide.x0), narrowest, stop)
-        factors = narrowest if wide.cost > BLURRED * seen.cost else factors
-    return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, factors)
+    looks = {k: _look(task, widest, plan.continuation, stop) for k, task in enumerate(tasks)}
+    if widest == narrowest or not tasks[0].start.problem.widths:
+        return _by_cost(looks)
+    sharp: dict[int, Look] = {}
+    for chosen in (_apart(looks), looks):
+        new = {k: _sharpened(looks[k], tasks[k], narrowest, stop) for k in chosen if k not in sharp}
+        sharp = _by_cost({**sharp, **new})
+        best = next(iter(sharp.values()))
+        if np.isfinite(best.seen.cost) and best.factors != narrowest:
+            break
+    return {**sharp, **_by_cost({k: one for k, one in looks.items() if k not in sharp})}
+
+
+def _apart(looks: Mapping[int, Look]) -> list[int]:
+    """The numbers of the ``BEST`` of ``looks`` that have not met, and of those that diverged."""
+    apart: list[int] = []
+    for k, one in _by_cost(looks).items():
+        met = any(_have_met(one.seen, looks[other].seen) for other in apart)
+        if (len(apart) < BEST and not met) or not np.isfinite(one.seen.cost):
+            apart.append(k)
+    return apart
+
+
+def _have_met(one: Solution, other: Solution) -> bool:
+    """Whether two descents have come to the same place; ``other`` has the lower cost."""
+    cost, place = NEAR
+    alike = np.abs(one.p - other.p) <= place * np.abs(other.p)
+    return bool(one.cost <= (1 + cost) * other.cost and alike.all())
+
+
+def _by_cost(looks: Mapping[int, Look]) -> dict[int, Look]:
+    return dict(sorted(looks.items(), key=lambda item: item[1].seen.cost))
+
+
+def _look(task: Task, factors: Sequence[float], rest: tuple[float, ...], stop: Stop) -> Look:
+    """A short descent at the smoothing ``factors``, to go on by those of ``rest``."""
+    start = task.start
+    seen = task.solve(start.p, start.x0, factors, stop)
+    return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, rest)
+
+
+def _sharpened(wide: Look, task: Task, narrowest: tuple[float, ...], stop: Stop) -> Look:
+    """Where a short descent at the narrowest smoothing ended, from where that at the widest did."""
+    seen = task.solve(wide.start.p, wide.start.x0, narrowest, stop)
+    rest = narrowest if wide.seen.cost > BLURRED * seen.cost else wide.factors
+    return Look(replace(wide.start, p=seen.p, x0=task.with_ours(wide.start.x0, seen.x0)), seen, rest)
 
 
 def _hopeful(look: Look, plan: Descent, fitted: Sequence[int] | None) -> bool:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hybridid.records.checks import have_one_step
 from hybridid.records.record import Record
 from hybridid.simulation.holds import all_held, stage_inputs
+from hybridid.simulation.recent import Recent
 
 Array = NDArray[np.float64]
 CALL = 2500
@@ -23,6 +24,8 @@ PART = 2**16
 """Samples of many horizons that are computed with at once."""
 HEAD = 10
 """Samples that must count in the first horizon after a masked stretch."""
+ROOM = 2**27
+"""Bytes that horizons may take which were cut before and may be asked for again."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,11 @@ class Windows:
     origin: tuple[tuple[int, int, int], ...]
     horizon: int
     heads: frozenset[tuple[int, int]]
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that the samples take."""
+        return sum(getattr(self, name).nbytes for name in _BY_HORIZON)
 
     @property
     def count(self) -> int:
@@ -114,6 +122,9 @@ class Windows:
         return self.cells.sum(axis=(0, 1))
 
 
+_RECENT: Recent[Windows] = Recent(ROOM)
+
+
 def within(used: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Each horizon up to its last sample that is ``used``, all (w, length)."""
     return np.logical_or.accumulate(used[:, ::-1], axis=1)[:, ::-1]
@@ -130,11 +141,18 @@ def cut(records: Sequence[Record], horizon: int | None, substeps: int, most: int
     """Cut ``records`` into horizons of ``horizon`` samples (None: each record whole).
 
     ``most`` of them are kept, evenly chosen (None: all). Each begins and ends at a sample that counts.
+    Those that were cut last are kept: a trace cuts the same ones for every refit.
 
     Raises:
         ValueError: if the records differ in sampling time, a horizon is shorter than 2, or the masks of the
             records leave no horizon.
     """
+    key = (tuple(records), horizon, substeps, most)
+    return _RECENT.get(key, lambda: _cut(*key))
+
+
+def _cut(records: Sequence[Record], horizon: int | None, substeps: int, most: int | None) -> Windows:
+    """``cut``, made anew."""
     dt = records[0].dt
     for record in records:
         if not have_one_step(record, records[0]):

@@ -260,8 +260,8 @@ def _class_of(
     member, poorer, rules = best.members[k], best.alone[k], context.rules
     name = member.candidate.name
     rivals = [one for one in admissible(poorer.model, context.effects, context.ports) if one.name != name]
-    trials = tried_in_place(name, rivals, poorer, context)
     assert best.refit is not None
+    trials = tried_in_place(name, rivals, poorer, best.refit, context)
     at_noise = context.meets_noise(best.refit.score)
     alike = equivalents(member, judge(trials, rules, family), rules, at_noise)
     for pair in judged:

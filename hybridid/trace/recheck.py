@@ -83,7 +83,7 @@ def _with_passed_before(found: Search, one: Accepted, context: Context) -> Accep
     if poorer is None:
         return one
     here = replace(one.trial, refit=final, comparison=compare(poorer.score, final.score))
-    trials = tried_in_place(one.name, rivals, poorer, context)
+    trials = tried_in_place(one.name, rivals, poorer, final, context)
     judged = judge(trials, rules, len(found.steps[0].trials))
     _, *as_good = equivalents(here, judged, rules, context.meets_noise(final.score))
     return replace(one, alike=(*one.alike, *as_good))

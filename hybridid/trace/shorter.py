@@ -44,6 +44,8 @@ STRAYS = 0.01
 Along a path that does not, an effect is evaluated where it acted, and long horizons hide nothing that short
 ones show. A pitch, a place or a resonance may be much smaller than the whole motion, so this does not judge
 these."""
+ROUGHLY = 1e-3
+"""Tolerance of an effect's fit over shorter horizons, which only gives a start."""
 ALIKE = 0.02
 """Relative difference up to which two values of a pitch, a place or a frequency are in one valley."""
 SOUGHT = ("period", "place", "frequency", "load")
@@ -100,13 +102,17 @@ def from_shorter(
     try:
         if seeks(candidate):
             starts = sought(candidate, model, poorer, shorter)
-            found = refit(model, shorter, starts, poorer, numerics, std_up_to=WITHOUT_STD) if starts else None
+            if not starts:
+                return None
+            found = refit(model, shorter, starts, poorer, numerics, tolerance=ROUGHLY, std_up_to=WITHOUT_STD)
         else:
             starts = candidate.starts(model, poorer.values)
-            found = refit_if_hopeful(model, shorter, starts, poorer, numerics, poorer, std_up_to=WITHOUT_STD)
+            found = refit_if_hopeful(
+                model, shorter, starts, poorer, numerics, poorer, tolerance=ROUGHLY, std_up_to=WITHOUT_STD
+            )
     except (ValueError, *FAILURES):
         return None
-    if found is None or found.ended_early:
+    if found.ended_early:
         return None
     return found.values, begun_at_the_record(base, poorer.values, split)
 

@@ -32,6 +32,10 @@ from hybridid.trace.valley import along_the_valley
 
 ABOVE = 1.2
 """Times another parameter that a fixed one is set to: see ``EffectParameter.above``."""
+QUARTER = 0.25
+"""Of what an effect takes: the least that another one in its place may take, of the fitted cost or of the
+held-out RMSE, that is refitted to the end. Where the held-out horizons cannot tell two effects apart, one
+takes at least half of what the other does; the cost of a quarter leaves room for what a few horizons hide."""
 PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED = "passed", "rejected", "unidentifiable", "untried"
 
 
@@ -80,6 +84,14 @@ class Trial:
         return {name.removeprefix(prefix): value for name, value in table.items() if name.startswith(prefix)}
 
 
+def share_of(richer: Refit | None, base: Refit) -> float:
+    """The share that ``richer`` takes from both the fitted cost and the held-out RMSE of ``base``; 0 if it is
+    None, or takes nothing."""
+    if richer is None or base.cost <= 0 or base.score.loss <= 0:
+        return 0.0
+    return max(0.0, 1.0 - max(richer.cost / base.cost, richer.score.loss / base.score.loss))
+
+
 @np.errstate(over="ignore", invalid="ignore")  # a start may diverge
 def attempt(
     candidate: Candidate,
@@ -87,6 +99,7 @@ def attempt(
     split: Split,
     worth: float = Rules.worth,
     rival: Refit | None = None,
+    in_place_of: Refit | None = None,
 ) -> Trial:
     """Add the candidate to the base model, refit everything, compare on held-out horizons.
 
@@ -94,14 +107,17 @@ def attempt(
 
     A refit that promises little ends early: less than ``LEAST_DECREASE``, and than half of ``worth``, of the
     fitted cost and of the held-out RMSE of ``base``, or of a ``rival`` that it is to replace. One that takes
-    so little of the RMSE of ``base`` has no standard errors.
+    so little of the RMSE of ``base`` has no standard errors. Where the candidate takes the place of an
+    effect, with which the model ends at ``in_place_of``, it is asked for a quarter of what that takes: an
+    effect that takes less is not as good, however little the held-out horizons can tell.
 
     What is too stiff for the integrator of ``base`` is tried again with the implicit one: the starts that it
     could not solve, or all if the end is too stiff. That trial counts if it explains more: else everything
     that follows would be solved the slow way for nothing.
     """
     began = time.perf_counter()
-    trial = _solved(candidate, base, split, least_of(worth), rival)
+    least = max(least_of(worth), QUARTER * share_of(in_place_of, base))
+    trial = _solved(candidate, base, split, least, rival)
     return replace(trial, seconds=time.perf_counter() - began)
 
 

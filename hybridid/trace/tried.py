@@ -44,12 +44,14 @@ def trials_of(base: Refit, context: Context, stage: str) -> tuple[list[Trial], t
     return as_listed, tuple(one.name for one in candidates if one.name in left_out)
 
 
-def tried_in_place(name: str, rivals: Sequence[Candidate], base: Refit, context: Context) -> list[Trial]:
-    """A trial of each of ``rivals`` in the place of the effect ``name``, which ``base`` lacks."""
+def tried_in_place(
+    name: str, rivals: Sequence[Candidate], base: Refit, richer: Refit, context: Context
+) -> list[Trial]:
+    """A trial of each of ``rivals`` in the place of the effect ``name``, which ``base`` lacks and ``richer``
+    has."""
     stage = f"in place of {name}"
-    return along_valleys(
-        context.each(stage, attempt, _given(rivals, base, context), _name), base, context, stage
-    )
+    given = [(*one, None, richer) for one in _given(rivals, base, context)]
+    return along_valleys(context.each(stage, attempt, given, _name), base, context, stage)
 
 
 def along_valleys(trials: Sequence[Trial], base: Refit, context: Context, stage: str) -> list[Trial]:
