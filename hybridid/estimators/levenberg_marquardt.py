@@ -27,8 +27,9 @@ from hybridid.estimators.stop import RECENT, SLOW_GAIN, SLOW_SHARE, SLOW_STEPS, 
 
 Array = NDArray[np.float64]
 MOST_DAMPING = 1e12
-LOOSE = 1e-4
-"""Tolerance of the descents at coarser smoothing, which only lead to the next."""
+LOOSE, COARSE = 1e-4, 10.0
+"""Tolerance of the descents at coarser smoothing, which only lead to the next, and times the least gain that
+these are asked for."""
 STUBBORN = 2.0**3
 """Growth of the damping after two trials of a step have failed: the next is mended where it fails."""
 REST = 0.1
@@ -76,7 +77,8 @@ class LevenbergMarquardt:
             return solve_separately(variables, problem.smoothed(p, factors[-1]), x0, stop)
         begun = 0
         for factor in factors[:-1] if problem.widths else ():
-            coarse, smoothed = replace(stop, tolerance=LOOSE), problem.smoothed(p, factor)
+            coarse = replace(stop, tolerance=LOOSE, least=COARSE * stop.least)
+            smoothed = problem.smoothed(p, factor)
             found = _descend(variables, smoothed, x0, coarse, _from(watch, begun), self.mends, self.learns)
             p, x0, begun = found.p, found.x0, begun + found.iterations
         smoothed = problem.smoothed(p, factors[-1])

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from hybridid.estimators import screening
 from hybridid.estimators.descent import descend, go_on, refine
+from hybridid.estimators.estimate import Solution
 from hybridid.estimators.plan import Descent, Handover, Refinement, Start
 from hybridid.estimators.problem import build_problem
 from hybridid.estimators.stop import Stop
@@ -109,3 +111,66 @@ def test_shorter_steps_are_taken_as_long_as_they_are_asked_for(problem, starts):
     assert refined.problem.windows.substeps == 8
     assert refined.starts == found.starts
     assert refine(found, PLAN, lambda result: None) is found
+
+
+class Scripted(SimpleNamespace):
+    """A start that costs ``wide`` where sign(v) is smoothed widely, and ``sharp`` where it is not."""
+
+    @property
+    def start(self):
+        return Start(self.problem, np.array([1.0, self.place]), np.zeros((1, 1)))
+
+    def solve(self, p, x0, factors, stop):
+        self.looks.append((self.number, tuple(factors)))
+        return Solution(p, x0, self.sharp if factors == (1.0,) else self.wide, "short", False, 1)
+
+    def with_ours(self, x0, values):
+        return values
+
+
+def looked_at(problem, costs, places=None):
+    """The numbers of the starts that are looked at sharply, and of all in the order in which they go on."""
+    looks, smoothed = [], SimpleNamespace(widths=problem)
+    tasks = [
+        Scripted(number=k, wide=wide, sharp=sharp, place=place, looks=looks, problem=smoothed)
+        for k, ((wide, sharp), place) in enumerate(zip(costs, places or range(len(costs)), strict=True))
+    ]
+    plan = replace(PLAN, continuation=(10.0, 1.0))
+    ordered = screening._looks(tasks, plan, STOP)
+    return sorted(k for k, factors in looks if factors == (1.0,)), list(ordered)
+
+
+def test_the_three_best_starts_at_the_widest_smoothing_are_looked_at_sharply(problem):
+    costs = [(5.0, 4.9), (2.0, 1.9), (4.0, 1.0), (3.0, 2.8), (1.0, 1.5)]
+    assert looked_at(problem, costs) == ([1, 3, 4], [4, 1, 3, 2, 0])
+
+
+def test_starts_that_have_met_are_looked_at_once(problem):
+    costs = [(1.0, 1.0), (1.0005, 1.0), (2.0, 2.0), (3.0, 3.0), (4.0, 4.0)]
+    sharp, _ = looked_at(problem, costs, places=(7.0, 7.1, 8.0, 9.0, 10.0))
+    assert sharp == [0, 2, 3]
+    apart, _ = looked_at(problem, costs, places=(7.0, 7.2, 8.0, 9.0, 10.0))
+    assert apart == [0, 1, 2]
+
+
+def test_every_start_is_looked_at_sharply_where_the_wide_smoothing_is_refuted(problem):
+    costs = [(10.0, 1.0), (11.0, 3.0), (12.0, 3.0), (13.0, 0.5), (14.0, 3.0)]
+    assert looked_at(problem, costs) == ([0, 1, 2, 3, 4], [3, 0, 1, 2, 4])
+
+
+def test_a_start_that_diverges_at_the_widest_smoothing_has_a_second_chance(problem):
+    costs = [(np.inf, 0.4), (1.0, 1.0), (2.0, 2.0), (3.0, 3.0), (4.0, 4.0)]
+    sharp, order = looked_at(problem, costs)
+    assert sharp[0] == 0
+    assert order[0] == 0
+
+
+def test_a_descent_ends_where_its_last_steps_gained_too_little(problem, starts):
+    whole = descend(starts[1:2], PLAN).solution
+    early = descend(starts[1:2], replace(PLAN, stop=Stop(40, 1e-8, least=20.0))).solution
+    assert early.converged
+    assert early.iterations < whole.iterations
+    gained = early.history[-4] - early.history[-1]
+    assert gained < 20.0 * early.history[-1]
+    before = [early.history[k - 3] - early.history[k] for k in range(3, len(early.history) - 1)]
+    assert all(g >= 20.0 * c for g, c in zip(before, early.history[3:], strict=False))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hybridid.records.record import Channel, Record
+from hybridid.simulation.recent import Recent
 from hybridid.simulation.windows import cut
 
 
@@ -115,3 +116,29 @@ def test_of_many_horizons_some_are_kept_evenly_chosen(hold):
 
 def test_no_more_horizons_are_kept_than_there_are():
     assert cut([record(100)], 50, 1, 50).count == 2
+
+
+def test_horizons_that_were_cut_are_kept_for_the_next_who_asks():
+    one = record(400)
+    windows = cut([one], 50, 2)
+    assert cut([one], 50, 2) is windows
+    assert cut([one], 50, 3) is not windows
+    assert cut([record(400)], 50, 2) is not windows, "another record, though it looks alike"
+
+
+def test_what_was_asked_for_longest_ago_is_forgotten_first():
+    made = []
+
+    def of(name, size):
+        return kept.get(name, lambda: made.append(name) or np.zeros(size // 8))
+
+    kept = Recent(100 * 8)
+    for name in ("a", "b", "a", "c", "a", "b"):
+        of(name, 40 * 8)
+    assert made == ["a", "b", "c", "b"], "a was asked for in between"
+    of("large", 101 * 8)
+    of("large", 101 * 8)
+    assert made[-2:] == ["large", "large"], "it has no room"
+    assert len(made) == 6
+    of("b", 40 * 8)
+    assert len(made) == 6

@@ -306,3 +306,15 @@ def test_what_is_too_stiff_is_tried_with_the_implicit_integrator(
     assert (found.refit.numerics.integrator if found.refit else None) == kept
     if kept is None:
         assert found.failure == "not by rk4; with rodas3: not by rodas3"
+
+
+def test_in_the_place_of_an_effect_a_trial_is_asked_for_a_quarter_of_what_that_takes(monkeypatch, trial):
+    asked = []
+    monkeypatch.setattr(trials, "_solved", lambda c, base, split, least, rival: asked.append(least) or one)
+    one = trial("asymmetric_viscous", 0.5, 1.0)
+    base = replace(one.refit, cost=2.0, score=BASE)
+    richer = replace(one.refit, cost=0.4, score=score(0.6, 1.0))
+    trials.attempt(one.candidate, base, None, RULES.worth, None, richer)
+    trials.attempt(one.candidate, base, None, RULES.worth, None, replace(richer, cost=1.99))
+    trials.attempt(one.candidate, base, None, RULES.worth)
+    assert asked == pytest.approx([0.25 * 0.4, 0.02, 0.02])
