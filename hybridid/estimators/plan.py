@@ -70,7 +70,8 @@ class Start:
 
 @dataclass(frozen=True)
 class Look:
-    """Where a short descent from a start ended: it goes on from there, by the smoothings ``factors``."""
+    """Where a short descent ended (``seen``), and the ``start`` from which it goes on by the smoothings
+    ``factors``."""
 
     start: Start
     seen: Solution

@@ -96,10 +96,13 @@ def _look(task: Task, factors: Sequence[float], rest: tuple[float, ...], stop: S
 
 
 def _sharpened(wide: Look, task: Task, narrowest: tuple[float, ...], stop: Stop) -> Look:
-    """Where a short descent at the narrowest smoothing ended, from where that at the widest did."""
-    seen = task.solve(wide.start.p, wide.start.x0, narrowest, stop)
-    rest = narrowest if wide.seen.cost > BLURRED * seen.cost else wide.factors
-    return Look(replace(wide.start, p=seen.p, x0=task.with_ours(wide.start.x0, seen.x0)), seen, rest)
+    """Where a short descent at the narrowest smoothing ended, from where that at the widest did. By every
+    smoothing it goes on from the latter, which cost less there."""
+    start = wide.start
+    seen = task.solve(start.p, start.x0, narrowest, stop)
+    if wide.seen.cost <= BLURRED * seen.cost:
+        return Look(start, seen, wide.factors)
+    return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, narrowest)
 
 
 def _hopeful(look: Look, plan: Descent, fitted: Sequence[int] | None) -> bool:
@@ -112,7 +115,8 @@ def _hopeful(look: Look, plan: Descent, fitted: Sequence[int] | None) -> bool:
 
 def _ended_early(look: Look, plan: Descent, stop: Stop, fitted: Sequence[int] | None) -> Result:
     """The short descent as a result; the other horizons' initial states are estimated until ``stop``."""
-    task, seen, x0 = Task.of(look.start, plan.method, fitted), look.seen, look.start.x0
+    task, seen = Task.of(look.start, plan.method, fitted), look.seen
+    x0 = task.with_ours(look.start.x0, seen.x0)
     if task.theirs:
         handed = task.handed_on(seen.p, x0, plan.continuation[-1:], stop)
         x0 = run_on(look.start.problem, seen.p, handed)
