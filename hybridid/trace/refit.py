@@ -196,11 +196,17 @@ def refit_beside(
     least: float,
 ) -> Refit:
     """``refit_if_hopeful`` of a trial beside ``base``: by every smoothing, with standard errors only where it
-    takes the share ``least`` from the held-out error of ``base``."""
-    std_up_to = (1 - least) * base.score.loss
+    may be judged by them (``judged_up_to``)."""
+    std_up_to = judged_up_to(base, least)
     return refit_if_hopeful(
         model, split, starts, base, numerics, to_beat, least, CONTINUATION, std_up_to=std_up_to
     )
+
+
+def judged_up_to(base: Refit, least: float) -> float:
+    """The held-out loss above which a trial beside ``base`` is refused before its standard errors are asked
+    for: it takes less than the share ``least``, or than ``LEAST_DECREASE`` where more is asked for."""
+    return (1 - min(least, LEAST_DECREASE)) * base.score.loss
 
 
 def least_of(worth: float) -> float:

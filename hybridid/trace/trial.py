@@ -17,6 +17,7 @@ from hybridid.trace.refit import (
     LEAST_DECREASE,
     Refit,
     begun_at_the_record,
+    judged_up_to,
     least_of,
     refit,
     refit_beside,
@@ -218,6 +219,6 @@ def _unless_better_from_shorter(
     if shorter is None or same_valley(candidate, shorter[0], found.values):
         return found
     start, begun = shorter
-    std_up_to, lower = (1 - least) * base.score.loss, (1 - LEAST_DECREASE) * found.cost
+    std_up_to, lower = judged_up_to(base, least), (1 - LEAST_DECREASE) * found.cost
     again = refit_if_possible(found.model, split, [start], begun, found.numerics, std_up_to, lower)
     return found if again is None or again.cost >= lower else again

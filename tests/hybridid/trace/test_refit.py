@@ -10,7 +10,7 @@ from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import STIFF, _room, refit
+from hybridid.trace.refit import STIFF, _room, refit, refit_beside
 
 
 def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
@@ -54,3 +54,15 @@ def test_a_refit_that_promises_little_ends_early_without_standard_errors(make_mo
     assert not surprise.ended_early
     assert surprise.values == whole.values
     assert surprise.std == whole.std
+
+
+def test_a_trial_that_takes_less_than_it_was_asked_for_has_standard_errors_all_the_same(make_model, split_of):
+    """It may be worth having, and is judged by them."""
+    split = split_of()
+    base = refit(make_model(("viscous",)), split)
+    richer = make_model(("viscous", "coulomb"))
+    easy = replace(base, cost=1e6 * base.cost)
+    found = refit_beside(base, richer, split, [{}], base.numerics, easy, least=0.9999)
+    assert found.score.loss < 0.95 * base.score.loss
+    assert found.score.loss > (1 - 0.9999) * base.score.loss
+    assert found.std
