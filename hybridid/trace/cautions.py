@@ -30,6 +30,7 @@ from hybridid.trace.horizon_advice import (
 from hybridid.trace.hystereses import several_hystereses
 from hybridid.trace.idle import SURE
 from hybridid.trace.one_way import judged_the_other_way
+from hybridid.trace.other_parameters import ASK, other_parameters, recordings
 from hybridid.trace.recording_offset import offset_by_recording
 from hybridid.trace.refused_words import refused_for_significance
 from hybridid.trace.result import Trace
@@ -62,7 +63,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     if unconfirmed or (found.verdict == "unexplained" and refused_for_significance(traced)):
         told += [unconfirmed, parts_of_all_advised(context.split)]
     if found.verdict == "unexplained" and not traced.by_recording:
-        told += [_may_differ_by_recording(found.search, context)]
+        told += [_of_recordings(found.search, context)]
         told += [offset_by_recording(found.search.final, context.split, context.rules)]
     cut = found.search.cut_within_a_step or (found.out_of_time and bool(found.accepted))
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
@@ -84,17 +85,18 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     return "".join([*told, found.other_hold, worse_in_free_run(traced)])
 
 
+def _of_recordings(found: Search, context: Context) -> str:
+    """That a parameter may differ between the recordings, and how to ask which; empty if nothing says so."""
+    return other_parameters(found.final, context) or _may_differ_by_recording(found, context)
+
+
 def _may_differ_by_recording(found: Search, context: Context) -> str:
     """How to ask what differs by recording, where an effect was refused as its amplitude is another one in
     the held-out records; else empty. Parts of one file are one recording."""
-    recordings = {record.digest or record.name for record in context.split.records}
     reasons = [found.withdrawn, *(trial.reason for step in found.steps for trial in step.trials)]
-    if len(recordings) < 2 or not any(NO_CONSTANT in reason for reason in reasons):
+    if len(recordings(context.split.records)) < 2 or not any(NO_CONSTANT in reason for reason in reasons):
         return ""
-    return (
-        " To ask which parameter differs between the recordings: trace.by_recording=true trace.records=null "
-        "trace.held_out=null."
-    )
+    return ASK
 
 
 def _only_fitted(found: Conclusion, context: Context) -> str:

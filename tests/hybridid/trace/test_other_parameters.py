@@ -1,0 +1,60 @@
+"""On simulated carriages: the recordings that judge may have other parameters, which is told."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from hybridid.trace import cautions
+from hybridid.trace.context import Context
+from hybridid.trace.other_parameters import ASK, other_parameters
+from hybridid.trace.refit import WITHOUT_STD, refit
+from hybridid.trace.rules import Rules
+from hybridid.trace.split import by_blocks, by_record
+
+HORIZON = 50
+
+
+@pytest.fixture(scope="module")
+def said(two_records, make_model):
+    """``said(f_c)``: what is told of the symmetric carriage whose friction is ``f_c`` where it is judged."""
+
+    def make(judged: float, **there: float) -> str:
+        (first, _), (_, second) = two_records(f_c=20.0), two_records(f_c=judged, **there)
+        context = Context(by_record([first], [second], HORIZON), (), Rules())
+        return other_parameters(refit(make_model(), context.split, std_up_to=WITHOUT_STD), context)
+
+    return make
+
+
+def test_a_friction_that_differs_between_the_recordings_is_told_with_both_values(said):
+    told = said(20.6)
+    here, there = (part.split(" ±")[0].split()[-1] for part in told.split("f_c = ")[1].split(", ")[:2])
+    assert float(here) == pytest.approx(20.0, abs=0.1)
+    assert float(there) == pytest.approx(20.6, abs=0.1)
+    assert told.endswith(ASK)
+
+
+def test_nothing_is_told_of_a_machine_with_the_same_parameters(said):
+    assert said(20.0) == ""
+
+
+def test_nothing_is_told_where_a_recording_is_on_both_sides(two_records, make_model):
+    first, _ = two_records(f_c=20.0)
+    context = Context(by_blocks([first], HORIZON), (), Rules())
+    assert other_parameters(refit(make_model(), context.split), context) == ""
+
+
+def test_a_law_that_no_other_parameters_make_up_for_is_not_told(said):
+    """A spring where it is judged: no mass and friction moves as it does."""
+    assert said(20.0, stiffness=2e3) == ""
+
+
+def test_it_is_told_once_how_to_ask(monkeypatch):
+    monkeypatch.setattr(cautions, "other_parameters", lambda final, context: f" Told.{ASK}")
+    monkeypatch.setattr(cautions, "_may_differ_by_recording", lambda found, context: ASK)
+    found = SimpleNamespace(final=None)
+    assert cautions._of_recordings(found, SimpleNamespace()) == f" Told.{ASK}"
+    monkeypatch.setattr(cautions, "other_parameters", lambda final, context: "")
+    assert cautions._of_recordings(found, SimpleNamespace()) == ASK
