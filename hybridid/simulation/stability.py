@@ -98,10 +98,15 @@ def in_enough_steps(run: Callable[[int], T], is_plausible: Callable[[T], bool], 
 
 
 def stays_near(outputs: Array, record: Record) -> bool:
-    """Whether simulated ``outputs`` (n, n_y) are finite, and none is above ``FAR`` times the largest recorded
-    one (unless all of these are zero)."""
+    """Whether simulated ``outputs`` (n, n_y) are ``near`` the recorded ones at every sample."""
+    return bool(near(outputs, record).all())
+
+
+def near(outputs: Array, record: Record) -> NDArray[np.bool_]:
+    """At which samples (n,) simulated ``outputs`` (n, n_y) are finite, and none is above ``FAR`` times the
+    largest recorded one (unless all of these are zero)."""
     limit = FAR * float(np.abs(np.nan_to_num(record.outputs)).max(initial=0.0))
-    return bool(np.isfinite(outputs).all() and (limit == 0 or np.abs(outputs).max(initial=0.0) <= limit))
+    return np.asarray((np.abs(outputs) <= (limit or np.finfo(float).max)).all(axis=1))
 
 
 def _checked(steps: int, integrator: str) -> int:

@@ -25,7 +25,7 @@ from hybridid.simulation.chosen import integrator_for
 from hybridid.simulation.matching import check_records
 from hybridid.simulation.shooter import Shot
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import in_enough_steps, stays_near, substeps_to_predict
+from hybridid.simulation.stability import in_enough_steps, near, stays_near, substeps_to_predict
 
 Array = NDArray[np.float64]
 VIEWS: tuple[View, ...] = get_args(View)
@@ -107,7 +107,7 @@ def free_run(
     as many as stability and accuracy need. ``method`` estimates the initial state.
 
     Raises:
-        Diverged: if the simulation does not stay finite.
+        Diverged: if the simulation leaves the record (``hybridid.simulation.stability.near``).
     """
     return _predict(model, values, record, None, initial_state, "free_run", integrator, substeps, method)
 
@@ -126,7 +126,7 @@ def horizon_run(
     ``substeps`` and ``method`` as for ``free_run``.
 
     Raises:
-        Diverged: if the simulation does not stay finite.
+        Diverged: if the simulation leaves the record (``hybridid.simulation.stability.near``).
     """
     return _predict(model, values, record, horizon, "estimated", "horizon", integrator, substeps, method)
 
@@ -161,8 +161,9 @@ def _predict(
         problem, x0, shot = in_enough_steps(run, lambda found: _stays_near(found, record), steps)
     used = problem.windows.used
     time, predicted, states = (a[used] for a in (problem.windows.time, shot.outputs, shot.states))
-    if not np.isfinite(predicted).all():
-        first = int(np.argmin(np.isfinite(predicted).all(axis=1)))
+    stays = near(predicted, record)
+    if not stays.all():
+        first = int(np.argmin(stays))
         raise Diverged(f"simulation of record {record.name} diverged at t = {time[first]:.4g} s")
     return Prediction(
         record=record.name,

@@ -98,3 +98,11 @@ def test_a_model_that_leaves_the_numbers_says_when(make_model, made):
     with pytest.raises((Diverged, ValueError)) as caught:
         free_run(model, wild, made)
     assert "\n" not in str(caught.value)
+
+
+def test_a_run_that_leaves_the_record_diverges_though_it_is_still_a_number(carriage, model, made):
+    """A machine that drives itself: exp(30 1/s · 3 s) is a number, and no prediction."""
+    wild = {**carriage.truth, "carriage.viscous.f_v": -30.0 * carriage.truth["M"]}
+    assert np.isfinite(simulate(model, wild, made).outputs).all()
+    with pytest.raises(Diverged, match=r"record carriage diverged at t = [12]\.\d"):
+        free_run(model, wild, made)
