@@ -50,11 +50,12 @@ def narrowed_in_words(found: Trace) -> str:
 
 
 def refused_rivals(found: Trace) -> tuple[str, ...]:
-    """Effects not shown to explain less than an accepted one that were refused for their amplitudes."""
+    """Effects not shown to explain less than an accepted one that were refused for their amplitudes. Beside a
+    pair there are none: what one of its members cannot be told from was tried in its place."""
     return tuple(
         f"{trial.name} is not shown to explain less than {step.accepted}, but {trial.reason}."
         for step in found.steps
-        if step.accepted in [one.name for one in found.accepted]
+        if step.together is None and step.accepted in [one.name for one in found.accepted]
         for trial in step.trials
         if trial.reason.startswith(NO_CONSTANT)
     )

@@ -250,10 +250,10 @@ def test_a_rival_that_was_refused_for_its_amplitude_is_told(nothing):
     name, rival = accepted("stribeck", "F = k", False), tried("cogging", 0.3, why)
     step = StepTaken(nothing().path[0], name.name, (), (DRAG, rival))
     found = replace(nothing(), accepted=(name,), steps=(step,))
-    assert refused_rivals(found) == (
-        f"carriage.cogging is not shown to explain less than carriage.stribeck, but {why}.",
-    )
+    said = f"carriage.cogging is not shown to explain less than carriage.stribeck, but {why}."
+    assert refused_rivals(found) == (said,)
     assert refused_rivals(replace(found, accepted=())) == ()
+    assert refused_rivals(replace(found, steps=(replace(step, together="carriage.offset"),))) == ()
 
 
 def test_a_pair_helps_only_together(nothing):
