@@ -24,7 +24,7 @@ from hybridid.quantities import share
 from hybridid.records.record import Record
 from hybridid.trace.constancy import Amplitude, fitted_to_held_out
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit, refit
+from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.split import Split
 
 TOLD = 3
@@ -48,11 +48,12 @@ def other_parameters(final: Refit, context: Context) -> str:
     if not recordings(split.fitted_records).isdisjoint(recordings(split.swapped.fitted_records)):
         return ""
     (there,) = fitted_to_held_out([final], context)
-    if there is None or not (there.converged and final.converged):
+    here = _with_std(final, split)
+    if here is None or there is None or not (there.converged and final.converged):
         return ""
     left = float(np.mean((there.fitted_rmse / final.score.scale) ** 2))
     taken = 1.0 - left / final.score.loss**2 if final.score.loss > 0 else 0.0
-    moved = _moved(_with_std(final, split), there, rules.alpha)
+    moved = _moved(here, there, rules.alpha)
     if taken < rules.majority or not moved:
         return ""
     told = listed([str(one) for one in moved[:TOLD]])
@@ -63,9 +64,11 @@ def other_parameters(final: Refit, context: Context) -> str:
     )
 
 
-def _with_std(final: Refit, split: Split) -> Refit:
+def _with_std(final: Refit, split: Split) -> Refit | None:
     """``final`` with standard errors: the search does not compute those of every model."""
-    return final if final.std else refit(final.model, split, [final.values], final, final.numerics)
+    if final.std:
+        return final
+    return refit_if_possible(final.model, split, [final.values], final, final.numerics, math.inf)
 
 
 def _moved(here: Refit, there: Refit, alpha: float) -> list[Amplitude]:

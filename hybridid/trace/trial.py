@@ -34,9 +34,9 @@ from hybridid.trace.valley import along_the_valley
 ABOVE = 1.2
 """Times another parameter that a fixed one is set to: see ``EffectParameter.above``."""
 QUARTER = 0.25
-"""Of what an effect takes: the least that another one in its place may take, of the fitted cost or of the
-held-out RMSE, that is refitted to the end. Where the held-out horizons cannot tell two effects apart, one
-takes at least half of what the other does; the cost of a quarter leaves room for what a few horizons hide."""
+"""Of what an effect takes: the least that another one in its place must promise, of the fitted cost or of the
+held-out RMSE, to be refitted to the end. Only what the records cannot tell from the effect counts there. That
+takes at least half as much, unless few horizons judge (``hybridid.trace.alike``); a quarter leaves room."""
 PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED = "passed", "rejected", "unidentifiable", "untried"
 
 
@@ -109,8 +109,7 @@ def attempt(
     A refit that promises little ends early: less than ``LEAST_DECREASE``, and than half of ``worth``, of the
     fitted cost and of the held-out RMSE of ``base``, or of a ``rival`` that it is to replace. One that takes
     so little of the RMSE of ``base`` has no standard errors. Where the candidate takes the place of an
-    effect, with which the model ends at ``in_place_of``, it is asked for a quarter of what that takes: an
-    effect that takes less is not as good, however little the held-out horizons can tell.
+    effect, with which the model ends at ``in_place_of``, it is asked for a quarter of what that takes.
 
     What is too stiff for the integrator of ``base`` is tried again with the implicit one: the starts that it
     could not solve, or all if the end is too stiff. That trial counts if it explains more: else everything
