@@ -70,7 +70,10 @@ def _remaining(found: Conclusion) -> list[Ceiling]:
 
 
 def revision_advised(found: Conclusion, context: Context) -> str:
-    """That ``trace.revise`` may help, in words, where a declared effect may be the wrong law; else empty."""
+    """That ``trace.revise`` may help, in words, where a declared effect may be the wrong law, or that the
+    time limit left it out; else empty."""
+    if found.unrevised:
+        return " The time limit left out trace.revise: no declared effect was questioned."
     if found.verdict != "unexplained" or context.revise:
         return ""
     declared = [term.name for term in found.search.final.model.terms]

@@ -47,7 +47,8 @@ class Conclusion:
     ``steady`` is the length [s] of shorter horizons over which the error is as large, where that leaves the
     verdict open. So does what is left over ``longer`` horizons, and so do horizons that are ``too_short``,
     and parameters so ``vague`` that they alone may err by what is left.
-    ``replacements`` do better in the place of a declared effect, where that was asked.
+    ``replacements`` do better in the place of a declared effect, where that was asked; unless the time limit
+    left that out (``unrevised``).
     ``grows`` is what longer horizons leave where that is too little to leave the verdict open, but more than
     a complete model would.
     ``other_hold`` says in words which other hold of the inputs explains what is left.
@@ -71,6 +72,7 @@ class Conclusion:
     vague: bool = False
     other_hold: str = ""
     replacements: tuple[Replacement, ...] = ()
+    unrevised: bool = False
     there: Refit | None = None
     out_of_time: bool = False
 
@@ -136,6 +138,7 @@ def conclude(
         vague=vague,
         other_hold=better_hold(settled.found.final, context),
         replacements=revised,
+        unrevised=revises != context.revise,
         there=fitted_to_held_out([settled.found.final], context)[0] if settled.found.accepted else None,
         out_of_time=cut or revises != context.revise,
     )

@@ -69,11 +69,12 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
     base, split = fitted
     found = ceiling(base, split, "carriage", Over("velocity"))
 
-    def told(verdict="unexplained", remains=(f"at {found.place}",), **asked):
+    def told(verdict="unexplained", remains=(f"at {found.place}",), unrevised=False, **asked):
         search = SimpleNamespace(first=base, final=base)
         ended = SimpleNamespace(
-            verdict=verdict, search=search, ceilings=[found], remains=remains, accepted=()
-        )
+            verdict=verdict, search=search, ceilings=[found], remains=remains, accepted=(),
+            unrevised=unrevised,
+        )  # fmt: skip
         return revision_advised(ended, Context(split, (), **asked))
 
     assert told() == (
@@ -81,6 +82,9 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
         "trace.revise=true seeks others in its place."
     )
     assert told(revise=True) == told("law_proposed") == ""
+    assert told("undecided", unrevised=True, revise=True) == (
+        " The time limit left out trace.revise: no declared effect was questioned."
+    )
     assert told(remains=()) == (
         " The declared carriage.viscous, carriage.coulomb and carriage.offset were not questioned: "
         "trace.revise=true seeks others in the place of each."

@@ -101,6 +101,7 @@ def test_what_is_complete_when_the_time_ends_is_not_cut_short(make_model, contex
 def test_a_revision_that_was_asked_for_is_left_out(make_model, context):
     found = conclude(make_model(), replace(context, revise=True))
     assert found.out_of_time
+    assert found.unrevised
     assert found.replacements == ()
 
 
