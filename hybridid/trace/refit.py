@@ -36,8 +36,7 @@ SCREENING = Stop(5, 1e-3)
 Only the best start then descends to convergence."""
 MOST_ITERATIONS, TOLERANCE = 40, 1e-6
 LEAST_GAIN = 1e-4
-"""Share of the cost that three steps of a descent must gain together. Two effects are told apart by 2 % of
-the RMSE (``Rules.tie``), which is four hundred times as much of the cost."""
+"""Share of the cost that three steps of a descent must gain together; ``Rules.tie`` is 4 % of the cost."""
 CONTINUATION = (10.0, 3.0, 1.0)
 """Smoothings of sign(v), one after the other. With a sharp sign(v) the cost has many local minima."""
 HANDOVERS, HANDOVER_ITERATIONS = 3, 12
@@ -204,8 +203,7 @@ def refit_beside(
 
 
 def judged_up_to(base: Refit, least: float) -> float:
-    """The held-out loss above which a trial beside ``base`` is refused before its standard errors are asked
-    for: it takes less than the share ``least``, or than ``LEAST_DECREASE`` where more is asked for."""
+    """The held-out loss above which a trial beside ``base`` is refused whatever its standard errors are."""
     return (1 - min(least, LEAST_DECREASE)) * base.score.loss
 
 
