@@ -23,13 +23,12 @@ from hybridid.estimators.reduced import LeastSquares, Reduced
 from hybridid.estimators.rough_horizons import POOR, has_own_states, mended
 from hybridid.estimators.secant import Secant
 from hybridid.estimators.separate import is_separate, solve_separately
-from hybridid.estimators.stop import RECENT, SLOW_GAIN, SLOW_SHARE, SLOW_STEPS, Stop, Watch
+from hybridid.estimators.stop import SLOW_GAIN, SLOW_SHARE, SLOW_STEPS, Stop, Watch
 
 Array = NDArray[np.float64]
 MOST_DAMPING = 1e12
-LOOSE, COARSE = 1e-4, 10.0
-"""Tolerance of the descents at coarser smoothing, which only lead to the next, and times the least gain that
-these are asked for."""
+LOOSE = 1e-4
+"""Tolerance of the descents at coarser smoothing, which only lead to the next."""
 STUBBORN = 2.0**3
 """Growth of the damping after two trials of a step have failed: the next is mended where it fails."""
 REST = 0.1
@@ -45,9 +44,8 @@ class LevenbergMarquardt:
 
     Converged means that the predicted relative decrease of a full Gauss-Newton step is below the tolerance,
     that only rounding is left, or that the cost is rough: the last ``SLOW_STEPS`` steps together gained
-    hardly more than the tolerance, or the last ``RECENT`` less than ``Stop.least``, or, where horizons have
-    initial states of their own, hardly moved the parameters; or no step lowers the cost and none predicted
-    more.
+    hardly more than the tolerance or, where horizons have initial states of their own, hardly moved the
+    parameters; or no step lowers the cost and none predicted more.
 
     ``mends``: a step that fails in a few horizons is mended there (``rough_horizons``). ``learns``: where
     initial states are known, steps learn from those before (``secant``). A fit does both. Refits that are
@@ -77,8 +75,7 @@ class LevenbergMarquardt:
             return solve_separately(variables, problem.smoothed(p, factors[-1]), x0, stop)
         begun = 0
         for factor in factors[:-1] if problem.widths else ():
-            coarse = replace(stop, tolerance=LOOSE, least=COARSE * stop.least)
-            smoothed = problem.smoothed(p, factor)
+            coarse, smoothed = replace(stop, tolerance=LOOSE), problem.smoothed(p, factor)
             found = _descend(variables, smoothed, x0, coarse, _from(watch, begun), self.mends, self.learns)
             p, x0, begun = found.p, found.x0, begun + found.iterations
         smoothed = problem.smoothed(p, factors[-1])
@@ -150,8 +147,7 @@ def _descend(
         history.append(cost)
         places.append(p)
         watch(iteration, cost)
-        creeps = _creeps(history, slow) or _creeps(history, stop.least, RECENT)
-        if creeps or (apart and _at_rest(variables, normal, places, history)):
+        if _creeps(history, slow) or (apart and _at_rest(variables, normal, places, history)):
             return Solution(p, x0, cost, ROUGH, True, iteration, tuple(history))
     most = stop.iterations
     return Solution(p, x0, cost, f"stopped after {most} iterations", False, most, tuple(history))
@@ -176,9 +172,9 @@ def _with_better_states(variables: LeastSquares, found: Solution, stop: Stop, wa
     return found
 
 
-def _creeps(history: Sequence[float], gain: float, steps: int = SLOW_STEPS) -> bool:
-    """Whether the last ``steps`` together lowered the cost by less than the share ``gain``."""
-    return len(history) > steps and history[-steps - 1] - history[-1] < gain * history[-1]
+def _creeps(history: Sequence[float], gain: float) -> bool:
+    """Whether the last ``SLOW_STEPS`` steps together lowered the cost by less than the share ``gain``."""
+    return len(history) > SLOW_STEPS and history[-SLOW_STEPS - 1] - history[-1] < gain * history[-1]
 
 
 def _at_rest(

@@ -23,7 +23,7 @@ SETTLED = 1e-3
 TRAPPED = 0.9
 """Share of a horizon's cost: if less is left from another initial state, before any descent from there, the
 horizon is trapped where it is."""
-OTHERS = Stop(30, 1e-5, 1e-4)
+OTHERS = Stop(30, 1e-5)
 """For the initial states of horizons that are not fitted, at given parameters."""
 
 

@@ -12,15 +12,11 @@ SLOW_STEPS, SLOW_SHARE, SLOW_GAIN = 10, 1e3, 1e-3
 """Stick and slip make the cost of long horizons rough: descent then creeps from kink to kink. It
 ends when ten steps gain less than a thousand times the tolerance, and less than a thousandth."""
 
-RECENT = 3
-"""Steps over which a descent that asks for a ``least`` gain is looked at."""
-
 
 @dataclass(frozen=True)
 class Stop:
     """Most ``iterations`` at one smoothing of sign(v), and the ``tolerance`` below which a relative decrease
-    of the cost counts as none. ``RECENT`` steps together must gain the share ``least`` of the cost."""
+    of the cost counts as none."""
 
     iterations: int = 100
     tolerance: float = 1e-6
-    least: float = 0.0

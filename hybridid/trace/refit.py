@@ -35,8 +35,6 @@ SCREENING = Stop(5, 1e-3)
 """Ends the short descent from each of several starts, once at the widest and once at the narrowest smoothing.
 Only the best start then descends to convergence."""
 MOST_ITERATIONS, TOLERANCE = 40, 1e-6
-LEAST_GAIN = 1e-4
-"""Share of the cost that three steps of a descent must gain together; ``Rules.tie`` is 4 % of the cost."""
 CONTINUATION = (10.0, 3.0, 1.0)
 """Smoothings of sign(v), one after the other. With a sharp sign(v) the cost has many local minima."""
 HANDOVERS, HANDOVER_ITERATIONS = 3, 12
@@ -254,13 +252,13 @@ def _descent(
     numerics: Numerics, factors: Sequence[float], tolerance: float, screened: bool, cost_limit: float
 ) -> Descent:
     """The descent of a refit: of starts that are ``screened`` one is carried on; steps are refined once."""
-    handover = Handover(HANDOVERS, Stop(HANDOVER_ITERATIONS, tolerance, LEAST_GAIN))
+    handover = Handover(HANDOVERS, Stop(HANDOVER_ITERATIONS, tolerance))
     return Descent(
         handover=handover,
         refinement=Refinement(1, handover, must_hold=False),
         method=numerics.method,
         continuation=tuple(factor * numerics.smoothing for factor in factors),
-        stop=Stop(MOST_ITERATIONS, tolerance, LEAST_GAIN),
+        stop=Stop(MOST_ITERATIONS, tolerance),
         screening=SCREENING if screened else None,
         cost_limit=cost_limit,
     )
