@@ -6,7 +6,10 @@ Coulomb and Stribeck friction. It then stays, and all that follows is judged bes
 begins, each earlier effect is exchanged for every other one that passed in its step and took at least half as
 much (``Rules.majority``), beside each member of the class that was accepted last. If one of these models
 leaves less than the last one by what an effect must take (``Rules.worth``), significantly with all of them
-counted, the search goes back to that step and takes the other effect.
+counted, the search goes back to that step and takes the other effect. That one may be refused there alone:
+beside a declared law that is wrong, its amplitude differs from record to record. Then both effects of the
+better model are judged as a pair (``hybridid.trace.pair``). If the pair fails too, the search does not go
+back: nothing has shown that any other effect of that step leads further.
 
 Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2nd ed., Chapman & Hall, ch. 3.
 """
@@ -16,8 +19,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
+from hybridid.trace.cross_fitting import pairs_cross_fitted
 from hybridid.trace.evidence import compare
+from hybridid.trace.pair import attempt_pair, judge_pairs, values_of
+from hybridid.trace.pair_decision import pair_taken
+from hybridid.trace.promise import Promise, overlap
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
@@ -72,6 +80,24 @@ def without_the_better(step: Step, exchange: Exchange) -> tuple[Trial, ...]:
         replace(t, status=REJECTED, reason=why) if t.status == PASSED and t.gain > exchange.rival.gain else t
         for t in step.trials
     )
+
+
+def both_taken(step: Step, exchange: Exchange, context: Context) -> Step:
+    """``step`` with both effects of ``exchange`` taken as a pair, if that passes; else with nothing taken."""
+    one, other = exchange.rival.candidate, exchange.member.candidate
+    fitted, base, rules = exchange.refit, step.base, context.rules
+    if not context.pairs or fitted is None or overlap(one, other):
+        return replace(step, accepted=None)
+    alone = {t.candidate.name: t for t in step.trials}
+    shared = {name: fitted.values.get(name, value) for name, value in base.values.items()}
+    starts = {**shared, **values_of(fitted, one)}, values_of(fitted, other)
+    promise = Promise(one, other, starts, 1.0 - fitted.cost / base.cost)
+    candidates = sum(1 for _ in admissible(base.model, context.effects, context.ports))
+    family = candidates * (candidates - 1) // 2
+    singles = alone.get(one.name), alone.get(other.name)
+    pair = context.one(attempt_pair, promise, singles, base, context.split, rules)
+    judged = pairs_cross_fitted(judge_pairs([pair], family, rules), base, family, context)
+    return pair_taken(replace(step, accepted=None, family=family), judged, context)
 
 
 def _rivals(steps: Sequence[Step], last: Refit, rules: Rules) -> Iterator[tuple[int, str, Trial]]:

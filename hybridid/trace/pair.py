@@ -112,12 +112,13 @@ def _starts(
     """Starts of both together: every combination of the starts of each, none twice."""
     each: list[list[Values]] = []
     for start, single in zip(promise.starts, singles, strict=True):
-        ended = [_own(single.refit, single.candidate)] if single is not None and single.refit else []
+        ended = [values_of(single.refit, single.candidate)] if single is not None and single.refit else []
         each.append([start, *ended])
     return each_once([{**base.values, **one, **other} for one, other in product(*each)])
 
 
-def _own(refitted: Refit, candidate: Candidate) -> dict[str, float]:
+def values_of(refitted: Refit, candidate: Candidate) -> dict[str, float]:
+    """The values in ``refitted`` of the parameters of ``candidate`` alone."""
     return {n: v for n, v in refitted.values.items() if n.startswith(f"{candidate.name}.")}
 
 
@@ -149,7 +150,7 @@ def _beside_each_other(pair: PairTrial, singles: Sequence[Trial | None], split: 
         values = values_without(both, member.name)
         starts = [values]
         if single is not None and single.refit is not None:
-            starts.append({**values, **_own(single.refit, other)})
+            starts.append({**values, **values_of(single.refit, other)})
         poorer = refit_if_possible(
             both.model.without(member.name), split, starts, both, both.numerics, math.inf
         )

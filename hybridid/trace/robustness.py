@@ -18,7 +18,10 @@ from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, refit, refit_if_possible
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
+from hybridid.trace.trial import Trial
 
+Otherwise = dict[Numerics, Refit | None]
+"""A model's refits under other numerics."""
 OTHER_INTEGRATOR = {"rk4": "rodas3", "rodas3": "rk4"}
 
 
@@ -116,6 +119,20 @@ def survival(
     refuted = bool(worse and numerics.finer <= augmented.numerics.finer)
     passes = kept >= rules.kept and steady
     return Survival(numerics.name, again.gain, kept, again.p_value, own, refuted, refuted or passes)
+
+
+def survivals_of(base: Refit, best: Trial, context: Context, otherwise: Otherwise) -> tuple[Survival, ...]:
+    """What becomes of the gain of ``best`` under every variation of the numerics it was solved with.
+
+    ``otherwise`` holds the base under the variations of earlier calls, and takes those of this one.
+    """
+    assert best.refit is not None
+    split, name = context.split, best.candidate.name
+    varied = variations(split.records, best.refit.numerics, best.refit.model.smooths)
+    new = [numerics for numerics in varied if numerics not in otherwise]
+    otherwise.update(zip(new, refitted_under(base, new, context), strict=True))
+    given = [(base, best.refit, name, split, how, context.rules, otherwise[how]) for how in varied]
+    return tuple(context.each("by other numerics", survival, given))
 
 
 def _not_simulated(numerics: Numerics, survives: bool) -> Survival:

@@ -11,7 +11,7 @@ from hybridid.model import Model
 from hybridid.naming import counted
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.alike import equivalents, indistinguishable, strangers
-from hybridid.trace.backtrack import better_branch, without_the_better
+from hybridid.trace.backtrack import better_branch, both_taken, without_the_better
 from hybridid.trace.ceiling import ceilings
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
@@ -22,7 +22,7 @@ from hybridid.trace.judgement import judge
 from hybridid.trace.minor import MINOR, may_be_minor, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
-from hybridid.trace.robustness import Survival, objection, refitted_under, survival, variations
+from hybridid.trace.robustness import Otherwise, objection, survivals_of
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough, sharper_for_an_effect
 from hybridid.trace.shorter import with_shorter
@@ -40,9 +40,6 @@ from hybridid.trace.steps import (
 from hybridid.trace.together import meets_noise_together
 from hybridid.trace.trial import PASSED, REJECTED, Trial
 from hybridid.trace.tried import trials_of
-
-Otherwise = dict[Numerics, Refit | None]
-"""A model's refits under other numerics."""
 
 
 def search(
@@ -130,6 +127,8 @@ def _gone_back(
     gone_back.add(better.number)
     earlier = steps[better.number]
     step = decided(earlier.base, without_the_better(earlier, better), context)
+    if step.accepted is None or step.accepted.name != better.rival.candidate.name:
+        step = both_taken(earlier, better, context)
     if step.accepted is None or step.accepted.trial.refit is None:
         return None
     context.say(f"with {better} less error is left: back to step {better.number + 1}: {said_of(step)}")
@@ -296,6 +295,10 @@ def said_of(step: Step) -> str:
     if step.accepted is None:
         return f"none of {len(step.trials)} effects passes"
     best = step.accepted
+    if step.together is not None:
+        names = [one.name for one in step.taken]
+        (gain,) = (pair.gain for pair in step.pairs if pair.name == " + ".join(names))
+        return f"{' and '.join(names)} take {gain:.1%} off the held-out error, only together"
     others = [t.candidate.name for t in best.alike if t is not best.trial]
     alike = f"; it cannot be told from {', '.join(others)}" if others else ""
     return f"{best.name} takes {best.trial.gain:.1%} off the held-out error{alike}"
@@ -311,20 +314,6 @@ def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:
     small = [t for t in alike if t.free_parameters == fewest]
     likely = (1.0 - max(t.fitted_gain for t in small)) / (1.0 - rules.tie) ** 2
     return max((t for t in small if 1.0 - t.fitted_gain <= likely), key=lambda t: t.gain)
-
-
-def survivals_of(base: Refit, best: Trial, context: Context, otherwise: Otherwise) -> tuple[Survival, ...]:
-    """What becomes of the gain of ``best`` under every variation of the numerics it was solved with.
-
-    ``otherwise`` holds the base under the variations of earlier calls, and takes those of this one.
-    """
-    assert best.refit is not None
-    split, name = context.split, best.candidate.name
-    varied = variations(split.records, best.refit.numerics, best.refit.model.smooths)
-    new = [numerics for numerics in varied if numerics not in otherwise]
-    otherwise.update(zip(new, refitted_under(base, new, context), strict=True))
-    given = [(base, best.refit, name, split, how, context.rules, otherwise[how]) for how in varied]
-    return tuple(context.each("by other numerics", survival, given))
 
 
 def without_needless(

@@ -7,12 +7,13 @@ from dataclasses import replace
 import pytest
 
 from hybridid.effects.library import effect_named
-from hybridid.trace.backtrack import better_branch, without_the_better
+from hybridid.trace import search
+from hybridid.trace.backtrack import better_branch, both_taken, without_the_better
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.judgement import judge
 from hybridid.trace.refit import refit
-from hybridid.trace.search import continued
+from hybridid.trace.search import continued, of_constant_amplitude
 from hybridid.trace.steps import AT_FLOOR, Accepted, Search, Step
 from hybridid.trace.trial import PASSED, REJECTED, attempt
 
@@ -68,6 +69,31 @@ def test_the_search_goes_back_and_ends_at_the_noise(steps, last, context):
     assert [one.name for one in found.accepted] == ["carriage.coulomb", "carriage.asymmetric_viscous"]
     assert found.stopped == AT_FLOOR
     assert "back to step 1" in said[0]
+
+
+def test_what_is_refused_alone_is_taken_with_what_followed(steps, last, context, monkeypatch):
+    def coulomb_differs(alike, context):
+        kept, refused = of_constant_amplitude(alike, context)
+        friction = [one for one in kept if one.candidate.name == "carriage.coulomb"]
+        others = tuple(one for one in kept if one not in friction)
+        return others, {**refused, **{one.candidate.name: replace(one, status=REJECTED) for one in friction}}
+
+    monkeypatch.setattr(search, "of_constant_amplitude", coulomb_differs)
+    said, accepted = [], tuple(one.accepted for one in steps)
+    found = continued(Search(tuple(steps), last, accepted, ""), replace(context, say=said.append))
+    assert [one.name for one in found.accepted] == ["carriage.coulomb", "carriage.asymmetric_viscous"]
+    assert found.accepted[0].together == "carriage.asymmetric_viscous"
+    assert found.stopped == AT_FLOOR
+    assert said[0].endswith("off the held-out error, only together")
+
+
+def test_where_the_two_fail_as_a_pair_nothing_is_taken(steps, last, context):
+    better = better_branch(steps, last, (), context)
+    hopeless = replace(better, rival=steps[0].trials[1])  # the brake, beside the asymmetry
+    left = both_taken(steps[0], hopeless, replace(context, rules=replace(context.rules, worth=0.99)))
+    assert left.taken == ()
+    assert [pair.status for pair in left.pairs] == [REJECTED]
+    assert both_taken(steps[0], better, replace(context, pairs=0)).taken == (), "no pairs were asked for"
 
 
 def test_a_step_to_which_the_search_went_back_stays(steps, last, context):

@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
-from hybridid.trace import pairs
+from hybridid.trace import pair_decision
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.cross_fitting import FEW, pairs_cross_fitted
-from hybridid.trace.evidence import Comparison
-from hybridid.trace.pair import PairTrial, decided_pair
+from hybridid.trace.pair import decided_pair
 from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.promise import promises
 from hybridid.trace.refit import refit
@@ -22,7 +21,7 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
 from hybridid.trace.sensitivity import seen
 from hybridid.trace.stand_in import unless_minor
-from hybridid.trace.trial import PASSED, REJECTED, Trial
+from hybridid.trace.trial import PASSED, REJECTED
 
 STIFFNESS, CENTRE = 400.0, 0.15
 DECLARED = ("viscous", "coulomb")
@@ -177,42 +176,9 @@ def test_where_nothing_is_missing_no_pair_is_accepted(make_model, split_of):
     assert found.accepted == ()
 
 
-@pytest.fixture
-def made(monkeypatch):
-    """``made("offset", "linear_stiffness")``: a pair that passes, as good as any other."""
-    monkeypatch.setattr(pairs, "_as_good", lambda best, other, rules: True)
-
-    def make(*names):
-        candidates = tuple(Candidate(effect_named(name), "carriage") for name in names)
-        solved = SimpleNamespace(score=SimpleNamespace(loss=0.1))
-        members = tuple(Trial(one, solved, Comparison(0.9, 1e-9, 1.0)) for one in candidates)
-        return PairTrial(candidates, 0.5, solved, Comparison(0.9, 1e-9, 1.0), members, status=PASSED)
-
-    return make
-
-
-@pytest.mark.parametrize(
-    ("other", "refused"),
-    [
-        (("offset", "quadratic_drag"), False),  # a common member: the other one's rivals are tried
-        (("cubic_stiffness", "asymmetric_coulomb"), False),  # a look-alike of each
-        (("asymmetric_coulomb", "cubic_stiffness"), False),
-        (("quadratic_drag", "stribeck"), True),
-        (("cubic_stiffness", "stribeck"), True),
-    ],
-)
-def test_a_pair_is_refused_where_strangers_explain_as_much(made, other, refused):
-    best, equal = made("offset", "linear_stiffness"), made(*other)
-    step = SimpleNamespace(base=SimpleNamespace(score=SimpleNamespace(loss=1.0)))
-    why = pairs._strangers(step, best, [best, equal], Rules())
-    assert bool(why) == refused
-    assert not refused or why == f"these records cannot tell it from {equal.name}, physically unrelated to it"
-    assert pairs._strangers(step, best, [best, replace(equal, status="unidentifiable")], Rules()) == ""
-
-
 def test_where_strangers_explain_as_much_no_pair_is_accepted(stalled, context, monkeypatch):
-    monkeypatch.setattr(pairs, "_strangers", lambda *given: "these records cannot tell it from another")
+    monkeypatch.setattr(pair_decision, "_strangers", lambda *given: "these records cannot tell it from b")
     found = with_pair(stalled, replace(context, pairs=1))
     assert found.accepted == ()
     (pair,) = found.steps[-1].pairs
-    assert pair.reason == "withdrawn: these records cannot tell it from another"
+    assert pair.reason == "withdrawn: these records cannot tell it from b"
