@@ -1,4 +1,4 @@
-"""The noise of a record's outputs: below it no model can explain anything."""
+"""The noise of a record's outputs, below which no model can explain anything, and of its inputs."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ SEGMENT, QUIETEST = 256, 0.1
 AGREE = 4.0
 """Factor within which the two looks at white noise agree; else one of them sees motion, or a filter. An
 encoder's counts divided by the sample time, noise that is quiet at low frequencies, make a factor of 3."""
+CLEAN = 0.1
+"""Noise of a measured input over its own standard deviation, at most. What is more is taken for the input: a
+white excitation is no noise."""
 
 
 class SensorNoise(NamedTuple):
@@ -55,6 +58,13 @@ def noise_level(record: Record) -> Array:
     """
     shown = np.array([min(_local(y), _quietest(y)) for y in _counted(record)])
     return np.maximum(rounding(record), shown)
+
+
+def input_noise(record: Record) -> Array:
+    """Standard deviation (n_u,) of the white noise that each input has at most, in its unit; 0 where what
+    looks like noise is more than ``CLEAN`` of the input itself."""
+    shown = np.array([min(_local(u), _quietest(u)) for u in record.inputs.T])
+    return np.where(shown <= CLEAN * np.std(record.inputs, axis=0), shown, 0.0)
 
 
 def rounding(record: Record) -> Array:

@@ -59,9 +59,14 @@ class Accuracy:
         noise = context.noise.beside(final.score)
         return cls(noise, parameter_error(final, noise, context), simulation_error(final, context))
 
+    @property
+    def squares(self) -> Array:
+        """Mean squares (n_y,) of all three together."""
+        return np.asarray(self.noise**2 + self.parameters**2 + self.simulation**2)
+
     def times(self, rmse: Array) -> float:
         """The largest of the outputs' errors ``rmse`` (n_y,), over what a complete model would leave."""
-        return _largest(rmse, np.sqrt(self.noise**2 + self.parameters**2 + self.simulation**2))
+        return _largest(rmse, np.sqrt(self.squares))
 
     def times_the_least(self, rmse: Array) -> float:
         """The same over what a complete model would leave whose parameters were known."""

@@ -43,7 +43,7 @@ def pair_taken(step: Step, judged: Sequence[PairTrial], context: Context) -> Ste
                     best.members, best.members[::-1], classes, survivals, strict=True
                 )
             )
-            return replace(step, pairs=tuple(judged), accepted=first, together=second)
+            return replace(step, pairs=tuple(judged), accepted=first, together=second, minor="")
         withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {lost or strangers}")
         judged = [withdrawn if pair is best else pair for pair in judged]
         if strangers:  # whatever explains less is no better a name

@@ -24,6 +24,7 @@ from hybridid.trace.entries import (
     UsedRecord,
     Width,
 )
+from hybridid.trace.input_noise import NoisyInputs
 from hybridid.trace.longer import Longer
 from hybridid.trace.missing_efforts import Missing
 from hybridid.trace.rules import Rules
@@ -81,7 +82,8 @@ class Trace:
     ``times_fitted`` that of the fitted horizons, and ``refused`` the gain worth having that a test refused,
     where that leaves the verdict open. So does an error that is as large over horizons of ``steady`` s,
     or far above the noise over ``longer`` ones. So do horizons that are ``too_short`` where the records give
-    no longer ones, and parameters so ``vague`` that they alone may err by what is left.
+    no longer ones, and parameters so ``vague`` that they alone may err by what is left. ``noisy`` is the
+    noise of the inputs that may make all the error that is left, where noise and simulation alone do not.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
@@ -130,6 +132,7 @@ class Trace:
     longer: Longer | None = None
     too_short: bool = False
     vague: bool = False
+    noisy: NoisyInputs | None = None
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     def __str__(self) -> str:

@@ -68,6 +68,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         refused=found.refused,
         steady=found.steady,
         longer=found.longer,
+        noisy=found.noisy,
         too_short=found.too_short,
         vague=found.vague,
         completeness=completeness(networks, rules),

@@ -2,7 +2,8 @@
 
 ``nothing_missing`` is a claim, and needs evidence: the error that is left is near what the sensor's noise and
 the simulation leave (``hybridid.trace.accuracy``), and no refused gain could take a share of it worth having.
-Otherwise the verdict is ``unexplained`` or ``undecided``.
+Otherwise the verdict is ``unexplained`` or ``undecided``; the latter, too, where noise of the inputs may be
+all that is left (``hybridid.trace.input_noise``).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.constancy import fitted_to_held_out
 from hybridid.trace.context import Context
 from hybridid.trace.declared_starts import declared_starts
+from hybridid.trace.input_noise import NoisyInputs, noisy_inputs
 from hybridid.trace.laws import law_in_place, with_law
 from hybridid.trace.longer import Longer, more_over_longer, shows_little, worth_looking_for
 from hybridid.trace.numerics import numerics_for
@@ -51,7 +53,8 @@ class Conclusion:
     left that out (``unrevised``).
     ``grows`` is what longer horizons leave where that is too little to leave the verdict open, but more than
     a complete model would.
-    ``other_hold`` says in words which other hold of the inputs explains what is left.
+    ``other_hold`` says in words which other hold of the inputs explains what is left. ``noisy`` is the noise
+    of the inputs that would, too.
     ``there`` is the last model, fitted to the held-out horizons alone, if effects were accepted.
     ``out_of_time``: the time limit left out effects, steps, pairs, laws or replacements.
     """
@@ -71,6 +74,7 @@ class Conclusion:
     too_short: bool = False
     vague: bool = False
     other_hold: str = ""
+    noisy: NoisyInputs | None = None
     replacements: tuple[Replacement, ...] = ()
     unrevised: bool = False
     there: Refit | None = None
@@ -109,6 +113,10 @@ def conclude(
     refused, steady = _refused(settled, rules), _steady(settled, context)
     fitted = settled.accuracy.times_the_least(settled.found.final.fitted_rmse)
     verdict = _verdict(settled, refused, steady, fitted, rules, cut)
+    far = settled.times > rules.far
+    noisy = noisy_inputs(settled.found.final, settled.accuracy, context) if far else None
+    if noisy and verdict == "unexplained" and not (settled.remains or settled.found.withdrawn):
+        verdict = "undecided"
     silent = verdict == "nothing_missing"
     near = not settled.found.accepted and settled.times <= rules.far
     longer = more_over_longer(settled.found.final, context) if near else None
@@ -137,6 +145,7 @@ def conclude(
         too_short=too_short,
         vague=vague,
         other_hold=better_hold(settled.found.final, context),
+        noisy=noisy,
         replacements=revised,
         unrevised=revises != context.revise,
         there=fitted_to_held_out([settled.found.final], context)[0] if settled.found.accepted else None,

@@ -6,6 +6,7 @@ from hybridid.naming import counted, listed
 from hybridid.quantities import percent, places_below_all, probability, quantity, share
 from hybridid.trace.cut_words import best_tried, cut_short, cut_step, passed_in
 from hybridid.trace.entries import AcceptedEffect, ReplacedEffect, TriedEffect
+from hybridid.trace.input_noise import NoisyInputs
 from hybridid.trace.law_words import passed_before, proposed
 from hybridid.trace.recording_words import by_recording_in_words
 from hybridid.trace.refused_words import more_than_possible, most_refused
@@ -116,6 +117,15 @@ def _undecided(found: Trace, where: str) -> str:
     return f"These records do not decide whether something is missing: {_why_open(found, where)}."
 
 
+def _of_inputs(noisy: NoisyInputs) -> str:
+    """How much noise the inputs may have, and the error that it makes."""
+    levels, leaves = (
+        listed([f"{quantity(one.value, one.unit, 2)} of {name}" for name, one in each.items()])
+        for each in (noisy.levels, noisy.leaves)
+    )
+    return f"The records show a white noise of {levels}; if a sensor makes it, it alone leaves {leaves}"
+
+
 def _best_so_far(found: Trace, fall: str) -> str:
     """What a search had accepted that the time limit ended far above the noise."""
     names = listed([_named(entry) for entry in found.accepted])
@@ -128,9 +138,14 @@ def _best_so_far(found: Trace, fall: str) -> str:
 
 def _why_open(found: Trace, where: str) -> str:
     alone = "what noise and simulation alone leave"
+    if found.noisy:
+        return (
+            f"{_unexplained(found, where)}, but noise of an input may. {_of_inputs(found.noisy)}. If "
+            f"{listed(list(found.noisy.levels))} is known exactly, as a command is, something is missing"
+        )
     if found.steady is not None:
         return (
-            f"{_unnamed(found)} the error {where}, and over horizons of {found.steady:.2g} s it is as large. "
+            f"{_unexplained(found, where)}, and over horizons of {found.steady:.2g} s it is as large. "
             "So it may be a noise with a memory, an error of the sensor, or an effect that is faster"
         )
     if found.refused:
@@ -158,8 +173,8 @@ def _why_open(found: Trace, where: str) -> str:
             f"trace.horizon={seconds} may show what is missing"
         )
     return (
-        f"the fitted horizons leave {_times(found.times_fitted)} {alone}, but {_unnamed(found)} the error "
-        f"{where}, which may show too little of the machine"
+        f"the fitted horizons leave {_times(found.times_fitted)} {alone}, but "
+        f"{_unexplained(found, where)}, which may show too little of the machine"
     )
 
 
@@ -192,6 +207,12 @@ def _unnamed(found: Trace, unshown: bool = False) -> str:
     return ("the one effect tried is not" if tried == 1 else f"none of the {tried} effects tried is") + (
         f" shown to explain{together}"
     )
+
+
+def _unexplained(found: Trace, where: str) -> str:
+    """``none of the 38 effects tried explains the error on held-out horizons of 1 s``."""
+    none = _unnamed(found)
+    return f"{none}{',' if ',' in none else ''} the error {where}"
 
 
 def _none_passes(found: Trace, where: str) -> str:
@@ -301,6 +322,11 @@ def _more_is_missing(found: Trace) -> str:
         return (
             f" The error left is {_times(found.times)} what noise and simulation alone leave. Fitted to all "
             "horizons together, the model leaves no more than that: its parameters are uncertain."
+        )
+    if found.noisy:
+        return (
+            f" The error left is {_times(found.times)} what noise and simulation alone leave, but no more "
+            f"need be missing. {_of_inputs(found.noisy)}."
         )
     return (
         f" More is missing: the error left is {_times(found.times)} what noise and simulation alone leave. "

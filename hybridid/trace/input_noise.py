@@ -1,0 +1,91 @@
+"""Whether noise of a measured input makes the error that is left, even of a complete model.
+
+A force, a torque or a current that a sensor measures is noisy. The model takes that noise for the input, and
+errs by what it does to the motion. No effect of the machine explains this error. Nor is it the noise of an
+output's sensor, so it looks like something that is missing.
+
+With the noise n of an input in the records, the error is e^2 = r^2 + s^2, r from all other causes. Where as
+much noise is added once more and all parameters are refitted, it is e'^2 = r^2 + 2 s^2. So each draw of the
+added noise gives one value of s^2 = e'^2 - e^2. Noise may make all that is left beyond the floor of the
+sensors and the simulation, if that is no more than the largest s^2 of ``DRAWS``: a Monte Carlo test whose
+p-value is then at least 1 / (DRAWS + 1).
+
+The records say how much noise there may be (``hybridid.records.sensor_noise.input_noise``), not whether there
+is any: a controller's command may carry as much, and is known exactly.
+
+Source: Cook, Stefanski (1994), Simulation-extrapolation estimation in parametric measurement error models,
+J. Am. Stat. Assoc. 89(428), 1314-1328; Barnard (1963), J. R. Stat. Soc. B 25(2), 294 (Monte Carlo tests).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybridid.declarations import Signal
+from hybridid.records.channel import Channel
+from hybridid.records.record import Record
+from hybridid.records.sensor_noise import input_noise
+from hybridid.trace.accuracy import Accuracy
+from hybridid.trace.context import Context
+from hybridid.trace.refit import Refit, refit_if_possible
+
+Array = NDArray[np.float64]
+DRAWS = 9
+"""Of the noise that is added: a p-value of a tenth at least."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A standard deviation or an RMS error in ``unit``."""
+
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class NoisyInputs:
+    """By name, ``levels`` are the standard deviations of the white noise that each input may have, ``leaves``
+    the RMS errors of each output that it makes, the mean over the draws."""
+
+    levels: Mapping[str, Level]
+    leaves: Mapping[str, Level]
+
+
+def noisy_inputs(final: Refit, accuracy: Accuracy, context: Context) -> NoisyInputs | None:
+    """The noise of the inputs that may make the held-out error of ``final``; None where it may not, or where
+    a model with more noise cannot be simulated."""
+    split = context.split
+    levels = [input_noise(record) for record in split.records]
+    if not np.any(levels):
+        return None
+    noisier = [
+        replace(split, records=tuple(map(_noisier, split.records, levels, generator.spawn(len(levels)))))
+        for generator in np.random.default_rng(0).spawn(DRAWS)
+    ]
+    given = [(final.model, one, [final.values], final, final.numerics) for one in noisier]
+    again = context.each("with more noise of the inputs", refit_if_possible, given)
+    left = final.score.rmse**2
+    added = np.array([one.score.rmse**2 - left for one in again if one is not None])
+    if len(added) < DRAWS:
+        return None
+    near = left <= context.rules.far**2 * accuracy.squares
+    if not (near | (left - accuracy.squares <= added.max(axis=0))).all():
+        return None
+    return NoisyInputs(
+        _named(split.records[0].input_channels, np.max(levels, axis=0)),
+        _named(final.model.outputs, np.sqrt(np.maximum(added.mean(axis=0), 0.0))),
+    )
+
+
+def _noisier(record: Record, levels: Array, generator: np.random.Generator) -> Record:
+    """``record`` with white noise of ``levels`` (n_u,) added to its inputs."""
+    return replace(record, inputs=record.inputs + levels * generator.standard_normal(record.inputs.shape))
+
+
+def _named(signals: Sequence[Channel | Signal], values: Array) -> dict[str, Level]:
+    """The ``values`` (n,) of the ``signals`` by name, but those that are zero."""
+    return {s.name: Level(float(v), s.unit) for s, v in zip(signals, values, strict=True) if v > 0}

@@ -1,0 +1,68 @@
+"""A force sensor's noise leaves an error that looks like something missing, and is told instead."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.trace.context import Context
+from hybridid.trace.run import trace
+from hybridid.trace.verdict import conclude
+
+NOISY = 3.0  # N
+TRIED = (effect_named("quadratic_drag"),)
+ALONE = {"variables": ("velocity",), "pairs": 0, "laws": False}
+
+
+def measured(split, level, seed=0):
+    """``split`` with white noise of ``level`` N in the force, as its sensor records it."""
+    noise = np.random.default_rng(seed)
+    return replace(
+        split,
+        records=tuple(
+            replace(one, inputs=one.inputs + level * noise.standard_normal(one.inputs.shape))
+            for one in split.records
+        ),
+    )
+
+
+@pytest.fixture(scope="module")
+def complete(split_of):
+    return measured(split_of(), NOISY)
+
+
+def test_a_complete_model_is_not_said_to_lack_something(make_model, complete):
+    found = conclude(make_model(), Context(complete, TRIED, **ALONE))
+    assert (found.verdict, found.accepted) == ("undecided", ())
+    assert found.times > 3.0, "the noise of the encoder alone does not explain what is left"
+    assert found.noisy.levels["force"].value == pytest.approx(NOISY, rel=0.3)
+    (left,) = found.search.final.score.rmse
+    assert left / 2 < found.noisy.leaves["position"].value < 2 * left
+
+
+@pytest.mark.parametrize(("level", "df_v"), [(0.0, 80.0), (0.05, 80.0)])
+def test_what_the_noise_cannot_make_is_missing(make_model, split_of, level, df_v):
+    """A force that is known exactly, and one whose noise leaves less than what is missing."""
+    found = conclude(make_model(), Context(measured(split_of(df_v=df_v), level), TRIED, **ALONE))
+    assert found.verdict == "unexplained"
+    assert found.noisy is None
+
+
+def test_the_sentence_says_how_much_noise_and_what_if_there_is_none(make_model, complete):
+    first, second = complete.records
+    said = trace(make_model(), [first], [second], horizon=0.25, effects=TRIED, **ALONE).sentence
+    assert said.startswith("These records do not decide whether something is missing: the one effect tried")
+    assert "The records show a white noise of " in said
+    assert "If force is known exactly, as a command is, something is missing." in said
+
+
+def test_beside_an_effect_that_was_found_no_more_need_be_missing(make_model, split_of):
+    first, second = measured(split_of(df_v=80.0), NOISY).records
+    tried = [effect_named("asymmetric_viscous")]
+    found = trace(make_model(), [first], [second], horizon=0.25, effects=tried, **ALONE)
+    assert [one.effect for one in found.accepted] == ["asymmetric_viscous"]
+    assert "but no more need be missing. The records show a white noise of" in found.sentence
+    assert "More is missing" not in found.sentence
