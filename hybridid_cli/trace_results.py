@@ -64,12 +64,13 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
 
 
 def _advice_of_the_fit(tree: Path, found: Trace) -> list[RenderableType]:
-    """What the fit advises that the trace stands on: a trace over too short horizons finds little. Where the
-    trace fits every record, none of them leaves what was fitted."""
+    """What the fit advises that the trace stands on. The trace has horizons of its own, and warns where they
+    are too short. Where it fits every record, none of them leaves what was fitted."""
     if not (tree / ESTIMATE).exists():
         return []
     fits_all = all(record.role == FITTED for record in found.records)
-    advice = [one for one in fit_of(tree).quality.advice if not (fits_all and one.kind == "range")]
+    its_own = ("horizon", "range") if fits_all else ("horizon",)
+    advice = [one for one in fit_of(tree).quality.advice if one.kind not in its_own]
     whose = "advice of the fit of the declared model" if found.accepted else "advice of the fit"
     return [Text(f"{whose}: {one.said}", style="cyan") for one in advice]
 

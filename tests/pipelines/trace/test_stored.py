@@ -52,18 +52,21 @@ def test_the_terminal_prints_it(tree):
 
 
 def test_the_terminal_repeats_what_the_fit_advises(tree):
-    """A trace over horizons that the fit calls too short."""
-    nothing, advice = np.zeros((0, 0)), Advice("horizon", "horizons of 12 s would show more")
+    """But not how long the horizons of the fit should be: a trace has its own."""
+    nothing, advice = np.zeros((0, 0)), Advice("decay", "amplitude and time go hand in hand")
     beyond = Advice("range", "record b leaves what was fitted")
+    horizon = Advice("horizon", "horizons of 12 s would show more")
     estimate = Estimate(
         (), {}, nothing, nothing, (), 1.0, "converged", converged=True, iterations=3, seconds={},
         substeps=1, settings=FitSettings(),
     )  # fmt: skip
-    quality = Quality("sound", "sound", (), (), 0.0, advice=(advice, beyond))
+    quality = Quality("sound", "sound", (), (), 0.0, advice=(advice, beyond, horizon))
     (tree / ESTIMATE).parent.mkdir()
     write_json(tree / ESTIMATE, Fit("cart", "gray box", ("push",), "simulated", (), quality, estimate))
-    assert "advice of the fit of the declared model: horizons of 12 s" in rendered(trace_results(tree))
-    assert "b leaves what was fitted" in rendered(trace_results(tree))
+    said = rendered(trace_results(tree))
+    assert "advice of the fit of the declared model: amplitude and time" in said
+    assert "b leaves what was fitted" in said
+    assert "horizons of 12 s" not in said
     stored = read_json(tree / TRACE)
     write_json(tree / TRACE, {**stored, "records": [{**one, "role": "fitted"} for one in stored["records"]]})
     assert "leaves what was fitted" not in rendered(trace_results(tree)), "the trace fits them all"
