@@ -31,14 +31,12 @@ WORTH_TELLING = 3.0
 
 def sentence(found: Trace) -> str:
     """The verdict in words: what the time limit and failed fits left out, if anything; then what the model
-    lacked and how far the error falls, or what is left."""
-    return (
-        cut_short(found)
-        + _untried(found)
-        + _concluded(found)
-        + _revised(found)
-        + by_recording_in_words(found)
-    )
+    lacked and how far the error falls, or what is left. Where no effect was found, a parameter that differs
+    by recording comes first: one value for all of them leaves what follows."""
+    said, differs = _concluded(found) + _revised(found), by_recording_in_words(found)
+    leads = not found.accepted and any(one.status == PASSED for one in found.by_recording)
+    told = f"{differs.lstrip()} With one value for all recordings: {said}" if leads else said + differs
+    return cut_short(found) + _untried(found) + told
 
 
 def _revised(found: Trace) -> str:

@@ -16,7 +16,8 @@ from hybridid.trace.recording_words import by_recording_in_words
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
 from hybridid.trace.split import by_blocks, by_record
-from hybridid.trace.trial import PASSED
+from hybridid.trace.trial import PASSED, REJECTED
+from hybridid.trace.words import sentence
 
 F_C, DRIFT = "carriage.coulomb.f_c", "carriage.friction_drift"
 TRIED = tuple(map(effect_named, ("friction_drift", "stribeck")))
@@ -134,3 +135,12 @@ def test_a_parameter_that_explains_more_in_the_place_of_an_effect_refutes_that_n
     assert in_words(0.01, 1.0) == (
         " These records cannot tell position.sensor_lag from M that differs by recording."
     )
+
+
+@pytest.mark.parametrize(("status", "leads"), [(PASSED, True), (REJECTED, False)])
+def test_where_no_effect_was_found_what_differs_comes_first(nothing, status, leads):
+    values = {"first": Value(14.7, 0.02, "N"), "second": Value(15.2, 0.02, "N")}
+    friction = DifferingParameter("carriage.coulomb.f_c", status, "its reason", 0.84, 1e-9, values, {})
+    said = sentence(replace(nothing(), verdict="unexplained", times=15.0, by_recording=(friction,)))
+    assert said.startswith("carriage.coulomb.f_c differs by recording, 14.700") is leads
+    assert ("With one value for all recordings: Something is missing" in said) is leads
