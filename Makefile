@@ -9,16 +9,17 @@ USABLE := import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info 
 # in CI, Python compiles what it imports; pip would compile all that the libraries hold
 PIP_FLAGS := --disable-pip-version-check $(if $(CI),--quiet --no-compile)
 TESTS ?= tests
-JOBS ?= 2
+# one more than there are cores: tests that wait for a process or a server leave theirs idle
+JOBS ?= $(shell expr 1 + $$(getconf _NPROCESSORS_ONLN || echo 1))
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint audit format docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-declarations study-blunders study-rebuilt study-servo study-strangers study-sweep study-slurm study-fleet league league-drawn league-measured torture clean distclean FORCE
+.PHONY: help install test lint audit format docs check-docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-declarations study-blunders study-rebuilt study-servo study-strangers study-sweep study-slurm study-fleet league league-drawn league-measured torture clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 	@echo
 	@echo "  PYTHON=...       the Python to make .venv with (default: the first of 3.11 to 3.13 on the PATH)"
-	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... on how many cores (default: 2)"
+	@echo "  TESTS=...        the tests to run (default: tests); JOBS=... in how many processes (default: one more than cores)"
 	@echo "  ARGS=...         for make league, league-drawn, league-measured, study-laws, study-declarations, study-rebuilt, study-strangers, study-fleet and torture, e.g. ARGS='--only noisy --limit 10'; ARGS=--help says more"
 
 install: $(READY) ## set up .venv (the other targets do it by themselves)
@@ -38,8 +39,11 @@ format: $(READY) ## put every file in the house style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-docs: $(READY) ## build all pages, the API's too; a warning is an error (in CI as well): outputs/docs/docs/index.html
+docs: $(READY) ## build all pages, the API's too; a warning is an error: outputs/docs/docs/index.html
 	$(BIN)/sphinx-build -W --keep-going --quiet --jobs $(JOBS) -c docs . outputs/docs
+
+check-docs: $(READY) ## is every page right, every link and reference, the API's too? As make docs, in a third of the time
+	$(BIN)/sphinx-build -b dummy -W --keep-going --quiet -c docs . outputs/checked-docs
 
 schemas: $(READY) ## docs/results.md and docs/schemas from the types of the result files
 	$(BIN)/python docs/write_schemas.py

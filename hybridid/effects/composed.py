@@ -54,7 +54,7 @@ FORMS: Mapping[str, str] = {
     "stribeck_of_velocity": "stribeck",
     "peak_of_velocity": "eddy_brake",
     "proportional_of_position": "linear_stiffness",
-    "shifted_of_position": "linear_stiffness",
+    "shifted_of_position": "preloaded_spring",
     "cube_of_position": "cubic_stiffness",
     "shifted_cube_of_position": "cubic_stiffness",
     "above_of_position": "end_stop",

@@ -215,6 +215,10 @@ class Effect:
     A flow may lead from one level into another. Such an effect acts at two flow ports: the law is that of the
     first, and the share of it that its parameter ``into`` says enters the second.
 
+    An effect may be the ``sum_of`` others of the library, by their ids, which are missing together as a rule.
+    It is tried where the model has none of them. Each of its amplitudes must be shown to differ from nothing:
+    without one of them the effect is one of these others.
+
     An effect is sent to another process by its name: see ``hybridid.effects.pickling``.
 
     Raises:
@@ -240,6 +244,7 @@ class Effect:
     needs: tuple[Need, ...] = ()
     channels: tuple[str, ...] = ()
     into: str = ""
+    sum_of: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(PortKind):

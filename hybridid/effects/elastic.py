@@ -18,11 +18,9 @@ LINEAR_STIFFNESS = Effect(
     law=lambda at: at.p.k * at.position,
     parameters=(EffectParameter("k", STIFFNESS, "stiffness; negative softens another spring", nests=True),),
     source="Den Hartog (1956), Mechanical Vibrations, 4th ed., ch. 2",
-    pattern=(
-        "proportional to position, the same on the way out and back; a spring about another centre is "
-        "this and an offset"
-    ),
+    pattern=("proportional to position, the same on the way out and back; zero where the position is zero"),
     look_alikes=(
+        "preloaded_spring",
         "offset",
         "cubic_stiffness",
         "maxwell",
@@ -35,6 +33,29 @@ LINEAR_STIFFNESS = Effect(
         "slow runs over the whole stroke in both directions, and long holds at its ends: the mean of the "
         "two directions is a straight line that does not relax"
     ),
+)
+
+PRELOADED_SPRING = Effect(
+    id="preloaded_spring",
+    kind="effort",
+    title="linear spring with preload",
+    equation="F = F_0 + k q: a linear spring about -F_0/k",
+    law=lambda at: at.p.F_0 + at.p.k * at.position,
+    parameters=(
+        EffectParameter("k", STIFFNESS, "stiffness; negative softens another spring", nests=True),
+        EffectParameter("F_0", EFFORT, "preload: the effort at q = 0", guess=0.0, nests=True),
+    ),
+    source="Wahl (1963), Mechanical Springs, 2nd ed., McGraw-Hill (initial tension)",
+    pattern=(
+        "a straight line over position that does not pass through zero, the same on the way out and back: "
+        "the spring is at rest elsewhere than where the sensor shows zero"
+    ),
+    look_alikes=("linear_stiffness", "offset", "cubic_stiffness", "gravity", "detent", "end_stop", "maxwell"),
+    separating_experiment=(
+        "slow runs over the whole stroke in both directions: the mean of the two directions is a straight "
+        "line, whose zero is where the spring is at rest"
+    ),
+    sum_of=("linear_stiffness", "offset"),
 )
 
 CUBIC_STIFFNESS = Effect(

@@ -64,6 +64,7 @@ EFFECTS: tuple[Effect, ...] = (
     disturbance.COGGING,
     disturbance.PERIODIC_DISTURBANCE,
     elastic.LINEAR_STIFFNESS,
+    elastic.PRELOADED_SPRING,
     elastic.CUBIC_STIFFNESS,
     elastic.FREE_PLAY,
     elastic.MAXWELL,

@@ -26,6 +26,7 @@ class Recent(Generic[T]):
 
     def __init__(self, room: int) -> None:
         self._room, self._kept = room, OrderedDict[Hashable, T]()
+        self._taken = 0
 
     def get(self, key: Hashable, make: Callable[[], T]) -> T:
         """The result of ``key``; ``make()`` if it is not at hand."""
@@ -35,6 +36,8 @@ class Recent(Generic[T]):
         made = make()
         if made.nbytes <= self._room:
             self._kept[key] = made
-        while sum(one.nbytes for one in self._kept.values()) > self._room:
-            self._kept.popitem(last=False)
+            self._taken += made.nbytes
+        while self._taken > self._room:
+            _, oldest = self._kept.popitem(last=False)
+            self._taken -= oldest.nbytes
         return made

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import permutations
+from itertools import permutations, product
 
 from hybridid.effects.effect import Effect
 from hybridid.model import Model, Term
@@ -77,7 +77,7 @@ def admissible(
     """Every effect at every port of its kind where the model does not have it yet, and at ports alike.
 
     An effect that sees a channel which the model lacks is left out, and one that sees the rate of an output
-    that depends on an input at once.
+    that depends on an input at once. So is the sum of others of which the model has one.
     At ports alike only effects without states are tried, and only where none of the ports has them.
     """
     present = {(term.effect.id, name) for term in model.terms for name in term.ports}
@@ -89,7 +89,8 @@ def admissible(
             wanted = ports is None or set(together) <= set(ports)
             fits = all(effect.admissible_at(model.plant.port(name)) for name in together)
             fits = fits and not ("rate" in effect.needs and model.at_once.intersection(together))
-            if wanted and fits and not any((effect.id, name) in present for name in together):
+            had = present.intersection(product((effect.id, *effect.sum_of), together))
+            if wanted and fits and not had:
                 yield Candidate(effect, TOGETHER.join(together))
 
 

@@ -82,9 +82,11 @@ def undetermined(trial: Trial, rules: Rules) -> str:
     assert trial.refit is not None
     values, errors = trial.own("values"), trial.refit.std
     amplitudes = _amplitudes(trial)
-    if not _is_hard(trial) and not _stand_off_nothing(trial, amplitudes, rules):
+    each = [[name] for name in amplitudes] if trial.candidate.effect.sum_of else [amplitudes]
+    vague = [name for names in each if not _stand_off_nothing(trial, names, rules) for name in names]
+    if vague and not _is_hard(trial):
         said = ", ".join(
-            f"{n} = {values[n]:.3g} ± {errors[f'{trial.candidate.name}.{n}']:.2g}" for n in amplitudes
+            f"{n} = {values[n]:.3g} ± {errors[f'{trial.candidate.name}.{n}']:.2g}" for n in vague
         )
         return f"{said}: not determined by these records"
     into = trial.candidate.effect.into
@@ -93,8 +95,8 @@ def undetermined(trial: Trial, rules: Rules) -> str:
         return f"{into} = {values[into]:.3g} ± {std:.2g}: nothing is shown to enter the second level"
     for p, declared in _judged_alone(trial):
         value, std = values[p.name], errors[f"{trial.candidate.name}.{p.name}"]
-        vague = ORDER if declared.lower > 0 else rules.vague
-        if not math.isfinite(std) or (not p.nests and std > vague * max(abs(value), declared.scale)):
+        most = ORDER if declared.lower > 0 else rules.vague
+        if not math.isfinite(std) or (not p.nests and std > most * max(abs(value), declared.scale)):
             return f"{p.name} = {value:.4g} ± {std:.2g} {declared.unit} is not determined by these records"
     return _degenerate(trial) or _collinear(trial, rules)
 

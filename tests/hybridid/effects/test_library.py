@@ -27,6 +27,7 @@ PROMISED = [
     "friction_beyond_gap",
     "cogging",
     "linear_stiffness",
+    "preloaded_spring",
     "cubic_stiffness",
     "backlash",
     "end_stop",

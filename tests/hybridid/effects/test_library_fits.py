@@ -24,6 +24,7 @@ PLANTED = {
     "offset": {"offset": 3.0},
     "asymmetric_viscous": {"df_v": 40.0},
     "asymmetric_coulomb": {"df_c": 4.0},
+    "preloaded_spring": {"F_0": 8.0},
     "cubic_stiffness": {"k_3": 2e5, "q_0": 0.01},
     "friction_drift": {"r_c": 2.0, "r_v": 10.0},
     "periodic_disturbance": {"A_s": 4.0, "A_c": 3.0},

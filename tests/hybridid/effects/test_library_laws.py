@@ -64,7 +64,7 @@ EVEN_IN_VELOCITY = (
 )
 BLIND_TO_VELOCITY = (
     *("offset", "cogging", "periodic_disturbance", "linear_stiffness", "cubic_stiffness", "free_play"),
-    *("gravity", "end_stop", "wheel_lift_off", "added_inertia", "detent"),
+    *("gravity", "end_stop", "wheel_lift_off", "added_inertia", "detent", "preloaded_spring"),
     *("overflow", "overflow_into", "orifice_leak", "linear_leak", "steady_leak", "periodic_flow"),
     *("varying_force_factor", "torque_ripple", "natural_convection", "thermal_radiation"),
     "falling_supply",
@@ -144,6 +144,7 @@ CONSERVATIVE = (
     "offset",
     "cogging",
     "linear_stiffness",
+    "preloaded_spring",
     "cubic_stiffness",
     "free_play",
     "gravity",
