@@ -1,11 +1,11 @@
 """Pairs of effects, where the search stalled: two that help only together.
 
-A spring about a centre other than zero is a spring and an offset. Each of the two alone gains little or
-nothing, so a search that adds one effect at a time stops before either. So after a stall, all pairs of
-effects are ranked by what they promise together (``hybridid.trace.promise``). The most promising ones are
-refitted and judged (``hybridid.trace.pair``), with all pairs that could be formed counted; not those that
-promise less than a refit must show to go on. Every effect can be a member, also one that was refused or
-withdrawn alone.
+Coulomb friction and quadratic drag may each gain little or nothing beside a viscous friction that was
+declared in the place of both, so a search that adds one effect at a time stops before either. So after a
+stall, all pairs of effects are ranked by what they promise together (``hybridid.trace.promise``). The most
+promising ones are refitted and judged (``hybridid.trace.pair``), with all pairs that could be formed counted;
+not those that promise less than a refit must show to go on. Every effect can be a member, also one that was
+refused or withdrawn alone.
 
 An effect that resembles a pair may have been accepted in its place, and further effects to fit the rest. So
 where effects were accepted and something is still left, pairs are also tried beside the declared model. One
