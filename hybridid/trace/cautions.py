@@ -37,6 +37,7 @@ from hybridid.trace.result import Trace
 from hybridid.trace.rules import Rules
 from hybridid.trace.sampling import within_half_a_sample
 from hybridid.trace.shorter import seeks
+from hybridid.trace.shown import not_shown
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.verdict import Conclusion
 from hybridid.validation.drift import outputs_that_drift
@@ -74,7 +75,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     if found.verdict == "nothing_missing":
         told += [_hidden_by_the_simulation(traced, found.model), _grows(found)]
     if traced.accepted:
-        told += [other_law_possible(found, context)]
+        told += [other_law_possible(found, context), _no_longer_shown(found.search, context)]
         told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
         told += [
             _takes_little(found.search),
@@ -123,8 +124,9 @@ def _only_fitted(found: Conclusion, context: Context) -> str:
 
 
 def _grows(found: Conclusion) -> str:
-    """That longer horizons leave more than noise, though less than ``Rules.far``; else empty."""
-    if found.grows is None:
+    """That longer horizons leave more than noise, though less than ``Rules.far``; else empty. Noise of the
+    inputs, where that is told, does that too."""
+    if found.grows is None or found.noisy:
         return ""
     fitted = "" if found.grows.judged else "fitted "
     return (
@@ -188,16 +190,27 @@ def _takes_little(search: Search) -> str:
     """Which accepted effects, but for the first, take little of what all take; else empty.
 
     A first effect whose law is off by a tenth of its amplitude leaves a hundredth of the square of what it
-    takes. So what takes less than that may only mend the form of what was found before.
+    takes. So what takes less than that may only mend the form of what was found before. What made an earlier
+    effect needless takes what that one took, too.
     """
     every = search.first.score.loss**2 - search.final.score.loss**2
-    later = [one for one in search.accepted[1:] if not one.together]
+    instead = {one.name for step in search.steps if step.dropped for one in step.taken}
+    later = [one for one in search.accepted[1:] if not (one.together or one.name in instead)]
     return "".join(
         f" Beware: {one.name} takes {share(one.trial.taken / every)} of the squared error that all take: it "
         "may only mend the form of what was found before it."
         for one in later
         if one.trial.taken < LITTLE * every
     )
+
+
+def _no_longer_shown(search: Search, context: Context) -> str:
+    """Of which accepted effects the last model does not show the form any more, as the model of their step
+    did; else empty."""
+    reasons = [
+        (one.name, not_shown(one.trial.candidate, search.final, context.split)) for one in search.accepted
+    ]
+    return "".join(f" Beware: of {name}, in the last model, {why}." for name, why in reasons if why)
 
 
 def _moved(search: Search) -> str:

@@ -56,9 +56,15 @@ class NoisyInputs:
 
 
 def noisy_inputs(final: Refit, accuracy: Accuracy, context: Context) -> NoisyInputs | None:
-    """The noise of the inputs that may make the held-out error of ``final``; None where it may not, or where
-    a model with more noise cannot be simulated."""
-    split = context.split
+    """The noise of the inputs that may make the held-out error of ``final`` beyond the floor; None where it
+    may not, where no more than the floor is left, or where a model with more noise cannot be simulated.
+
+    Outputs with no more than ``Rules.far`` times the floor are not asked, if others have more.
+    """
+    split, rules, left = context.split, context.rules, final.score.rmse**2
+    times = accuracy.times(final.score.rmse)
+    if times <= rules.near_floor:
+        return None
     levels = [input_noise(record) for record in split.records]
     if not np.any(levels):
         return None
@@ -68,11 +74,10 @@ def noisy_inputs(final: Refit, accuracy: Accuracy, context: Context) -> NoisyInp
     ]
     given = [(final.model, one, [final.values], final, final.numerics) for one in noisier]
     again = context.each("with more noise of the inputs", refit_if_possible, given)
-    left = final.score.rmse**2
     added = np.array([one.score.rmse**2 - left for one in again if one is not None])
     if len(added) < DRAWS:
         return None
-    near = left <= context.rules.far**2 * accuracy.squares
+    near = left <= (rules.far if times > rules.far else rules.near_floor) ** 2 * accuracy.squares
     if not (near | (left - accuracy.squares <= added.max(axis=0))).all():
         return None
     return NoisyInputs(

@@ -175,6 +175,13 @@ def _collinear(trial: Trial, rules: Rules) -> str:
     return ""
 
 
+def is_nothing(trial: Trial) -> bool:
+    """Whether the effect's amplitudes together are less than one standard error in its refit: then its model
+    is the one without it. False where no standard errors were asked for."""
+    amplitudes = _amplitudes(trial)
+    return bool(amplitudes and trial.refit and trial.refit.std and _strength(trial, amplitudes) < 1.0)
+
+
 def differs_from_zero(trial: Trial, rules: Rules) -> bool:
     """Whether the effect's amplitudes together differ significantly from zero in its refit (Wald)."""
     amplitudes = _amplitudes(trial)

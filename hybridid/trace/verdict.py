@@ -20,6 +20,7 @@ from hybridid.trace.constancy import fitted_to_held_out
 from hybridid.trace.context import Context
 from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.input_noise import NoisyInputs, noisy_inputs
+from hybridid.trace.judgement import is_nothing
 from hybridid.trace.laws import law_in_place, with_law
 from hybridid.trace.longer import Longer, more_over_longer, shows_little, worth_looking_for
 from hybridid.trace.numerics import numerics_for
@@ -113,8 +114,7 @@ def conclude(
     refused, steady = _refused(settled, rules), _steady(settled, context)
     fitted = settled.accuracy.times_the_least(settled.found.final.fitted_rmse)
     verdict = _verdict(settled, refused, steady, fitted, rules, cut)
-    far = settled.times > rules.far
-    noisy = noisy_inputs(settled.found.final, settled.accuracy, context) if far else None
+    noisy = noisy_inputs(settled.found.final, settled.accuracy, context)
     if noisy and verdict == "unexplained" and not (settled.remains or settled.found.withdrawn):
         verdict = "undecided"
     silent = verdict == "nothing_missing"
@@ -263,12 +263,13 @@ def _refused(settled: Settled, rules: Rules) -> str:
     """The largest gain worth having that the last model was refused; empty if there is none.
 
     Noise and simulation leave ``1 / times`` of the error. A gain that would take more than the rest took a
-    part of the noise or of the simulation's error, and tells nothing of the machine.
+    part of the noise or of the simulation's error, and tells nothing of the machine. Nor does an effect whose
+    amplitude is nothing.
     """
     found, most = settled.found, 1.0 - 1.0 / settled.times
     tried = found.steps[-1].trials if found.steps and found.steps[-1].accepted is None else ()
     gains = [
-        *((t.gain, f"{t.candidate.name}, refused: {t.reason}") for t in tried),
+        *((t.gain, f"{t.candidate.name}, refused: {t.reason}") for t in tried if not is_nothing(t)),
         *((c.gain, f"{c.described}, p = {c.p_value:.2g}") for c in settled.left),
     ]
     possible = [(gain, what) for gain, what in gains if rules.worth <= gain <= most]

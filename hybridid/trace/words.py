@@ -136,7 +136,7 @@ def _best_so_far(found: Trace, fall: str) -> str:
 
 def _why_open(found: Trace, where: str) -> str:
     alone = "what noise and simulation alone leave"
-    if found.noisy:
+    if found.noisy and found.times > found.rules.far:
         return (
             f"{_unexplained(found, where)}, but noise of an input may. {_of_inputs(found.noisy)}. If "
             f"{listed(list(found.noisy.levels))} is known exactly, as a command is, something is missing"
@@ -241,7 +241,8 @@ def error_left(found: Trace, beside: str = "") -> str:
             leave = "noise, simulation and parameters may leave"
         told = ", ".join(f"{what} {quantity(value, one.unit, 2)}" for what, value in parts.items())
         each.append(f"{rmse} of {name} ({told})")
-    return f"The error left{beside} is {listed(each)}: {_times(found.times)} what {leave}."
+    noisy = f" {_of_inputs(found.noisy)}." if found.noisy and found.times <= found.rules.far else ""
+    return f"The error left{beside} is {listed(each)}: {_times(found.times)} what {leave}.{noisy}"
 
 
 def _times(times: float) -> str:

@@ -46,12 +46,15 @@ def test_where_an_amplitude_is_no_constant_the_recordings_may_differ():
 
 def test_what_grows_over_longer_horizons_is_told_beside_nothing():
     assert _grows(SimpleNamespace(grows=None)) == ""
-    judged, fitted = (_grows(SimpleNamespace(grows=Longer(7.2, 1.43, judged=one))) for one in (True, False))
+    grown = [SimpleNamespace(grows=Longer(7.2, 1.43, judged=one), noisy=None) for one in (True, False)]
+    judged, fitted = map(_grows, grown)
     assert judged == (
         " Beware: over horizons of 7.2 s the model leaves 1.4 times what noise and simulation leave: an "
         "effect that adds up slowly may be missing."
     )
     assert fitted.startswith(" Beware: fitted over horizons of 7.2 s the model")
+    grown[0].noisy = object()
+    assert _grows(grown[0]) == "", "noise of the inputs does that"
 
 
 def test_what_only_the_fitted_horizons_show_is_told():
@@ -107,8 +110,9 @@ def test_a_limit_that_is_hard_is_not_doubted():
     assert told("end_stop", "joint", **hard) == ""
 
 
-def found(takes=(99.5, 0.5), mass=(2.0, 1.9)):
-    """A search that accepted effects that took so much of a squared error of 100, and moved a mass."""
+def found(takes=(99.5, 0.5), mass=(2.0, 1.9), dropped=()):
+    """A search that accepted effects that took so much of a squared error of 100, and moved a mass; the last
+    one has made those ``dropped`` needless."""
     names = ["cart.coulomb", "cart.detent"]
     accepted = [
         SimpleNamespace(name=name, trial=SimpleNamespace(taken=taken), together="")
@@ -124,7 +128,8 @@ def found(takes=(99.5, 0.5), mass=(2.0, 1.9)):
         )
         for value, loss in zip(mass, (10.0, 0.0), strict=True)
     )
-    return SimpleNamespace(first=first, final=final, accepted=accepted)
+    steps = [SimpleNamespace(dropped=dropped, taken=accepted[-1:])]
+    return SimpleNamespace(first=first, final=final, accepted=accepted, steps=steps)
 
 
 def test_what_takes_less_than_a_hundredth_may_mend_what_came_before():
@@ -134,6 +139,7 @@ def test_what_takes_less_than_a_hundredth_may_mend_what_came_before():
     )
     assert _takes_little(found(takes=(98.0, 2.0))) == ""
     assert _takes_little(found(takes=(0.5, 99.5))) == "", "what came first mends nothing"
+    assert _takes_little(found(dropped=("cart.stribeck",))) == "", "it takes what the stribeck took, too"
 
 
 @pytest.mark.parametrize("mass", [(2.0, 0.9), (2.0, 4.1), (2.0, -1.0)])

@@ -66,3 +66,13 @@ def test_beside_an_effect_that_was_found_no_more_need_be_missing(make_model, spl
     assert [one.effect for one in found.accepted] == ["asymmetric_viscous"]
     assert "but no more need be missing. The records show a white noise of" in found.sentence
     assert "More is missing" not in found.sentence
+
+
+def test_where_little_is_left_it_is_told_beside_that(make_model, split_of):
+    """Between the noise of the encoder and three times that, nothing is called missing."""
+    first, second = measured(split_of(), 1.0).records
+    found = trace(make_model(), [first], [second], horizon=0.25, effects=TRIED, **ALONE)
+    assert 1.05 < found.times < 3.0
+    assert found.noisy is not None
+    assert "times what noise and simulation alone leave. The records show a white noise of" in found.sentence
+    assert "If force is known exactly" not in found.sentence

@@ -16,7 +16,7 @@ from hybridid.trace import trial as trials
 from hybridid.trace.alike import equivalents
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.evidence import compare
-from hybridid.trace.judgement import judge
+from hybridid.trace.judgement import is_nothing, judge
 from hybridid.trace.numerics import DECLARED
 from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
@@ -112,6 +112,14 @@ def test_a_large_certain_gain_passes(trial):
     judged = only(trial("asymmetric_viscous"))
     assert judged.status == PASSED
     assert judged.gain == pytest.approx(0.5)
+
+
+def test_an_amplitude_of_less_than_one_standard_error_is_nothing(trial):
+    """Its model is the one without it: whatever it gains held out is no gain of the effect's."""
+    assert is_nothing(trial("quadratic_drag", std=2.0))
+    assert not is_nothing(trial("quadratic_drag", std=0.5))
+    unknown = trial("quadratic_drag", std=2.0)
+    assert not is_nothing(replace(unknown, refit=replace(unknown.refit, std={}))), "none was asked for"
 
 
 def test_a_gain_not_worth_having_is_refused_however_significant(trial):
