@@ -88,7 +88,8 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         step = _unless_minor(_step(base, context, len(steps) + 1), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
-            if wider is not None:  # the narrower smoothing helped no effect
+            if wider is not None:
+                context.say("with the narrower smoothing no effect is accepted, so the wider one stays")
                 step, base = wider, wider.base
             elif not context.out_of_time and (narrower := sharper_for_an_effect(step, context)):
                 wider, base = step, narrower

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from hybridid.naming import listed
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
@@ -63,6 +64,7 @@ def settle_below_noise(found: Search, context: Context) -> Settled:
 
 def settle(found: Search, context: Context) -> Settled:
     """``found`` with its classes looked at again, and without what stands in for something else."""
+    names = [one.name for one in found.accepted]
     found, left, before = _trusted(_with_sound_classes(found, context), context)
     accuracy, times = _error_left(found.final, context)
     kept = unless_minor(found, times, context.rules)
@@ -75,6 +77,8 @@ def settle(found: Search, context: Context) -> Settled:
     if kept is not found:
         found, left = kept, _beside_last(kept, before, context)
         accuracy, times = _error_left(found.final, context)
+    if gone := [name for name in names if name not in {one.name for one in found.accepted}]:
+        context.say(f"{listed(gone)} withdrawn: {found.withdrawn or found.stopped}")
     return Settled(found, left, before, accuracy, times, _remaining(found, left, context))
 
 
