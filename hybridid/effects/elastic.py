@@ -18,7 +18,7 @@ LINEAR_STIFFNESS = Effect(
     law=lambda at: at.p.k * at.position,
     parameters=(EffectParameter("k", STIFFNESS, "stiffness; negative softens another spring", nests=True),),
     source="Den Hartog (1956), Mechanical Vibrations, 4th ed., ch. 2",
-    pattern=("proportional to position, the same on the way out and back; zero where the position is zero"),
+    pattern="proportional to position, the same on the way out and back; zero where the position is zero",
     look_alikes=(
         "preloaded_spring",
         "offset",
