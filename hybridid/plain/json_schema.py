@@ -16,6 +16,8 @@ from hybridid.plain.store import key_of
 from hybridid.settings.declare import of_field
 
 Schema = dict[str, Any]
+Below = dict[type, Schema]
+"""The schemas of the dataclasses that one holds."""
 
 
 def schema(cls: Any) -> Schema:
@@ -26,18 +28,25 @@ def schema(cls: Any) -> Schema:
     and no other is allowed.
 
     Raises:
-        TypeError: for an annotation that ``plain`` writes nothing of.
+        TypeError: for an annotation that ``plain`` writes nothing of, or two dataclasses of one name.
     """
-    below: dict[str, Schema] = {}
+    below: Below = {}
     found = _of(cls, below)
     if "$ref" in found:
-        found = below.pop(cls.__name__)
+        found = below.pop(cls)
     about: Schema = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    return {**about, **found, **({"$defs": dict(sorted(below.items()))} if below else {})}
+    return {**about, **found, **({"$defs": _by_name(below)} if below else {})}
 
 
-def _of(hint: Any, below: dict[str, Schema]) -> Schema:
-    """The schema of one annotation; those of dataclasses go to ``below``, by their names."""
+def _by_name(below: Below) -> dict[str, Schema]:
+    named = {one.__name__: own for one, own in sorted(below.items(), key=lambda item: item[0].__name__)}
+    if len(named) < len(below):
+        raise TypeError(f"two of these have one name: {', '.join(sorted(map(str, below)))}")
+    return named
+
+
+def _of(hint: Any, below: Below) -> Schema:
+    """The schema of one annotation; those of dataclasses go to ``below``."""
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if hint in _SCALARS:
         return dict(_SCALARS[hint])
@@ -54,9 +63,9 @@ def _of(hint: Any, below: dict[str, Schema]) -> Schema:
     if isinstance(hint, type) and issubclass(hint, PurePath):
         return {"type": "string"}
     if isinstance(hint, type) and dataclasses.is_dataclass(hint):
-        if hint.__name__ not in below:
-            below[hint.__name__] = {}  # a dataclass may hold more of itself
-            below[hint.__name__] = _object(hint, below)
+        if hint not in below:
+            below[hint] = {}  # a dataclass may hold more of itself
+            below[hint] = _object(hint, below)
         return {"$ref": f"#/$defs/{hint.__name__}"}
     raise TypeError(f"no schema for {hint!r}")
 
@@ -73,14 +82,14 @@ def _listed(names: str | list[str]) -> list[str]:
     return [names] if isinstance(names, str) else names
 
 
-def _tuple(items: tuple[Any, ...], below: dict[str, Schema]) -> Schema:
+def _tuple(items: tuple[Any, ...], below: Below) -> Schema:
     if items[-1] is Ellipsis:
         return {"type": "array", "items": _of(items[0], below)}
     each = [_of(item, below) for item in items]
     return {"type": "array", "prefixItems": each, "minItems": len(each), "maxItems": len(each)}
 
 
-def _object(cls: Any, below: dict[str, Schema]) -> Schema:
+def _object(cls: Any, below: Below) -> Schema:
     """A dataclass; of one that holds one of several inline, each of its forms."""
     hints = typing.get_type_hints(cls)
     for f in dataclasses.fields(cls):
@@ -90,7 +99,7 @@ def _object(cls: Any, below: dict[str, Schema]) -> Schema:
     return _form(cls, hints, below)
 
 
-def _form(cls: Any, hints: Mapping[str, Any], below: dict[str, Schema]) -> Schema:
+def _form(cls: Any, hints: Mapping[str, Any], below: Below) -> Schema:
     properties: dict[str, Schema] = {}
     descriptions = [_described(cls)]
     for f in dataclasses.fields(cls):
@@ -119,7 +128,7 @@ def _described(cls: Any) -> str:
     return "" if text.startswith(f"{cls.__name__}(") else text.partition("\n\nRaises:")[0]
 
 
-def _by(cls: Any, name: str, below: dict[str, Schema]) -> Schema:
+def _by(cls: Any, name: str, below: Below) -> Schema:
     """A mapping from the field ``name`` of ``cls`` to the others."""
     one = _object(cls, below)
     others = {key: value for key, value in one["properties"].items() if key != name}

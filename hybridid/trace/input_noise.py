@@ -39,7 +39,7 @@ DRAWS = 9
 
 
 @dataclass(frozen=True)
-class Level:
+class NoiseLevel:
     """A standard deviation or an RMS error in ``unit``."""
 
     value: float
@@ -51,8 +51,8 @@ class NoisyInputs:
     """By name, ``levels`` are the standard deviations of the white noise that each input may have, ``leaves``
     the RMS errors of each output that it makes, the mean over the draws."""
 
-    levels: Mapping[str, Level]
-    leaves: Mapping[str, Level]
+    levels: Mapping[str, NoiseLevel]
+    leaves: Mapping[str, NoiseLevel]
 
 
 def noisy_inputs(final: Refit, accuracy: Accuracy, context: Context) -> NoisyInputs | None:
@@ -91,6 +91,6 @@ def _noisier(record: Record, levels: Array, generator: np.random.Generator) -> R
     return replace(record, inputs=record.inputs + levels * generator.standard_normal(record.inputs.shape))
 
 
-def _named(signals: Sequence[Channel | Signal], values: Array) -> dict[str, Level]:
+def _named(signals: Sequence[Channel | Signal], values: Array) -> dict[str, NoiseLevel]:
     """The ``values`` (n,) of the ``signals`` by name, but those that are zero."""
-    return {s.name: Level(float(v), s.unit) for s, v in zip(signals, values, strict=True) if v > 0}
+    return {s.name: NoiseLevel(float(v), s.unit) for s, v in zip(signals, values, strict=True) if v > 0}

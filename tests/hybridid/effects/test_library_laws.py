@@ -143,8 +143,7 @@ def work(bench, motion, period: float = 2.0, cycles: int = 1) -> tuple[float, fl
 CONSERVATIVE = (
     "offset",
     "cogging",
-    "linear_stiffness",
-    "preloaded_spring",
+    *("linear_stiffness", "preloaded_spring"),
     "cubic_stiffness",
     "free_play",
     "gravity",

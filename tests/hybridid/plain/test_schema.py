@@ -133,3 +133,17 @@ def test_what_is_not_data_has_no_schema():
 
     with pytest.raises(TypeError, match="no schema for"):
         schema(Odd)
+
+
+def test_two_dataclasses_of_one_name_are_refused():
+    """One would be described as the other."""
+
+    def another() -> type:
+        @dataclass(frozen=True)
+        class Mass:
+            stones: float
+
+        return Mass
+
+    with pytest.raises(TypeError, match="two of these have one name"):
+        schema(tuple[Mass, another()])

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 
 from hybridid.effects.library import effect_named
+from hybridid.plain import plain, schema
 from hybridid.trace.context import Context
+from hybridid.trace.result import Trace
 from hybridid.trace.run import trace
 from hybridid.trace.verdict import conclude
 
@@ -74,5 +78,6 @@ def test_where_little_is_left_it_is_told_beside_that(make_model, split_of):
     found = trace(make_model(), [first], [second], horizon=0.25, effects=TRIED, **ALONE)
     assert 1.05 < found.times < 3.0
     assert found.noisy is not None
+    Draft202012Validator(schema(Trace)).validate(json.loads(json.dumps(plain(found))))
     assert "times what noise and simulation alone leave. The records show a white noise of" in found.sentence
     assert "If force is known exactly" not in found.sentence
