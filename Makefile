@@ -42,7 +42,7 @@ format: $(READY) ## put every file in the house style
 docs: $(READY) ## build all pages, the API's too; a warning is an error: outputs/docs/docs/index.html
 	$(BIN)/sphinx-build -W --keep-going --quiet --jobs $(JOBS) -c docs . outputs/docs
 
-check-docs: $(READY) ## is every page right, every link and reference, the API's too? As make docs, in a third of the time
+check-docs: $(READY) ## is every link and reference of the pages right, the API's too? It writes none
 	$(BIN)/sphinx-build -b dummy -W --keep-going --quiet -c docs . outputs/checked-docs
 
 schemas: $(READY) ## docs/results.md and docs/schemas from the types of the result files

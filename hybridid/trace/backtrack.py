@@ -91,10 +91,11 @@ def both_taken(step: Step, exchange: Exchange, context: Context) -> Step:
     alone = {t.candidate.name: t for t in step.trials}
     shared = {name: fitted.values.get(name, value) for name, value in base.values.items()}
     starts = {**shared, **values_of(fitted, one)}, values_of(fitted, other)
-    promise = Promise(one, other, starts, 1.0 - fitted.cost / base.cost)
+    singles = alone.get(one.name), alone.get(other.name)
+    least = min([base.cost, *(single.refit.cost for single in singles if single and single.refit)])
+    promise = Promise(one, other, starts, 1.0 - fitted.cost / least)
     candidates = sum(1 for _ in admissible(base.model, context.effects, context.ports))
     family = candidates * (candidates - 1) // 2
-    singles = alone.get(one.name), alone.get(other.name)
     pair = context.one(attempt_pair, promise, singles, base, context.split, rules)
     judged = pairs_cross_fitted(judge_pairs([pair], family, rules), base, family, context)
     return pair_taken(replace(step, accepted=None, family=family), judged, context)

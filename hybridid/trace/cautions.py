@@ -210,7 +210,9 @@ def _no_longer_shown(search: Search, context: Context) -> str:
     reasons = [
         (one.name, not_shown(one.trial.candidate, search.final, context.split)) for one in search.accepted
     ]
-    return "".join(f" Beware: of {name}, in the last model, {why}." for name, why in reasons if why)
+    return "".join(
+        f" Beware: the last model no longer shows the form of {name} ({why})." for name, why in reasons if why
+    )
 
 
 def _moved(search: Search) -> str:

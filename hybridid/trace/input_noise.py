@@ -7,8 +7,8 @@ output's sensor, so it looks like something that is missing.
 With the noise n of an input in the records, the error is e^2 = r^2 + s^2, r from all other causes. Where as
 much noise is added once more and all parameters are refitted, it is e'^2 = r^2 + 2 s^2. So each draw of the
 added noise gives one value of s^2 = e'^2 - e^2. Noise may make all that is left beyond the floor of the
-sensors and the simulation, if that is no more than the largest s^2 of ``DRAWS``: a Monte Carlo test whose
-p-value is then at least 1 / (DRAWS + 1).
+sensors and the simulation, if that is no more than the largest s^2 of ``DRAWS``: a Monte Carlo test, whose
+p-value is then at least 2 / (DRAWS + 1).
 
 The records say how much noise there may be (``hybridid.records.sensor_noise.input_noise``), not whether there
 is any: a controller's command may carry as much, and is known exactly.
@@ -35,7 +35,7 @@ from hybridid.trace.refit import Refit, refit_if_possible
 
 Array = NDArray[np.float64]
 DRAWS = 9
-"""Of the noise that is added: a p-value of a tenth at least."""
+"""Of the noise that is added: a p-value of a fifth at least."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,8 @@ class NoisyInputs:
 
 def noisy_inputs(final: Refit, accuracy: Accuracy, context: Context) -> NoisyInputs | None:
     """The noise of the inputs that may make the held-out error of ``final`` beyond the floor; None where it
-    may not, where no more than the floor is left, or where a model with more noise cannot be simulated.
+    may not, where no more than the floor is left, or where a fit with more noise has not converged: what that
+    leaves too much would pass for noise.
 
     Outputs with no more than ``Rules.far`` times the floor are not asked, if others have more.
     """
@@ -74,7 +75,7 @@ def noisy_inputs(final: Refit, accuracy: Accuracy, context: Context) -> NoisyInp
     ]
     given = [(final.model, one, [final.values], final, final.numerics) for one in noisier]
     again = context.each("with more noise of the inputs", refit_if_possible, given)
-    added = np.array([one.score.rmse**2 - left for one in again if one is not None])
+    added = np.array([one.score.rmse**2 - left for one in again if one and one.converged])
     if len(added) < DRAWS:
         return None
     near = left <= (rules.far if times > rules.far else rules.near_floor) ** 2 * accuracy.squares

@@ -11,6 +11,7 @@ from hybridid.declarations import Parameter
 from hybridid.effects.library import effect_named
 from hybridid.quantities import quantity
 from hybridid.records.record import Channel, Record
+from hybridid.trace import cautions
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.cautions import (
     _confounded,
@@ -19,6 +20,7 @@ from hybridid.trace.cautions import (
     _hidden_by_the_simulation,
     _may_differ_by_recording,
     _moved,
+    _no_longer_shown,
     _only_fitted,
     _other_held_out,
     _takes_little,
@@ -140,6 +142,16 @@ def test_what_takes_less_than_a_hundredth_may_mend_what_came_before():
     assert _takes_little(found(takes=(98.0, 2.0))) == ""
     assert _takes_little(found(takes=(0.5, 99.5))) == "", "what came first mends nothing"
     assert _takes_little(found(dropped=("cart.stribeck",))) == "", "it takes what the stribeck took, too"
+
+
+def test_a_form_that_the_last_model_does_not_show_is_doubted(monkeypatch):
+    """A contact that a later effect has moved to where the machine always presses it."""
+    reasons = {"cart.end_stop": "it acts in every fitted sample", "cart.coulomb": ""}
+    accepted = [SimpleNamespace(name=name, trial=SimpleNamespace(candidate=name)) for name in reasons]
+    monkeypatch.setattr(cautions, "not_shown", lambda candidate, final, split: reasons[candidate])
+    assert _no_longer_shown(SimpleNamespace(accepted=accepted, final=None), SimpleNamespace(split=None)) == (
+        " Beware: the last model no longer shows the form of cart.end_stop (it acts in every fitted sample)."
+    )
 
 
 @pytest.mark.parametrize("mass", [(2.0, 0.9), (2.0, 4.1), (2.0, -1.0)])
