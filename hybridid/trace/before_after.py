@@ -112,7 +112,8 @@ def refitted(
     on all fitted records; score it on every record, in both views."""
     settings = replace(validation.settings, continuation=(1.0,), starts=1)
     estimate = fit(model, validation.fitted, settings, start_values=values, start_states=states)
-    rows, predictions = scored(name, model, estimate.values, validation)
+    as_fitted = replace(validation, settings=replace(estimate.settings, substeps=estimate.substeps))
+    rows, predictions = scored(name, model, estimate.values, as_fitted)
     return FittedModel(name, model, estimate, rows, predictions)
 
 
@@ -139,7 +140,7 @@ def scored(
 def _predicted(
     model: Model, values: Mapping[str, float], record: Record, horizon: float | None, how: Validation
 ) -> Prediction:
-    integrator = how.settings.integrator
+    integrator, substeps = how.settings.integrator, how.settings.substeps
     if horizon is None:
-        return free_run(model, values, record, how.initial_state, integrator)
-    return horizon_run(model, values, record, round(horizon / record.dt), integrator)
+        return free_run(model, values, record, how.initial_state, integrator, substeps)
+    return horizon_run(model, values, record, round(horizon / record.dt), integrator, substeps)

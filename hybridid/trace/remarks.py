@@ -49,6 +49,16 @@ def narrowed_in_words(found: Trace) -> str:
     return f"{said} The gain of an effect in the table is that of its step, which may have had the wider one."
 
 
+def finer_in_words(found: Trace) -> str:
+    """That the integrator's steps were made shorter; empty if they were not."""
+    if found.finer == 1:
+        return ""
+    return (
+        f"The integrator takes {found.finer} times as many steps a sample as smooth motion asks for: longer "
+        "ones left an error of their own at an edge of the motion."
+    )
+
+
 def refused_rivals(found: Trace) -> tuple[str, ...]:
     """Effects not shown to explain less than an accepted one that were refused for their amplitudes. Beside a
     pair there are none: what one of its members cannot be told from was tried in its place."""

@@ -88,7 +88,8 @@ class Trace:
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
     each record, where that was asked; the last model has one value of each. ``narrowed`` are the smoothings
-    of sign(v) that were made narrower. ``refused_laws`` are the composed laws, of ``laws_formed``, that were
+    of sign(v) that were made narrower, and ``finer`` how many times shorter the steps are than stability and
+    smooth motion ask for. ``refused_laws`` are the composed laws, of ``laws_formed``, that were
     tried beside the last model, none of which passed. ``time_limit`` [s] is the one that ended the search, if
     one did.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
@@ -125,6 +126,7 @@ class Trace:
     replacements: tuple[ReplacedEffect, ...] = ()
     by_recording: tuple[DifferingParameter, ...] = ()
     narrowed: tuple[Width, ...] = ()
+    finer: int = 1
     refused_laws: tuple[TriedEffect, ...] = ()
     laws_formed: int = 0
     time_limit: float | None = None

@@ -62,7 +62,7 @@ def variations(
     )
     return (
         *((wider, narrower) if smooths else ()),
-        replace(declared, name="half the step", finer=2),
+        replace(declared, name="half the step", finer=2 * declared.finer),
         replace(declared, name=f"integrator {integrator}", integrator=integrator),
         *(replace(declared, name=f"inputs {hold}", hold=hold) for hold in holds),
     )

@@ -125,6 +125,7 @@ def trace(
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     limit = time_limit if found.out_of_time else None
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
+    traced = replace(traced, finer=found.search.final.numerics.finer)
     traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
     said = sentence(traced) + cautions(found, traced, fitted, context)
     return replace(traced, sentence=said)

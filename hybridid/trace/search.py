@@ -18,6 +18,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.cross_fitting import cross_fitted
 from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import exchanged, still_alike
+from hybridid.trace.finer_steps import in_short_steps
 from hybridid.trace.judgement import judge
 from hybridid.trace.minor import MINOR, may_be_minor, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
@@ -70,6 +71,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
     gone_back: set[int] = set()
     while True:
         began = time.monotonic()
+        base = in_short_steps(base, context)
         sharp = sharp_enough(base, context)
         again = anew and sharp is not base and context.has_time_for(time.monotonic() - first_began)
         if again and _outdone(sharp, steps, context):
@@ -161,7 +163,8 @@ def _begun_anew(found: Search, sharp: Refit, context: Context) -> Search:
     first = found.first
     model = replace(first.model, adjustments=sharp.model.adjustments)
     values = {p.name: first.values[p.name] for p in model.parameters if not p.fixed}
-    declared = context.one(refit, model, context.split, [values], None, first.numerics, CONTINUATION)
+    numerics = replace(first.numerics, finer=sharp.numerics.finer)
+    declared = context.one(refit, model, context.split, [values], None, numerics, CONTINUATION)
     return continued(Search((), declared, (), ""), context, anew=True)
 
 

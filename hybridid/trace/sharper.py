@@ -25,15 +25,13 @@ from hybridid.naming import listed
 from hybridid.quantities import quantity
 from hybridid.trace.context import Context
 from hybridid.trace.entries import Width
-from hybridid.trace.evidence import compare
+from hybridid.trace.halving import halved_while_it_pays
 from hybridid.trace.judgement import judge
 from hybridid.trace.minor import MINOR
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.steps import Step
 from hybridid.trace.trial import PASSED, attempt
 
-MOST_HALVINGS = 4
-"""Times that an epsilon is halved in one step: each doubles the steps that the integrator needs."""
 RETRIED = 3
 """Effects, those that gain most, that are tried with a narrower smoothing where none passes."""
 
@@ -44,19 +42,9 @@ def sharp_enough(base: Refit, context: Context) -> Refit:
     Where a half does not pay, a quarter may: in the same steps, the narrower law is integrated less well, and
     that may take more than the smoothing left. Shorter steps come with the next half.
     """
-    kept = last = base
-    for _ in range(MOST_HALVINGS):
-        again = _halved(last, context)
-        if again is None:
-            break
-        if compare(kept.score, again.score).gain >= context.rules.worth:
-            kept = last = again
-            context.say(f"{_said(kept.model)} from here on: that leaves less error")
-        elif last is not kept:
-            break
-        else:
-            last = again
-    return kept
+    return halved_while_it_pays(
+        base, lambda one: _halved(one, context), lambda one: _said(one.model), context
+    )
 
 
 def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:

@@ -104,7 +104,8 @@ def free_run(
 
     ``initial_state`` is "estimated" (it fits the record best at these parameters) or "measured" (from the
     first samples). ``substeps`` are the integration steps a sample, such as those of an estimate; by default
-    as many as stability and accuracy need. ``method`` estimates the initial state.
+    as many as stability and accuracy need. With more it is simulated only where it would leave the record.
+    ``method`` estimates the initial state.
 
     Raises:
         Diverged: if the simulation leaves the record (``hybridid.simulation.stability.near``).
@@ -154,11 +155,8 @@ def _predict(
         x0 = initial_states(problem, p, method) if estimate else problem.measured_x0()
         return problem, x0, problem.shooter(x0, p)
 
-    if substeps:
-        problem, x0, shot = run(substeps)
-    else:
-        steps = substeps_to_predict(model, p, [record], integrator=integrator)
-        problem, x0, shot = in_enough_steps(run, lambda found: _stays_near(found, record), steps)
+    steps = substeps or substeps_to_predict(model, p, [record], integrator=integrator)
+    problem, x0, shot = in_enough_steps(run, lambda found: _stays_near(found, record), steps)
     used = problem.windows.used
     time, predicted, states = (a[used] for a in (problem.windows.time, shot.outputs, shot.states))
     stays = near(predicted, record)

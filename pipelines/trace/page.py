@@ -20,6 +20,7 @@ from hybridid.trace.cross_fitting import FEW
 from hybridid.trace.entries import AcceptedEffect, EstimatedValue, LearnedGain
 from hybridid.trace.remarks import (
     completeness_in_words,
+    finer_in_words,
     idle_in_words,
     learned,
     narrowed_in_words,
@@ -123,7 +124,9 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
 
 def _declared(found: Trace) -> Section | None:
     """What speaks against the declared physics."""
-    if not (found.idle or found.narrowed or found.replacements):
+    remarks = (idle_in_words(found), narrowed_in_words(found), finer_in_words(found))
+    said = tuple(one for one in remarks if one)
+    if not (said or found.replacements):
         return None
     header = ("left out", "in its place", "what it gains", "p", "effects=[...] of the revised model")
     rows = tuple(
@@ -139,7 +142,6 @@ def _declared(found: Trace) -> Section | None:
     )
     title = f"Declared effects that others replace ({found.provenance})"
     tables = (Table(title, header, rows, (note,), words=(0, 1, 4)),) if rows else ()
-    said = tuple(one for one in (idle_in_words(found), narrowed_in_words(found)) if one)
     return Section("The declared physics", said, tables)
 
 
