@@ -69,13 +69,14 @@ class AcceptedEffect:
     """An accepted effect with its evidence.
 
     ``parameters`` are its own in the last model, ``known`` those that are not estimated (the side of an end
-    stop), ``at_step`` their values when it was accepted. ``alike`` are the ids of the effects that the
-    records cannot tell apart, itself first; ``class_members`` their trials; ``separating_experiments`` say
-    what to record so that they come apart. ``gain``, ``p_value`` and ``likelihood_gain`` (the summed
-    log-likelihood ratio) are of its ``step``; ``survivals`` the same under other numerics. ``is_law``: a
-    composed law; ``form_of`` is the effect of the library that has its form, if one has. ``together`` names
-    the other effect of a pair; ``gain`` and the trials of the class are then beside that one. ``by_held_out``
-    are its own parameters where the model is fitted to the held-out records alone.
+    stop, the height that an overflow is told for), ``at_step`` their values when it was accepted. ``alike``
+    are the ids of the effects that the records cannot tell apart, itself first; ``class_members`` their
+    trials; ``separating_experiments`` say what to record so that they come apart. ``gain``, ``p_value`` and
+    ``likelihood_gain`` (the summed log-likelihood ratio) are of its ``step``; ``survivals`` the same under
+    other numerics. ``is_law``: a composed law; ``form_of`` is the effect of the library that has its form, if
+    one has. ``together`` names the other effect of a pair; ``gain`` and the trials of the class are then
+    beside that one. ``by_held_out`` are its own parameters where the model is fitted to the held-out records
+    alone.
     """
 
     effect: str
@@ -85,7 +86,7 @@ class AcceptedEffect:
     pattern: str
     source: str
     parameters: Mapping[str, Value]
-    known: Mapping[str, float]
+    known: Mapping[str, Value]
     alike: tuple[str, ...] = field(metadata={"key": "class"})
     class_members: tuple[TriedEffect, ...]
     separating_experiments: tuple[str, ...]

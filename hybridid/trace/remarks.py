@@ -9,7 +9,7 @@ from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.constancy import NO_CONSTANT
-from hybridid.trace.entries import Value
+from hybridid.trace.entries import AcceptedEffect, Value
 from hybridid.trace.result import Trace
 
 
@@ -145,6 +145,12 @@ def _what_the_network_finds(found: Trace, check: Completeness) -> str:
 def parameters_in_words(values: Mapping[str, Value]) -> list[str]:
     """``df_v = 73.9 ± 8.9 N·s/m`` of each parameter: its value and half its 95 % interval."""
     return [f"{name} = {estimated(p.value, p.std, p.unit)}" for name, p in values.items()]
+
+
+def equation_in_words(entry: AcceptedEffect) -> str:
+    """``F = k r √(r/h), with h = 0.3 m``: the equation, and the constants in it that are not estimated."""
+    constants = [f"{name} = {quantity(one.value, one.unit)}" for name, one in entry.known.items()]
+    return f"{entry.equation}, with {listed(constants)}" if constants else entry.equation
 
 
 def none_of(tried: int, does: str) -> str:

@@ -243,7 +243,11 @@ def _accepted(one: Accepted, number: int, estimate: Estimate, there: Refit | Non
         pattern=effect.pattern,
         source=effect.source,
         parameters=own,
-        known={n.removeprefix(prefix): v for n, v in estimate.known.items() if n.startswith(prefix)},
+        known={
+            name.removeprefix(prefix): Value(value, math.nan, declared[name].unit)
+            for name, value in estimate.known.items()
+            if name.startswith(prefix)
+        },
         alike=tuple(dict.fromkeys(t.candidate.effect.id for t in one.alike)),
         class_members=tuple(_tried(t, number) for t in one.alike),
         separating_experiments=_separating(one),

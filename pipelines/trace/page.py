@@ -20,6 +20,7 @@ from hybridid.trace.cross_fitting import FEW
 from hybridid.trace.entries import AcceptedEffect, EstimatedValue, LearnedGain
 from hybridid.trace.remarks import (
     completeness_in_words,
+    equation_in_words,
     finer_in_words,
     idle_in_words,
     learned,
@@ -104,7 +105,7 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
     notes = tuple(note for note in (_BY_HELD_OUT, unsure_in_words(found)) if note)
     effects = Table(f"Accepted ({found.provenance})", header, rows, notes, words=(0, 1, 2, 3, 6))
     paragraphs = [
-        f"{a.effect}: {a.title}, {a.equation}. {a.pattern[:1].upper()}{a.pattern[1:]}."
+        f"{a.effect}: {a.title}, {equation_in_words(a)}. {a.pattern[:1].upper()}{a.pattern[1:]}."
         for a in found.accepted
     ]
     paragraphs += refused_rivals(found)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from hybridid.trace.entries import AcceptedEffect, TriedEffect
+from hybridid.trace.entries import AcceptedEffect, TriedEffect, Value
+from hybridid.trace.remarks import equation_in_words
 from hybridid.trace.words import sentence
 
 
@@ -37,3 +38,10 @@ def test_the_sentence_names_both_ports(nothing):
     assert (
         "one of {sensor_scale at link, sensor_scale at motor} (these records cannot tell them apart)" in said
     )
+
+
+def test_an_equation_is_told_with_the_constants_that_are_not_estimated():
+    entry = replace(SCALES, equation="F = k r √(r/h)")
+    assert equation_in_words(entry) == "F = k r √(r/h)"
+    known = {"h": Value(0.3, math.nan, "m"), "side": Value(-1.0, math.nan, "1")}
+    assert equation_in_words(replace(entry, known=known)) == "F = k r √(r/h), with h = 300 mm and side = −1"
