@@ -19,6 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from hybridid.naming import counted
+from hybridid.simulation.stability import MOST
 from hybridid.trace.context import Context
 from hybridid.trace.halving import halved_while_it_pays
 from hybridid.trace.refit import Refit, refit_if_possible
@@ -44,6 +45,9 @@ def _said(found: Refit) -> str:
 
 
 def _in_half_the_step(base: Refit, context: Context) -> Refit | None:
+    """``base`` refitted in half the step; None where it cannot be, or takes more than ``MOST`` a sample."""
+    if 2 * base.substeps > MOST:
+        return None
     half = replace(base.numerics, finer=2 * base.numerics.finer)
     given = (base.model, context.split, [base.values], base, half, math.inf)
     (again,) = context.each("shorter steps", refit_if_possible, [given])
