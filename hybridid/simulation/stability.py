@@ -139,9 +139,10 @@ def substeps_wanted(
 ) -> int:
     """As ``substeps_for``, but ``MOST + 1`` instead of an error for more than ``MOST``.
 
-    ``paths`` are approximate states (n, n_x) at each record's samples; None: ``filled_states``. There, states
-    that no output shows are simulated in one step a sample, which may be far off where they are fast. So what
-    is too stiff along that path is asked once more along one that is simulated in ``MOST`` steps.
+    ``paths`` are approximate states (n, n_x) at each record's samples: along these it is the number itself,
+    however large. None: ``filled_states``. There, states that no output shows are simulated in one step a
+    sample, which may be far off where they are fast. So what is too stiff along that path is asked once more
+    along one that is simulated in ``MOST`` steps.
 
     Raises:
         ValueError: if there is no such integrator.
@@ -149,7 +150,7 @@ def substeps_wanted(
     if integrator not in RULES:
         raise ValueError(f"unknown integrator {integrator!r}: known: {', '.join(RULES)}")
     if paths is not None:
-        return min(RULES[integrator](model, p, records, paths, margin), MOST + 1)
+        return RULES[integrator](model, p, records, paths, margin)
     kept: dict[str, _Wanted] = model.kept("steps wanted", dict)
     last = kept.get(integrator)
     if last is None or not last.answers(p, records, margin):

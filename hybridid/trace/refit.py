@@ -45,8 +45,6 @@ WITHOUT_STD = -np.inf
 """``std_up_to`` of a refit whose standard errors nothing reads."""
 STIFF = 8
 """Steps a sample that are many for one more effect: see ``_room``."""
-
-
 FAILURES = (Diverged, ArithmeticError, np.linalg.LinAlgError)
 """Other errors of a model that cannot be simulated."""
 
@@ -62,8 +60,7 @@ class Refit:
     ``unsolved`` are the numbers of the starts that were left out as too stiff, or that diverged with a new
     inner state, whose stiffness no path of the poorer model shows. It is ``too_stiff`` if the end would need
     more steps than there is room for (``_room``). In either case the integrator may have decided, not the
-    records. It ``ended_early`` if no start was hopeful. ``shorter`` is the fit over shorter horizons, if that
-    was made and differs (``hybridid.trace.shorter``).
+    records. It ``ended_early`` if no start was hopeful. ``shorter``: over shorter horizons, if that differs.
     """
 
     model: Model
@@ -238,13 +235,13 @@ def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, f
     resolve it.
 
     Raises:
-        TooStiff: if RK4 needs more than ``MOST``.
+        TooStiff: if RK4 needs more than ``_most``.
     """
     steps = before.numerics.steps(model, model.values(values), split, _lent(before, model, split))
     if steps > MOST and before.numerics.integrator == IMPLICIT:
         steps = before.substeps // before.numerics.finer
-    if steps > MOST:
-        raise TooStiff(f"needs more than {MOST} steps a sample")
+    if steps > _most(before):
+        raise TooStiff(f"needs more than {_most(before)} steps a sample")
     return before.numerics.problem(model, split, steps)
 
 
@@ -282,6 +279,11 @@ def _room(before: Refit | None) -> int:
     return max(STIFF, taken + taken // 2)
 
 
+def _most(before: Refit | None) -> int:
+    """Steps a sample above which nothing is solved: ``MOST``, or what an effect beside ``before`` gets."""
+    return max(MOST, _room(before))
+
+
 def _starts(
     model: Model,
     split: Split,
@@ -301,8 +303,8 @@ def _starts(
     wanted = [numerics.steps(model, model.values(s), split, about) for s in starts]
     if numerics.integrator == IMPLICIT:
         wanted = [steps if steps <= MOST else STIFF for steps in wanted]
-    if min(wanted) > MOST:
-        raise TooStiff(f"needs more than {MOST} steps a sample at every start")
+    if min(wanted) > _most(before):
+        raise TooStiff(f"needs more than {_most(before)} steps a sample at every start")
     limit = max(_room(before), min(wanted))
     problems = {n: numerics.problem(model, split, n) for n in sorted(set(wanted)) if n <= limit}
     return {

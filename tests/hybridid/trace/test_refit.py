@@ -9,8 +9,9 @@ import pytest
 from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
+from hybridid.simulation.stability import MOST
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import STIFF, _room, refit, refit_beside
+from hybridid.trace.refit import STIFF, _most, _room, refit, refit_beside
 
 
 def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
@@ -39,6 +40,8 @@ def test_only_what_an_effect_adds_to_the_steps_is_its_stiffness(make_model, spli
     assert _room(replace(base, substeps=10)) == 15
     finer = replace(base, substeps=20, numerics=replace(base.numerics, finer=2))
     assert _room(finer) == 15
+    assert _most(None) == _most(base) == MOST
+    assert _most(replace(base, substeps=MOST)) == 75, "what takes as many steps as its base is not refused"
 
 
 def test_a_refit_that_promises_little_ends_early_without_standard_errors(make_model, split_of):
