@@ -57,7 +57,7 @@ def better_branch(
         return None
     given = [
         (number, rival, member, (earlier, newest.name), last, context.split)
-        for number, earlier, rival in _rivals(steps[:-1], last, context.rules)
+        for number, earlier, rival in _rivals(steps, last, context.rules)
         if number not in gone_back
         for member in newest.alike
         if member.candidate.name != rival.candidate.name
@@ -102,12 +102,14 @@ def both_taken(step: Step, exchange: Exchange, context: Context) -> Step:
 
 
 def _rivals(steps: Sequence[Step], last: Refit, rules: Rules) -> Iterator[tuple[int, str, Trial]]:
-    """The number of each step, the effect that it took, if that is still there, and each other effect that
-    had passed there and took a good part of that."""
+    """The number of each step but the last, the effect that it took, if that is still there, and each other
+    effect that had passed there and took a good part of that. What was removed, and taken again by a later
+    step, is there by that one."""
     present = _terms(last)
-    for number, step in enumerate(steps):
+    for number, step in enumerate(steps[:-1]):
         one = step.accepted
-        if one is None or step.together or one.name not in present:
+        again = {later.name for after in steps[number + 1 :] for later in after.taken}
+        if one is None or step.together or one.name not in present - again:
             continue
         for trial in step.trials:
             rivals = (

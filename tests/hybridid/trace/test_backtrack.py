@@ -53,6 +53,13 @@ def test_the_effect_that_explains_more_beside_what_followed_is_found(steps, last
     assert better.refit.score.loss < 0.2 * last.score.loss
 
 
+def test_an_effect_that_was_removed_and_taken_again_has_no_earlier_place(steps, last, context):
+    """As if the brake had been removed after the second step, and were the third that was taken."""
+    first, second = steps
+    assert first.accepted.name in [term.name for term in last.model.terms]
+    assert better_branch([first, second, replace(first, base=last)], last, (), context) is None
+
+
 def test_what_took_more_in_that_step_is_refused_with_the_reason(steps, last, context):
     better = better_branch(steps, last, (), context)
     one, other = steps[0].trials
