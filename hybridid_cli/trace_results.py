@@ -82,7 +82,7 @@ def _accepted(found: Trace) -> RenderableType:
     )  # fmt: skip
     made = table(f"Accepted ({found.provenance})", columns, words=(0, 1, 2, 3, 6))
     for entry in found.accepted:
-        survived = [s.survives for s in entry.survivals if s.simulated]
+        survived = [s.survives for s in entry.survivals if s.simulated and not s.refuted]
         made.add_row(
             entry.effect,
             entry.port,

@@ -43,8 +43,11 @@ class LearnedCurve:
     @property
     def taken(self) -> str:
         """The error that it takes away, in words."""
-        less = f"{percent(max(self.gain, 0), 0)} less error"
-        return f"{less} (ended early)" if self.ended_early else less
+        return self.share_taken(0, " less error")
+
+    def share_taken(self, places: int, of: str = "") -> str:
+        """The share of the error; zero for a curve that learned only noise."""
+        return f"{percent(max(self.gain, 0), places)}{of}{' (ended early)' if self.ended_early else ''}"
 
 
 @styled
@@ -78,7 +81,7 @@ def ceiling_plot(
         name_y(first, effort)
     panels[0].set_ylim(frame([curve.effort * effort.factor for curve in curves]))
     legend_on_top(figure, [lines[model] for model in models])
-    found = "; ".join(f"over {c.over} beside the {c.model} {percent(c.gain, 1)}" for c in curves)
+    found = "; ".join(f"over {c.over} beside the {c.model} {c.share_taken(1)}" for c in curves)
     caption = (
         f"{kind.capitalize()} at {port} ({provenance}) learned as a free curve of one variable, fitted in "
         f"simulation beside everything else, and how much of the error it takes away, {judged}: {found}. "

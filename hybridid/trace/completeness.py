@@ -33,8 +33,9 @@ class WithNetwork:
 class Completeness:
     """What a network still takes from the held-out error.
 
-    ``gain`` is the relative decrease of the held-out RMSE beside the last model, with its ``p_value``;
-    ``gain_before`` beside the declared model. ``complete``: what is left is not worth having, or not
+    ``gain`` is the relative decrease of the held-out RMSE by ``network`` beside the last model, with its
+    ``p_value``; ``gain_before`` that by ``network_before``, the strongest one beside the declared model.
+    ``complete``: what is left is not worth having, or not
     significant.
     """
 
@@ -43,6 +44,7 @@ class Completeness:
     p_value: float
     complete: bool
     gain_before: float
+    network_before: str = ""
 
 
 def ceilings_of_each(found: Conclusion, context: Context) -> tuple[Ceilings, ...]:
@@ -77,10 +79,14 @@ def completeness(found: Sequence[WithNetwork], rules: Rules) -> Completeness | N
         return None
     first, last = found[0].network, found[-1].network
     return Completeness(
-        network=f"{last.over.bumps} radial basis functions over {last.over} at {last.port}, "
-        "beside all parameters",
+        network=_described(last),
         gain=last.gain,
         p_value=last.p_value,
         complete=not last.passes(rules),
         gain_before=first.gain,
+        network_before=_described(first),
     )
+
+
+def _described(one: Ceiling) -> str:
+    return f"{one.over.bumps} radial basis functions over {one.over} at {one.port}"

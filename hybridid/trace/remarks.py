@@ -11,6 +11,7 @@ from hybridid.trace.completeness import Completeness
 from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.entries import AcceptedEffect, Value
 from hybridid.trace.result import Trace
+from hybridid.trace.trial import UNTRIED
 
 
 def idle_in_words(found: Trace) -> str:
@@ -72,9 +73,9 @@ def refused_rivals(found: Trace) -> tuple[str, ...]:
 
 
 def named_effects(found: Trace) -> int:
-    """How many effects of the library, and of the user's own, were tried; composed laws do not count."""
-    tried = [entry.is_law for entry in found.rejected] + [entry.is_law for entry in found.accepted]
-    return tried.count(False)
+    """How many effects of the library, and of the user's own, could be fitted; composed laws do not count."""
+    fitted = [entry.is_law for entry in found.rejected if entry.status != UNTRIED]
+    return [*fitted, *(entry.is_law for entry in found.accepted)].count(False)
 
 
 def tried_in_words(found: Trace) -> str:
@@ -119,9 +120,11 @@ def completeness_in_words(found: Trace) -> str:
         return ""
     p = f" (p {probability(check.p_value, '= ')})" if check.gain > 0 else ""
     left, before = (share(gain) if gain > 0 else "nothing" for gain in (check.gain, check.gain_before))
+    other = "" if check.network_before in ("", check.network) else f"another one ({check.network}) takes "
     return (
-        f"a network ({check.network}) takes {left} from the held-out error of the last model{p}, and "
-        f"{before} from that of the declared one. {_what_the_network_finds(found, check)}"
+        f"a network ({check.network_before or check.network}) takes {before} from the held-out error of the "
+        f"declared model, and {other}{left} from that of the last one{p}. "
+        f"{_what_the_network_finds(found, check)}"
     )
 
 

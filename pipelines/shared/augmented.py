@@ -75,11 +75,14 @@ def augmented(
     return replace(settings, config=config)
 
 
-def commands(settings: Settings, model: Path, samples: int) -> tuple[str, ...]:
-    """Two commands that fit the augmented model: one names its file, the other its effects alone."""
+def commands(settings: Settings, model: Path, samples: int, widths: Sequence[Width] = ()) -> tuple[str, ...]:
+    """Two commands that fit the augmented model: one names its file, the other its effects alone, with the
+    ``widths`` of sign(v) that a trace made narrower."""
     own = "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
     start = f"hybridid run case={settings.case}{own}"
-    effects = shlex.quote(f"effects=[{','.join(effect_entries(settings))}]")
+    named = [f"effects=[{','.join(effect_entries(settings))}]"]
+    named += [f"parameters.{width.name}.guess={width.used!r}" for width in widths]
+    effects = " ".join(map(shlex.quote, named))
     return (
         f"{start} model={shlex.quote(str(model))} estimator.horizon={samples}",
         f"{start} {effects} estimator.horizon={samples}",

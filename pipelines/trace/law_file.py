@@ -18,12 +18,19 @@ Name it as any effect of your own, with --config-dir FOLDER_OF_THIS_FILE:
 
     effects=[..., {module}:{constant}@{port}]
     trace.extra_effects=[{module}:{constant}]
-"""
+{widths}"""
 
 from hybridid.effects.composed import law
 
 {constant} = law({arguments})
 '''
+
+
+_WIDTHS = """
+It was fitted with sign(v) smoothed more narrowly than declared. So say beside it:
+
+    {settings}
+"""
 
 
 def law_files(found: Trace, case: str) -> dict[str, str]:
@@ -42,6 +49,7 @@ def _text(entry: AcceptedEffect, effect: Effect, module: str, case: str, found: 
     signals = "".join(f", over=({name!r}, {units[name]!r})" for name in effect.channels)
     kind = f", at={effect.kind!r}" if effect.kind == "flow" else ""
     guesses = "".join(f", {name}={value.value:.9g}" for name, value in entry.parameters.items())
+    settings = " ".join(f"parameters.{width.name}.guess={width.used!r}" for width in found.narrowed)
     return _TEXT.format(
         case=case,
         provenance=found.provenance,
@@ -53,5 +61,6 @@ def _text(entry: AcceptedEffect, effect: Effect, module: str, case: str, found: 
         ),
         module=module,
         constant=entry.effect.upper(),
+        widths=_WIDTHS.format(settings=settings) if settings else "",
         arguments=f"{entry.effect!r}{signals}{kind}{guesses}".replace("'", '"'),
     )

@@ -291,15 +291,15 @@ def _laws(found: Trace) -> tuple[Table, ...]:
 
 
 def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:
-    header = ("port", "over", BEFORE, AFTER, f"p {AFTER}")
-    before = {(c.port, c.over): c for c in found.ceilings.before}
+    first, last = ({(c.port, c.over): c for c in of} for of in (found.ceilings.before, found.ceilings.after))
+    models = {BEFORE: first, AFTER: last} if found.accepted else {BEFORE: last}
+    header = ("port", "over", *models, f"p {AFTER if found.accepted else BEFORE}")
     rows = tuple(
-        (c.port, c.over, _taken(before[c.port, c.over]), _taken(c), probability(c.p_value))
-        for c in found.ceilings.after
+        (*place, *(_taken(of[place]) for of in models.values()), probability(c.p_value))
+        for place, c in last.items()
     )
-    tables = (
-        [Table(f"Reduction of the error by a {learned(found)}", header, rows, words=(0, 1))] if rows else []
-    )
+    title = f"Reduction of the error by a {learned(found)}"
+    tables = [Table(title, header, rows, words=(0, 1))] if rows else []
     paragraphs = [f"On held-out horizons: {error_left(found)}", structure_in_words(found)]
     if found.completeness:
         paragraphs.append(f"Completeness check: {completeness_in_words(found)}.")

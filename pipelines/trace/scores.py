@@ -13,6 +13,10 @@ from hybridid.trace.before_after import ScoreRow
 from hybridid.trace.result import Trace
 from pipelines.shared.page import Table
 
+_NETWORK = (
+    "The network was trained on the fitted horizons only. It is the strongest one beside each model, so "
+    "there may be two."
+)
 MANY = 3
 """Records from which their means come first and each of them is folded away."""
 
@@ -26,7 +30,7 @@ def score_tables(found: Trace) -> tuple[Table, ...]:
         f"{listed([entry.name for entry in found.accepted] or ['none'])}. "
         f"Each with every parameter refitted over horizons of {found.horizon:g} s of "
         f"{listed(found.fitted_records)}.",
-        *(("The network was trained on the fitted horizons only.",) if found.completeness else ()),
+        *((_NETWORK,) if found.completeness else ()),
     )
     return (*tables[:-1], replace(tables[-1], notes=notes))
 

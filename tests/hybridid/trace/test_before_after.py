@@ -96,6 +96,12 @@ def test_the_check_is_complete_unless_a_gain_is_worth_having_and_significant(fou
     check = completeness([WithNetwork(before, ()), WithNetwork(ceiling, ())], Rules())
     assert check is not None
     assert (check.complete, check.gain, check.gain_before) == (complete, gain, 0.6)
+    assert check.network == "12 radial basis functions over velocity at carriage"
+    other = replace(before, over=Over("position"))
+    check = completeness([WithNetwork(other, ()), WithNetwork(ceiling, ())], Rules())
+    assert (check.network, check.network_before) == tuple(
+        f"12 radial basis functions over {over} at carriage" for over in ("velocity", "position")
+    )
 
 
 def test_without_effort_ports_there_is_nothing_to_check():

@@ -11,7 +11,7 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
-from hybridid.trace.entries import Value
+from hybridid.trace.entries import Value, Width
 from pipelines.trace.law_file import NAME, law_files
 
 
@@ -34,7 +34,8 @@ def found(stored):
             )
             for name in laws
         ]
-        return SimpleNamespace(accepted=(accepted, *entries), model=model, provenance="simulated")
+        given = {"model": model, "provenance": "simulated", "narrowed": ()}
+        return SimpleNamespace(accepted=(accepted, *entries), **given)
 
     return make
 
@@ -55,6 +56,13 @@ def test_the_file_holds_the_law_with_its_numbers(found, tmp_path, name, paramete
     assert {p.name: p.guess for p in effect.parameters} == parameters
     assert "emps (simulated)" in text
     assert f"proposed_law:{name.upper()}@carriage" in text
+
+
+def test_the_file_says_how_sign_v_was_smoothed_if_a_trace_made_that_narrower(found):
+    given = found("modulus_of_velocity", k=1.0)
+    assert "smoothed" not in law_files(given, "emps")[NAME]
+    given.narrowed = (Width("carriage.epsilon", "m/s", 1e-3, 2.5e-4),)
+    assert "\n    parameters.carriage.epsilon.guess=0.00025\n" in law_files(given, "emps")[NAME]
 
 
 def test_several_laws_have_a_file_each_and_names_none(found):
