@@ -21,7 +21,9 @@ is refitted with epsilon / 2 or with half the step. With r from other causes, an
     e^2 = r^2 + s^2,    e'^2 = r^2 + s^2 / 4^k,    so that s^2 = (e^2 - e'^2) 4^k / (4^k - 1).
 
 The order is one in epsilon and four in the step of RK4. Where the finer simulation leaves no smaller error, s
-is taken as zero.
+is taken as zero. Where half of epsilon is too stiff to be simulated, the error e'' with twice of it tells:
+
+    e''^2 = r^2 + 4^k s^2,    so that s^2 = (e''^2 - e^2) / (4^k - 1).
 
 Source: Ljung (1999), System Identification, 2nd ed., sec. 16.4 (the variance of a model's predictions);
 Roache (1998), Verification and Validation in Computational Science and Engineering, ch. 5.
@@ -37,11 +39,14 @@ from numpy.typing import NDArray
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.uncertainty import jacobian_of, orthogonal
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import Refit
+from hybridid.trace.robustness import refitted_under
 
 Array = NDArray[np.float64]
 OF_EPSILON, OF_STEP = 4.0 / 3.0, 256.0 / 255.0
 """``4^k / (4^k - 1)`` for the orders one and four."""
+OF_WIDER = 1.0 / 3.0
+"""``1 / (4^k - 1)`` for the order one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,16 +119,17 @@ def _weighted_jacobian(problem: Problem, final: Refit, horizons: tuple[int, ...]
 def simulation_error(final: Refit, context: Context) -> Array:
     """The RMS error (n_y,) of the simulation of ``final`` on the held-out horizons, in the outputs' units.
 
-    A finer simulation that is not possible adds nothing.
+    What can be simulated neither more finely nor with a wider epsilon adds nothing.
     """
-    ours, split = final.numerics, context.split
-    finer = [(OF_STEP, replace(ours, name="half the step", finer=2 * ours.finer))]
+    ours, here = final.numerics, final.score.rmse**2
+    finer = [replace(ours, name="half the step", finer=2 * ours.finer)]
     if final.model.smooths:
-        finer.append((OF_EPSILON, replace(ours, name="epsilon / 2", smoothing=ours.smoothing / 2)))
-    given = [(final.model, split, [final.values], final, numerics) for _, numerics in finer]
-    squares = np.zeros(len(final.model.outputs))
-    finely = context.each("simulated more finely", refit_if_possible, given)
-    for (factor, _), again in zip(finer, finely, strict=True):
-        if again is not None:
-            squares += factor * np.maximum(0.0, final.score.rmse**2 - again.score.rmse**2)
-    return np.sqrt(squares)
+        finer.append(replace(ours, name="epsilon / 2", smoothing=ours.smoothing / 2))
+    by_step, *by_epsilon = refitted_under(final, finer, context, "simulated more finely")
+    differences = [OF_STEP * (here - by_step.score.rmse**2)] if by_step else []
+    differences += [OF_EPSILON * (here - one.score.rmse**2) for one in by_epsilon if one]
+    if by_epsilon == [None]:
+        wider = [replace(ours, name="epsilon x 2", smoothing=2 * ours.smoothing)]
+        coarsely = refitted_under(final, wider, context, "simulated with a wider epsilon")
+        differences += [OF_WIDER * (one.score.rmse**2 - here) for one in coarsely if one]
+    return np.sqrt(np.sum([np.zeros(len(here)), *(np.maximum(0.0, one) for one in differences)], axis=0))

@@ -68,10 +68,12 @@ def variations(
     )
 
 
-def refitted_under(base: Refit, varied: Sequence[Numerics], context: Context) -> list[Refit | None]:
-    """``base`` refitted under each variation; None where it cannot be simulated so."""
+def refitted_under(
+    base: Refit, varied: Sequence[Numerics], context: Context, stage: str = "by other numerics"
+) -> list[Refit | None]:
+    """``base`` refitted under each variation; None where it cannot be simulated so. ``stage`` is reported."""
     given = [(base.model, context.split, [base.values], base, numerics) for numerics in varied]
-    return context.each("by other numerics", refit_if_possible, given)
+    return context.each(stage, refit_if_possible, given)
 
 
 def survival(
