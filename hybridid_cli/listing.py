@@ -69,9 +69,10 @@ _CHANNEL = Signal("CHANNEL", "its unit")
 _LINEAR = Port("linear", "effort", effort_unit="N", effort_scale=1.0, position_unit="m")
 _ROTARY = Port("rotary", "effort", effort_unit="Nm", effort_scale=1.0, position_unit="rad")
 _LEVEL = Port("level", "flow", effort_unit="m³/s", effort_scale=1.0, position_unit="m")
+_HEAT = Port("heat", "flow", effort_unit="W", effort_scale=1.0, position_unit="°C")
 _SIGNAL = Port("signal", "input", effort_unit="signal", effort_scale=1.0)
 _PORTS: Mapping[PortKind, Sequence[Port]] = {
-    "effort": (_LINEAR, _ROTARY), "flow": (_LEVEL,), "input": (_SIGNAL,), "output": (_SIGNAL,)
+    "effort": (_LINEAR, _ROTARY), "flow": (_LEVEL, _HEAT), "input": (_SIGNAL,), "output": (_SIGNAL,)
 }  # fmt: skip
 
 
@@ -195,7 +196,7 @@ def _paragraph(label: str, text: str) -> str:
 
 
 def _unit(effect: Effect, dimension: Dimension) -> str:
-    """The unit at a linear and at a rotary port, at a level, or in that of the signal."""
+    """The unit at a linear and at a rotary port, at a level and at a temperature, or that of the signal."""
     ports = _PORTS[effect.kind]
     suited = [port for port in ports if effect.suits(port.position_unit)]
     return " or ".join(dict.fromkeys(dimension.unit(port) for port in suited or ports))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 
 from hybridid.effects.dimension import POSITION, STIFFNESS
@@ -9,6 +11,8 @@ from hybridid.effects.effect import Effect, EffectParameter, Local
 
 TEMPERATURES = ("[°K]*",)
 """Units of a level that is a temperature."""
+KELVIN = replace(POSITION, called="K")
+"""An absolute temperature: the scale of the level, whatever the zero of its unit is."""
 ALIKE = ("linear_leak", "side_capacity", "sensor_nonlinearity")
 
 
@@ -67,7 +71,7 @@ THERMAL_RADIATION = Effect(
         _conductance("conductance where the body is as warm as the surroundings: 4 ε σ A T_s³"),
         EffectParameter(
             "T_s",
-            POSITION,
+            KELVIN,
             "absolute temperature of the surroundings, fixed: 293 K",
             guess=293.0,
             absolute=True,
