@@ -46,7 +46,8 @@ class Candidate:
 
         First the effect starts at zero, where the fit of the poorer model ended: with its guessed shape, and
         with each declared value of one shape parameter. Then it starts at each declared value of an amplitude
-        (an input that is hardly clipped has no gradient at zero), and at its declared guess. None twice.
+        (an input that is hardly clipped has no gradient at zero), and at its declared guess. None twice. What
+        the user has fixed is so in each.
         """
         port = model.plant.port(self.port)
         own = {p: p.at(port) for p in self.effect.parameters}
@@ -63,7 +64,10 @@ class Candidate:
             {**guessed, f"{self.name}.{p.name}": value} for p in own if p.nests for value in p.starts_at(port)
         ]
         absent = [{**values, **nothing, **one} for one in (shape, *others)]
-        return each_once([*absent, *({**values, **one} for one in (*present, guessed))])
+        begun = [*absent, *({**values, **one} for one in (*present, guessed))]
+        asked = {name: one.get("fixed") for name, one in model.adjustments.items()}
+        fixed = {name: value for name, value in asked.items() if value is not None}
+        return each_once([{**one, **{name: fixed[name] for name in one if name in fixed}} for one in begun])
 
 
 def each_once(starts: Sequence[dict[str, float]]) -> list[dict[str, float]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from hybridid.declarations import Signal
@@ -77,6 +78,18 @@ def model_of(settings: Settings) -> Model:
     except ValueError as error:
         raise ConfigError(str(error)) from error
     return model
+
+
+def searched_model_of(settings: Settings) -> Model:
+    """``model_of`` for a search that may add effects: what the config fixes of these stays fixed.
+
+    Raises:
+        ConfigError: as ``model_of``.
+    """
+    model = model_of(settings)
+    asked = {name: one.get("fixed") for name, one in adjustments(parameters_of(settings)).items()}
+    fixed = {name: {"fixed": value} for name, value in asked.items() if value is not None}
+    return replace(model, adjustments={**fixed, **model.adjustments})
 
 
 def given_of(settings: Settings) -> tuple[Signal, ...]:

@@ -30,7 +30,7 @@ from pipelines.shared.fitted import describe_model, fit_of, without_own
 from pipelines.shared.imports import code_digests
 from pipelines.shared.kept_results import kept_results
 from pipelines.shared.limits import check_processes
-from pipelines.shared.modelling import fit_settings, groupings_of, model_of, named_code
+from pipelines.shared.modelling import fit_settings, groupings_of, model_of, named_code, searched_model_of
 from pipelines.shared.one_step import check_one_step
 from pipelines.shared.page import Picture
 from pipelines.shared.pool import mapper_of
@@ -130,7 +130,7 @@ def traced(
 
     with mapper_of(request.processes) as mapper:
         return trace(
-            model_of(settings),
+            searched_model_of(settings),
             fitted,
             held_out,
             horizon=request.horizon,

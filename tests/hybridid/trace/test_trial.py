@@ -269,6 +269,10 @@ def test_candidates_begin_where_the_poorer_model_ended(make_model):
     assert sum(start["carriage.stribeck.df_s"] == 0.0 for start in starts) >= 3
     assert len({start["carriage.stribeck.v_s"] for start in starts}) >= 3
     assert starts[-1]["carriage.stribeck.df_s"] > 0.0
+    known = replace(model, adjustments={**model.adjustments, "carriage.stribeck.v_s": {"fixed": 0.02}})
+    fixed = candidate.starts(candidate.added_to(known), base)
+    assert {start["carriage.stribeck.v_s"] for start in fixed} == {0.02}
+    assert 1 < len(fixed) < len(starts)
     once = Candidate(effect_named("asymmetric_coulomb"), "carriage")  # its guess is zero
     assert once.starts(once.added_to(model), base) == [{**base, "carriage.asymmetric_coulomb.df_c": 0.0}]
 
