@@ -109,7 +109,7 @@ class Ceiling:
         return max(self.taken(base), within)
 
 
-def ceilings(base: Refit, context: Context, stage: str = "ceiling") -> tuple[Ceiling, ...]:
+def ceilings(base: Refit, context: Context, stage: str = "learned effort") -> tuple[Ceiling, ...]:
     """The ceiling of every variable at every effort or flow port where the path of ``base`` shows it."""
     path = Path.of(base, context.split, context.split.fitted)
     places = [

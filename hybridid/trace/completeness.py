@@ -54,7 +54,7 @@ def ceilings_of_each(found: Conclusion, context: Context) -> tuple[Ceilings, ...
     if found.ceilings_before:
         return found.ceilings_before, found.ceilings
     places = [(found.search.first, context.split, c.port, c.over) for c in found.ceilings]
-    before = context.each("ceiling before", ceiling, places, lambda one: one.place)
+    before = context.each("learned effort beside the declared model", ceiling, places, lambda one: one.place)
     return tuple(before), found.ceilings
 
 

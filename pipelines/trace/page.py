@@ -201,7 +201,7 @@ def _survivals(entry: AcceptedEffect) -> Table:
         )
     units = [f"{name} [{entry.parameters[name].unit}]" for name in names]
     header = ("variation", "gain", "kept", "p", *units, "")
-    title = f"{entry.effect} at {entry.port} with other numerical settings"
+    title = f"{entry.effect} at {entry.port} with other numerical settings, in step {entry.step}"
     return Table(title, header, tuple(rows), tuple(notes), words=(0, len(header) - 1))
 
 
