@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
 
+from hybridid.effects.library import effect_named
 from pipelines.runner import wanted
 from pipelines.shared.config import Settings, flat
 from pipelines.shared.errors import ConfigError
-from pipelines.shared.modelling import adjustments, fit_settings, model_of, parameters_of
+from pipelines.shared.modelling import (
+    adjustments,
+    fit_settings,
+    model_of,
+    parameters_of,
+    searched_model_of,
+)
 
 
 def test_adjustments_are_flattened():
@@ -148,3 +156,14 @@ def test_unknown_key_names_the_nearest():
 )
 def test_stages_of_a_command(command, stages):
     assert [stage.name for stage in wanted(command)] == stages
+
+
+def test_a_search_keeps_what_is_fixed_of_an_effect_that_it_may_add(settings):
+    """Guesses and bounds of such an effect are the library's."""
+    given = settings({"parameters": {"carriage.stribeck": {"v_s.fixed": 0.02, "df_s.upper": 1.0}}})
+    assert "carriage.stribeck.v_s" not in model_of(given).adjustments
+    searched = searched_model_of(given)
+    assert searched.parameters == model_of(given).parameters
+    added = {p.name: p for p in searched.plus(effect_named("stribeck"), "carriage").parameters}
+    known, open_ = added["carriage.stribeck.v_s"], added["carriage.stribeck.df_s"]
+    assert (known.guess, known.fixed, open_.upper, open_.fixed) == (0.02, True, math.inf, False)
