@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from scipy.stats import norm
 
@@ -160,30 +161,41 @@ def _drifting(found: Conclusion, context: Context) -> list[str]:
     return [output.name for output, does in zip(final.model.outputs, drift, strict=True) if does]
 
 
-def not_told_from_zero(accepted: Sequence[Accepted], entries: Sequence[AcceptedEffect]) -> str:
-    """Of which accepted effects the interval includes zero, in words; empty if of none.
+def marked_as_shown(
+    accepted: Sequence[Accepted], entries: Sequence[AcceptedEffect]
+) -> tuple[AcceptedEffect, ...]:
+    """``entries``, those of ``accepted``, with ``shown`` False where the interval of each amplitude includes
+    zero, unless that holds for all of them.
 
-    An effect that was determined when it was accepted may not be so beside those that followed. A limit that
-    is hard has no interval on the side of infinity.
+    An effect that was determined when it was accepted may not be so beside those that followed. Then it
+    stands for a part of the error, and is no name. A limit that is hard has no interval on the side of
+    infinity. Of a class, another member may be shown; and a law is proposed, not named.
     """
-    amplitudes = {
-        one.name: [p.name for p in one.trial.candidate.effect.parameters if p.nests and not p.fixed]
-        for one in accepted
-        if not any(p.hard for p in one.trial.candidate.effect.parameters)
-    }
-    unsure = [
-        entry.name
-        for entry in entries
-        if amplitudes.get(entry.name)
-        and all(
-            abs(entry.parameters[name].value) <= SURE * entry.parameters[name].std
-            for name in amplitudes[entry.name]
-        )
-    ]
+    marked = tuple(
+        replace(entry, shown=entry.is_law or len(entry.alike) > 1 or not _may_be_zero(one, entry))
+        for one, entry in zip(accepted, entries, strict=True)
+    )
+    return marked if any(entry.shown for entry in marked) else tuple(entries)
+
+
+def not_told_from_zero(accepted: Sequence[Accepted], entries: Sequence[AcceptedEffect]) -> str:
+    """Of which of ``entries``, those of ``accepted``, that are named as ``shown`` the interval includes zero
+    all the same, in words; empty if of none."""
+    pairs = zip(accepted, entries, strict=True)
+    unsure = [entry.name for one, entry in pairs if entry.shown and _may_be_zero(one, entry)]
     if not unsure:
         return ""
     its = "their intervals include" if len(unsure) > 1 else "its interval includes"
     return f" Beware: beside all others these records hardly show {listed(unsure)}: {its} zero."
+
+
+def _may_be_zero(accepted: Accepted, entry: AcceptedEffect) -> bool:
+    parameters = accepted.trial.candidate.effect.parameters
+    own = [p.name for p in parameters if p.nests and not p.fixed]
+    amplitudes = [entry.parameters[name] for name in own if name in entry.parameters]
+    if not amplitudes or any(p.hard for p in parameters):
+        return False
+    return all(abs(one.value) <= SURE * one.std for one in amplitudes)
 
 
 def _takes_little(search: Search) -> str:

@@ -76,7 +76,8 @@ class AcceptedEffect:
     other numerics. ``is_law``: a composed law; ``form_of`` is the effect of the library that has its form, if
     one has. ``together`` names the other effect of a pair; ``gain`` and the trials of the class are then
     beside that one. ``by_held_out`` are its own parameters where the model is fitted to the held-out records
-    alone.
+    alone. It is ``shown`` if the records tell its amplitude from zero beside all others in the last model;
+    what is not is no name.
     """
 
     effect: str
@@ -100,6 +101,7 @@ class AcceptedEffect:
     form_of: str = ""
     together: str = ""
     by_held_out: Mapping[str, Value] = field(default_factory=dict)
+    shown: bool = True
 
     @property
     def name(self) -> str:

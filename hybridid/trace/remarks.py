@@ -120,11 +120,13 @@ def completeness_in_words(found: Trace) -> str:
         return ""
     p = f" (p {probability(check.p_value, '= ')})" if check.gain > 0 else ""
     left, before = (share(gain) if gain > 0 else "nothing" for gain in (check.gain, check.gain_before))
+    finds = _what_the_network_finds(found, check)
+    if not found.accepted:
+        return f"a network ({check.network}) takes {left} from the held-out error{p}. {finds}"
     other = "" if check.network_before in ("", check.network) else f"another one ({check.network}) takes "
     return (
         f"a network ({check.network_before or check.network}) takes {before} from the held-out error of the "
-        f"declared model, and {other}{left} from that of the last one{p}. "
-        f"{_what_the_network_finds(found, check)}"
+        f"declared model, and {other}{left} from that of the last one{p}. {finds}"
     )
 
 

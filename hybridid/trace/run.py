@@ -18,7 +18,7 @@ from hybridid.settings.choices import AskedIntegrator
 from hybridid.simulation.chosen import AUTO, EXPLICIT, as_integrator
 from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.by_recording import by_recording, check_split
-from hybridid.trace.cautions import cautions
+from hybridid.trace.cautions import cautions, marked_as_shown
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import with_decay_classes
@@ -126,6 +126,7 @@ def trace(
     limit = time_limit if found.out_of_time else None
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
     traced = replace(traced, finer=found.search.final.numerics.finer)
+    traced = replace(traced, accepted=marked_as_shown(found.accepted, traced.accepted))
     traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
     said = sentence(traced) + cautions(found, traced, fitted, context)
     return replace(traced, sentence=said)

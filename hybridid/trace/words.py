@@ -92,12 +92,13 @@ def _concluded(found: Trace) -> str:
         refused = most_refused(found)
         told = f"{place}.{withdrawn}{refused} {error_left(found)}"
         return f"Something is missing that {_unnamed(found, unshown=bool(refused))}{told}"
-    them = "them" if len(found.accepted) > 1 else "it"
-    fall = f"with {them} the RMSE {where} falls {_fall(found)}"
+    named = [one for one in found.accepted if one.shown]
+    them = "them" if len(named) > 1 else "it"
+    fall = f"with {them}{_unshown(found)} the RMSE {where} falls {_fall(found)}"
     if found.verdict == "undecided":
         return _best_so_far(found, fall)
-    names = [one for one in found.accepted if not one.is_law]
-    laws = [one for one in found.accepted if one.is_law]
+    names = [one for one in named if not one.is_law]
+    laws = [one for one in named if one.is_law]
     lacked = f"The model lacked {listed([_named(entry) for entry in names])}"
     if not laws:
         return f"{lacked}: {fall}.{_only_together(found)}{_rest(found)}"
@@ -106,6 +107,16 @@ def _concluded(found: Trace) -> str:
     unsure = passed_before(laws, found)
     why = f".{unsure}" if unsure else f" that {_unnamed(found)}."
     return f"{before}{something} is missing{why} {proposed(laws)}: {fall}.{rest}"
+
+
+def _unshown(found: Trace) -> str:
+    """What the last model holds beside the names, though the records do not show it; empty if nothing."""
+    names = [one.name for one in found.accepted if not one.shown]
+    if not names:
+        return ""
+    many = len(names) > 1
+    said = "they are no names: their intervals include" if many else "it is no name: its interval includes"
+    return f", and with {listed(names)}, which these records hardly show ({said} zero),"
 
 
 def _undecided(found: Trace, where: str) -> str:
@@ -126,8 +137,8 @@ def _of_inputs(noisy: NoisyInputs) -> str:
 
 def _best_so_far(found: Trace, fall: str) -> str:
     """What a search had accepted that the time limit ended far above the noise."""
-    names = listed([_named(entry) for entry in found.accepted])
-    their = "its" if len(found.accepted) < 2 else "their"
+    named = [_named(entry) for entry in found.accepted if entry.shown]
+    names, their = listed(named), "its" if len(named) < 2 else "their"
     return (
         f"The best so far: {names}; {fall}.{_only_together(found)} {error_left(found)} The search for the "
         f"rest was cut off. It may put another effect in {their} place."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,9 +25,10 @@ from hybridid.trace.cautions import (
     _only_fitted,
     _other_held_out,
     _takes_little,
+    marked_as_shown,
     not_told_from_zero,
 )
-from hybridid.trace.entries import Floor, Value
+from hybridid.trace.entries import AcceptedEffect, Floor, Value
 from hybridid.trace.evidence import Comparison
 from hybridid.trace.longer import Longer
 from hybridid.trace.rules import Rules
@@ -86,11 +88,39 @@ def test_what_only_the_fitted_horizons_show_is_told():
     assert _only_fitted(SimpleNamespace(search=SimpleNamespace(steps=())), context) == ""
 
 
-def told(effect: str, port: str, **values: tuple[float, float]) -> str:
+def entry_of(effect: str, port: str, **values: tuple[float, float]):
+    """What a search accepted, and its entry in the trace, with the parameters ``values``."""
     candidate = Candidate(effect_named(effect), port)
     accepted = SimpleNamespace(name=candidate.name, trial=SimpleNamespace(candidate=candidate))
     parameters = {name: Value(value, std, "1") for name, (value, std) in values.items()}
-    return not_told_from_zero([accepted], [SimpleNamespace(name=candidate.name, parameters=parameters)])
+    entry = AcceptedEffect(
+        effect=effect, port=port, title="", equation="", pattern="", source="", parameters=parameters,
+        known={}, alike=(effect,), class_members=(), separating_experiments=(), p_value=1e-6, gain=0.5,
+        at_step={}, likelihood_gain=1.0, step=1, survivals=(),
+    )  # fmt: skip
+    return accepted, entry
+
+
+def told(effect: str, port: str, **values: tuple[float, float]) -> str:
+    accepted, entry = entry_of(effect, port, **values)
+    return not_told_from_zero([accepted], [entry])
+
+
+def test_what_the_records_hardly_show_is_no_name_beside_one_that_they_show():
+    sure, unsure = (
+        entry_of(name, "arm", f_v=(1.3, std)) for name, std in (("viscous", 0.1), ("viscous", 1.0))
+    )
+
+    def shown(*pairs):
+        return [one.shown for one in marked_as_shown(*zip(*pairs, strict=True))]
+
+    assert shown(sure, unsure) == [True, False]
+    assert shown(unsure) == shown(unsure, unsure)[:1] == [True], "then all are named, with a caution"
+    accepted, entry = unsure
+    assert shown(sure, (accepted, replace(entry, alike=("viscous", "eddy_brake")))) == [True, True]
+    assert shown(sure, (accepted, replace(entry, is_law=True))) == [True, True]
+    marked = marked_as_shown(*zip(sure, unsure, strict=True))
+    assert not_told_from_zero([sure[0], accepted], marked) == "", "the sentence says so itself"
 
 
 def test_a_lag_of_a_second_that_is_known_to_four_is_doubted():

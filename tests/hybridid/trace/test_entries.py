@@ -45,3 +45,13 @@ def test_an_equation_is_told_with_the_constants_that_are_not_estimated():
     assert equation_in_words(entry) == "F = k r √(r/h)"
     known = {"h": Value(0.3, math.nan, "m"), "side": Value(-1.0, math.nan, "1")}
     assert equation_in_words(replace(entry, known=known)) == "F = k r √(r/h), with h = 300 mm and side = −1"
+
+
+def test_what_the_records_hardly_show_is_no_name(nothing):
+    ours, other = accepted(member("dahl", "joint")), accepted(member("viscous", "joint"))
+    found = replace(nothing(), verdict="effect_found", accepted=(ours, replace(other, shown=False)))
+    said = sentence(found)
+    assert said.startswith("The model lacked dahl at joint (")
+    assert ": with it, and with joint.viscous, which these records hardly show (it is no name: its " in said
+    several = replace(found, accepted=(ours, *(replace(other, shown=False),) * 2))
+    assert "hardly show (they are no names: their intervals include zero), the RMSE" in sentence(several)
