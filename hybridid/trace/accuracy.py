@@ -119,7 +119,8 @@ def _weighted_jacobian(problem: Problem, final: Refit, horizons: tuple[int, ...]
 def simulation_error(final: Refit, context: Context) -> Array:
     """The RMS error (n_y,) of the simulation of ``final`` on the held-out horizons, in the outputs' units.
 
-    What can be simulated neither more finely nor with a wider epsilon adds nothing.
+    What can be simulated neither more finely nor with a wider epsilon adds nothing. Nor does a wider epsilon
+    of which the refit has not converged: what that leaves too much would pass for the simulation's.
     """
     ours, here = final.numerics, final.score.rmse**2
     finer = [replace(ours, name="half the step", finer=2 * ours.finer)]
@@ -131,5 +132,5 @@ def simulation_error(final: Refit, context: Context) -> Array:
     if by_epsilon == [None]:
         wider = [replace(ours, name="epsilon x 2", smoothing=2 * ours.smoothing)]
         coarsely = refitted_under(final, wider, context, "simulated with a wider epsilon")
-        differences += [OF_WIDER * (one.score.rmse**2 - here) for one in coarsely if one]
+        differences += [OF_WIDER * (one.score.rmse**2 - here) for one in coarsely if one and one.converged]
     return np.sqrt(np.sum([np.zeros(len(here)), *(np.maximum(0.0, one) for one in differences)], axis=0))
