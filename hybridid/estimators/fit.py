@@ -200,9 +200,7 @@ def _steps_needed(problem: Problem, solution: Solution, settings: FitSettings) -
     stable = substeps_wanted(problem.model, solution.p, problem.records, integrator=settings.integrator)
     if stable > now:
         return stable
-    shot = problem.shooter(solution.x0, solution.p)
-    r = problem.residuals(shot)
-    moved = r - problem.residuals(replace(shot, outputs=problem.finer_outputs(solution.x0, solution.p)))
+    r, moved = problem.moved_by_half_the_step(solution.x0, solution.p)
     return 2 * now if np.linalg.norm(moved) > COARSE * np.linalg.norm(r) > EXACT else now
 
 

@@ -124,6 +124,13 @@ class Problem:
             error = error * self.weights
         return np.where(self.windows.cells, error, 0.0)
 
+    def moved_by_half_the_step(self, x0: Array, p: Array) -> tuple[Array, Array]:
+        """The residuals (w, H, n_y) at ``x0`` (w, n_x) and ``p`` (n_p,), and by how much steps of half the
+        length change them."""
+        shot = self.shooter(x0, p)
+        left = self.residuals(shot)
+        return left, left - self.residuals(replace(shot, outputs=self.finer_outputs(x0, p)))
+
     def cost(self, shot: Shot) -> float:
         """Half the sum of squared residuals; infinite if the simulation diverged."""
         r = None if shot.compared else self.residuals(shot)

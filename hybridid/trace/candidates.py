@@ -47,7 +47,7 @@ class Candidate:
         First the effect starts at zero, where the fit of the poorer model ended: with its guessed shape, and
         with each declared value of one shape parameter. Then it starts at each declared value of an amplitude
         (an input that is hardly clipped has no gradient at zero), and at its declared guess. None twice. What
-        the user has fixed is so in each.
+        the user has fixed stays so in each.
         """
         port = model.plant.port(self.port)
         own = {p: p.at(port) for p in self.effect.parameters}

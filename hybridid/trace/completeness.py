@@ -44,7 +44,7 @@ class Completeness:
     p_value: float
     complete: bool
     gain_before: float
-    network_before: str = ""
+    network_before: str
 
 
 def ceilings_of_each(found: Conclusion, context: Context) -> tuple[Ceilings, ...]:

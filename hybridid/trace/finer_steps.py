@@ -18,14 +18,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from hybridid.estimators.fit import COARSE
 from hybridid.naming import counted
 from hybridid.simulation.stability import MOST
 from hybridid.trace.context import Context
 from hybridid.trace.halving import halved_while_it_pays
 from hybridid.trace.refit import Refit, refit_if_possible
-
-COARSE = 0.05
-"""Change of the residual by half the step, as a share of it, below which nothing is refitted."""
 
 
 def in_short_steps(base: Refit, context: Context) -> Refit:
@@ -57,8 +55,5 @@ def _in_half_the_step(base: Refit, context: Context) -> Refit | None:
 def _step_shows(base: Refit, context: Context) -> bool:
     """Whether half the step changes the held-out residual of ``base`` by a share that could matter."""
     problem, held_out = base.problem(context.split), list(context.split.held_out)
-    p = base.model.values(base.values)
-    shot = problem.shooter(base.x0, p)
-    finer = replace(shot, outputs=problem.finer_outputs(base.x0, p))
-    left, then = (problem.residuals(one)[held_out] for one in (shot, finer))
-    return bool(np.linalg.norm(left - then) > COARSE * np.linalg.norm(left))
+    left, moved = problem.moved_by_half_the_step(base.x0, base.model.values(base.values))
+    return bool(np.linalg.norm(moved[held_out]) > COARSE * np.linalg.norm(left[held_out]))

@@ -123,9 +123,9 @@ def completeness_in_words(found: Trace) -> str:
     finds = _what_the_network_finds(found, check)
     if not found.accepted:
         return f"a network ({check.network}) takes {left} from the held-out error{p}. {finds}"
-    other = "" if check.network_before in ("", check.network) else f"another one ({check.network}) takes "
+    other = "" if check.network_before == check.network else f"another one ({check.network}) takes "
     return (
-        f"a network ({check.network_before or check.network}) takes {before} from the held-out error of the "
+        f"a network ({check.network_before}) takes {before} from the held-out error of the "
         f"declared model, and {other}{left} from that of the last one{p}. {finds}"
     )
 

@@ -75,13 +75,17 @@ def augmented(
     return replace(settings, config=config)
 
 
+def as_settings(widths: Sequence[Width]) -> list[str]:
+    """``widths`` as words of a command: ``parameters.carriage.epsilon.guess=8.5e-05``."""
+    return [f"parameters.{width.name}.guess={width.used!r}" for width in widths]
+
+
 def commands(settings: Settings, model: Path, samples: int, widths: Sequence[Width] = ()) -> tuple[str, ...]:
     """Two commands that fit the augmented model: one names its file, the other its effects alone, with the
     ``widths`` of sign(v) that a trace made narrower."""
     own = "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
     start = f"hybridid run case={settings.case}{own}"
-    named = [f"effects=[{','.join(effect_entries(settings))}]"]
-    named += [f"parameters.{width.name}.guess={width.used!r}" for width in widths]
+    named = [f"effects=[{','.join(effect_entries(settings))}]", *as_settings(widths)]
     effects = " ".join(map(shlex.quote, named))
     return (
         f"{start} model={shlex.quote(str(model))} estimator.horizon={samples}",

@@ -6,6 +6,7 @@ from hybridid.effects.effect import Effect
 from hybridid.quantities import estimated
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.result import Trace
+from pipelines.shared.augmented import as_settings
 
 NAME = "proposed_law.py"
 _TEXT = '''"""A law that hybridid trace proposed for the case {case} ({provenance}).
@@ -49,7 +50,7 @@ def _text(entry: AcceptedEffect, effect: Effect, module: str, case: str, found: 
     signals = "".join(f", over=({name!r}, {units[name]!r})" for name in effect.channels)
     kind = f", at={effect.kind!r}" if effect.kind == "flow" else ""
     guesses = "".join(f", {name}={value.value:.9g}" for name, value in entry.parameters.items())
-    settings = " ".join(f"parameters.{width.name}.guess={width.used!r}" for width in found.narrowed)
+    settings = " ".join(as_settings(found.narrowed))
     return _TEXT.format(
         case=case,
         provenance=found.provenance,

@@ -346,5 +346,5 @@ def test_a_narrower_smoothing_is_told(nothing):
 def test_a_gain_that_is_not_significant_is_no_proof_that_nothing_is_missing(
     nothing, gain, p_value, complete, said
 ):
-    network = Completeness("12 bumps over velocity at cart", gain, p_value, complete, gain)
+    network = Completeness("12 bumps over v at cart", gain, p_value, complete, gain, "")
     assert completeness_in_words(replace(nothing(), completeness=network)).endswith(said)
