@@ -29,7 +29,7 @@ from hybridid.trace.horizon_advice import (
     slower_dynamics,
 )
 from hybridid.trace.hystereses import several_hystereses
-from hybridid.trace.idle import SURE
+from hybridid.trace.idle import SURE, amplitudes_of, told_from_zero
 from hybridid.trace.one_way import judged_the_other_way
 from hybridid.trace.other_parameters import ASK, other_parameters, recordings
 from hybridid.trace.recording_offset import offset_by_recording
@@ -77,7 +77,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [_hidden_by_the_simulation(traced, found.model), _grows(found)]
     if traced.accepted:
         told += [other_law_possible(found, context), _no_longer_shown(found.search, context)]
-        told += [not_told_from_zero(found.accepted, traced.accepted), _confounded(records)]
+        told += [not_told_from_zero(found.accepted, traced), _confounded(records)]
         told += [
             _takes_little(found.search),
             _moved(found.search),
@@ -161,41 +161,39 @@ def _drifting(found: Conclusion, context: Context) -> list[str]:
     return [output.name for output, does in zip(final.model.outputs, drift, strict=True) if does]
 
 
-def marked_as_shown(
-    accepted: Sequence[Accepted], entries: Sequence[AcceptedEffect]
-) -> tuple[AcceptedEffect, ...]:
-    """``entries``, those of ``accepted``, with ``shown`` False where the interval of each amplitude includes
-    zero, unless that holds for all of them.
+def marked_as_shown(accepted: Sequence[Accepted], traced: Trace) -> Trace:
+    """``traced``, whose entries are those of ``accepted``, with ``shown`` False in each whose amplitudes the
+    last model does not tell from zero, unless that holds for all of them.
 
     An effect that was determined when it was accepted may not be so beside those that followed. Then it
     stands for a part of the error, and is no name. A limit that is hard has no interval on the side of
     infinity. Of a class, another member may be shown; and a law is proposed, not named.
     """
     marked = tuple(
-        replace(entry, shown=entry.is_law or len(entry.alike) > 1 or not _may_be_zero(one, entry))
-        for one, entry in zip(accepted, entries, strict=True)
+        replace(entry, shown=entry.is_law or len(entry.alike) > 1 or not _may_be_zero(one, traced))
+        for one, entry in zip(accepted, traced.accepted, strict=True)
     )
-    return marked if any(entry.shown for entry in marked) else tuple(entries)
+    return replace(traced, accepted=marked) if any(entry.shown for entry in marked) else traced
 
 
-def not_told_from_zero(accepted: Sequence[Accepted], entries: Sequence[AcceptedEffect]) -> str:
-    """Of which of ``entries``, those of ``accepted``, that are named as ``shown`` the interval includes zero
-    all the same, in words; empty if of none."""
-    pairs = zip(accepted, entries, strict=True)
-    unsure = [entry.name for one, entry in pairs if entry.shown and _may_be_zero(one, entry)]
+def not_told_from_zero(accepted: Sequence[Accepted], traced: Trace) -> str:
+    """Which of the effects that ``traced`` names as ``shown`` the last model does not tell from zero all the
+    same, in words; empty if it tells all."""
+    pairs = zip(accepted, traced.accepted, strict=True)
+    unsure = [entry.name for one, entry in pairs if entry.shown and _may_be_zero(one, traced)]
     if not unsure:
         return ""
     its = "their intervals include" if len(unsure) > 1 else "its interval includes"
     return f" Beware: beside all others these records hardly show {listed(unsure)}: {its} zero."
 
 
-def _may_be_zero(accepted: Accepted, entry: AcceptedEffect) -> bool:
-    parameters = accepted.trial.candidate.effect.parameters
-    own = [p.name for p in parameters if p.nests and not p.fixed]
-    amplitudes = [entry.parameters[name] for name in own if name in entry.parameters]
-    if not amplitudes or any(p.hard for p in parameters):
+def _may_be_zero(accepted: Accepted, traced: Trace) -> bool:
+    """Whether the last model tells no amplitude of the effect from zero, nor all of them together."""
+    if any(p.hard for p in accepted.trial.candidate.effect.parameters):
         return False
-    return all(abs(one.value) <= SURE * one.std for one in amplitudes)
+    (term,) = [one for one in traced.model.terms if one.name == accepted.name]
+    own = amplitudes_of(term, traced.model, traced.estimate)
+    return bool(own) and not told_from_zero(traced.estimate, own)
 
 
 def _takes_little(search: Search) -> str:

@@ -1,9 +1,9 @@
 """Declared effects of which the records show nothing.
 
-An amplitude within two standard errors of zero is not told from zero. But two effects that are collinear, as
-the viscous friction and the drag of one coast-down, may each be uncertain though together they are not: one
-of them acts, and the records do not say which. So several are called idle only if all their amplitudes
-together are not told from zero (Wald's test).
+An amplitude within two standard errors of zero is not told from zero. But two that are collinear, as the
+viscous friction and the drag of one coast-down, may each be uncertain though together they are not. Of two
+amplitudes of one effect, the effect acts. Of two effects, one acts, and the records do not say which. So
+several amplitudes are only called zero if all of them together are not told from zero (Wald's test).
 
 Source: Belsley, Kuh, Welsch (1980), Regression Diagnostics, ch. 3.
 """
@@ -23,27 +23,34 @@ SURE = 2.0
 
 
 def idle_terms(model: Model, estimate: Estimate) -> tuple[str, ...]:
-    """The effects of the declared ``model`` of which the ``estimate`` shows nothing: each amplitude is within
-    ``SURE`` standard errors of zero, and so are those of all of them together."""
-    places = {p.name: k for k, p in enumerate(estimate.parameters)}
-
-    def amplitudes(term: Term) -> list[int]:
-        nesting = [f"{term.name}.{p.name}" for p in term.effect.parameters if p.nests]
-        names = [each for name in nesting for each in model.names_of(name)]
-        return [places[name] for name in names if name in places]
-
-    def idle(term: Term) -> bool:
-        own = [estimate.parameters[k] for k in amplitudes(term)]
-        return bool(own) and all(abs(p.value) <= SURE * p.std for p in own)
-
-    found = [term for term in model.terms if idle(term)]
-    if len(found) > 1 and _together_no_zero(estimate, [k for term in found for k in amplitudes(term)]):
-        return ()
-    return tuple(term.name for term in found)
+    """The effects of the declared ``model`` of which the ``estimate`` shows nothing: their amplitudes are not
+    told from zero, and neither are those of all of them together."""
+    every = {term.name: amplitudes_of(term, model, estimate) for term in model.terms}
+    found = {term: own for term, own in every.items() if own and not told_from_zero(estimate, own)}
+    several = [name for own in found.values() for name in own]
+    return () if len(found) > 1 and _together_told(estimate, several) else tuple(found)
 
 
-def _together_no_zero(estimate: Estimate, places: Sequence[int]) -> bool:
-    """Whether the parameters at ``places`` together are told from zero, as surely as one beyond ``SURE``."""
+def amplitudes_of(term: Term, model: Model, estimate: Estimate) -> list[str]:
+    """The amplitudes of ``term`` in ``estimate`` by name: one for each group of records that has its own."""
+    estimated = {p.name for p in estimate.parameters}
+    nesting = [f"{term.name}.{p.name}" for p in term.effect.parameters if p.nests]
+    return [each for name in nesting for each in model.names_of(name) if each in estimated]
+
+
+def told_from_zero(estimate: Estimate, names: Sequence[str]) -> bool:
+    """Whether ``estimate`` tells the amplitudes called ``names`` from zero: one of them stands off it by more
+    than ``SURE`` standard errors, or all of them together do as surely. One without a standard error counts
+    as told: nothing says that it may be zero."""
+    own = {p.name: p for p in estimate.parameters}
+    near = all(abs(own[name].value) <= SURE * own[name].std for name in names)
+    return not near or _together_told(estimate, names)
+
+
+def _together_told(estimate: Estimate, names: Sequence[str]) -> bool:
+    """Whether the parameters called ``names`` together stand off zero as surely as one beyond ``SURE``."""
+    every = [p.name for p in estimate.parameters]
+    places = [every.index(name) for name in names]
     value = np.array([estimate.parameters[k].value for k in places])
     std = np.array([estimate.parameters[k].std for k in places])
     covariance = estimate.correlation[np.ix_(places, places)] * np.outer(std, std)

@@ -126,7 +126,7 @@ def trace(
     limit = time_limit if found.out_of_time else None
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
     traced = replace(traced, finer=found.search.final.numerics.finer)
-    traced = replace(traced, accepted=marked_as_shown(found.accepted, traced.accepted))
+    traced = marked_as_shown(found.accepted, traced)
     traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
     said = sentence(traced) + cautions(found, traced, fitted, context)
     return replace(traced, sentence=said)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -101,26 +101,53 @@ def entry_of(effect: str, port: str, **values: tuple[float, float]):
     return accepted, entry
 
 
-def told(effect: str, port: str, **values: tuple[float, float]) -> str:
-    accepted, entry = entry_of(effect, port, **values)
-    return not_told_from_zero([accepted], [entry])
+def traced_of(*pairs, correlation=0.0):
+    """A trace of the effects that ``entry_of`` gives, its last fit with one ``correlation`` of all."""
+    parameters = [
+        SimpleNamespace(name=f"{accepted.name}.{name}", value=one.value, std=one.std)
+        for accepted, entry in pairs
+        for name, one in entry.parameters.items()
+    ]
+    correlations = np.full((len(parameters), len(parameters)), correlation)
+    np.fill_diagonal(correlations, 1.0)
+    terms = [SimpleNamespace(name=one.name, effect=one.trial.candidate.effect) for one, _ in pairs]
+    model = SimpleNamespace(terms=terms, names_of=lambda name: (name,))
+    estimate = SimpleNamespace(parameters=parameters, correlation=correlations)
+    return Marked(tuple(entry for _, entry in pairs), model, estimate)
+
+
+@dataclass(frozen=True)
+class Marked:
+    accepted: tuple
+    model: SimpleNamespace
+    estimate: SimpleNamespace
+
+
+def told(effect: str, port: str, correlation=0.0, **values: tuple[float, float]) -> str:
+    pair = entry_of(effect, port, **values)
+    return not_told_from_zero([pair[0]], traced_of(pair, correlation=correlation))
 
 
 def test_what_the_records_hardly_show_is_no_name_beside_one_that_they_show():
     sure, unsure = (
         entry_of(name, "arm", f_v=(1.3, std)) for name, std in (("viscous", 0.1), ("viscous", 1.0))
     )
+    sure = (replace_name(sure[0], "arm.other"), sure[1])
 
     def shown(*pairs):
-        return [one.shown for one in marked_as_shown(*zip(*pairs, strict=True))]
+        return [one.shown for one in marked_as_shown([one for one, _ in pairs], traced_of(*pairs)).accepted]
 
     assert shown(sure, unsure) == [True, False]
-    assert shown(unsure) == shown(unsure, unsure)[:1] == [True], "then all are named, with a caution"
+    assert shown(unsure) == [True], "then all are named, with a caution"
     accepted, entry = unsure
     assert shown(sure, (accepted, replace(entry, alike=("viscous", "eddy_brake")))) == [True, True]
     assert shown(sure, (accepted, replace(entry, is_law=True))) == [True, True]
-    marked = marked_as_shown(*zip(sure, unsure, strict=True))
+    marked = marked_as_shown([sure[0], accepted], traced_of(sure, unsure))
     assert not_told_from_zero([sure[0], accepted], marked) == "", "the sentence says so itself"
+
+
+def replace_name(accepted, name):
+    return SimpleNamespace(name=name, trial=accepted.trial)
 
 
 def test_a_lag_of_a_second_that_is_known_to_four_is_doubted():
@@ -133,6 +160,13 @@ def test_a_lag_of_a_second_that_is_known_to_four_is_doubted():
 @pytest.mark.parametrize(("second", "silent"), [((0.01, 0.1), False), ((0.5, 0.1), True)])
 def test_of_two_amplitudes_one_is_enough(second, silent):
     said = told("cogging", "joint", A_s=(0.1, 0.2), A_c=second, pitch=(0.1, 0.001))
+    assert (said == "") is silent
+
+
+@pytest.mark.parametrize(("correlation", "silent"), [(-0.95, True), (0.0, False)])
+def test_two_amplitudes_that_are_collinear_are_told_from_zero_together(correlation, silent):
+    """Each is 1.5 standard errors from zero; their sum is 9."""
+    said = told("varying_force_factor", "drive", correlation, b_1=(0.15, 0.1), b_2=(0.15, 0.1))
     assert (said == "") is silent
 
 
