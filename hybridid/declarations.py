@@ -40,7 +40,7 @@ class State:
     ``observed_by`` names an output: the state is its ``derivative``-th time derivative.
     A fit takes its initial value from that output. Without it, a fit estimates that of a plant's state
     for each horizon. That of an effect's state is zero where the record begins, or the input that it
-    ``begins_as``; further horizons take it over.
+    ``begins_as``, times the parameter ``begins_by``; further horizons take it over.
 
     Raises:
         ValueError: if the scale is not positive and finite, the bounds are crossed, or derivative is below 0.
@@ -54,6 +54,7 @@ class State:
     observed_by: str | None = None
     derivative: int = 0
     begins_as: str | None = None
+    begins_by: str | None = None
     meaning: str = ""
 
     def __post_init__(self) -> None:
@@ -65,9 +66,10 @@ class State:
         if self.derivative < 0:
             raise ValueError(f"state {self.name}: derivative is {self.derivative}, must be 0 or more")
 
-    def renamed(self, name: str) -> State:
-        """The same state under another name."""
-        return replace(self, name=name)
+    def of_term(self, name: str) -> State:
+        """The same state, with its parameter, under the qualified names of the term ``name``."""
+        begins_by = self.begins_by and f"{name}.{self.begins_by}"
+        return replace(self, name=f"{name}.{self.name}", begins_by=begins_by)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import casadi as ca
 
 from hybridid.effects.dimension import EFFORT, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
-from hybridid.effects.paths import FLOOR
+from hybridid.effects.paths import FLOOR, SETTLED
 from hybridid.effects.sensors import QUADRATIC
 
 INVERSE_RATE = Dimension(effort=-1, time=1)
@@ -68,7 +68,7 @@ INPUT_RATE_LIMIT = Effect(
     id="input_rate_limit",
     kind="input",
     title="actuator whose rate is limited",
-    equation="u → z,  z' = rate tanh((u - z)/(rate floor)): |z'| ≤ rate",
+    equation="u → z,  z' = rate tanh((u - z)/(rate floor)): |z'| ≤ rate,  z(0) = settled u(0)",
     law=_limited,
     dynamics=_slew,
     parameters=(
@@ -84,8 +84,9 @@ INPUT_RATE_LIMIT = Effect(
         ),
         FLOOR,
         EffectParameter("size", EFFORT, "a typical change of the input, fixed", guess=1.0, fixed=True),
+        SETTLED,
     ),
-    states=(EffectState("z", EFFORT, "what the actuator gives", follows=True),),
+    states=(EffectState("z", EFFORT, "what the actuator gives", follows=SETTLED.name),),
     source=(
         "Hess, Snell (1997), Flight control system design with rate saturating actuators, J. Guidance, "
         "Control, and Dynamics 20(1), 90-96; its floor as in hybridid.effects.paths"

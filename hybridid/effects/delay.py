@@ -22,6 +22,7 @@ import casadi as ca
 
 from hybridid.effects.dimension import EFFORT, TIME
 from hybridid.effects.effect import Effect, EffectParameter, EffectState, Local
+from hybridid.effects.paths import SETTLED
 
 ORDER = 4
 WINDOW = 0.01
@@ -60,7 +61,9 @@ INPUT_DELAY = Effect(
     id="input_delay",
     kind="input",
     title="delay of the drive",
-    equation="u → u(t - delay), as a Padé approximant [4/4] with the poles of the window",
+    equation=(
+        "u → u(t - delay), as a Padé approximant [4/4] with the poles of the window,  ζ_0(0) = settled u(0)"
+    ),
     law=_delayed_minus_signal,
     dynamics=_rates,
     parameters=(
@@ -78,9 +81,15 @@ INPUT_DELAY = Effect(
             absolute=True,
             above="delay",
         ),
+        SETTLED,
     ),
     states=tuple(
-        EffectState(f"zeta_{k}", EFFORT, f"term {k} of the approximant's denominator", follows=k == 0)
+        EffectState(
+            f"zeta_{k}",
+            EFFORT,
+            f"term {k} of the approximant's denominator",
+            follows=SETTLED.name if k == 0 else "",
+        )
         for k in range(ORDER)
     ),
     source=(

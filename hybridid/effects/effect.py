@@ -104,7 +104,8 @@ class EffectState:
     """An internal state of an effect (bristle deflection, load position); its initial value is zero.
 
     ``scale``, ``lower`` and ``upper`` are multiples of its dimension's scale at the port. A state that
-    ``follows`` the signal of an input port begins with it: the path is at rest before the record.
+    ``follows`` the signal of an input port begins with its first sample times the effect's fixed parameter of
+    that name: 1 if the input was there before the record, 0 if it was switched on with it.
     """
 
     name: str
@@ -113,7 +114,7 @@ class EffectState:
     scale: float = 1.0
     lower: float = -math.inf
     upper: float = math.inf
-    follows: bool = False
+    follows: str = ""
 
     def at(self, port: Port) -> State:
         """This state declared in the units of ``port``, under its short name."""
@@ -125,6 +126,7 @@ class EffectState:
             lower=self.lower * s,
             upper=self.upper * s,
             begins_as=port.name if self.follows and port.kind == "input" else None,
+            begins_by=self.follows or None,
             meaning=self.meaning,
         )
 

@@ -30,6 +30,16 @@ FLOOR = EffectParameter(
     absolute=True,
 )
 
+SETTLED = EffectParameter(
+    "settled",
+    ONE,
+    "1: settled at the input's first sample before each record; 0: the input was switched on with it; fixed",
+    guess=1.0,
+    lower=0.0,
+    upper=1.0,
+    fixed=True,
+)
+
 
 def _lag_time(at: Local) -> ca.SX:
     return ca.sqrt(at.p.T**2 + at.p.floor**2)
@@ -87,11 +97,11 @@ INPUT_LAG = Effect(
     id="input_lag",
     kind="input",
     title="lag of the drive",
-    equation=_LAG_EQUATION.format("u"),
+    equation=_LAG_EQUATION.format("u") + ",  z(0) = settled u(0)",
     law=_lagged,
     dynamics=_lag_rate,
-    parameters=(LAG, FLOOR),
-    states=(EffectState("z", EFFORT, "lagged input", follows=True),),
+    parameters=(LAG, FLOOR, SETTLED),
+    states=(EffectState("z", EFFORT, "lagged input", follows=SETTLED.name),),
     source=_ASTROM + ", sec. 6.3 (first-order lag); its floor as in hybridid.effects.paths",
     pattern="late as a delay is at low frequency, but weaker too at high frequency; steps arrive rounded",
     look_alikes=("input_delay", "sensor_lag", "input_rate_limit", "stribeck", "flexible_mode"),

@@ -150,7 +150,7 @@ class Model:
         own = list(self.plant.states)
         for term in self.terms:
             port = self.plant.port(term.port)
-            own += [s.at(port).renamed(f"{term.name}.{s.name}") for s in term.effect.states]
+            own += [s.at(port).of_term(term.name) for s in term.effect.states]
         return tuple(own)
 
     @property

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
+from hybridid.declarations import State
 from hybridid.model import Model
 from hybridid.records.masked import Counts
 from hybridid.records.record import Record
@@ -61,14 +62,21 @@ def observed(model: Model) -> tuple[bool, ...]:
 
 def measured_states(model: Model, record: Record, half_width: int = HALF_WIDTH) -> Array:
     """States from the record, shape (n, n_x); zero for states that are not observed, or the input as which
-    they begin."""
+    they begin: with the record, the part of it that was there before."""
     states = np.zeros((record.n, len(model.states)))
     for j, state in enumerate(model.states):
         if state.observed_by is not None:
             states[:, j] = output_derivative(record, state.observed_by, state.derivative, half_width)
         elif state.begins_as is not None:
             states[:, j] = record.input(state.begins_as)
+            states[0, j] *= _share_before(model, state)
     return states
+
+
+def _share_before(model: Model, state: State) -> float:
+    """The share of an input's first sample that was there before the record, for a state that follows it."""
+    shares = (p.guess for p in model.parameters if p.name == state.begins_by)
+    return next(shares, 1.0)
 
 
 def telling(record: Record) -> Counts:

@@ -83,7 +83,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
             _moved(found.search),
             _other_held_out(traced.accepted, context.rules),
         ]
-        told += [in_their_place(found.search), _drive_begins_settled(found.accepted, records)]
+        told += [in_their_place(found.search)]
     return "".join([*told, found.other_hold, worse_in_free_run(traced)])
 
 
@@ -256,25 +256,6 @@ def _other_held_out(accepted: Sequence[AcceptedEffect], rules: Rules) -> str:
                 )
     return (
         f" Beware: {listed(told)}: the form may be another one, or the machine has changed." if told else ""
-    )
-
-
-def _drive_begins_settled(accepted: Sequence[Accepted], records: Sequence[Record]) -> str:
-    """That a lag of the drive could not show, where one of the sensor was accepted and a record begins with
-    an input at work; else empty. In a linear machine that begins at rest both are one."""
-    named = [one.name for one in accepted if one.trial.candidate.effect.id in ("sensor_lag", "sensor_delay")]
-    begun = [
-        f"{quantity(float(first), channel.unit, 3)} of {channel.name} in {record.name}"
-        for record in records
-        for first, channel in zip(record.inputs[0], record.input_channels, strict=True)
-        if first != 0.0
-    ]
-    if not (named and begun):
-        return ""
-    return (
-        f" Beware: the records begin with {begun[0]}, and a lag of the drive begins settled there. If it was "
-        f"switched on then, that lag may be the truth, not {named[0]}: put the rest before it into the "
-        "record."
     )
 
 

@@ -29,6 +29,7 @@ from hybridid.trace.shown import not_shown
 from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
+from hybridid.trace.switched_on import settled_or_switched_on
 from hybridid.trace.valley import along_the_valley
 
 ABOVE = 1.2
@@ -150,7 +151,9 @@ def _attempt(
         found = refit_beside(base, model, split, starts, numerics, to_beat, least)
         found = _begun_anew(found, base, split) if found.converged else found
         found = _unless_better_from_shorter(found, candidate, base, split, least)
-        found = _with_form_fitted(found, candidate, base, split, least)
+        if _promises(found, base, least):
+            found = settled_or_switched_on(found, candidate, split)
+            found = _with_form_fitted(found, candidate, split)
     except (ValueError, ArithmeticError) as error:
         return Trial(candidate, None, None, failure=str(error))
     if not math.isfinite(found.cost):
@@ -190,15 +193,19 @@ def _begun_anew(found: Refit, base: Refit, split: Split) -> Refit:
     return refit(found.model, split, [found.values], begun, found.numerics)
 
 
-def _with_form_fitted(found: Refit, candidate: Candidate, base: Refit, split: Split, least: float) -> Refit:
+def _promises(found: Refit, base: Refit, least: float) -> bool:
+    """Whether the trial that ended at ``found`` takes as much of the held-out RMSE as it must."""
+    return found.score.loss <= (1 - least) * base.score.loss
+
+
+def _with_form_fitted(found: Refit, candidate: Candidate, split: Split) -> Refit:
     """``found``, or its refit with each fixed parameter that is best a little above another one set there, if
-    that explains more. What explains too little stays."""
+    that explains more."""
     values, name = dict(found.values), candidate.name
     for p in candidate.effect.parameters:
         if p.above:
             values[f"{name}.{p.name}"] = max(ABOVE * values[f"{name}.{p.above}"], p.lower)
-    enough = found.score.loss <= (1 - least) * base.score.loss
-    if values == found.values or not enough:
+    if values == found.values:
         return found
     again = refit_if_possible(found.model, split, [values], found, found.numerics, math.inf)
     return found if again is None or again.cost >= found.cost else again

@@ -329,6 +329,8 @@ def test_the_drives_path_is_at_rest_before_the_record_and_no_lag_has_free_initia
         "force.input_lag.z": "force",
         "force.input_delay.zeta_0": "force",
     }
+    shares = {s.begins_by for s in states.values() if s.begins_by}
+    assert shares == {"force.input_lag.settled", "force.input_delay.settled"}
     assert all(s.observed_by is None for name, s in states.items() if "." in name)
 
 

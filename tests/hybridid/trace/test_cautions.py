@@ -16,7 +16,6 @@ from hybridid.trace import cautions
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.cautions import (
     _confounded,
-    _drive_begins_settled,
     _grows,
     _hidden_by_the_simulation,
     _may_differ_by_recording,
@@ -283,21 +282,4 @@ def test_what_the_error_of_the_simulation_hides_is_told(simulation, smooths, sai
     traced = SimpleNamespace(noise_floor=floor, rules=Rules())
     told = _hidden_by_the_simulation(traced, SimpleNamespace(smooths=smooths))
     assert told.startswith(" Beware: the simulation errs by 14 µm of position, far more") is said
-    assert (told == "") is not said
-
-
-@pytest.mark.parametrize(
-    ("effect", "power", "said"),
-    [("sensor_lag", 615.0, True), ("sensor_lag", 0.0, False), ("offset", 615.0, False)],
-)
-def test_a_lag_of_the_drive_that_could_not_show_is_told(effect, power, said):
-    candidate = SimpleNamespace(effect=SimpleNamespace(id=effect))
-    accepted = [SimpleNamespace(name=f"temperature.{effect}", trial=SimpleNamespace(candidate=candidate))]
-    channels = (Channel("power", "W"),)
-    oven = SimpleNamespace(name="oven", inputs=np.array([[power], [300.0]]), input_channels=channels)
-    told = _drive_begins_settled(accepted, [oven])
-    assert (
-        told.startswith(" Beware: the records begin with 615 W of power in oven, and a lag of the drive")
-        is said
-    )
     assert (told == "") is not said

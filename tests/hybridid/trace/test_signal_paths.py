@@ -9,6 +9,7 @@ import pytest
 
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.effects.library import effect_named
+from hybridid.effects.sampled import sampled
 from hybridid.model import compose
 from hybridid.plants.plant import Plant
 from hybridid.records.record import Channel, Record
@@ -19,7 +20,7 @@ from hybridid.trace.numerics import DECLARED
 from hybridid.trace.refit import refit
 from hybridid.trace.run import trace
 from hybridid.trace.split import by_record
-from hybridid.trace.trial import _with_form_fitted
+from hybridid.trace.trial import _with_form_fitted, attempt
 
 DT, LATE, TAU = 0.08, 3, 0.5  # s, samples, s
 AT_REST = 5.0  # V before the record
@@ -51,13 +52,14 @@ class Oven(Plant):
         return {"T": x.T + (0.01 * u.u if self.direct else 0.0)}
 
 
-def recorded(seed: int, late: int = LATE, n: int = 600) -> Record:
-    """The exact step response of the oven, ``late`` samples behind a switching input, with noise."""
+def recorded(seed: int, late: int = LATE, n: int = 600, before: float = AT_REST) -> Record:
+    """The exact step response of the oven, ``late`` samples behind a switching input, with noise. It is at
+    rest ``before`` [V] the record."""
     generator = np.random.default_rng(seed)
     switching = AT_REST + np.repeat(generator.choice([-1.5, 1.5], n // 5), 5)
     switching[:5] = AT_REST
-    delayed = np.concatenate([np.full(late, AT_REST), switching[: n - late]])
-    level, keeps = np.full(n, AT_REST), np.exp(-DT / TAU)
+    delayed = np.concatenate([np.full(late, before), switching[: n - late]])
+    level, keeps = np.full(n, before), np.exp(-DT / TAU)
     for k in range(n - 1):
         level[k + 1] = keeps * level[k] + (1 - keeps) * delayed[k]
     noisy = level + 0.01 * generator.normal(size=n)
@@ -86,6 +88,21 @@ def test_a_delay_of_some_samples_is_found_however_long_they_last():
     assert entry.effect == "input_delay"
     assert entry.parameters["delay"].value == pytest.approx(LATE * DT, rel=0.03)
     assert found.estimates.after["tau"].value == pytest.approx(TAU, rel=0.03)
+
+
+@pytest.mark.parametrize(("before", "settled"), [(AT_REST, 1.0), (0.0, 0.0)])
+def test_the_records_tell_a_settled_heater_from_one_that_was_switched_on_with_them(before, settled):
+    split = by_record([recorded(1, before=before)], [recorded(2, before=before)], 30)
+    (delay,) = sampled([effect_named("input_delay")], DT)
+    base = refit(compose(Oven(), []), split)
+    found = attempt(Candidate(delay, "u"), base, split)
+    assert found.own("values")["settled"] == settled
+    assert found.own("values")["delay"] == pytest.approx(LATE * DT, rel=0.03)
+    assert found.refit.score.rmse < 0.03, "noise, and what the approximant makes of steps"
+    asked = replace(base, model=replace(base.model, adjustments={"u.input_delay.settled": {"fixed": 1.0}}))
+    kept = attempt(Candidate(delay, "u"), asked, split)
+    assert kept.own("values")["settled"] == 1.0
+    assert (kept.refit.cost > 1.5 * found.refit.cost) is (settled == 0.0)
 
 
 @pytest.mark.parametrize("effect", ["input_lag", "input_delay", "sensor_lag"])
@@ -131,4 +148,4 @@ def test_a_window_that_would_be_too_stiff_is_not_taken():
     base = refit(compose(Oven(), []), split)
     (start,) = delay.starts(delay.added_to(base.model), base.values)[:1]
     found = replace(base, model=delay.added_to(base.model), values={**start, f"{delay.name}.delay": 1e-9})
-    assert _with_form_fitted(found, delay, base, split, least=-1.0) is found
+    assert _with_form_fitted(found, delay, split) is found
