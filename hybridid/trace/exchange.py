@@ -9,6 +9,7 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.rules import Rules
+from hybridid.trace.smoothed_apart import smoothed_apart
 from hybridid.trace.split import Split
 from hybridid.trace.trial import Trial
 
@@ -42,4 +43,4 @@ def still_alike(final: Refit, one: Trial, rival: Trial, split: Split, rules: Rul
         return True
     more = other.score.loss**2 - final.score.loss**2
     near = more < rules.tie * one.taken and other.score.loss <= rules.far * final.score.loss
-    return near and look_alikes(one, rival)
+    return (near and look_alikes(one, rival)) or smoothed_apart(final, other, split, rules)

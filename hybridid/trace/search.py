@@ -27,6 +27,7 @@ from hybridid.trace.robustness import Otherwise, objection, survivals_of
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough, sharper_for_an_effect
 from hybridid.trace.shorter import with_shorter
+from hybridid.trace.smoothed_apart import rivals_smoothed_apart
 from hybridid.trace.solve import refit_declared
 from hybridid.trace.steps import (
     AT_FLOOR,
@@ -231,8 +232,9 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
         survivals = survivals_of(base, best, context, otherwise)
         why = objection(survivals)
         if not why:
-            members = tuple(equivalents(best, judged, rules, _leaves_the_noise(best, context)))
-            alike, unsteady = of_constant_amplitude(members, context)
+            members = equivalents(best, judged, rules, _leaves_the_noise(best, context))
+            members += rivals_smoothed_apart(best, members, judged, context)
+            alike, unsteady = of_constant_amplitude(tuple(members), context)
             judged = [unsteady.get(t.candidate.name, t) for t in judged]
             if best in alike:
                 return Step(base, tuple(judged), Accepted(best, alike, survivals))

@@ -63,7 +63,19 @@ def settle_below_noise(found: Search, context: Context) -> Settled:
 
 
 def settle(found: Search, context: Context) -> Settled:
-    """``found`` with its classes looked at again, and without what stands in for something else."""
+    """``found`` with its classes looked at again, and without what stands in for something else.
+
+    Where a name was withdrawn, those that are left are doubted again: they stand beside another model now.
+    """
+    settled = _doubted(found, context)
+    while settled.found.accepted and len(settled.found.accepted) < len(found.accepted):
+        found = settled.found
+        settled = _doubted(found, context)
+    return settled
+
+
+def _doubted(found: Search, context: Context) -> Settled:
+    """``found`` without what the first doubt that applies withdraws."""
     names = [one.name for one in found.accepted]
     found, left, before = _trusted(_with_sound_classes(found, context), context)
     accuracy, times = _error_left(found.final, context)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybridid.model import Model
-from hybridid.trace.candidates import Candidate
+from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import (
@@ -171,6 +171,26 @@ def gone_on(trial: Trial, base: Refit, split: Split) -> Trial:
     except (ValueError, ArithmeticError):
         return trial
     ended = _ended(trial.candidate, found, base, split)
+    return replace(ended, seconds=trial.seconds + time.perf_counter() - began)
+
+
+def begun_from(trial: Trial, poorer: Refit, base: Refit, split: Split, worth: float = Rules.worth) -> Trial:
+    """``trial`` beside ``base``, refitted from where an effect with a part of its parameters ended
+    (``poorer``), if that explains more."""
+    began, candidate = time.perf_counter(), trial.candidate
+    kept = {name: value for name, value in poorer.values.items() if name in base.values}
+    lent = {name.rsplit(".", 1)[-1]: poorer.values[name] for name in poorer.values.keys() - kept.keys()}
+    own = [p.name for p in candidate.effect.parameters if not p.fixed and p.name in lent]
+    shared = {f"{candidate.name}.{name}": lent[name] for name in own}
+    try:
+        model = candidate.added_to(base.model)
+        starts = each_once([{**start, **shared} for start in candidate.starts(model, kept)])
+        found = refit_beside(base, model, split, starts, base.numerics, base, least_of(worth))
+    except (ValueError, ArithmeticError):
+        return trial
+    if not found.cost < (trial.refit.cost if trial.refit else math.inf):
+        return trial
+    ended = _ended(candidate, found, base, split)
     return replace(ended, seconds=trial.seconds + time.perf_counter() - began)
 
 

@@ -14,6 +14,7 @@ import math
 from collections.abc import Sequence
 
 from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.contained import begun_from_contained
 from hybridid.trace.context import Context
 from hybridid.trace.promise import promised_alone
 from hybridid.trace.refit import Refit, least_of
@@ -34,10 +35,10 @@ def trials_of(base: Refit, context: Context, stage: str) -> tuple[list[Trial], t
     if math.isinf(context.until):
         given = _given(candidates, base, context)
         trials = context.each(stage, attempt, given, _name, lambda candidate, *_: candidate.inner_states)
-        return along_valleys(trials, base, context, stage), ()
+        return _gone_on(trials, base, context, stage), ()
     ordered = _most_promising_first(candidates, base, context)
     trials = context.each(stage, attempt, _given(ordered, base, context), _name, always=ALWAYS)
-    trials = along_valleys(trials, base, context, stage)
+    trials = _gone_on(trials, base, context, stage)
     left_out = {one.name for one in ordered[len(trials) :]}
     by_name = {one.candidate.name: one for one in trials}
     as_listed = [by_name[one.name] for one in candidates if one.name in by_name]
@@ -51,7 +52,12 @@ def tried_in_place(
     has."""
     stage = f"in place of {name}"
     given = [(*one, None, richer) for one in _given(rivals, base, context)]
-    return along_valleys(context.each(stage, attempt, given, _name), base, context, stage)
+    return _gone_on(context.each(stage, attempt, given, _name), base, context, stage)
+
+
+def _gone_on(trials: Sequence[Trial], base: Refit, context: Context, stage: str) -> list[Trial]:
+    """``trials`` beside ``base``, begun from what they contain, and gone on along their valleys."""
+    return along_valleys(begun_from_contained(trials, base, context, stage), base, context, stage)
 
 
 def along_valleys(trials: Sequence[Trial], base: Refit, context: Context, stage: str) -> list[Trial]:

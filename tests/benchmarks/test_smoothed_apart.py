@@ -1,0 +1,54 @@
+"""A hidden Dahl friction, which Bouc-Wen's hysteresis beats by the smoothing of sign(v) alone. Simulated.
+
+Scenario 73 of series 1000: 3 % of Dahl's friction beside the Coulomb friction of a carriage.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.drawn import amount
+from benchmarks.drawn.draw import draw_of
+from benchmarks.drawn.machines import case_of
+from benchmarks.drawn.oracle import split_of
+from hybridid.effects.library import effect_named
+from hybridid.trace.alike import tells_apart
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
+from hybridid.trace.exchange import still_alike
+from hybridid.trace.judgement import judge
+from hybridid.trace.refit import refit
+from hybridid.trace.rules import Rules
+from hybridid.trace.search import decided
+from hybridid.trace.trial import attempt
+
+SCENARIO = 10_000_073
+TRIED = tuple(map(effect_named, ("bouc_wen", "dahl", "maxwell")))
+
+
+@pytest.fixture(scope="module")
+def context():
+    draw = draw_of(SCENARIO)
+    assert draw.key.endswith("carriage.dahl/3%/noise1.8e-05/moves")
+    return Context(split_of(case_of(draw), amount.records_of(draw)), TRIED, Rules())
+
+
+@pytest.fixture(scope="module")
+def trials(context):
+    base = refit(case_of(draw_of(SCENARIO)).model(), context.split)
+    found = [attempt(Candidate(effect, "carriage"), base, context.split) for effect in TRIED]
+    return base, judge(found, context.rules)
+
+
+def test_what_only_the_smoothing_tells_apart_is_one_class(context, trials):
+    base, (bouc_wen, dahl, maxwell) = trials
+    assert tells_apart(compare(dahl.refit.score, bouc_wen.refit.score), context.rules), "as declared"
+    step = decided(base, [bouc_wen, dahl, maxwell], context)
+    assert [t.candidate.name for t in step.accepted.alike] == ["carriage.bouc_wen", "carriage.dahl"]
+
+
+def test_it_stays_one_class_in_the_last_model(context, trials):
+    _, (bouc_wen, dahl, maxwell) = trials
+    told = [still_alike(bouc_wen.refit, bouc_wen, t, context.split, context.rules) for t in (dahl, maxwell)]
+    assert told == [True, False]
