@@ -24,6 +24,8 @@ An effect may resemble an unknown law, and others may mend what it leaves. So wh
 laws are tried in their place as well: those of every variable where a learned effort beside the declared
 model leaves less than all of them, else those that may be finer than it. One that alone explains more, by
 more than ``Rules.tie`` and significantly, takes their place: as ``hybridid.trace.pairs`` does it with pairs.
+Several effects are parts of one curve where a learned effort over one variable takes as much as all of them.
+There a law takes their place that is not shown to explain less, with fewer parameters.
 """
 
 from __future__ import annotations
@@ -35,6 +37,7 @@ from itertools import takewhile
 from hybridid.effects.composed import ComposedLaw, composed
 from hybridid.effects.shapes import Shape, shapes_over
 from hybridid.naming import counted, listed
+from hybridid.trace.alike import tells_apart
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
@@ -54,17 +57,23 @@ from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 
 
 def with_law(
-    found: Search, left: Sequence[Ceiling], context: Context, rival: Refit | None = None, finer: bool = False
+    found: Search,
+    left: Sequence[Ceiling],
+    context: Context,
+    rival: Refit | None = None,
+    finer: bool = False,
+    formed: int = 0,
 ) -> Search:
     """``found`` with the law that explains best what the learned efforts ``left`` still find, or with those
     that were refused if none passes. Refits end early that do not beat the ``rival``, if there is one; with
-    ``finer`` only laws are tried that may be finer than a learned effort."""
+    ``finer`` only laws are tried that may be finer than a learned effort. ``formed`` laws count, at least
+    those over ``left``."""
     base, rules = found.final, context.rules
     laws = _tried(base, left, context, rival, finer)
     if not laws:
         return found
     levelled, more = with_levels(base, laws, left, context)
-    trials, family = [*laws, *(one.trial for one in levelled)], family_of(left) + more
+    trials, family = [*laws, *(one.trial for one in levelled)], max(family_of(left), formed) + more
     both_sides = cross_fitted(judge(trials, rules, family), base, context, family)
     judged = [_unless_short(trial, base, left, rules) for trial in both_sides]
     step = decided(base, judged, context)
@@ -154,20 +163,39 @@ def _left_out(waiting: Sequence[Ceiling], base: Refit, most: float, rules: Rules
 
 
 def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> Search:
-    """The law that alone explains more than all that ``found`` accepted, in its place; ``found`` itself if
-    there is none. ``before`` are the learned efforts beside the declared model: where each of them explains
-    less, only laws are tried that may be finer."""
+    """The law that alone explains more than all that ``found`` accepted, or as much as several effects with
+    fewer parameters, in their place; ``found`` itself if there is none. ``before`` are the learned efforts
+    beside the declared model: where each of them explains less, only laws are tried that may be finer."""
     rules = context.rules
     names = listed([one.name for one in found.accepted])
-    enough = (1 - rules.tie) * found.final.score.loss
-    finer = all(one.refit.score.loss > enough for one in before)
     context.say(f"laws in place of {names}")
-    lawful = with_law(found.before_any, before, context, found.final, finer)
+    if whole := _as_much_as_several(found, before, rules):
+        lawful = with_law(found.before_any, whole, context, formed=family_of(before))
+    else:
+        enough = (1 - rules.tie) * found.final.score.loss
+        finer = all(one.refit.score.loss > enough for one in before)
+        lawful = with_law(found.before_any, before, context, found.final, finer)
     better = compare(found.final.score, lawful.final.score)
     family = family_of(before) + products_over(before, context)
-    if better.gain < rules.tie or family * better.p_value > rules.alpha:
-        return found
-    return lawful
+    explains_more = better.gain >= rules.tie and family * better.p_value <= rules.alpha
+    return lawful if explains_more or _is_simpler(lawful, found, rules) else found
+
+
+def _as_much_as_several(found: Search, before: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:
+    """Of the learned efforts ``before``, those that take as much as all that ``found`` accepted, up to the
+    resolution of their grid, if that is several effects."""
+    taken = found.first.score.loss**2 - found.final.score.loss**2
+    several = len(found.accepted) > 1
+    return [one for one in before if several and one.taken(found.first) >= (1 - rules.stands_in) * taken]
+
+
+def _is_simpler(lawful: Search, found: Search, rules: Rules) -> bool:
+    """Whether ``lawful`` holds a law with fewer parameters than all that ``found`` accepted, and is not shown
+    to explain less."""
+    if not lawful.accepted or len(found.accepted) < 2:
+        return False
+    ours, theirs = (sum(one.trial.free_parameters for one in each.accepted) for each in (lawful, found))
+    return ours < theirs and not tells_apart(compare(lawful.final.score, found.final.score), rules)
 
 
 def family_of(learned: Sequence[Ceiling]) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_starts import law_starts
-from hybridid.trace.laws import _unless_short, law_in_place, with_law
+from hybridid.trace.laws import _as_much_as_several, _unless_short, law_in_place, with_law
 from hybridid.trace.refit import refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import by_blocks
@@ -170,7 +171,23 @@ def test_a_law_takes_the_place_of_effects_that_together_explain_less(proposed, i
     assert said[0] == "laws in place of carriage.asymmetric_coulomb and carriage.maxwell"
 
 
-def test_effects_that_explain_as_much_stay_and_one_effect_is_not_asked(proposed, in_place):
-    for names in (("asymmetric_viscous", "coulomb"), ("asymmetric_viscous",)):
-        found, lawful, _ = in_place(proposed.search.final, names)
-        assert lawful is found
+def test_one_effect_that_explains_as_much_stays(proposed, in_place):
+    found, lawful, _ = in_place(proposed.search.final, ("asymmetric_viscous",))
+    assert lawful is found
+
+
+def test_several_effects_of_one_curve_give_way_to_a_law_with_fewer_parameters(proposed, in_place):
+    """Both are functions of the velocity, and so is a law of one parameter that explains as much."""
+    _, lawful, _ = in_place(proposed.search.final, ("asymmetric_viscous", "coulomb"))
+    assert [one.name for one in lawful.accepted] == ["carriage.modulus_of_velocity"]
+
+
+@pytest.mark.parametrize(
+    ("learned", "effects", "whole"), [(0.89, 2, False), (0.91, 2, True), (0.91, 1, False)]
+)
+def test_effects_are_one_curve_where_a_learned_effort_takes_as_much_as_all(learned, effects, whole):
+    """Up to a tenth, the resolution of its grid; ``learned`` is its share of what the effects take."""
+    first, final = (SimpleNamespace(score=SimpleNamespace(loss=loss)) for loss in (1.0, 0.0))
+    one = SimpleNamespace(taken=lambda base: learned * base.score.loss**2)
+    found = SimpleNamespace(first=first, final=final, accepted=[SimpleNamespace()] * effects)
+    assert _as_much_as_several(found, [one], Rules()) == ([one] if whole else [])
