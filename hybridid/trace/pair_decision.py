@@ -8,7 +8,7 @@ other is accepted either.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from hybridid.trace.alike import equivalents, related
@@ -24,8 +24,11 @@ from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, Trial
 from hybridid.trace.tried import tried_in_place
 
 
-def pair_taken(step: Step, judged: Sequence[PairTrial], context: Context) -> Step:
-    """``step`` with the best of the ``judged`` pairs that passes and survives other numerics, if one does."""
+def pair_taken(
+    step: Step, judged: Sequence[PairTrial], context: Context, among: Collection[str] | None = None
+) -> Step:
+    """``step`` with the best of the ``judged`` pairs that passes and survives other numerics, if one does.
+    Only effects whose ids are ``among`` these (None: all) may be in its classes."""
     rules, judged = context.rules, list(judged)
     while passed := [pair for pair in judged if pair.status == PASSED]:
         best = _preferred(passed, rules)
@@ -36,7 +39,7 @@ def pair_taken(step: Step, judged: Sequence[PairTrial], context: Context) -> Ste
         lost = "; ".join(filter(None, map(objection, survivals)))
         strangers = "" if lost else _strangers(step, best, judged, rules)
         if not lost and not strangers:
-            classes = [_class_of(best, k, judged, step.family, context) for k in range(2)]
+            classes = [_class_of(best, k, judged, step.family, context, among) for k in range(2)]
             first, second = (
                 Accepted(member, alike, kept, together=other.candidate.name)
                 for member, other, alike, kept in zip(
@@ -109,7 +112,12 @@ def _matched(best: PairTrial, pair: PairTrial) -> tuple[Trial, Trial] | None:
 
 
 def _class_of(
-    best: PairTrial, k: int, judged: Sequence[PairTrial], family: int, context: Context
+    best: PairTrial,
+    k: int,
+    judged: Sequence[PairTrial],
+    family: int,
+    context: Context,
+    among: Collection[str] | None,
 ) -> tuple[Trial, ...]:
     """The trials that held-out horizons cannot tell from member ``k`` of ``best``, itself first.
 
@@ -117,7 +125,8 @@ def _class_of(
     """
     member, poorer, rules = best.members[k], best.alone[k], context.rules
     name = member.candidate.name
-    rivals = [one for one in admissible(poorer.model, context.effects, context.ports) if one.name != name]
+    every = admissible(poorer.model, context.effects, context.ports)
+    rivals = [one for one in every if one.name != name and (among is None or one.effect.id in among)]
     assert best.refit is not None
     trials = tried_in_place(name, rivals, poorer, best.refit, context)
     at_noise = context.meets_noise(best.refit.score)

@@ -42,6 +42,7 @@ from hybridid.trace.steps import (
 from hybridid.trace.together import meets_noise_together
 from hybridid.trace.trial import PASSED, REJECTED, Trial
 from hybridid.trace.tried import trials_of
+from hybridid.trace.unequal import each_with_its_own
 
 
 def search(
@@ -88,7 +89,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         if back := _gone_back(steps, base, context, gone_back):
             steps, base, accepted = back
             continue
-        step = _unless_minor(_step(base, context, len(steps) + 1), context)
+        step = each_with_its_own(_unless_minor(_step(base, context, len(steps) + 1), context), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
             if wider is not None:
@@ -106,7 +107,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
                 withdrawn=step.minor,
             )
         base, accepted, dropped = without_needless(
-            step.accepted.trial.refit, [*accepted, step.accepted], context
+            step.accepted.trial.refit, [*accepted, *step.taken], context, len(step.taken)
         )
         steps.append(replace(step, dropped=dropped))
         wider = None

@@ -1,0 +1,51 @@
+"""An effect at ports alike, with an amount of its own at each: alike need not be equal.
+
+Both dampers of a vehicle may be asymmetric, and the rear one more. One set of parameters at both then leaves
+an error that any other effect could take. So where an effect is accepted at two ports alike, the pair of it
+at either port is judged as any pair is. It takes the place of the one at both if it explains more than that:
+by what an effect must take, and significantly. The class of each member holds the effects of the class that
+it had at both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.context import Context
+from hybridid.trace.cross_fitting import pairs_cross_fitted
+from hybridid.trace.evidence import compare
+from hybridid.trace.pair import attempt_pair, judge_pairs, values_of
+from hybridid.trace.pair_decision import pair_taken
+from hybridid.trace.promise import Promise
+from hybridid.trace.steps import Step
+from hybridid.trace.trial import PASSED
+
+
+def each_with_its_own(step: Step, context: Context) -> Step:
+    """``step`` with the pair of the accepted effect at each of two ports alike, if that explains more."""
+    one, base, rules = step.accepted, step.base, context.rules
+    if one is None or step.together or one.trial.refit is None or len(one.trial.candidate.ports) != 2:
+        return step
+    joint, fitted, effect = one.trial, one.trial.refit, one.trial.candidate.effect
+    first, second = (Candidate(effect, port) for port in joint.candidate.ports)
+    own = {name.rsplit(".", 1)[-1]: value for name, value in values_of(fitted, joint.candidate).items()}
+    beside = {name: fitted.values[name] for name in base.values if name in fitted.values}
+    at_first, at_second = ({f"{c.name}.{k}": value for k, value in own.items()} for c in (first, second))
+    promise = Promise(first, second, ({**beside, **at_first}, at_second), joint.fitted_gain)
+    alone = {t.candidate.name: t for t in step.trials}
+    pair = context.one(
+        attempt_pair, promise, (alone.get(first.name), alone.get(second.name)), base, context.split, rules
+    )
+    if pair.refit is None:
+        return step
+    better = compare(fitted.score, pair.refit.score)
+    if not rules.passes(better.gain, better.p_value):
+        return step
+    family = len(list(admissible(base.model, context.effects, context.ports)))
+    judged = pairs_cross_fitted(judge_pairs([pair], family, rules), base, family, context)
+    if judged[0].status != PASSED:
+        return step
+    among = {t.candidate.effect.id for t in one.alike}
+    taken = pair_taken(replace(step, accepted=None, family=family), judged, context, among)
+    return taken if taken.accepted else step
