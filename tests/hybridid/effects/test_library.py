@@ -325,12 +325,10 @@ def test_fixed_constants_are_known_and_not_estimated():
 
 def test_the_drives_path_is_at_rest_before_the_record_and_no_lag_has_free_initial_values():
     states = {s.name: s for s in compose(EMPS(), ["sensor_lag", "input_lag", "input_delay"]).states}
-    assert {name: s.begins_as for name, s in states.items() if s.begins_as} == {
-        "force.input_lag.z": "force",
-        "force.input_delay.zeta_0": "force",
+    assert {name: (s.begins_as, s.begins_by) for name, s in states.items() if s.begins_as} == {
+        "force.input_lag.z": ("force", "force.input_lag.settled"),
+        "force.input_delay.zeta_0": ("force", "force.input_delay.settled"),
     }
-    shares = {s.begins_by for s in states.values() if s.begins_by}
-    assert shares == {"force.input_lag.settled", "force.input_delay.settled"}
     assert all(s.observed_by is None for name, s in states.items() if "." in name)
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.trace import settled
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
 from hybridid.trace.settled import Settled
@@ -50,3 +52,16 @@ def test_the_fitted_horizons_count_too(below):
     left = Settled(nothing, (), (), below.accuracy, times=1.0, remains=())
     for times, verdict in ((2.9, "nothing_missing"), (3.1, "undecided")):
         assert _verdict(left, "", None, times, Rules()) == verdict
+
+
+def test_names_that_are_left_are_doubted_again(monkeypatch):
+    """Of three one is withdrawn, then another one; the last stays."""
+    left, asked = iter([2, 1, 1]), []
+
+    def doubted(found, context):
+        asked.append(len(found.accepted))
+        return SimpleNamespace(found=SimpleNamespace(accepted=[None] * next(left)))
+
+    monkeypatch.setattr(settled, "_doubted", doubted)
+    settled.settle(SimpleNamespace(accepted=[None] * 3), context=None)
+    assert asked == [3, 2, 1]
