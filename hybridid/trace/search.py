@@ -229,19 +229,26 @@ def decided(base: Refit, judged: Sequence[Trial], context: Context) -> Step:
         passed = [t for t in judged if t.status == PASSED]
         if not passed:
             return Step(base, tuple(judged), None)
-        best = _preferred(passed, rules)
+        best, members = _class_of(_preferred(passed, rules), judged, context)
         survivals = survivals_of(base, best, context, otherwise)
         why = objection(survivals)
         if not why:
-            members = equivalents(best, judged, rules, _leaves_the_noise(best, context))
-            members += rivals_smoothed_apart(best, members, judged, context)
-            alike, unsteady = of_constant_amplitude(tuple(members), context)
+            alike, unsteady = of_constant_amplitude(members, context)
             judged = [unsteady.get(t.candidate.name, t) for t in judged]
             if best in alike:
                 return Step(base, tuple(judged), Accepted(best, alike, survivals))
             continue
         withdrawn = replace(best, status=REJECTED, reason=f"withdrawn: {why}")
         judged = [withdrawn if t is best else t for t in judged]
+
+
+def _class_of(best: Trial, judged: Sequence[Trial], context: Context) -> tuple[Trial, tuple[Trial, ...]]:
+    """What stands for the class of ``best``, and the class: of those that only the smoothing of sign(v) tells
+    from it the one with the fewest parameters, if that is fewer than its own."""
+    members = equivalents(best, judged, context.rules, _leaves_the_noise(best, context))
+    smoothed = rivals_smoothed_apart(best, members, judged, context)
+    first = min([best, *smoothed], key=lambda t: (t.free_parameters, -t.gain))
+    return first, (first, *(t for t in (*members, *smoothed) if t is not first))
 
 
 def _leaves_the_noise(trial: Trial, context: Context) -> bool:

@@ -45,7 +45,8 @@ def test_what_only_the_smoothing_tells_apart_is_one_class(context, trials):
     base, (bouc_wen, dahl, maxwell) = trials
     assert tells_apart(compare(dahl.refit.score, bouc_wen.refit.score), context.rules), "as declared"
     step = decided(base, [bouc_wen, dahl, maxwell], context)
-    assert [t.candidate.name for t in step.accepted.alike] == ["carriage.bouc_wen", "carriage.dahl"]
+    assert [t.candidate.name for t in step.accepted.alike] == ["carriage.dahl", "carriage.bouc_wen"]
+    assert step.accepted.trial is dahl, "it has fewer parameters"
 
 
 def test_it_stays_one_class_in_the_last_model(context, trials):
