@@ -24,6 +24,7 @@ from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.entries import DifferingParameter, Value
 from hybridid.trace.evidence import Comparison, compare, holm
+from hybridid.trace.judgement import too_little
 from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit, values_without
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
@@ -130,8 +131,7 @@ def _decided(one: Differing, rules: Rules) -> Differing:
     if one.refit is None:
         return one
     if one.gain < rules.worth:
-        reason = f"held-out RMSE changes by {-one.gain:+.1%}; {rules.worth:.0%} less is asked"
-        return replace(one, status=REJECTED, reason=reason)
+        return replace(one, status=REJECTED, reason=too_little(one.gain, rules))
     if one.p_adjusted > rules.alpha:
         reason = f"not significant: adjusted p = {one.p_adjusted:.2g} over {rules.alpha:g}"
         return replace(one, status=REJECTED, reason=reason)

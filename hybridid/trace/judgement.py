@@ -15,6 +15,7 @@ from scipy import stats
 
 from hybridid.declarations import Parameter
 from hybridid.effects.effect import EffectParameter
+from hybridid.quantities import change, percent
 from hybridid.trace.evidence import holm
 from hybridid.trace.rules import Rules
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial
@@ -57,7 +58,7 @@ def decided_at(trial: Trial, p: float, rules: Rules) -> Trial:
         return replace(
             trial,
             status=REJECTED,
-            reason=f"held-out RMSE changes by {-gain:+.1%}; {rules.worth:.0%} less is asked" + ended,
+            reason=f"{too_little(gain, rules)}{ended}",
         )
     if ended:
         return replace(
@@ -71,6 +72,11 @@ def decided_at(trial: Trial, p: float, rules: Rules) -> Trial:
     if vague:
         return replace(trial, status=UNIDENTIFIABLE, reason=vague)
     return replace(trial, status=PASSED, reason=f"held-out RMSE {gain:.1%} lower, adjusted p = {p:.2g}")
+
+
+def too_little(gain: float, rules: Rules) -> str:
+    """That ``gain``, a share of the held-out RMSE, is less than what is asked, in words."""
+    return f"held-out RMSE changes by {change(1.0, 1.0 - gain)}; {percent(rules.worth)} less is asked"
 
 
 def undetermined(trial: Trial, rules: Rules) -> str:

@@ -17,9 +17,10 @@ from itertools import product
 
 import numpy as np
 
+from hybridid.quantities import change, percent
 from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.evidence import Comparison, compare
-from hybridid.trace.judgement import NOT_SIGNIFICANT, undetermined
+from hybridid.trace.judgement import NOT_SIGNIFICANT, too_little, undetermined
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.promise import Promise
 from hybridid.trace.refit import (
@@ -175,8 +176,7 @@ def decided_pair(pair: PairTrial, p: float, rules: Rules) -> PairTrial:
         return replace(pair, status=UNTRIED, reason=f"could not be fitted: {pair.failure}")
     if pair.gain < rules.worth:
         ended = "; its refit promised little and ended early" if pair.refit.ended_early else ""
-        said = f"held-out RMSE changes by {-pair.gain:+.1%}; {rules.worth:.0%} less is asked{ended}"
-        return replace(pair, status=REJECTED, reason=said)
+        return replace(pair, status=REJECTED, reason=f"{too_little(pair.gain, rules)}{ended}")
     if pair.refit.ended_early:
         return replace(pair, status=REJECTED, reason="its refit promised too little and ended early")
     members = tuple(
@@ -193,7 +193,7 @@ def decided_pair(pair: PairTrial, p: float, rules: Rules) -> PairTrial:
         if member.gain < rules.worth:
             said = (
                 f"beside {other.candidate.name}, {member.candidate.name} changes the held-out RMSE by "
-                f"{-member.gain:+.1%}; {rules.worth:.0%} less is asked of each"
+                f"{change(1.0, 1.0 - member.gain)}; {percent(rules.worth)} less is asked of each"
             )
             return replace(pair, status=REJECTED, reason=said)
     if p > rules.alpha:

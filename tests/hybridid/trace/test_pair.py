@@ -50,7 +50,7 @@ def test_each_member_must_be_needed_beside_the_other():
     judged = only(pair(gains=(0.5, 0.01)))
     assert judged.status == REJECTED
     assert judged.reason == (
-        "beside carriage.linear_stiffness, carriage.offset changes the held-out RMSE by -1.0%; 5% less is "
+        "beside carriage.linear_stiffness, carriage.offset changes the held-out RMSE by −1.0 %; 5 % less is "
         "asked of each"
     )
 
@@ -58,7 +58,7 @@ def test_each_member_must_be_needed_beside_the_other():
 def test_a_pair_must_be_worth_having():
     judged = only(replace(pair(gain=0.04), members=()))
     assert judged.status == REJECTED
-    assert judged.reason == "held-out RMSE changes by -4.0%; 5% less is asked"
+    assert judged.reason == "held-out RMSE changes by −4.0 %; 5 % less is asked"
 
 
 def test_the_rules_of_single_effects_hold_for_each_member():
