@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 from hybridid.trace.alike import look_alikes
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit, least_of
+from hybridid.trace.refit import LEAST_DECREASE, Refit, least_of
 from hybridid.trace.trial import Trial, begun_from
 
 
@@ -39,6 +39,14 @@ def _better_contained(trial: Trial, trials: Sequence[Trial], most: float) -> Ref
     contained = [other.refit for other in trials if other.refit and contains(trial, other)]
     better = [one for one in contained if one.cost < cost and one.score.loss <= most]
     return min(better, key=lambda one: one.cost, default=None)
+
+
+def is_the_contained_one(trial: Trial, trials: Sequence[Trial]) -> bool:
+    """Whether ``trial`` explains no more of the fitted horizons than one of ``trials`` whose law it contains,
+    up to what is worth a refit."""
+    assert trial.refit is not None
+    contained = [other.refit for other in trials if other.refit and contains(trial, other)]
+    return any(trial.refit.cost > (1 - LEAST_DECREASE) * one.cost for one in contained)
 
 
 def contains(richer: Trial, poorer: Trial) -> bool:

@@ -5,7 +5,8 @@ only orders the trials. What is left out is told.
 
 Where several parameters change together and the cost hardly does, a refit goes on along that valley
 (``hybridid.trace.valley``), by up to two dozen more refits. That serves only a trial that its step may
-choose, so the best trial is known first.
+choose, so the best trial is known first. A law that explains no more than one that it contains is that one,
+and has no valley of its own to go along.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import math
 from collections.abc import Sequence
 
 from hybridid.trace.candidates import Candidate, admissible
-from hybridid.trace.contained import begun_from_contained
+from hybridid.trace.contained import begun_from_contained, is_the_contained_one
 from hybridid.trace.context import Context
 from hybridid.trace.promise import promised_alone
 from hybridid.trace.refit import Refit, least_of
@@ -69,6 +70,7 @@ def along_valleys(trials: Sequence[Trial], base: Refit, context: Context, stage:
         k
         for k, (trial, loss) in enumerate(zip(trials, losses, strict=True))
         if trial.refit and loss <= most and has_valley(trial.refit, trial.candidate)
+        if not is_the_contained_one(trial, trials)
     ]
     given = [(trials[k], base, context.split) for k in near]
     gone = context.each(f"{stage}, along valleys", gone_on, given, _name, always=0)

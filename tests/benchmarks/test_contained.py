@@ -14,7 +14,7 @@ from benchmarks.drawn.machines import case_of
 from benchmarks.drawn.oracle import split_of
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.contained import begun_from_contained, contains
+from hybridid.trace.contained import begun_from_contained, contains, is_the_contained_one
 from hybridid.trace.context import Context
 from hybridid.trace.refit import refit
 from hybridid.trace.rules import Rules
@@ -42,6 +42,8 @@ def test_what_contains_another_explains_at_least_as_much(trials):
     assert again.refit.cost < mode.refit.cost
     assert again.refit.score.rmse == pytest.approx(DRAW.noise, rel=0.05)
     assert again.own("values")["m_l"] == pytest.approx(2.2, rel=0.05), "kg, as it was drawn"
+    assert is_the_contained_one(again, [again, mode]), "its play explains 1 % more: no valley of its own"
+    assert not is_the_contained_one(again, [again, spring])
     assert same[0] is mode
     assert same[1] is spring
 
