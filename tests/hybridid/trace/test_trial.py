@@ -126,7 +126,7 @@ def test_a_gain_not_worth_having_is_refused_however_significant(trial):
     judged = only(trial("asymmetric_viscous", rmse=0.97))
     assert judged.comparison.p_value < 1e-10
     assert judged.status == REJECTED
-    assert "5%" in judged.reason
+    assert "5 %" in judged.reason
 
 
 def test_significance_counts_all_that_were_tried(trial):
