@@ -105,6 +105,21 @@ def test_the_records_tell_a_settled_heater_from_one_that_was_switched_on_with_th
     assert (kept.refit.cost > 1.5 * found.refit.cost) is (settled == 0.0)
 
 
+def test_the_last_model_keeps_that_the_heater_was_switched_on_with_the_record():
+    """Its free runs begin with the records, and leave no more than horizons do."""
+    found = trace(
+        compose(Oven(), []),
+        [recorded(1, before=0.0)],
+        [recorded(2, before=0.0)],
+        horizon=2.4,
+        effects=["input_delay"],
+        laws=False,
+        pairs=0,
+    )
+    assert found.accepted[0].known["settled"].value == 0.0
+    assert [row.rmse for row in found.after] == pytest.approx([0.0277] * len(found.after), rel=0.02)
+
+
 @pytest.mark.parametrize("effect", ["input_lag", "input_delay", "sensor_lag"])
 def test_a_path_is_at_rest_before_the_record(effect):
     """A constant input: a path that began at zero would make a step of it."""
