@@ -27,7 +27,9 @@ def begun_from_contained(trials: Sequence[Trial], base: Refit, context: Context,
     most = (1 - least_of(worth)) * base.score.loss
     poorer = {k: one for k, trial in enumerate(trials) if (one := _better_contained(trial, trials, most))}
     given = [(trials[k], one, base, context.split, worth) for k, one in poorer.items()]
-    again = context.each(f"{stage}, from what they contain", begun_from, given, _name, always=0)
+    again = context.each(
+        f"{stage}, from what they contain", begun_from, given, lambda t: t.candidate.name, always=0
+    )
     found = dict(zip(poorer, again, strict=False))  # a time limit may leave out the last ones
     return [found.get(k, trial) for k, trial in enumerate(trials)]
 
@@ -36,8 +38,7 @@ def _better_contained(trial: Trial, trials: Sequence[Trial], most: float) -> Ref
     """Of the ``trials`` whose law that of ``trial`` contains, the refit with the lowest cost, if that is
     lower and its held-out loss at most ``most``; else None."""
     cost = trial.refit.cost if trial.refit else math.inf
-    contained = [other.refit for other in trials if other.refit and contains(trial, other)]
-    better = [one for one in contained if one.cost < cost and one.score.loss <= most]
+    better = [one for one in _contained(trial, trials) if one.cost < cost and one.score.loss <= most]
     return min(better, key=lambda one: one.cost, default=None)
 
 
@@ -45,8 +46,13 @@ def is_the_contained_one(trial: Trial, trials: Sequence[Trial]) -> bool:
     """Whether ``trial`` explains no more of the fitted horizons than one of ``trials`` whose law it contains,
     up to what is worth a refit."""
     assert trial.refit is not None
-    contained = [other.refit for other in trials if other.refit and contains(trial, other)]
-    return any(trial.refit.cost > (1 - LEAST_DECREASE) * one.cost for one in contained)
+    enough = trial.refit.cost / (1 - LEAST_DECREASE)
+    return any(one.cost < enough for one in _contained(trial, trials))
+
+
+def _contained(trial: Trial, trials: Sequence[Trial]) -> list[Refit]:
+    """The refits of those of ``trials`` whose law that of ``trial`` contains."""
+    return [other.refit for other in trials if other.refit and contains(trial, other)]
 
 
 def contains(richer: Trial, poorer: Trial) -> bool:
@@ -57,7 +63,3 @@ def contains(richer: Trial, poorer: Trial) -> bool:
         {p.name for p in one.candidate.effect.parameters if not p.fixed} for one in (richer, poorer)
     )
     return theirs < ours
-
-
-def _name(trial: Trial) -> str:
-    return trial.candidate.name

@@ -26,16 +26,7 @@ NARROWER = 0.25
 
 def smoothed_apart(best: Refit, other: Refit, split: Split, rules: Rules) -> bool:
     """Whether a narrower smoothing no longer tells ``other`` from ``best``, which leaves less as declared."""
-    if not best.model.smooths:
-        return False
-    numerics = replace(best.numerics, name="epsilon / 4", smoothing=NARROWER)
-    refits = [
-        refit_if_possible(one.model, split, [one.values], one, numerics, WITHOUT_STD) for one in (best, other)
-    ]
-    first, second = refits
-    if first is None or second is None:
-        return False
-    return not tells_apart(compare(second.score, first.score), rules)
+    return best.model.smooths and _alike_there(best, _narrower(best, split), _narrower(other, split), rules)
 
 
 def rivals_smoothed_apart(
@@ -43,11 +34,33 @@ def rivals_smoothed_apart(
 ) -> list[Trial]:
     """The ``judged`` trials that passed, take most of what ``best`` takes, are no ``members`` of its class,
     and are not told from it with a narrower smoothing."""
-    rivals = [
+    assert best.refit is not None
+    passed = [t for t in judged if t.status == PASSED and t not in members]
+    rivals = [t for t in passed if t.taken >= context.rules.majority * best.taken]
+    if not (rivals and best.refit.model.smooths):
+        return []
+    given = [(t.refit, context.split) for t in (best, *rivals)]
+    there, *others = context.each("by a narrower smoothing", _narrower, given)
+    return [
         t
-        for t in judged
-        if t.status == PASSED and t not in members and t.taken >= context.rules.majority * best.taken
+        for t, other in zip(rivals, others, strict=True)
+        if _alike_there(best.refit, there, other, context.rules)
     ]
-    given = [(best.refit, rival.refit, context.split, context.rules) for rival in rivals]
-    alike = context.each("by a narrower smoothing", smoothed_apart, given)
-    return [rival for rival, is_so in zip(rivals, alike, strict=True) if is_so]
+
+
+def _narrower(one: Refit, split: Split) -> Refit | None:
+    """``one`` with the narrower smoothing; None if it cannot be simulated so."""
+    numerics = replace(one.numerics, name="epsilon / 4", smoothing=NARROWER)
+    return refit_if_possible(one.model, split, [one.values], one, numerics, WITHOUT_STD)
+
+
+def _alike_there(best: Refit, there: Refit | None, other: Refit | None, rules: Rules) -> bool:
+    """Whether ``other`` is not told from ``there``, which is ``best`` with the narrower smoothing.
+
+    That says something only if the refit of ``there`` has converged, and if the narrower smoothing explains
+    the records as well: a friction that is as smooth as declared would leave more with it.
+    """
+    if there is None or other is None or not there.converged:
+        return False
+    as_good = there.score.loss <= (1 + rules.tie) * best.score.loss
+    return as_good and not tells_apart(compare(other.score, there.score), rules)

@@ -36,10 +36,10 @@ def trials_of(base: Refit, context: Context, stage: str) -> tuple[list[Trial], t
     if math.isinf(context.until):
         given = _given(candidates, base, context)
         trials = context.each(stage, attempt, given, _name, lambda candidate, *_: candidate.inner_states)
-        return _gone_on(trials, base, context, stage), ()
+        return _from_other_starts(trials, base, context, stage), ()
     ordered = _most_promising_first(candidates, base, context)
     trials = context.each(stage, attempt, _given(ordered, base, context), _name, always=ALWAYS)
-    trials = _gone_on(trials, base, context, stage)
+    trials = _from_other_starts(trials, base, context, stage)
     left_out = {one.name for one in ordered[len(trials) :]}
     by_name = {one.candidate.name: one for one in trials}
     as_listed = [by_name[one.name] for one in candidates if one.name in by_name]
@@ -53,10 +53,10 @@ def tried_in_place(
     has."""
     stage = f"in place of {name}"
     given = [(*one, None, richer) for one in _given(rivals, base, context)]
-    return _gone_on(context.each(stage, attempt, given, _name), base, context, stage)
+    return _from_other_starts(context.each(stage, attempt, given, _name), base, context, stage)
 
 
-def _gone_on(trials: Sequence[Trial], base: Refit, context: Context, stage: str) -> list[Trial]:
+def _from_other_starts(trials: Sequence[Trial], base: Refit, context: Context, stage: str) -> list[Trial]:
     """``trials`` beside ``base``, begun from what they contain, and gone on along their valleys."""
     return along_valleys(begun_from_contained(trials, base, context, stage), base, context, stage)
 

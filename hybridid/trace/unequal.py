@@ -18,8 +18,9 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.pair import attempt_pair, judge_pairs, values_of
 from hybridid.trace.pair_decision import pair_taken
 from hybridid.trace.promise import Promise
+from hybridid.trace.refit import Refit
 from hybridid.trace.steps import Step
-from hybridid.trace.trial import PASSED
+from hybridid.trace.trial import PASSED, Trial
 
 
 def each_with_its_own(step: Step, context: Context) -> Step:
@@ -27,19 +28,13 @@ def each_with_its_own(step: Step, context: Context) -> Step:
     one, base, rules = step.accepted, step.base, context.rules
     if one is None or step.together or one.trial.refit is None or len(one.trial.candidate.ports) != 2:
         return step
-    joint, fitted, effect = one.trial, one.trial.refit, one.trial.candidate.effect
-    first, second = (Candidate(effect, port) for port in joint.candidate.ports)
-    own = {name.rsplit(".", 1)[-1]: value for name, value in values_of(fitted, joint.candidate).items()}
-    beside = {name: fitted.values[name] for name in base.values if name in fitted.values}
-    at_first, at_second = ({f"{c.name}.{k}": value for k, value in own.items()} for c in (first, second))
-    promise = Promise(first, second, ({**beside, **at_first}, at_second), joint.fitted_gain)
+    promise = _at_each(one.trial, one.trial.refit)
     alone = {t.candidate.name: t for t in step.trials}
-    pair = context.one(
-        attempt_pair, promise, (alone.get(first.name), alone.get(second.name)), base, context.split, rules
-    )
+    singles = alone.get(promise.first.name), alone.get(promise.second.name)
+    pair = context.one(attempt_pair, promise, singles, base, context.split, rules)
     if pair.refit is None:
         return step
-    better = compare(fitted.score, pair.refit.score)
+    better = compare(one.trial.refit.score, pair.refit.score)
     if not rules.passes(better.gain, better.p_value):
         return step
     family = len(list(admissible(base.model, context.effects, context.ports)))
@@ -49,3 +44,13 @@ def each_with_its_own(step: Step, context: Context) -> Step:
     among = {t.candidate.effect.id for t in one.alike}
     taken = pair_taken(replace(step, accepted=None, family=family), judged, context, among)
     return taken if taken.accepted else step
+
+
+def _at_each(joint: Trial, fitted: Refit) -> Promise:
+    """The effect of ``joint`` at each of its ports, as a pair that begins where both are ``fitted`` alike."""
+    first, second = (Candidate(joint.candidate.effect, port) for port in joint.candidate.ports)
+    own = values_of(fitted, joint.candidate)
+    others = {name: value for name, value in fitted.values.items() if name not in own}
+    short = {name.rsplit(".", 1)[-1]: value for name, value in own.items()}
+    at_first, at_second = ({f"{c.name}.{name}": v for name, v in short.items()} for c in (first, second))
+    return Promise(first, second, ({**others, **at_first}, at_second), joint.fitted_gain)

@@ -5,6 +5,8 @@ Scenario 73 of series 1000: 3 % of Dahl's friction beside the Coulomb friction o
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from benchmarks.drawn import amount
@@ -21,6 +23,7 @@ from hybridid.trace.judgement import judge
 from hybridid.trace.refit import refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import decided
+from hybridid.trace.smoothed_apart import _alike_there, _narrower
 from hybridid.trace.trial import attempt
 
 SCENARIO = 10_000_073
@@ -53,3 +56,15 @@ def test_it_stays_one_class_in_the_last_model(context, trials):
     _, (bouc_wen, dahl, maxwell) = trials
     told = [still_alike(bouc_wen.refit, bouc_wen, t, context.split, context.rules) for t in (dahl, maxwell)]
     assert told == [True, False]
+
+
+def test_what_has_not_converged_or_explains_less_there_tells_nothing(context, trials):
+    _, (bouc_wen, dahl, _) = trials
+    best, rules = bouc_wen.refit, context.rules
+    there, other = (_narrower(t.refit, context.split) for t in (bouc_wen, dahl))
+    assert there.converged
+    assert _alike_there(best, there, other, rules)
+    assert not _alike_there(best, replace(there, converged=False), other, rules)
+    sharper = replace(bouc_wen.refit, score=replace(best.score, squares=0.8 * best.score.squares))
+    assert not _alike_there(sharper, there, other, rules), "a friction as smooth as declared"
+    assert not _alike_there(best, None, other, rules)
