@@ -227,6 +227,15 @@ def levels_beside(over: Over, kind: PortKind, signals: Sequence[Signal]) -> Iter
         yield from (Level(other, shape.name) for shape in levels_over(other))
 
 
+def form_over(effect: Effect) -> Over | None:
+    """The variable and the factor of the composed laws that have the form of ``effect``; None if none has."""
+    for name in (law for law, form in FORMS.items() if form == effect.id):
+        same = composed_named(name, at=effect.kind) if effect.kind in ("effort", "flow") else None
+        if same is not None and isinstance(same.law, ComposedLaw):
+            return same.law.over
+    return None
+
+
 def law(
     name: str, over: tuple[str, str] | None = None, at: PortKind | None = None, **guesses: float
 ) -> Effect:

@@ -11,14 +11,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import product
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybridid.declarations import PortKind
 from hybridid.effects.composed import Bounded, composed
-from hybridid.effects.over import MEMORIES
+from hybridid.effects.over import MEMORIES, Over
 from hybridid.effects.shapes import Role, Shape
-from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.path import Path
 from hybridid.trace.refit import Refit
 from hybridid.trace.split import Split
@@ -36,7 +37,20 @@ NARROWEST, WIDEST = 1e-3, 3.0
 """Of the range: bounds of a width or a period; a place lies at most one range outside."""
 
 
-def law_starts(learned: Ceiling, shape: Shape, base: Refit, split: Split) -> dict[str, Bounded]:
+class OverOne(Protocol):
+    """An effort (or flow) at ``port`` over one variable: what ``refit`` has there beyond another model."""
+
+    @property
+    def port(self) -> str: ...
+    @property
+    def over(self) -> Over: ...
+    @property
+    def kind(self) -> PortKind: ...
+    @property
+    def refit(self) -> Refit: ...
+
+
+def law_starts(learned: OverOne, shape: Shape, base: Refit, split: Split) -> dict[str, Bounded]:
     """Guess and bounds of each parameter of ``shape`` over the variable of ``learned``, beside ``base``."""
     path = Path.of(base, split, split.fitted)
     seen, port = path.seen(learned.port, learned.over), learned.port
@@ -75,7 +89,7 @@ def law_starts(learned: Ceiling, shape: Shape, base: Refit, split: Split) -> dic
     return {name: bounded(shape.roles.get(name), value, seen) for name, value in nearest.items()} | memory
 
 
-def _memory(learned: Ceiling) -> dict[str, Bounded]:
+def _memory(learned: OverOne) -> dict[str, Bounded]:
     """The parameter of a variable with memory, as the learned effort was fitted; none for other variables."""
     memory = MEMORIES.get(learned.over.variable)
     if memory is None:

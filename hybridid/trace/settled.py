@@ -19,6 +19,7 @@ from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import continued
 from hybridid.trace.stand_in import (
+    unless_another_form,
     unless_minor,
     unless_moved,
     unless_no_better_than_nothing,
@@ -86,6 +87,8 @@ def _doubted(found: Search, context: Context) -> Settled:
         kept = unless_moved(found, context)
     if kept is found:
         kept = unless_varying(found, context)
+    if kept is found:
+        kept = unless_another_form(found, context)
     if kept is not found:
         found, left = kept, _beside_last(kept, before, context)
         accuracy, times = _error_left(found.final, context)

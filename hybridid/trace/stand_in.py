@@ -31,6 +31,9 @@ share above ``Rules.stands_in``, they are withdrawn. A periodic effect that show
 such a curve, too, and so is a contact that is never left: it is not accepted, but where it explains more than
 the accepted effects do, these are withdrawn.
 
+An effect that is alone in its class claims its form. Another function of the same variable that explains the
+records better, with no more parameters, refutes it (``hybridid.trace.other_form``).
+
 Last, every test above asks whether an effect explains more than noise would. Where the error that is left is
 far above the noise, most of it comes from something unknown, and every flexible law resembles a part of that.
 There the accepted effects are names only if, together, they take most of the squared error.
@@ -50,6 +53,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.doing_nothing import no_better_than_nothing
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import is_curve_over
+from hybridid.trace.other_form import other_form
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
@@ -207,8 +211,19 @@ def unless_varying(found: Search, context: Context) -> Search:
     if accused is None:
         return found
     name, why = accused
-    number = next(k for k, step in enumerate(found.steps) if name in [one.name for one in step.taken])
-    return _ended_at(found, number, why)
+    return _ended_at(found, _step_of(found, name), why)
+
+
+def unless_another_form(found: Search, context: Context) -> Search:
+    """``found`` without the first accepted effect whose form another one outdoes, and without those after it.
+
+    See ``hybridid.trace.other_form``.
+    """
+    outdone = other_form(found, context)
+    if outdone is None:
+        return found
+    name, why = outdone
+    return _ended_at(found, _step_of(found, name), why)
 
 
 def unless_no_better_than_nothing(found: Search, context: Context) -> Search:
@@ -247,6 +262,11 @@ def _needed(found: Search, one: Accepted, both: Refit, split: Split, rules: Rule
     if better.gain < rules.tie or better.p_value > rules.alpha:
         return True
     return alone.score.loss**2 - both.score.loss**2 >= rules.kept * one.trial.taken
+
+
+def _step_of(found: Search, name: str) -> int:
+    """The step that accepted the effect ``name``."""
+    return next(k for k, step in enumerate(found.steps) if name in [one.name for one in step.taken])
 
 
 def _ended_at(found: Search, number: int, why: str) -> Search:
