@@ -53,11 +53,27 @@ def write_receipt(folder: Path, stage: str, made_from: Fingerprint, seconds: flo
 
 
 def folder_digest(folder: Path) -> str:
-    """SHA-256 over the names and contents of a stage's files without its receipt."""
+    """SHA-256 over the names and contents of a stage's files, without its receipt and without the seconds
+    that it took: results made again are the same if only these differ."""
     total = hashlib.sha256()
     for path in sorted(p for p in folder.rglob("*") if p.is_file() and p.name != RECEIPT):
-        total.update(path.relative_to(folder).as_posix().encode() + b"\0" + file_digest(path).encode())
+        total.update(path.relative_to(folder).as_posix().encode() + b"\0" + _result_digest(path).encode())
     return total.hexdigest()
+
+
+def _result_digest(path: Path) -> str:
+    """SHA-256 of a file; of JSON without the entries ``seconds``."""
+    if path.suffix != ".json":
+        return file_digest(path)
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"), object_hook=_without_seconds)
+    except ValueError:
+        return file_digest(path)
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _without_seconds(entries: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in entries.items() if key != "seconds"}
 
 
 def file_digest(path: Path) -> str:

@@ -55,8 +55,9 @@ def made(path: object, what: str, kind: type[Any], passing: tuple[type[Exception
 def code_digests(paths: Iterable[str]) -> dict[str, str]:
     """SHA-256 of the code behind import paths, each with a description of the code as its key.
 
-    For a user's module the digests cover the Python files beside it and the modules of hybridid that they
-    import. For a module of hybridid they cover the module and all that it imports.
+    For a user's module the digests cover it, the files beside it whose names it contains, directly or through
+    others, and the modules of hybridid that they import. For a module of hybridid they cover the module and
+    all that it imports.
     """
     found: dict[str, str] = {}
     for path in paths:
@@ -68,8 +69,8 @@ def code_digests(paths: Iterable[str]) -> dict[str, str]:
         if file.is_relative_to(PROJECT) and module.__name__.partition(".")[0] in PACKAGES:
             found[f"the code of {module.__name__}"] = digest(files_of(module.__name__))
             continue
-        reached = with_imports(str(own) for own in file.parent.glob("*.py"))
+        reached = with_imports([str(file)])
         theirs = [name for name in reached if Path(name).is_absolute()]
-        found[f"code beside {file.name}"] = digest(theirs)
+        found[f"the code of {file.name}"] = digest(theirs)
         found[f"hybridid's code for {file.name}"] = digest(name for name in reached if name not in theirs)
     return found

@@ -2,8 +2,9 @@
 
 The files follow from the imports: a module's own file, every module of the project that it imports, directly
 or through others, at its top or inside a function, and the ``__init__`` of the packages that hold them. Files
-that are not Python (``shoot.c``) count if a module in their folder, or in one above, contains their name.
-Imports are read from the text of the files: no code is run, and no list must be maintained.
+that are not Python (``shoot.c``) count if a module in their folder, or in one above, contains their name. So do
+the Python files in a user's own folder. Imports are read from the text of the files: no code is run, and no
+list must be maintained.
 """
 
 from __future__ import annotations
@@ -108,6 +109,7 @@ def _source(file: str, root: str) -> _Source:
     uses = [below for name in names for below in _run_by(name, root)]
     folder = file.removesuffix(path.name)
     uses += [other for other in _not_python(folder, root) if other.rpartition("/")[2] in text]
+    uses += [other for other in _beside(folder) if other != file and _mentions(text, Path(other).stem)]
     tops = {name.partition(".")[0] for name in names}
     return _Source(sha256, tuple(uses), frozenset(tops.intersection(NUMERICAL)))
 
@@ -143,6 +145,17 @@ def _not_python(folder: str, root: str) -> tuple[str, ...]:
     else:
         names = [name for name in _tree(root) if name.startswith(folder)]
     return tuple(name for name in names if not name.endswith(".py"))
+
+
+@cache
+def _beside(folder: str) -> tuple[str, ...]:
+    """The Python files in a user's own ``folder``; none in a folder of the project, whose imports tell."""
+    return tuple(str(path) for path in Path(folder).glob("*.py")) if folder.startswith("/") else ()
+
+
+def _mentions(text: str, name: str) -> bool:
+    """Whether ``name`` stands in ``text`` as a word: it may be imported by any means."""
+    return re.search(rf"\b{re.escape(name)}\b", text) is not None
 
 
 @cache

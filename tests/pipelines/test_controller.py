@@ -131,7 +131,7 @@ def test_a_law_of_one_s_own_is_found_and_its_code_counts(case, heard, own_folder
     assert mine["controller"] == {"law": "ownlaw:LAW"}
     assert run_stages(mine, "validate", heard).ran[-1] == "validate"
     assert run_stages(mine, "validate", heard).ran == ()
-    assert "code beside ownlaw.py" in VALIDATE.inputs(mine)
+    assert "the code of ownlaw.py" in VALIDATE.inputs(mine)
     with pytest.raises(ConfigError, match="controller ownlaw:FORCE is a float, not a hybridid"):
         run_stages(case({"controller": "ownlaw:FORCE"}), "validate", heard)
 

@@ -134,6 +134,18 @@ def test_a_remade_stage_with_the_same_result_leaves_the_rest_fresh(settings, hea
     assert run_stages(settings(OUT), "fit", heard).ran == ("preprocess",)
 
 
+def test_a_fit_made_again_with_the_same_result_leaves_the_rest_fresh(settings, heard, validated):
+    """Only the seconds that it took are others."""
+    estimate = TREE / "fit" / "estimate.json"
+    before = json.loads(estimate.read_text())
+    (TREE / "fit" / "stage.json").unlink()
+    assert run_stages(settings(OUT), "validate", heard).ran == ("fit",)
+    after = json.loads(estimate.read_text())
+    assert after["seconds"] != before["seconds"]
+    assert after["parameters"] == before["parameters"]
+    assert (TREE / "validate").exists()
+
+
 def test_force_makes_again_what_is_fresh(settings, heard, data):
     run_stages(settings(OUT), "preprocess", heard)
     heard.said.clear()

@@ -116,6 +116,15 @@ def test_users_code_brings_what_it_imports_and_the_data_that_it_names(tmp_path):
     ]
 
 
+def test_of_the_files_beside_users_code_those_count_that_it_names(tmp_path):
+    (tmp_path / "cable.py").write_text("from springs import stiffness\n")
+    (tmp_path / "springs.py").write_text("import importlib\nimportlib.import_module('wire')\n")
+    (tmp_path / "wire.py").write_text("")
+    (tmp_path / "notes.py").write_text("import cable\n")
+    found = with_imports([str(tmp_path / "cable.py")])
+    assert found == [str(tmp_path / name) for name in ("cable.py", "springs.py", "wire.py")]
+
+
 def test_the_same_code_in_another_folder_has_the_same_digest(tmp_path):
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
