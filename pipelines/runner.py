@@ -10,6 +10,7 @@ from types import MappingProxyType
 
 import yaml
 
+from hybridid.naming import counted
 from pipelines.fit import FIT
 from pipelines.plot.stage import PLOT
 from pipelines.preprocess import PREPROCESS
@@ -123,7 +124,7 @@ def _bring_up_to_date(
 ) -> list[str]:
     """Run the stages whose results are missing or stale, report why, and return their names."""
     ran: list[str] = []
-    outdated: set[str] = set()
+    outdated: dict[str, int] = {}
     checked = False
     for stage in stages:
         if stage.name != PREPROCESS.name and not checked:
@@ -144,11 +145,20 @@ def _bring_up_to_date(
         show_newest(stage, folder, root)
         if others := with_other_options(stage, folder, now):
             watcher.say(f"{stage.name}: {in_words(others)}")
-    for name in sorted(outdated - set(ran)):
-        watcher.say(
-            f"{name}: removed, it was made from results that have changed; hybridid {name} makes it anew"
-        )
+    for stage in STAGES:
+        if why := _removed(stage, outdated.get(stage.name, 0), stage.name in ran):
+            watcher.say(f"{stage.name}: {why}")
     return ran
+
+
+def _removed(stage: Stage, results: int, made_again: bool) -> str:
+    """In words, that so many ``results`` were removed; empty if there is nothing to say."""
+    because = "made from results that have changed"
+    if results and not made_again:
+        return f"removed, it was {because}; hybridid {stage.name} makes it anew"
+    if results and stage.side_by_side:
+        return f"{counted(results, 'earlier result')} removed, {because}"
+    return ""
 
 
 def _changed_by(
@@ -180,13 +190,14 @@ def _because(reasons: list[str]) -> str:
     return f"stale, {'; '.join(reasons[:2])}{more}"
 
 
-def _remove_readers(name: str, root: Path) -> set[str]:
-    """Remove the results that were made from those of ``name``: they would contradict the new ones."""
+def _remove_readers(name: str, root: Path) -> dict[str, int]:
+    """Remove the results that were made from those of ``name``: they would contradict the new ones. How many
+    of each stage there were, by its name."""
     gone = {name}
-    removed = set()
+    removed = {}
     for stage in STAGES:
         if gone & set(stage.reads):
             gone.add(stage.name)
-            if remove_results(stage, root):
-                removed.add(stage.name)
+            if results := remove_results(stage, root):
+                removed[stage.name] = results
     return removed

@@ -60,14 +60,15 @@ def take_in(stage: Stage, root: Path) -> None:
     show_newest(stage, folder, root)
 
 
-def remove_results(stage: Stage, root: Path) -> bool:
-    """Remove all results of ``stage``; False if there are none."""
+def remove_results(stage: Stage, root: Path) -> int:
+    """Remove all results of ``stage``; how many there were."""
     if not stage.side_by_side:
-        return remove(root / stage.name)
-    link = root / stage.name
+        return int(remove(root / stage.name))
+    link, home = root / stage.name, _home(stage, root)
     if link.is_symlink():
         link.unlink()
-    return remove(_home(stage, root))
+    several = sum(made_from_of(folder) is not None for folder in home.glob("*"))
+    return max(int(remove(home)), several)
 
 
 def with_other_options(stage: Stage, folder: Path, now: Fingerprint) -> list[Kept]:

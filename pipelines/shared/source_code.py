@@ -2,7 +2,7 @@
 
 The files follow from the imports: a module's own file, every module of the project that it imports, directly
 or through others, at its top or inside a function, and the ``__init__`` of the packages that hold them. Files
-that are not Python (``shoot.c``) count if a module in their folder, or in one above, contains their name. So do
+that are not Python (``shoot.c``) count if a module in their folder, or one above, contains their name. So do
 the Python files in a user's own folder. Imports are read from the text of the files: no code is run, and no
 list must be maintained.
 """

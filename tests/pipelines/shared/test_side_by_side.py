@@ -88,6 +88,13 @@ def test_a_changed_fit_removes_them_all(trace, heard, settings):
     assert sorted(p.name for p in TREE.iterdir() if p.name != ".lock") == ["config.yaml", "fit", "preprocess"]
 
 
+def test_one_that_follows_a_changed_fit_says_that_the_others_are_gone(trace, heard):
+    trace(SHORT), trace(LONG)
+    trace({**SHORT, "effects": ["viscous"]})
+    assert heard.said[-1] == "trace: 2 earlier results removed, made from results that have changed"
+    assert horizon() == "0.1"
+
+
 def test_an_interrupted_one_leaves_the_earlier(trace):
     trace(SHORT)
 
