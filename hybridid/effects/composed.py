@@ -45,6 +45,8 @@ from hybridid.naming import listed, unknown
 
 WIDE = 1e4
 """Times its scale, a shape parameter may be, up or down, where no record bounds it."""
+EXPONENTS = (0.1, 10.0)
+"""Bounds of an exponent."""
 OF, TIMES, BY = "_of_", "_times_", "_by_"
 FORMS: Mapping[str, str] = {
     "proportional_of_velocity": "viscous",
@@ -281,6 +283,8 @@ _MEANINGS: Mapping[Role, str] = {
     "width": "how wide the shape is",
     "period": "period",
     "share": "by which share the level rises",
+    "exponent": "exponent",
+    "reference": "where the shape is one",
 }
 
 
@@ -292,6 +296,12 @@ def _further(
 ) -> EffectParameter:
     """A shape parameter over a variable of dimension ``x``. The period or place of a ``fine`` shape is sought
     in the record: no learned effort shows where to start."""
+    if role == "reference":
+        value = given[name].guess if name in given else 1.0
+        return EffectParameter(name, x, _MEANINGS[role], value, fixed=True, absolute=name in given)
+    if role == "exponent":
+        value = given[name].guess if name in given else 1.5
+        return EffectParameter(name, ONE, _MEANINGS[role], value, *EXPONENTS, absolute=name in given)
     if role == "share":
         return _with_bounds(name, ONE, _MEANINGS[role], given, unbounded=True)
     return _with_bounds(

@@ -3,8 +3,10 @@
 A law that no effect of the library has is composed of one of them, times an amplitude k, times a factor
 (``hybridid.effects.composed``). Sources: Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), Automatica 30(7)
 (friction); Nayfeh, Mook (1979), Nonlinear Oscillations, ch. 2 and 4 (springs); Merritt (1967), Hydraulic
-Control Systems, ch. 3 (orifices); Wouterse (1991), IEE Proc. B 138(4) (eddy-current brake); Isermann (2005),
-Mechatronic Systems, ch. 6 (limits, backlash, saturation).
+Control Systems, ch. 3 (orifices); Johnson (1985), Contact Mechanics, ch. 4, and Palmgren (1959), Ball and
+Roller Bearing Engineering (powers: 3/2 of the depth of a contact, 2/3 of the speed of a bearing); Wouterse
+(1991), IEE Proc. B 138(4) (eddy-current brake); Isermann (2005), Mechatronic Systems, ch. 6 (limits,
+backlash, saturation).
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ from hybridid.effects.smooth import magnitude
 from hybridid.effects.variable import Variable
 
 Array = NDArray[np.float64]
-Role = Literal["place", "width", "period", "share"]
+Role = Literal["place", "width", "period", "share", "exponent", "reference"]
+SMOOTH = 1e-3
+"""Of its reference: within so much of zero a power is smoothed, where one below 1 would have no slope."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,9 @@ class Shape:
 
     ``equation`` holds ``{x}`` where the variable stands. An amplitude has the unit of the effort, or of what
     the factor multiplies, over that of x to the ``power``; a shape parameter has the unit of x, but for a
-    ``share``, which has none. ``suits`` names the variables over which textbooks use the shape.
+    ``share`` and an ``exponent``, which have none. A ``reference`` is no free parameter: it is the x at which
+    the shape is one, and keeps the unit of an amplitude from an exponent. ``suits`` names the variables over
+    which textbooks use the shape.
     """
 
     name: str
@@ -106,6 +112,11 @@ SHAPES = (
     Shape(
         "root", "k {x} / √(1 + |{x}|/s)", 1, {"s": "width"},
         lambda at, p: p.k * at.x / ca.sqrt(1 + at.size / p.s), ("velocity", *PLACES, *EFFORTS),
+    ),
+    Shape(
+        "power", "k ({x}/s) |{x}/s|^(n - 1)", 0, {"n": "exponent", "s": "reference"},
+        lambda at, p: p.k * (at.x / p.s) * ((at.x / p.s) ** 2 + SMOOTH**2) ** ((p.n - 1) / 2),
+        ("velocity", *PLACES, *EFFORTS),
     ),
     Shape(
         "shifted", "k ({x} - c)", 1, {"c": "place"}, lambda at, p: p.k * (at.x - p.c),

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.declarations import PortKind
-from hybridid.effects.composed import Bounded, composed
+from hybridid.effects.composed import EXPONENTS, Bounded, composed
 from hybridid.effects.over import MEMORIES, Over
 from hybridid.effects.shapes import Role, Shape
 from hybridid.trace.path import Path
@@ -31,6 +31,8 @@ QUANTILES = np.linspace(0.05, 0.95, 10)
 """Of the variable: places where a shape may start."""
 WIDTHS = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 """Of the variable's range: widths with which it may start."""
+POWERS = (0.5, 0.7, 1.5, 2.0, 3.0, 5.0)
+"""Exponents with which it may start."""
 PERIODS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
 """Within the range."""
 NARROWEST, WIDEST = 1e-3, 3.0
@@ -110,7 +112,16 @@ def _values(role: Role, seen: Array) -> list[float]:
     span = float(np.ptp(seen))
     if role == "place":
         return [float(value) for value in np.quantile(seen, QUANTILES)]
+    if role == "exponent":
+        return list(POWERS)
+    if role == "reference":
+        return [_rounded(float(np.abs(seen).max()))]
     return [share * span for share in WIDTHS] if role == "width" else [span / n for n in PERIODS]
+
+
+def _rounded(value: float) -> float:
+    """``value`` to one digit: a reference is to be read, and the formula is the same by any."""
+    return float(f"{value:.0e}") or 1.0
 
 
 def bounded(role: Role | None, value: float, seen: Array) -> Bounded:
@@ -118,6 +129,10 @@ def bounded(role: Role | None, value: float, seen: Array) -> Bounded:
     span = float(np.ptp(seen))
     if role is None:  # an amplitude
         return Bounded(value, -np.inf, np.inf)
+    if role == "exponent":
+        return Bounded(value, *EXPONENTS)
+    if role == "reference":
+        return Bounded(value, value, value)
     if role == "place":
         return Bounded(value, float(seen.min()) - span, float(seen.max()) + span)
     return Bounded(value, NARROWEST * span, WIDEST * span)

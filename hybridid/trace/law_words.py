@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from hybridid.effects.composed import FORMS
 from hybridid.naming import counted, listed
 from hybridid.trace.entries import AcceptedEffect
-from hybridid.trace.remarks import parameters_in_words
+from hybridid.trace.remarks import equation_in_words, parameters_in_words
 from hybridid.trace.result import Trace
 from hybridid.trace.steps import WITHDRAWN
 
@@ -24,7 +24,7 @@ def proposed(laws: Sequence[AcceptedEffect]) -> str:
 
 def _law(entry: AcceptedEffect) -> str:
     """A composed law with its parameters and the laws that do as well."""
-    text = f"{entry.equation} ({', '.join(parameters_in_words(entry.parameters))})"
+    text = f"{equation_in_words(entry)} ({', '.join(parameters_in_words(entry.parameters))})"
     if entry.form_of:
         text += f", which is the form of {entry.form_of}"
     others = [member.effect for member in entry.class_members if member.effect != entry.effect]

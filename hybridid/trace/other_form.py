@@ -71,7 +71,8 @@ def _others(one: Accepted, context: Context) -> list[Shape]:
 
     def is_another(shape: Shape) -> bool:
         law = composed(over, shape, one.trial.candidate.effect.kind)
-        return len(law.parameters) <= one.trial.free_parameters and FORMS.get(law.id) not in tried
+        free = sum(not p.fixed for p in law.parameters)
+        return free <= one.trial.free_parameters and FORMS.get(law.id) not in tried
 
     return [shape for shape in shapes_over(over.variable) if is_another(shape)]
 

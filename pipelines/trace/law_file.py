@@ -5,6 +5,7 @@ from __future__ import annotations
 from hybridid.effects.effect import Effect
 from hybridid.quantities import estimated
 from hybridid.trace.entries import AcceptedEffect
+from hybridid.trace.remarks import equation_in_words
 from hybridid.trace.result import Trace
 from pipelines.shared.augmented import as_settings
 
@@ -49,12 +50,13 @@ def _text(entry: AcceptedEffect, effect: Effect, module: str, case: str, found: 
     units = {signal.name: signal.unit for signal in found.model.signals}
     signals = "".join(f", over=({name!r}, {units[name]!r})" for name in effect.channels)
     kind = f", at={effect.kind!r}" if effect.kind == "flow" else ""
-    guesses = "".join(f", {name}={value.value:.9g}" for name, value in entry.parameters.items())
+    values = {**entry.parameters, **entry.known}
+    guesses = "".join(f", {name}={value.value:.9g}" for name, value in values.items())
     settings = " ".join(as_settings(found.narrowed))
     return _TEXT.format(
         case=case,
         provenance=found.provenance,
-        equation=entry.equation,
+        equation=equation_in_words(entry),
         port=entry.port,
         values="\n".join(
             f"    {name} = {estimated(value.value, value.std, value.unit)}"

@@ -8,7 +8,15 @@ import pickle
 import pytest
 
 from hybridid.declarations import Signal
-from hybridid.effects.composed import FORMS, composed, composed_named, is_composed, law, levels_beside
+from hybridid.effects.composed import (
+    EXPONENTS,
+    FORMS,
+    composed,
+    composed_named,
+    is_composed,
+    law,
+    levels_beside,
+)
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.effects.over import (
     CHANNEL_FACTORS,
@@ -77,6 +85,8 @@ def test_a_law_over_an_input_is_one_of_an_effort_unless_told_otherwise():
         ("below_of_position", {"k": 2.0, "c": 0.5}, -0.4),
         ("beyond_gap_of_position", {"k": 2.0, "s": 0.1}, 0.4),
         ("beyond_gap_of_position", {"k": 2.0, "s": 0.4}, 0.0),
+        ("power_of_position", {"k": 2.0, "n": 3.0, "s": 0.1}, 54.0),
+        ("power_of_velocity", {"k": 2.0, "n": 0.5, "s": 0.05}, 4.0),
         ("peak_of_velocity", {"k": 3.0, "s": 0.2}, 3.0),
         ("stribeck_of_velocity", {"k": 2.0, "s": 0.2}, 2 * math.exp(-1)),
         ("bump_of_position", {"k": 2.0, "c": 0.1, "s": 0.2}, 2 * math.exp(-1)),
@@ -114,6 +124,14 @@ def test_units_follow_from_the_port(make_model):
         "square_of_load_times_sign_of_velocity": ["1/N"],
         "cube_of_force": ["1/N²"],
     }
+
+
+def test_a_power_keeps_its_reference_and_its_amplitude_is_an_effort(make_model):
+    port = make_model().plant.port("carriage")
+    k, n, s = law("power_of_velocity", k=2.0, n=0.7, s=0.1).parameters
+    assert [p.at(port).unit for p in (k, n, s)] == ["N", "1", "m/s"]
+    assert [(p.guess, p.fixed) for p in (k, n, s)] == [(2.0, False), (0.7, False), (0.1, True)]
+    assert (n.lower, n.upper) == EXPONENTS
 
 
 def test_a_file_names_its_law_and_where_it_starts():

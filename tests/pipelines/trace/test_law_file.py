@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import runpy
 from dataclasses import replace
 from types import SimpleNamespace
@@ -56,6 +57,14 @@ def test_the_file_holds_the_law_with_its_numbers(found, tmp_path, name, paramete
     assert {p.name: p.guess for p in effect.parameters} == parameters
     assert "emps (simulated)" in text
     assert f"proposed_law:{name.upper()}@carriage" in text
+
+
+def test_the_file_holds_the_constants_of_the_law(found):
+    given = found("power_of_velocity", k=3.25, n=0.7)
+    given.accepted = (replace(given.accepted[-1], known={"s": Value(0.05, math.nan, "m/s")}),)
+    text = law_files(given, "emps")[NAME]
+    assert "|^(n - 1), with s = 50 mm/s   at carriage" in text
+    assert 'law("power_of_velocity", k=3.25, n=0.7, s=0.05)' in text
 
 
 def test_the_file_says_how_sign_v_was_smoothed_if_a_trace_made_that_narrower(found):
