@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from fractions import Fraction
 
 from hybridid.declarations import Port
 from hybridid.quantities import superscript
@@ -12,6 +13,8 @@ _NAMED = {"N·s²/m": "kg", "N·m·s²/rad": "kg·m²", "Nm·s²/rad": "kg·m²"
 """Units that have a name of their own (rad counts as 1)."""
 _FACTOR = re.compile(r"(?P<base>[^\d\s·/()*^⁰¹²³⁴-⁹]+|1)(?P<power>[¹²³⁴-⁹]?)")
 _DIGITS = str.maketrans("¹²³⁴⁵⁶⁷⁸⁹", "123456789")
+LARGEST_DENOMINATOR = 12
+"""Of a power that is no integer."""
 
 
 @dataclass(frozen=True)
@@ -23,10 +26,10 @@ class Dimension:
     ``called`` names the unit where the powers would be read otherwise: 1/s may be taken for rad/s.
     """
 
-    effort: int = 0
-    position: int = 0
-    time: int = 0
-    channel: int = 0
+    effort: float = 0
+    position: float = 0
+    time: float = 0
+    channel: float = 0
     channel_unit: str = "1"
     called: str = ""
 
@@ -53,7 +56,7 @@ class Dimension:
         """
         if self.called:
             return self.called
-        powers: dict[str, int] = {}
+        powers: dict[str, float] = {}
         for name, power in (
             (port.effort_unit, self.effort),
             (port.position_unit, self.position),
@@ -66,7 +69,7 @@ class Dimension:
         below = [_power(name, -n) for name, n in powers.items() if n < 0]
         text = "·".join(above) or "1"
         if below:
-            simple = len(below) == 1 and not set(below[0]) & set("/·")
+            simple = len(below) == 1 and not set(below[0].partition("^")[0]) & set("/·")
             text += f"/{below[0]}" if simple else f"/({'·'.join(below)})"
         return _NAMED.get(text, text)
 
@@ -88,9 +91,13 @@ def _factors(unit: str) -> list[tuple[str, int]]:
     ]
 
 
-def _power(name: str, exponent: int) -> str:
+def _power(name: str, exponent: float) -> str:
+    """``s²``, or ``s^(2/3)`` where an effect of one's own has a power that is no integer."""
     base = f"({name})" if exponent > 1 and set(name) & set("/·²³") else name
-    return base if exponent == 1 else base + superscript(exponent)
+    fraction = Fraction(exponent).limit_denominator(LARGEST_DENOMINATOR)
+    if fraction.denominator > 1:
+        return f"{base}^({fraction})"
+    return base if fraction == 1 else base + superscript(int(fraction))
 
 
 ONE = Dimension()

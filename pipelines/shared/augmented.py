@@ -17,6 +17,7 @@ from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import MAKES_A_MODEL, DescribedModel
 from pipelines.shared.modelling import effect_entries
 from pipelines.shared.parameters import BY, parameters_of
+from pipelines.shared.sections.stages import PathsSection
 from pipelines.shared.storage import read_as
 from pipelines.shared.trust import admit, paths_in
 
@@ -82,12 +83,19 @@ def as_settings(widths: Sequence[Width]) -> list[str]:
 
 def commands(settings: Settings, model: Path, samples: int, widths: Sequence[Width] = ()) -> tuple[str, ...]:
     """Two commands that fit the augmented model: one names its file, the other its effects alone, with the
-    ``widths`` of sign(v) that a trace made narrower."""
+    ``widths`` of sign(v) that a trace made narrower. Results and runs go where those of the trace go."""
     own = "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
-    start = f"hybridid run case={settings.case}{own}"
+    start = f"hybridid run case={settings.case}{own}{_elsewhere(settings)}"
     named = [f"effects=[{','.join(effect_entries(settings))}]", *as_settings(widths)]
     effects = " ".join(map(shlex.quote, named))
     return (
         f"{start} model={shlex.quote(str(model))} estimator.horizon={samples}",
         f"{start} {effects} estimator.horizon={samples}",
     )
+
+
+def _elsewhere(settings: Settings) -> str:
+    """Where results are written and runs are logged, in words of a command, as far as the defaults differ."""
+    outputs, logged = settings.paths.outputs, settings.mlflow.enabled
+    said = "" if outputs == PathsSection().outputs else f" {shlex.quote(f'paths.outputs={outputs}')}"
+    return said if logged else f"{said} mlflow.enabled=false"

@@ -256,6 +256,8 @@ def _p(gain: float, p_value: float) -> str:
 
 
 def _tried(found: Trace) -> tuple[str, ...]:
+    if not found.steps:
+        return (f"No effect was tried: {found.stopped}.",)
     said = (_TRIED, _PAIRS) if any(step.pairs for step in found.steps) else (_TRIED,)
     left_out = found.steps[-1].left_out if found.steps else ()
     return (*said, f"The time limit left untried: {listed(left_out)}.") if left_out else said

@@ -24,3 +24,9 @@ def test_what_effort_and_position_have_in_common_cancels(effort, position, units
     port = Port("here", "effort", effort, 1.0, position)
     dimensions = (EFFORT, STIFFNESS, DAMPING, INERTIA, VELOCITY, Dimension(effort=-1))
     assert [dimension.unit(port) for dimension in dimensions] == units
+
+
+def test_a_power_that_is_no_integer_is_a_fraction():
+    """The friction of a bearing grows with the speed to the power 2/3 (Palmgren)."""
+    port = Port("bearing", "effort", "N·m", 1.0, "rad")
+    assert Dimension(effort=1, position=-2 / 3, time=2 / 3).unit(port) == "N·m·s^(2/3)/rad^(2/3)"

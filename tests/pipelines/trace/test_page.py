@@ -116,6 +116,11 @@ def test_what_the_time_limit_left_untried_is_listed(section, stored):
     assert tried.paragraphs[-1] == "The time limit left untried: cart.dahl and cart.lugre."
 
 
+def test_a_trace_that_tried_no_effect_says_so(section, stored):
+    (text,) = section("What was tried", steps=()).paragraphs
+    assert text == f"No effect was tried: {stored().found.stopped}."
+
+
 def test_pairs_that_were_tried_and_the_one_that_was_accepted(section, stored):
     names = ("cart.coulomb", "cart.offset")
     best = TriedPair(names, "passed", "each is needed", 0.4, 0.9, (0.8, 0.7), 1e-9, {}, 1.0)
