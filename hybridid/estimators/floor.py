@@ -30,6 +30,8 @@ from hybridid.simulation.windows import in_parts
 Array = NDArray[np.float64]
 FAR = 3.0
 """Times what noise and simulation leave together that a complete model may leave."""
+MISFIT = 2**0.5
+"""Times the noise above which most of the squared error that a model leaves is its own."""
 ALPHA = 1e-3
 """Probability that the rank test calls noise of any one model's outputs louder in motion."""
 STRETCHES, FEWEST = 50, 10

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from hybridid.estimators.estimate import Estimate, Left
-from hybridid.estimators.floor import FAR
+from hybridid.estimators.floor import FAR, MISFIT
 from hybridid.naming import listed
 from hybridid.quality.hypotheses import Hypothesis
 from hybridid.quality.trial import Trial
@@ -144,13 +144,15 @@ def _in_free_run(astray: Sequence[View], left: Sequence[Left]) -> str:
 
 
 def _within_the_limit(left: Sequence[Left]) -> str:
-    """How much a sound fit leaves of the output that it leaves most of, beside noise and simulation."""
+    """How much a sound fit leaves of the output that it leaves most of, beside noise and simulation. Where
+    most of that is the model's own, its standard errors are too small."""
     more = [one for one in left if _two_digits(one.times) > 1.0]
     if not more:
         return "no more than noise and simulation do"
     worst = max(more, key=lambda one: one.times)
     times = number(worst.times, 2)
-    return f"{times} times what noise and simulation leave of {worst.output}, within the limit of {FAR:g}"
+    mostly = "; the errors ± do not count the rest" if worst.times > MISFIT else ""
+    return f"{times} times what noise and simulation leave of {worst.output}, within the limit of {FAR:g}{mostly}"
 
 
 def _two_digits(share: float) -> float:

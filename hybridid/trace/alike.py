@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hybridid.effects.composed import is_composed
+from hybridid.estimators.floor import MISFIT
 from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.judgement import undetermined
 from hybridid.trace.rules import Rules
@@ -13,10 +14,6 @@ from hybridid.trace.trial import PASSED, REJECTED, Trial
 USUAL = 0.05
 """Level of a test of one difference alone. Eight horizons that all agree reach no p-value below 0.01, but are
 enough to show that one effect leaves several times the error of another."""
-
-
-MISFIT = 2**0.5
-"""Times the noise above which most of the squared error that a model leaves is its own."""
 
 
 def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules, at_noise: bool = False) -> list[Trial]:

@@ -67,6 +67,11 @@ def test_the_noise_is_told(model, record):
         (
             2.58 * NOISE,
             "sound: the model leaves 2.6 times what noise and simulation leave of position, within the limit "
+            "of 3; the errors ± do not count the rest",
+        ),
+        (
+            1.3 * NOISE,
+            "sound: the model leaves 1.3 times what noise and simulation leave of position, within the limit "
             "of 3",
         ),
     ],
