@@ -150,9 +150,9 @@ def _within_the_limit(left: Sequence[Left]) -> str:
     if not more:
         return "no more than noise and simulation do"
     worst = max(more, key=lambda one: one.times)
-    times = number(worst.times, 2)
+    said = f"{number(worst.times, 2)} times what noise and simulation leave of {worst.output}"
     mostly = "; the errors ± do not count the rest" if worst.times > MISFIT else ""
-    return f"{times} times what noise and simulation leave of {worst.output}, within the limit of {FAR:g}{mostly}"
+    return f"{said}, within the limit of {FAR:g}{mostly}"
 
 
 def _two_digits(share: float) -> float:
