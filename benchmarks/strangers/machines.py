@@ -41,6 +41,20 @@ def rotary(seconds: float = SHORT) -> Simulated:
     return Simulated(text, truth, ("--hold", "torque=foh"))
 
 
+def driven_pendulum(seconds: float = SHORT) -> Simulated:
+    t = clock(seconds)
+    torque = lambda s: push(s, 0.6)  # noqa: E731
+
+    def rates(s: float, x: np.ndarray) -> list[float]:
+        resists = 0.05 * x[1] + 0.06 * sign(x[1], 3.0)
+        return [x[1], (torque(s) - 0.8 * np.sin(x[0] - 0.05) - resists) / 0.02]
+
+    q, _ = run(rates, [0.05, 0.0], t)
+    text = table("time [s],torque [Nm],angle [deg]", t, torque(t), np.degrees(noisy(q)))
+    truth = {"J": 0.02, "G": 0.8, "q_0": 0.05, "joint.viscous.f_v": 0.05, "joint.coulomb.f_c": 0.06}
+    return Simulated(text, truth, ("--hold", "torque=foh"))
+
+
 def pendulum(seconds: float = SHORT) -> Simulated:
     t = clock(seconds)
     q, _ = run(lambda s, x: [x[1], -20.0 * np.sin(x[0] - 0.02) - 0.1 * x[1]], [0.8, 0.0], t)
@@ -156,6 +170,21 @@ def spindle(seconds: float = SHORT) -> Simulated:
     return Simulated(text, truth, ("--hold", "torque=foh"))
 
 
+def dc_motor(seconds: float = SHORT) -> Simulated:
+    t = clock(seconds)
+    voltage = lambda s: push(s, 12.0)  # noqa: E731
+
+    def rates(s: float, x: np.ndarray) -> list[float]:
+        motor = 0.05 * (voltage(s) - 0.05 * x[0]) / 1.2
+        return [(motor - 1e-4 * x[0] - 0.02 * sign(x[0], 150.0)) / 2e-4, 0.0]
+
+    w, _ = run(rates, [0.0, 0.0], t)
+    text = table("time [s],voltage [V],speed [rpm]", t, voltage(t), noisy(w) * 30 / np.pi)
+    truth = {"J": 2e-4, "bearing.viscous.f_v": 1e-4, "bearing.coulomb.f_c": 0.02}
+    known = ("parameters.k.fixed=0.05", "parameters.R.fixed=1.2")
+    return Simulated(text, truth, ("--hold", "voltage=foh"), known)
+
+
 def blank(seconds: float = SHORT) -> Simulated:
     t = clock(seconds)
     drive = lambda s: push(s, 1.0)  # noqa: E731
@@ -182,6 +211,7 @@ MACHINES: Mapping[str, Callable[..., Simulated]] = {
         slide,
         carriage,
         rotary,
+        driven_pendulum,
         pendulum,
         oscillator,
         torsional_oscillator,
@@ -195,6 +225,7 @@ MACHINES: Mapping[str, Callable[..., Simulated]] = {
         test_rig,
         vehicle,
         spindle,
+        dc_motor,
         blank,
     )
 }
