@@ -26,15 +26,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from scipy.stats import norm
 
+from hybridid.estimators.uncertainty import uncertainty
 from hybridid.naming import listed
 from hybridid.quantities import estimated
 from hybridid.trace.context import Context
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.rules import Rules
+from hybridid.trace.split import Split
 
 NOTHING = 1e-3
 """Share of an amplitude in the other records up to which one is nothing."""
@@ -84,6 +86,23 @@ def fitted_to_held_out(fitted: Sequence[Refit], context: Context) -> list[Refit 
     there = context.split.swapped
     given = [(one.model, there, [one.values], one, one.numerics, math.inf) for one in fitted]
     return context.each("fitted to the other horizons", refit_if_possible, given)
+
+
+def told_of_held_out(final: Refit, context: Context) -> Refit | None:
+    """``final``, fitted to the held-out horizons alone, as it is told beside the last fit.
+
+    Its standard errors hold what the smoothing of sign(v) moves the parameters by. None if it cannot be
+    simulated there.
+    """
+    (there,) = fitted_to_held_out([final], context)
+    return there and context.one(_with_smoothing, there, context.split.swapped)
+
+
+def _with_smoothing(fitted: Refit, split: Split) -> Refit:
+    problem, rows = fitted.problem(split).on(split.fitted), list(split.fitted)
+    found = uncertainty(problem, fitted.model.values(fitted.values), fitted.x0[rows])
+    std = dict(zip(problem.free, found.std.tolist(), strict=True))
+    return replace(fitted, std=std if fitted.std else {})
 
 
 def amplitudes(here: Refit, there: Refit, term: str) -> tuple[Amplitude, ...]:

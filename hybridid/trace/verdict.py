@@ -16,7 +16,7 @@ from hybridid.effects.composed import is_composed
 from hybridid.model import Model
 from hybridid.simulation.chosen import AUTO
 from hybridid.trace.accuracy import Accuracy
-from hybridid.trace.constancy import fitted_to_held_out
+from hybridid.trace.constancy import told_of_held_out
 from hybridid.trace.context import Context
 from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.input_noise import NoisyInputs, noisy_inputs
@@ -148,7 +148,7 @@ def conclude(
         noisy=noisy,
         replacements=revised,
         unrevised=revises != context.revise,
-        there=fitted_to_held_out([settled.found.final], context)[0] if settled.found.accepted else None,
+        there=told_of_held_out(settled.found.final, context) if settled.found.accepted else None,
         out_of_time=cut or revises != context.revise,
     )
 

@@ -11,7 +11,7 @@ import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.constancy import Amplitude, amplitudes, fitted_to_held_out, moved
+from hybridid.trace.constancy import Amplitude, amplitudes, fitted_to_held_out, moved, told_of_held_out
 from hybridid.trace.context import Context
 from hybridid.trace.judgement import judge
 from hybridid.trace.refit import refit
@@ -49,6 +49,16 @@ def test_a_law_of_the_machine_keeps_its_amplitude(traced):
     assert (
         unless_moved(replace(found, stopped="no further effect passes"), context).accepted == found.accepted
     )
+
+
+def test_what_is_told_of_the_held_out_records_counts_the_smoothing(traced):
+    found, context = traced(80.0)
+    (there,) = fitted_to_held_out([found.final], context)
+    told = told_of_held_out(found.final, context)
+    assert told.values == there.values
+    assert told.std.keys() == there.std.keys()
+    assert all(told.std[name] >= 0.999 * there.std[name] for name in there.std)
+    assert told.std["carriage.coulomb.f_c"] > 1.05 * there.std["carriage.coulomb.f_c"]
 
 
 def test_a_name_with_another_amplitude_in_the_held_out_records_is_withdrawn(traced):
