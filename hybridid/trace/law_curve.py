@@ -85,16 +85,22 @@ def _law_curve(base: Refit, law: Refit, port: str, over: Over, split: Split) -> 
 
 
 def is_curve_over(refitted: Refit, name: str, port: str, over: Over, split: Split) -> bool:
-    """Whether the effort of the term ``name`` at ``port`` is a curve over ``over``, times its factor.
+    """Whether the effort of the term ``name`` at ``port`` is a curve over ``over``, times its factor."""
+    return share_over(refitted, name, port, over, split) >= ONE_CURVE
 
-    Over a variable with memory, nothing but a law of that variable is.
+
+def share_over(refitted: Refit, name: str, port: str, over: Over, split: Split) -> float:
+    """The share of the mean square of the effort of the term ``name`` at ``port`` that a curve over ``over``,
+    times its factor, explains.
+
+    Over a variable with memory, nothing but a law of that variable is a curve: there it is 0.
     """
     if over.variable in MEMORIES:
-        return False
+        return 0.0
     path = Path.of(refitted, split, (*split.fitted, *split.held_out))
     effort = path.effort_of(name, port)
     seen, factor = path.seen(port, over), path.factor(port, over)
-    return _is_curve(effort, binned(seen, effort, factor), seen, factor)
+    return _share(effort, binned(seen, effort, factor), seen, factor)
 
 
 def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -> LawCurve:
@@ -110,7 +116,7 @@ def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -
     curve = binned(seen, change, factor)
     efforts = (np.ones_like(change), *motion, *terms)
     own_curves = ((effort, binned(seen, effort, factor)) for effort in efforts)
-    kept = [one.value for effort, one in own_curves if _is_curve(effort, one, seen, factor)]
+    kept = [one.value for effort, one in own_curves if _share(effort, one, seen, factor) >= ONE_CURVE]
     columns = np.array(kept).reshape(-1, len(curve.at)).T
     if len(columns) < BINS_A_TERM * columns.shape[1]:
         return curve
@@ -120,10 +126,10 @@ def _learned_curve(base: Refit, learned: Ceiling, law: LawCurve, split: Split) -
     return replace(curve, value=curve.value - columns @ shares)
 
 
-def _is_curve(effort: Array, curve: LawCurve, seen: Array, factor: Array) -> bool:
-    """Whether ``effort`` (n,) follows from the variable and the factor alone."""
-    rest = effort - curve.over(seen) * factor
-    return float(rest @ rest) <= (1 - ONE_CURVE) * float(effort @ effort)
+def _share(effort: Array, curve: LawCurve, seen: Array, factor: Array) -> float:
+    """The share of ``effort`` (n,) that follows from the variable and the factor alone; 1 of none at all."""
+    rest, all_of_it = effort - curve.over(seen) * factor, float(effort @ effort)
+    return 1 - float(rest @ rest) / all_of_it if all_of_it > 0 else 1.0
 
 
 def _path(base: Refit, richer: Refit, split: Split) -> tuple[Path, Path]:

@@ -8,7 +8,9 @@ effects), and with the learned effort beside these,
     share = (L_after^2 - L_learned^2) / ((L_before^2 - L_own^2) + (L_after^2 - L_learned^2)),
 
 L_own being the loss right after the effect was accepted. A share above ``Rules.stands_in`` has two possible
-causes: the machine lacks two things, or the name is wrong. To tell them apart, the effect is removed and
+causes: the machine lacks two things, or the name is wrong. So has a learned effort that takes most of what is
+left, where that is far above the noise: with a good sensor an effect may take nearly all of the squared error
+by resemblance, and still leave many times the noise. To tell the causes apart, the effect is removed and
 the learned effort stays. Two things then show that the learned effort can replace it. The effect took less
 than ``Rules.kept`` of what it took alone; and the learned effort in its place explains the records better,
 by more than ``Rules.tie`` and significantly. (It would, if the machine had a function of that
@@ -44,6 +46,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from hybridid.effects.composed import form_over
 from hybridid.naming import listed
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.alike import related, strangers
@@ -52,7 +55,7 @@ from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
 from hybridid.trace.doing_nothing import no_better_than_nothing
 from hybridid.trace.evidence import compare
-from hybridid.trace.law_curve import is_curve_over
+from hybridid.trace.law_curve import ONE_CURVE, share_over
 from hybridid.trace.other_form import other_form
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.robustness import surviving
@@ -70,8 +73,9 @@ def without_stand_ins(found: Search, ceilings: Sequence[Ceiling], context: Conte
     """
     split, rules = context.split, context.rules
     significant = [c for c in ceilings if c.p_alone <= rules.alpha and c.gain > 0]
+    far = bool(significant) and not _leaves_little(found, context)
     for learned in sorted(significant, key=lambda c: -c.gain):
-        accused = _accused(found, learned, split, rules)
+        accused = _accused(found, learned, far, split, rules)
         if accused is None:
             return found
         if surviving([learned.refit], found.final, context):
@@ -133,28 +137,44 @@ def _leaves_little(found: Search, context: Context) -> bool:
     return found.at_noise or Accuracy.of(final, context).times(final.score.rmse) <= context.rules.far
 
 
-def _accused(found: Search, learned: Ceiling, split: Split, rules: Rules) -> tuple[int, str] | None:
-    """The step whose effect a learned effort shows to stand in for another, and how."""
-    takes = found.final.score.loss**2 - learned.refit.score.loss**2
+def _accused(
+    found: Search, learned: Ceiling, far: bool, split: Split, rules: Rules
+) -> tuple[int, str] | None:
+    """The step whose effect a learned effort shows to stand in for another, and how. ``far``: what is left is
+    far above the noise."""
+    left = found.final.score.loss**2
+    takes = left - learned.refit.score.loss**2
+    most_of_it = far and takes >= rules.majority * left
     kept = {one.name for one in found.accepted}
     for number, step in enumerate(found.steps):
         for one in (one for one in step.taken if one.name in kept):
             share = takes / (one.trial.taken + takes)
-            most = _most_beside(found.final, one, learned, split, rules) if share > rules.stands_in else 1.0
-            if share > most and not _needed(found, one, learned.refit, split, rules):
+            asked = share > rules.stands_in or most_of_it
+            if asked and _contained(found.final, one, learned, split):
+                asked = share > 1 - rules.majority
+            if asked and not _needed(found, one, learned.refit, split, rules):
                 it = one.name if len(step.taken) > 1 else "it"
-                return number, (
-                    f"beside {it} {learned.described} still takes {share:.0%} of what both take "
-                    "from the squared error"
-                )
+                said = f"{takes / left:.0%} of the squared error that is left"
+                if share > rules.stands_in:
+                    said = f"{share:.0%} of what both take from the squared error"
+                return number, f"beside {it} {learned.described} still takes {said}"
     return None
 
 
-def _most_beside(final: Refit, one: Accepted, learned: Ceiling, split: Split, rules: Rules) -> float:
-    """The largest share that the learned effort may take of what both take."""
-    own = learned.port in one.trial.candidate.ports
-    contained = own and is_curve_over(final, one.name, learned.port, learned.over, split)
-    return 1 - rules.majority if contained else rules.stands_in
+def _contained(final: Refit, one: Accepted, learned: Ceiling, split: Split) -> bool:
+    """Whether the effect is a curve over the variable of the learned effort, which then contains it.
+
+    An effort may follow another variable than its own nearly, as the motion has it: a spring force the
+    acceleration. A learned effort over that would leave the rest of it. If it leaves less, it explains more
+    than by containing the effect.
+    """
+    effect = one.trial.candidate.effect
+    if learned.port not in one.trial.candidate.ports:
+        return False
+    share = share_over(final, one.name, learned.port, learned.over, split)
+    if share < ONE_CURVE or form_over(effect) == learned.over:
+        return share >= ONE_CURVE
+    return (1 - share) * one.trial.taken <= learned.refit.score.loss**2
 
 
 def unless_outdone(found: Search, before: Sequence[Ceiling], rules: Rules) -> Search:

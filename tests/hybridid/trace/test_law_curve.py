@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hybridid.trace.law_curve import LEAST, _is_curve, binned
+from hybridid.trace.law_curve import LEAST, ONE_CURVE, _share, binned
 
 GENERATOR = np.random.default_rng(7)
 VELOCITY, ACCELERATION = GENERATOR.standard_normal((2, 4000))
@@ -27,7 +27,8 @@ ONE = np.ones_like(VELOCITY)
     ids=["viscous", "coulomb", "constant", "none", "inertia", "inertia a", "v a", "viscous over a"],
 )
 def test_an_effort_is_a_curve_if_it_follows_from_the_variable_and_the_factor(effort, factor, curve):
-    assert _is_curve(effort, binned(VELOCITY, effort, factor), VELOCITY, factor) == curve
+    share = _share(effort, binned(VELOCITY, effort, factor), VELOCITY, factor)
+    assert (share >= ONE_CURVE) == curve
 
 
 def test_a_bin_with_few_samples_is_not_shown():
@@ -41,11 +42,11 @@ def test_a_bin_with_few_samples_is_not_shown():
 def test_a_short_record_has_fewer_bins():
     curve = binned(VELOCITY[:200], 3.0 * VELOCITY[:200], ONE[:200])
     assert len(curve.at) >= 3
-    assert _is_curve(3.0 * VELOCITY[:200], curve, VELOCITY[:200], ONE[:200])
+    assert _share(3.0 * VELOCITY[:200], curve, VELOCITY[:200], ONE[:200]) >= ONE_CURVE
 
 
 def test_without_any_factor_there_is_no_curve():
     nothing = 0.0 * ONE
     curve = binned(VELOCITY, VELOCITY, nothing)
     assert len(curve.at) == 0
-    assert not _is_curve(VELOCITY, curve, VELOCITY, nothing)
+    assert _share(VELOCITY, curve, VELOCITY, nothing) == pytest.approx(0.0)

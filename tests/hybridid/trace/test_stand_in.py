@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -23,26 +24,30 @@ def scaled(score, factor):
 
 
 @pytest.mark.parametrize(
-    ("share", "over", "contained", "lasts", "trusted"),
+    ("share", "over", "contained", "lasts", "near", "trusted"),
     [
-        (0.05, "velocity", False, True, True),
-        (0.3, "velocity", False, True, False),
-        (0.3, "velocity", False, False, True),
-        (0.3, "velocity", True, True, True),
-        (0.6, "velocity", True, True, False),
-        (0.6, "position", False, True, True),
+        (0.05, "velocity", False, True, True, True),
+        (0.05, "velocity", False, True, False, False),
+        (0.05, "velocity", True, True, False, True),
+        (0.05, "position", False, True, False, True),
+        (0.3, "velocity", False, True, True, False),
+        (0.3, "velocity", False, False, True, True),
+        (0.3, "velocity", True, True, True, True),
+        (0.6, "velocity", True, True, True, False),
+        (0.6, "position", False, True, True, True),
     ],
 )
 def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
-    worn, worn_context, monkeypatch, share, over, contained, lasts, trusted
+    worn, worn_context, monkeypatch, share, over, contained, lasts, near, trusted
 ):
     """As if the carriage's error could fall further by ``share`` of what effect and learned effort take.
 
     One over velocity can do what the effect does, if its gain ``lasts`` under other numerics; beside one over
-    position the effect is as needed as before. Where it ``contained`` the effect, it must take more.
+    position the effect is as needed as before. Where it ``contained`` the effect, it must take more. So must
+    it where what is left is ``near`` the noise; else most of that is enough.
     """
-    if not contained:
-        monkeypatch.setattr(stand_in, "is_curve_over", lambda *given: False)
+    monkeypatch.setattr(stand_in, "_contained", lambda *given: contained)
+    monkeypatch.setattr(stand_in, "_leaves_little", lambda *given: near)
     monkeypatch.setattr(stand_in, "surviving", lambda learned, *given: [0] if lasts else [])
     split = worn_context.split
     (one,) = worn.accepted
@@ -68,6 +73,29 @@ def test_a_name_is_trusted_unless_a_learned_effort_does_better_without_it(
         assert refused.status == "rejected"
         assert refused.reason.startswith("may stand in for something else")
         assert found.final is step.base
+
+
+@pytest.mark.parametrize(
+    ("over", "curve", "left", "contained"),
+    [
+        ("velocity", 1.0, 1e-3, True),
+        ("velocity", 0.95, 1e-3, True),  # its own variable
+        ("position", 0.95, 1e-3, False),
+        ("position", 0.9999, 1e-3, True),
+        ("position", 0.95, 0.1, True),
+        ("position", 0.8, 0.1, False),
+    ],
+)
+def test_a_learned_effort_contains_what_it_could_leave(worn, monkeypatch, over, curve, left, contained):
+    """As if the effort of the asymmetric friction were such a ``curve`` over the variable, and the learned
+    effort left so much of what the effect takes."""
+    monkeypatch.setattr(stand_in, "share_over", lambda *given: curve)
+    (one,) = worn.accepted
+    loss = (left * one.trial.taken) ** 0.5
+    learned = SimpleNamespace(
+        port="carriage", over=Over(over), refit=SimpleNamespace(score=SimpleNamespace(loss=loss))
+    )
+    assert stand_in._contained(worn.search.final, one, learned, None) is contained
 
 
 @pytest.mark.parametrize(
