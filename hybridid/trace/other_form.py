@@ -41,10 +41,11 @@ class Named:
 
 
 def other_form(found: Search, context: Context) -> tuple[str, str] | None:
-    """The first accepted effect whose form another one outdoes, and how in words; None if there is none."""
+    """The first accepted effect whose form another one outdoes, and how in words; None if there is none, or
+    the last model has not converged: then more may be had with the effect itself."""
     rules, final = context.rules, found.final
     least = 0.0 if found.at_noise else rules.tie
-    asked = [(one, _others(one, context)) for one in found.accepted]
+    asked = [(one, _others(one, context)) for one in found.accepted if final.converged]
     family = sum(len(shapes) for _, shapes in asked)
     for one, shapes in asked:
         for trial in _in_its_place(one, shapes, final, context) if shapes else ():
@@ -100,7 +101,7 @@ def _in_its_place(one: Accepted, shapes: list[Shape], final: Refit, context: Con
 
 
 def _shaped(named: Named, shape: Shape, without: Refit, split: Split, worth: float) -> Trial:
-    """The model ``without`` the effect, with ``shape`` in its place. It ends early where it does not leave
-    less than the effect."""
+    """The model ``without`` the effect, with ``shape`` in its place. It ends early where it promises less
+    than a quarter of what the effect takes."""
     law = composed(named.over, shape, named.kind, law_starts(named, shape, without, split))
     return attempt(Candidate(law, named.port), without, split, worth, None, named.refit)

@@ -62,6 +62,12 @@ def test_what_does_not_survive_other_numerics_refutes_no_name(of_another_form, m
     assert other_form(found, context) is None
 
 
+def test_a_model_that_has_not_converged_refutes_no_name(of_another_form):
+    found, context = of_another_form
+    unfinished = replace(found, final=replace(found.final, converged=False))
+    assert other_form(unfinished, context) is None
+
+
 def test_shapes_are_asked_that_no_effect_has_and_that_have_no_more_parameters(of_another_form):
     found, context = of_another_form
     (one,) = found.accepted
