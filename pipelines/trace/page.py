@@ -16,7 +16,6 @@ from hybridid.quantities import (
     share,
 )
 from hybridid.trace.before_after import AFTER, BEFORE
-from hybridid.trace.cross_fitting import FEW
 from hybridid.trace.entries import AcceptedEffect, EstimatedValue, LearnedGain
 from hybridid.trace.remarks import (
     completeness_in_words,
@@ -35,6 +34,7 @@ from hybridid.trace.robustness import Survival
 from hybridid.trace.words import VERDICTS, error_left, gained
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.traced import TraceFile
+from pipelines.trace.rules_table import rules_table
 from pipelines.trace.scores import score_tables
 
 KINDS = ("waterfall", "trials", "missing_effort", "ceiling", "error", "law")
@@ -79,7 +79,7 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
         ),
         Section("The residual", (_RESIDUAL,), pictures=(*about["error"], *about["missing_effort"])),
         _remaining(found, about["ceiling"]),
-        Section("How it was decided", tables=(_rules(traced),)),
+        Section("How it was decided", tables=(rules_table(traced),)),
         _use(traced),
     )
     marks = (VERDICTS[found.verdict], found.provenance, f"case {traced.case}")
@@ -259,7 +259,7 @@ def _tried(found: Trace) -> tuple[str, ...]:
     if not found.steps:
         return (f"No effect was tried: {found.stopped}.",)
     said = (_TRIED, _PAIRS) if any(step.pairs for step in found.steps) else (_TRIED,)
-    left_out = found.steps[-1].left_out if found.steps else ()
+    left_out = found.steps[-1].left_out
     return (*said, f"The time limit left untried: {listed(left_out)}.") if left_out else said
 
 
@@ -313,36 +313,6 @@ def _taken(one: LearnedGain) -> str:
     if one.failure:
         return f"not solved: {one.failure}"
     return share(max(one.gain, 0.0)) + (" (ended early)" if one.ended_early else "")
-
-
-def _rules(traced: TraceFile) -> Table:
-    found = traced.found
-    rules, (fitted, held_out) = found.rules, found.horizons
-    both = f"; fewer than {FEW} horizons judge: what they leave open, both sides decide (cross-fitting)"
-    rows = (
-        ("horizons", f"{found.split}; {found.horizon:g} s each, {fitted} fitted, {held_out} held out"),
-        ("records", listed([f"{r.name} ({r.provenance}, {r.source})" for r in found.records])),
-        ("significant", f"adjusted p at most {rules.alpha:g} over all effects tried in a step"
-                        + (both if held_out < FEW else "")),
-        ("worth having", f"held-out RMSE lower by {percent(rules.worth)} or more"),
-        ("alike", f"effects whose errors differ by less than {percent(rules.tie)}, or not significantly"),
-        ("identifiable", f"standard errors at most {percent(rules.vague)} of the value, correlations at "
-                         f"most {rules.collinear:g}"),
-        ("form trusted", f"a {learned(found)} added to the effect contributes at most "
-                         f"{percent(rules.stands_in)} of the reduction of the squared error by both; "
-                         f"{percent(1 - rules.majority)} where the effect is a curve over its variable"),
-        ("named", f"above {rules.far:g} times the error of noise and simulation alone: only effects that "
-                  f"together take {percent(rules.majority)} of the squared error"),
-        ("not minor", f"effects take at least {percent(rules.majority)} of what a {learned(found)} takes "
-                      "beside the same model, but for one over its own variable"),
-        ("constant amplitude", f"it differs by at most {percent(rules.steady)} between fitted and held-out "
-                               "records, or not significantly; freed over another variable, it takes less "
-                               f"than {percent(rules.majority)} of the squared error that is left"),
-        ("nothing missing", f"said only up to {rules.far:g} times the error of noise and simulation alone"),
-        ("search ended", found.stopped),
-        ("took", f"{found.seconds:.0f} s on {traced.processes} processes"),
-    )  # fmt: skip
-    return Table("Rules", ("", ""), rows, words=(0, 1))
 
 
 def _use(traced: TraceFile) -> Section | None:
