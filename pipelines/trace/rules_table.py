@@ -26,8 +26,8 @@ def rules_table(traced: TraceFile) -> Table:
                          f"most {rules.collinear:g}"),
         ("form trusted", f"a {learned(found)} added to the effect contributes at most "
                          f"{percent(rules.stands_in)} of the reduction of the squared error by both; "
-                         f"{percent(1 - rules.majority)} where the effect is a curve over its variable; else, "
-                         f"above {rules.far:g} times the error of noise and simulation alone, also at most "
+                         f"{percent(1 - rules.majority)} where the effect is a curve over its variable; "
+                         f"else, above {rules.far:g} times the error of noise and simulation alone, at most "
                          f"{percent(rules.majority)} of what is left"),
         ("form tested", "other functions of its variable with no more parameters, in the place of an effect "
                         "that is alone in its class, do not explain more"),
