@@ -185,11 +185,13 @@ def share(gain: float | None) -> str:
 
 
 def change(before: float | None, after: float | None, places: int = 1) -> str:
-    """``−36.1 %``: the change as a part of ``before``; empty where either is missing or ``before`` is 0."""
+    """``−36.1 %``: the change as a part of ``before``, ``0.0 %`` for none; empty where either is missing or
+    ``before`` is 0."""
     if not before or after is None or not (math.isfinite(before) and math.isfinite(after)):
         return ""
     part = after / before - 1
-    return f"{minus(f'{100 * part:+.{places_below_all(part, places)}f}')} %"
+    said = f"{100 * part:+.{places_below_all(part, places)}f}"
+    return f"{minus(said if float(said) else said[1:])} %"
 
 
 def _plus_minus(value: float, half: float) -> str:

@@ -55,7 +55,7 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     unseen = [one.candidate.name for one in shown if not one.shapes]
     if unseen:
         names = listed(unseen) if len(unseen) <= TOLD else counted(len(unseen), "effect")
-        context.say(f"in no pair, as nothing shows what they would change: {names}")
+        context.say(f"left out of all pairs, as the residual does not show what they would change: {names}")
     ranked = most_promising(promises(shown, rules.collinear), 1.0 - (1.0 - rules.worth) ** 2)
     if not ranked:
         return found

@@ -14,7 +14,7 @@ def rules_table(traced: TraceFile) -> Table:
     """The rules of a trace with their numbers, its horizons and records, and how its search ended."""
     found = traced.found
     rules, (fitted, held_out) = found.rules, found.horizons
-    both = f"; fewer than {FEW} horizons judge: what they leave open, both sides decide (cross-fitting)"
+    both = f"; fewer than {FEW} horizons judge: what they leave open, cross-fitting decides"
     rows = (
         ("horizons", f"{found.split}; {found.horizon:g} s each, {fitted} fitted, {held_out} held out"),
         ("records", listed([f"{r.name} ({r.provenance}, {r.source})" for r in found.records])),

@@ -14,8 +14,8 @@ from hybridid.trace.result import Trace
 from pipelines.shared.page import Table
 
 _NETWORK = (
-    "The network was trained on the fitted horizons only. It is the strongest one beside each model, so "
-    "there may be two."
+    "The network was trained on the fitted horizons only. Beside each model the strongest one is taken: "
+    "beside the declared and the last one these may be different networks."
 )
 MANY = 3
 """Records from which their means come first and each of them is folded away."""

@@ -166,7 +166,8 @@ def test_shares_and_changes():
         "diverges",
         "diverges",
     )
-    assert (change(2.0, 1.0), change(1.0, 1.234, 0), change(1.0, 1.0)) == ("−50.0 %", "+23 %", "+0.0 %")
+    assert (change(2.0, 1.0), change(1.0, 1.234, 0), change(1.0, 1.0)) == ("−50.0 %", "+23 %", "0.0 %")
+    assert change(1.0, 1.0 - 1e-6) == "0.0 %"
     assert change(0.0, 1.0) == ""
 
 

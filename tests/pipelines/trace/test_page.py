@@ -93,7 +93,7 @@ def test_an_accepted_effect_shows_its_class_and_what_would_tell_it_apart(section
 def test_the_rules_say_whether_both_sides_judge(section, judging, both):
     (table,) = section("How it was decided", horizons=(24, judging)).tables
     (said,) = (row[1] for row in table.rows if row[0] == "significant")
-    assert said.endswith("both sides decide (cross-fitting)") is both
+    assert said.endswith("cross-fitting decides") is both
 
 
 def test_parameters_before_and_after(section):
