@@ -119,6 +119,10 @@ SHAPES = (
         ("velocity", *PLACES, *EFFORTS),
     ),
     Shape(
+        "even_power", "k |{x}/s|^n", 0, {"n": "exponent", "s": "reference"},
+        lambda at, p: p.k * ((at.x / p.s) ** 2 + SMOOTH**2) ** (p.n / 2), ("velocity", *PLACES, *EFFORTS),
+    ),
+    Shape(
         "shifted", "k ({x} - c)", 1, {"c": "place"}, lambda at, p: p.k * (at.x - p.c),
         (*PLACES, "time", *EFFORTS, RECENT, RECENT_LOAD),
     ),

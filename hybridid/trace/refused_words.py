@@ -1,16 +1,20 @@
-"""In words, which gains were refused where no name is given: the best supported one, and the largest."""
+"""In words, which gains were refused where no name is given: the best supported one, and the largest. And why
+what passed was not accepted."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import takewhile
 from operator import attrgetter
 
+from hybridid.naming import listed
 from hybridid.quantities import share
 from hybridid.trace.entries import StepTaken, TriedEffect, TriedPair
 from hybridid.trace.judgement import NOT_SIGNIFICANT
 from hybridid.trace.result import Trace
-from hybridid.trace.trial import PASSED
+from hybridid.trace.steps import Accepted
+from hybridid.trace.trial import PASSED, Trial
 
 EVIDENT = 2.0
 """Times the smallest p-value up to which the evidence is about the same: few horizons give few p-values."""
@@ -86,3 +90,14 @@ def more_than_possible(gain: float, times: float) -> str:
     if gain <= 1.0 - 1.0 / times:
         return ""
     return " A complete model could not take as much: it fits the noise, or an error of the simulation."
+
+
+def why_passed_over(trial: Trial, taken: Sequence[Accepted], stopped: str) -> str:
+    """Why a ``trial`` that passed was not accepted: what its step has ``taken`` instead. Where that is gone,
+    the search has ``stopped`` for it."""
+    if not taken:
+        return f"but less than what was accepted in its step; then {stopped}"
+    names = listed([one.name for one in taken])
+    if trial.gain < taken[0].trial.gain:
+        return f"but less than {names}, accepted in its step"
+    return f"but it is not shown to explain more than {names}, accepted in its step"

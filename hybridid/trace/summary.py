@@ -31,6 +31,7 @@ from hybridid.trace.entries import (
 from hybridid.trace.idle import idle_terms
 from hybridid.trace.pair import PairTrial
 from hybridid.trace.refit import Refit
+from hybridid.trace.refused_words import why_passed_over
 from hybridid.trace.result import Estimates, Evidence, LearnedGains, Trace
 from hybridid.trace.revision import Replacement
 from hybridid.trace.robustness import Survival
@@ -303,10 +304,9 @@ def _at_the_end(search: Search, trial: Trial, number: int) -> TriedEffect:
             reason = f"these records cannot tell it from {one.name}"
             return replace(tried, status=UNIDENTIFIABLE, reason=reason, class_of=one.name)
     if trial.status == PASSED:
-        if search.cut_within_a_step:
-            return replace(tried, status=REJECTED, reason=f"{trial.reason}, but others are untried")
-        reason = f"{trial.reason}, but less than what was accepted in its step; then {search.stopped}"
-        return replace(tried, status=REJECTED, reason=reason)
+        taken, cut = search.steps[number - 1].taken, search.cut_within_a_step
+        why = "but others are untried" if cut else why_passed_over(trial, taken, search.stopped)
+        return replace(tried, status=REJECTED, reason=f"{trial.reason}, {why}")
     return tried
 
 

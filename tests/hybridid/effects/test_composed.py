@@ -87,6 +87,8 @@ def test_a_law_over_an_input_is_one_of_an_effort_unless_told_otherwise():
         ("beyond_gap_of_position", {"k": 2.0, "s": 0.4}, 0.0),
         ("power_of_position", {"k": 2.0, "n": 3.0, "s": 0.1}, 54.0),
         ("power_of_velocity", {"k": 2.0, "n": 0.5, "s": 0.05}, 4.0),
+        ("even_power_of_position", {"k": 2.0, "n": 2.0, "s": 0.1}, 18.0),
+        ("even_power_of_position_times_velocity", {"k": 2.0, "n": 1.5, "s": 0.3}, 0.4),
         ("peak_of_velocity", {"k": 3.0, "s": 0.2}, 3.0),
         ("stribeck_of_velocity", {"k": 2.0, "s": 0.2}, 2 * math.exp(-1)),
         ("bump_of_position", {"k": 2.0, "c": 0.1, "s": 0.2}, 2 * math.exp(-1)),

@@ -2,9 +2,12 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
 
 from hybridid.trace.entries import StepTaken, TriedEffect, TriedPair, Value
-from hybridid.trace.refused_words import refused_for_significance
+from hybridid.trace.refused_words import refused_for_significance, why_passed_over
 from hybridid.trace.remarks import tried_in_words
 from hybridid.trace.words import sentence
 
@@ -73,3 +76,17 @@ def test_what_the_records_do_not_determine_is_no_hint(nothing):
     assert "periodic_error" not in sentence(found)
     assert refused_for_significance(found)
     assert not refused_for_significance(replace(found, steps=(replace(step, trials=(sine,)),)))
+
+
+@pytest.mark.parametrize(
+    ("gain", "taken", "said"),
+    [
+        (0.3, ["a.viscous"], "but less than a.viscous, accepted in its step"),
+        (0.6, ["a.viscous"], "but it is not shown to explain more than a.viscous, accepted in its step"),
+        (0.3, ["a.dahl", "a.cogging"], "but less than a.dahl and a.cogging, accepted in its step"),
+        (0.3, [], "but less than what was accepted in its step; then it was withdrawn"),
+    ],
+)
+def test_what_passed_and_was_not_accepted_says_what_was(gain, taken, said):
+    accepted = [SimpleNamespace(name=name, trial=SimpleNamespace(gain=0.5)) for name in taken]
+    assert why_passed_over(SimpleNamespace(gain=gain), accepted, "it was withdrawn") == said
