@@ -137,7 +137,7 @@ def test_changed_python_makes_the_fit_stale(say, process, mylab):
     (mylab / "cable.py").write_text(EFFECT.replace("stiffness", "stiffness of the cable"))
     again = process(*words)
     assert "preprocess: fresh, reused" in again.err
-    assert "fit: stale, code beside cable.py changed" in again.err
+    assert "fit: stale, the code of cable.py changed" in again.err
 
 
 @pytest.mark.usefixtures("nothing_imported")
