@@ -77,7 +77,7 @@ def _advice_of_the_fit(tree: Path, found: Trace) -> list[RenderableType]:
 
 def _accepted(found: Trace) -> RenderableType:
     columns = (
-        "effect", "port", "estimate ± 95 %", "fitted to the held-out alone", "gain", "adjusted p",
+        "effect", "port", "estimate ± 95 %", "refitted to the held-out records", "gain", "adjusted p",
         "cannot be told from", "survives",
     )  # fmt: skip
     made = table(f"Accepted ({found.provenance})", columns, words=(0, 1, 2, 3, 6))

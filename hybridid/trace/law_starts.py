@@ -39,7 +39,7 @@ NARROWEST, WIDEST = 1e-3, 3.0
 """Of the range: bounds of a width or a period; a place lies at most one range outside."""
 
 
-class _OverOne(Protocol):
+class _EffortOver(Protocol):
     """An effort (or flow) at ``port`` over one variable: what ``refit`` has there beyond another model."""
 
     @property
@@ -52,7 +52,7 @@ class _OverOne(Protocol):
     def refit(self) -> Refit: ...
 
 
-def law_starts(learned: _OverOne, shape: Shape, base: Refit, split: Split) -> dict[str, Bounded]:
+def law_starts(learned: _EffortOver, shape: Shape, base: Refit, split: Split) -> dict[str, Bounded]:
     """Guess and bounds of each parameter of ``shape`` over the variable of ``learned``, beside ``base``."""
     path = Path.of(base, split, split.fitted)
     seen, port = path.seen(learned.port, learned.over), learned.port
@@ -91,7 +91,7 @@ def law_starts(learned: _OverOne, shape: Shape, base: Refit, split: Split) -> di
     return {name: bounded(shape.roles.get(name), value, seen) for name, value in nearest.items()} | memory
 
 
-def _memory(learned: _OverOne) -> dict[str, Bounded]:
+def _memory(learned: _EffortOver) -> dict[str, Bounded]:
     """The parameter of a variable with memory, as the learned effort was fitted; none for other variables."""
     memory = MEMORIES.get(learned.over.variable)
     if memory is None:

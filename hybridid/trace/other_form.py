@@ -31,7 +31,7 @@ from hybridid.trace.trial import Trial, attempt
 
 
 @dataclass(frozen=True)
-class Named:
+class NamedEffort:
     """An accepted effect as an effort (or flow) at ``port`` over a variable, in the model ``refit``."""
 
     port: str
@@ -94,13 +94,14 @@ def _in_its_place(one: Accepted, shapes: list[Shape], final: Refit, context: Con
     without = context.one(refit_if_possible, model, split, [values], final, final.numerics)
     if without is None:
         return []
-    named = Named(candidate.port, over, candidate.effect.kind, final)
+    named = NamedEffort(candidate.port, over, candidate.effect.kind, final)
     given = [(named, shape, without, split, context.rules.worth) for shape in shapes]
     trials = context.each(f"other forms of {one.name}", _shaped, given, lambda t: t.candidate.name)
-    return sorted((t for t in trials if t.refit), key=lambda t: -t.taken)
+    ended = (t for t in trials if t.refit and not t.refit.ended_early)  # else its error is approximate
+    return sorted(ended, key=lambda t: -t.taken)
 
 
-def _shaped(named: Named, shape: Shape, without: Refit, split: Split, worth: float) -> Trial:
+def _shaped(named: NamedEffort, shape: Shape, without: Refit, split: Split, worth: float) -> Trial:
     """The model ``without`` the effect, with ``shape`` in its place. It ends early where it promises less
     than a quarter of what the effect takes."""
     law = composed(named.over, shape, named.kind, law_starts(named, shape, without, split))

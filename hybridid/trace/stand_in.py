@@ -164,9 +164,9 @@ def _accused(
 def _contained(final: Refit, one: Accepted, learned: Ceiling, split: Split) -> bool:
     """Whether the effect is a curve over the variable of the learned effort, which then contains it.
 
-    An effort may follow another variable than its own nearly, as the motion has it: a spring force the
-    acceleration. A learned effort over that would leave the rest of it. If it leaves less, it explains more
-    than by containing the effect.
+    In an oscillation a spring force is nearly proportional to the acceleration. A learned effort over the
+    acceleration could take the spring's place, but would leave what no curve over the acceleration follows.
+    One that leaves less than that does not owe its success to the spring.
     """
     effect = one.trial.candidate.effect
     if learned.port not in one.trial.candidate.ports:

@@ -91,7 +91,7 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
     if not found.accepted:
         return None
     header = (
-        "effect", "port", "estimate ± 95 %", "fitted to the held-out alone", "gain", "p",
+        "effect", "port", "estimate ± 95 %", "refitted to the held-out records", "gain", "p",
         "cannot be told from", "step",
     )  # fmt: skip
     rows = tuple(
