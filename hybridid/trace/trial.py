@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.evidence import Comparison, compare
+from hybridid.trace.guess_starts import from_guesses
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import (
     LEAST_DECREASE,
@@ -151,6 +152,7 @@ def _attempt(
         found = refit_beside(base, model, split, starts, numerics, to_beat, least)
         found = _begun_anew(found, base, split) if found.converged else found
         found = _unless_better_from_shorter(found, candidate, base, split, least)
+        found = _unless_better_from_guesses(found, candidate, base, split, least)
         if _promises(found, base, least):
             found = settled_or_switched_on(found, candidate, split)
             found = _with_form_fitted(found, candidate, split)
@@ -244,7 +246,22 @@ def _unless_better_from_shorter(
     shorter = from_shorter(candidate, found.model, base, split)
     if shorter is None or same_valley(candidate, shorter[0], found.values):
         return found
-    start, begun = shorter
+    return _lower_from(*shorter, found, base, split, least)
+
+
+def _unless_better_from_guesses(
+    found: Refit, candidate: Candidate, base: Refit, split: Split, least: float
+) -> Refit:
+    """``found``, or the refit from the guesses, where there is one and it explains more."""
+    begun = from_guesses(candidate, found.model, base, split)
+    return found if begun is None else _lower_from(*begun, found, base, split, least)
+
+
+def _lower_from(
+    start: Mapping[str, float], begun: Refit, found: Refit, base: Refit, split: Split, least: float
+) -> Refit:
+    """``found``, or the refit of its model from ``start``, with the initial states of ``begun``, if that is
+    lower."""
     std_up_to, lower = judged_up_to(base, least), (1 - LEAST_DECREASE) * found.cost
     again = refit_if_possible(found.model, split, [start], begun, found.numerics, std_up_to, lower)
     return found if again is None or again.cost >= lower else again
