@@ -228,7 +228,7 @@ def _none_passes(found: Trace, where: str) -> str:
     """Why nothing was accepted; a gain that was refused is told, or the sentence would hide it."""
     tried, worth = found.rejected, found.rules.worth
     if not tried:
-        return f"{found.stopped} {where}."
+        return f"{found.stopped} {where}{'' if found.steps else ', so no effect was tried'}."
     fails = f"{none_of(len(tried), 'lower')} the error {where} by {percent(worth)}"
     most = max(tried, key=lambda entry: entry.gain)
     if most.gain < worth:
