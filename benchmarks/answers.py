@@ -138,8 +138,7 @@ class League(Generic[S]):
         file = asked.out / "results.jsonl"
         failures = [] if asked.report else self._told(scenarios, asked, file)
         lines = list(self.known(file, scenarios, asked.players).values())
-        if lines:
-            print(report(lines, asked.out))
+        print(report(lines, asked.out) if lines else f"{self.name}: no answer of the code as it is in {file}")
         for line in failures:
             print(f"{self.name}: {line['player']} failed at {line['key']}:\n{line['failure']}")
         return 1 if failures else 0

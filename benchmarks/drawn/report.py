@@ -10,7 +10,7 @@ from statistics import median
 
 from benchmarks.answers import Line
 from benchmarks.bars import Bar, bars_table, counts
-from benchmarks.drawn.scoring import COUNTED, Round, asked, groups, rounds
+from benchmarks.drawn.scoring import COUNTED, Round, asked, groups, named, rounds
 from hybridid.quantities import NONE, number, percent
 from pipelines.shared.page import Page, Section, Table
 
@@ -20,17 +20,18 @@ def write_report(lines: Sequence[Line], folder: Path) -> str:
     found = rounds(lines)
     if not found:
         return "drawn league: no answer beside the oracle's yet, no page written"
-    bars, parts = asked(found), groups(found)
+    bars, parts, names = asked(found), groups(found), named(found)
     page = _page(found, bars, parts).write(folder)
     data = {
         "provenance": "simulated",
         "asked": [asdict(bar) for bar in bars],
         "groups": {name: counts(part, COUNTED) for name, part in parts.items()},
+        "named": {name: counts(part, COUNTED) for name, part in names.items()},
         "machines": {name: counts(part, COUNTED) for name, part in _by_machine(found).items()},
         "rounds": [{**asdict(r), "truths": sorted(r.truths), "said": r.said} for r in found],
     }
     (folder / "league.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-    return f"{_printed(bars, parts)}\n{page}"
+    return f"{_printed(bars, {**parts, **names})}\n{page}"
 
 
 def _by_machine(found: Sequence[Round]) -> dict[str, list[Round]]:
@@ -57,6 +58,7 @@ def _page(found: Sequence[Round], bars: Sequence[Bar], parts: dict[str, list[Rou
         (
             Section("The bars", (*rules, told), (bars_table(bars),)),
             Section("By what is hidden", (), (_table("By what is hidden", parts),)),
+            Section("What a name is worth", (), (_table("By the error that is left", named(found)),)),
             Section("By machine", (), (_table("By machine", _by_machine(found)),)),
             Section("Every scenario", (), (_all(found),)),
         ),

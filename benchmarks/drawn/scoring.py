@@ -163,6 +163,15 @@ def groups(found: Sequence[Round]) -> dict[str, list[Round]]:
     }
 
 
+def named(found: Sequence[Round]) -> dict[str, list[Round]]:
+    """The answers with names, by the error that is left beside them."""
+    known = [r for r in found if r.classes]
+    return {
+        "names that leave at most three times the noise": [r for r in known if r.over_noise <= MOST_OVER],
+        "names that leave more": [r for r in known if r.over_noise > MOST_OVER],
+    }
+
+
 def asked(found: Sequence[Round]) -> list[Bar]:
     """The bars; one without scenarios holds neither way."""
     parts = groups(found)

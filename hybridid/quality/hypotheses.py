@@ -41,11 +41,6 @@ class Hypothesis:
     released: tuple[str, ...] = ()
 
     @property
-    def reorders(self) -> bool:
-        """Whether columns change places."""
-        return self.order != tuple(range(len(self.order)))
-
-    @property
     def other_outputs(self) -> bool:
         """Whether an input takes the place of an output."""
         return min(self.order[self.inputs :]) < self.inputs

@@ -33,7 +33,7 @@ from benchmarks.drawn.machines import bench_of, case_of
 from benchmarks.drawn.offers import COMPOSED, LIBRARY, OUTSIDE, composed_factors
 from benchmarks.drawn.oracle import consult
 from benchmarks.drawn.recipes import Moving
-from benchmarks.drawn.scoring import TRUTH_IDS, Round, asked, truths_of
+from benchmarks.drawn.scoring import TRUTH_IDS, Round, asked, named, truths_of
 from benchmarks.drawn.shapes import Factor, composed
 from benchmarks.drawn.told import ToldMotion
 from benchmarks.league.machines import CASES
@@ -265,6 +265,18 @@ def test_the_bars_hold_and_fall():
     assert asked([right])[2].holds is None
 
 
+def test_names_are_told_apart_by_the_error_that_they_leave():
+    near, far = _round(classes=[["p.coulomb"]]), _round(classes=[["p.dahl"]], over_noise=3.1)
+    assert list(named([near, far, _round(verdict="unexplained")]).values()) == [[near], [far]]
+
+
+def test_a_report_of_other_code_says_that_nothing_is_there(tmp_path, capsys):
+    lines = [{**one, "digest": "of another time"} for one in _planted_lines(evenly(DRAWS, CATEGORIES, 1))]
+    (tmp_path / "results.jsonl").write_text("\n".join(map(json.dumps, lines)))
+    assert main(["--report", "--out", str(tmp_path)]) == 0
+    assert "no answer of the code as it is" in capsys.readouterr().out
+
+
 def test_a_law_counts_as_inside_as_soon_as_the_library_has_it():
     assert truths_of("blow_off", ("p",), {"coulomb"}) == frozenset()
     assert truths_of("blow_off", ("p",), {"blow_off_valve"}) == {"p.blow_off_valve"}
@@ -309,6 +321,7 @@ def test_a_run_goes_on_and_reports_what_is_there(tmp_path, capsys):
     assert main(["--report", "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "nothing hidden: scenarios 2, honest 2" in said
+    assert "names that leave more: no scenario" in said
     data = json.loads((tmp_path / "league.json").read_text())
     assert len(data["rounds"]) == 6
     inside = [d for d in draws if d.wanted and truths_of(d.wanted.what, d.wanted.ports)]

@@ -95,7 +95,10 @@ def test_what_judges_may_show_too_little(nothing):
 
 def test_nothing_was_tried_because_nothing_is_left(nothing):
     said = sentence(nothing(stopped="the residual meets the noise floor"))
-    assert "the residual meets the noise floor on held-out horizons of 1 s (simulated), so no effect was tried." in said
+    assert (
+        "the residual meets the noise floor on held-out horizons of 1 s (simulated), so no effect was tried."
+        in said
+    )
 
 
 def test_effects_that_could_not_be_tried_are_named(nothing):
