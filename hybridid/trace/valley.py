@@ -18,6 +18,7 @@ Statistics 37(1), 87-94 (intervals by the profile of the likelihood).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -50,33 +51,41 @@ def along_the_valley(found: Refit, candidate: Candidate, base: Refit, split: Spl
     play, load, limit = (sought_by(candidate, what) for what in ("play", "load", "limit"))
     if limit:
         own = [name for name in found.values if name.startswith(f"{candidate.name}.")]
-        return _search(found, OF_LIMIT, lambda one, by: _with_limit(one, own, limit, by, split), split)[0]
+        seen = _search(found, OF_LIMIT, lambda one, by: _with_limit(one, own, limit, by, split), split)
+        return found if seen[0] is found else _with_std(seen[0], split)
     giver = giver_of(candidate.port, base, split)
     if giver is None:
         return found
     seen = _search(found, OF_PLAY, lambda one, by: _with_load(one, giver, load, play, by), split)
-    return _as_wide_as_the_valley(seen[0], seen, (giver.name, load, play), split)
+    best = found if seen[0] is found else _with_std(seen[0], split)
+    return _as_wide_as_the_valley(best, seen, (giver.name, load, play), split)
 
 
 def _search(found: Refit, factors: Sequence[float], move: Move, split: Split) -> list[Refit]:
-    """``found`` and all refits along the valley, the lowest cost first."""
+    """``found`` and all refits along the valley, the lowest cost first. Where a step pays, the next one goes
+    the same way: what lies the other way is known."""
     seen = [found]
     for factor in factors:
+        ways: tuple[float, ...] = (factor, 1 / factor)
         for _ in range(MOST):
-            tried = [_from(found, move(found, by), split) for by in (factor, 1 / factor)]
-            seen += (one for one in tried if one is not None)
-            best = min(seen, key=lambda one: one.cost)
-            if best is found:
+            tried = {by: _from(found, move(found, by), split) for by in ways}
+            made = {by: one for by, one in tried.items() if one is not None}
+            seen += made.values()
+            way = min(made, key=lambda by: made[by].cost, default=None)
+            if way is None or made[way].cost >= found.cost:
                 break
-            found = best
+            found, ways = made[way], (way,)
     return sorted(seen, key=lambda one: one.cost)
 
 
 def _from(found: Refit, start: Start | None, split: Split) -> Refit | None:
-    """``found`` refitted from ``start``, if there is one."""
-    if start is None:
-        return None
-    return refit_if_possible(found.model, split, [start], found, found.numerics, float("inf"))
+    """``found`` refitted from ``start``, if there is one, without standard errors."""
+    return None if start is None else refit_if_possible(found.model, split, [start], found, found.numerics)
+
+
+def _with_std(found: Refit, split: Split) -> Refit:
+    """``found`` with standard errors, gone on to where it converges."""
+    return refit_if_possible(found.model, split, [found.values], found, found.numerics, math.inf) or found
 
 
 def _with_load(found: Refit, giver: Giver, load: str, play: str, by: float) -> Start | None:
@@ -96,6 +105,6 @@ def _with_limit(found: Refit, own: Sequence[str], limit: str, by: float, split: 
 def _as_wide_as_the_valley(found: Refit, seen: Sequence[Refit], names: Sequence[str], split: Split) -> Refit:
     """``found`` with standard errors of ``names`` that reach the fits ``seen`` that are as likely."""
     n = int(found.problem(split).on(split.fitted).windows.cells.sum())
-    near = [one for one in seen if n * (one.cost / found.cost - 1) <= 1]
+    near = [one for one in (found, *seen) if n * (one.cost / found.cost - 1) <= 1]
     reach = {name: max(abs(one.values[name] - found.values[name]) for one in near) for name in names}
     return replace(found, std={name: max(s, reach.get(name, 0.0)) for name, s in found.std.items()})
