@@ -85,7 +85,7 @@ class Terminal:
         """Say again how far the work is while nothing new is known of it."""
         while not self._ended.wait(_SILENCE / 10):
             if self._doing and time.monotonic() - self._spoke > _SILENCE:
-                self._line(Text(f"{self._doing}, goes on"))
+                self._line(Text(f"{self._doing}; still at work"))
 
     def _line(self, line: Text) -> None:
         self._spoke = time.monotonic()

@@ -7,6 +7,7 @@ figures, the missing efforts as Parquet, and a proposed law as an effect file.
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -54,6 +55,8 @@ from pipelines.trace.request import (
 
 FORMATS = ("svg",)
 """Formats of the figures. SVG is enough: the report embeds it, and a browser prints it."""
+FEWEST_FOR_PACE = 3
+"""Results that tell how fast a stage is."""
 
 
 def run(job: Job) -> None:
@@ -158,13 +161,24 @@ class _Report:
 
     def __init__(self, job: Job) -> None:
         self._watcher = job.watcher
+        self._began = time.monotonic()
 
     def __call__(self, stage: str, done: int, of: int, what: str) -> None:
-        named = f", {what}" if what else ""
-        self._watcher.progress(stage, f"{done} of {of}{named}", done / of)
+        if not done:
+            self._began = time.monotonic()
+        last = f", last {what}" if what else ""
+        left = _time_left(time.monotonic() - self._began, done, of)
+        self._watcher.progress(stage, f"{done} of {of} done{last}{left}", done / of)
 
     def say(self, line: str) -> None:
         self._watcher.say(f"trace: {line}")
+
+
+def _time_left(elapsed: float, done: int, of: int) -> str:
+    """How long a stage still takes at its pace so far, where that is a minute or more. The slow ones begin
+    first, so it is seldom longer."""
+    minutes = round(elapsed / done * (of - done) / 60) if done >= FEWEST_FOR_PACE else 0
+    return f", about {minutes} min left at this pace" if minutes else ""
 
 
 def _write(job: Job, found: Trace, processes: int) -> None:

@@ -17,7 +17,7 @@ def test_a_log_is_told_that_the_work_goes_on_until_it_ends(monkeypatch, capsys):
         time.sleep(0.3)
     first, *more = [line.split(" ", 1)[1] for line in capsys.readouterr().err.splitlines()]
     assert first == "step 1: 3 of 9"
-    assert set(more) == {"step 1: 3 of 9, goes on"}
+    assert set(more) == {"step 1: 3 of 9; still at work"}
     assert 2 <= len(more) <= 6
     time.sleep(0.1)
     assert capsys.readouterr().err == ""

@@ -1,4 +1,4 @@
-"""What the stage ``trace`` warns of: a shorter horizon, and a figure that cannot be drawn."""
+"""What the stage ``trace`` tells: a shorter horizon, a figure that cannot be drawn, and how far it is."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from hybridid.plotting.trace_waterfall import Level, waterfall_plot
 from hybridid.records.record import Channel, Record
-from pipelines.trace.stage import _drawn, _other_horizon
+from pipelines.trace.stage import _drawn, _other_horizon, _Report, _time_left
 
 
 def test_a_figure_that_cannot_be_drawn_costs_only_itself(monkeypatch, tmp_path):
@@ -54,6 +54,34 @@ def test_a_horizon_of_fewer_or_more_samples_is_told(horizon, warning):
 def test_no_horizon_is_advised_that_the_records_do_not_give():
     said = _other_horizon(0.264, 0.28, [recorded(3.0)], [recorded(0.8)])
     assert said.endswith("instead of 0.28 s: these records give too few of the longer ones to judge")
+
+
+@pytest.mark.parametrize(
+    ("elapsed", "done", "of", "said"),
+    [
+        (60.0, 3, 9, ", about 2 min left at this pace"),
+        (10.0, 3, 9, ""),  # seconds need not be told
+        (60.0, 2, 9, ""),  # too few tell how fast it is
+        (60.0, 9, 9, ""),
+        (0.0, 0, 9, ""),
+    ],
+)
+def test_what_takes_minutes_says_how_long(elapsed, done, of, said):
+    assert _time_left(elapsed, done, of) == said
+
+
+def test_progress_names_what_is_done_last(monkeypatch):
+    told: list[str] = []
+    watcher = SimpleNamespace(progress=lambda stage, state, share: told.append(f"{stage}: {state}"))
+    clock = iter((0.0, 5.0, 5.0, 300.0))
+    monkeypatch.setattr("pipelines.trace.stage.time.monotonic", lambda: next(clock))
+    report = _Report(SimpleNamespace(watcher=watcher))
+    report("step 1", 0, 9, "")
+    report("step 1", 4, 9, "carriage.dahl")
+    assert told == [
+        "step 1: 0 of 9 done",
+        "step 1: 4 of 9 done, last carriage.dahl, about 6 min left at this pace",
+    ]
 
 
 def recorded(seconds: float) -> Record:
