@@ -26,7 +26,6 @@ from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.levels import Level, levels_over, overs_of_level
 from hybridid.effects.over import (
     BRISTLE,
-    CHANNEL_FACTORS,
     FLOW_FACTORS,
     MEMORIES,
     OVERS,
@@ -269,7 +268,7 @@ def _around(value: float, positive: bool) -> Bounded:
 
 def _all_overs(signals: Iterable[Signal]) -> Iterator[tuple[PortKind, Over]]:
     known = tuple(signals)
-    yield from (("effort", over) for over in (*OVERS, *over_inputs(known, CHANNEL_FACTORS)))
+    yield from (("effort", over) for over in (*OVERS, *over_inputs(known)))
     yield from (("flow", over) for over in (*OVERS_OF_A_FLOW, *over_inputs(known, FLOW_FACTORS)))
 
 

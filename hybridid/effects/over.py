@@ -119,6 +119,7 @@ OVERS = (
     Over("time", "sign of velocity"),
     Over(RECENT, "sign of velocity"),
     Over("load"),
+    Over("load", "velocity"),
     Over("load", "sign of velocity"),
     Over(RECENT_LOAD, "sign of velocity"),
     Over("position", "acceleration"),
@@ -126,9 +127,8 @@ OVERS = (
     Over(BRISTLE),
 )
 FLOW_FACTORS: tuple[Factor, ...] = ("",)
-INPUT_FACTORS: tuple[Factor, ...] = ("", "sign of velocity")
-CHANNEL_FACTORS: tuple[Factor, ...] = (*INPUT_FACTORS, "velocity")
-"""A channel, such as a temperature or the current of a brake, may also set a damping."""
+INPUT_FACTORS: tuple[Factor, ...] = ("", "sign of velocity", "velocity")
+"""An input or channel, such as the current of a brake, may set a damping or a friction."""
 OVERS_OF_A_FLOW = (Over("level"), Over("time"), Over("level", "net flow"), Over("level", "drive"))
 
 
@@ -136,7 +136,7 @@ def overs_for(port: Port, inputs: Sequence[Signal], channels: Sequence[Signal] =
     """All that a learned effort or flow at ``port`` may depend on in a model of these inputs and channels."""
     if port.kind == "flow":
         return (*OVERS_OF_A_FLOW, *over_inputs((*inputs, *channels), FLOW_FACTORS))
-    return (*OVERS, *over_inputs(inputs), *over_inputs(channels, CHANNEL_FACTORS))
+    return (*OVERS, *over_inputs((*inputs, *channels)))
 
 
 def over_inputs(inputs: Sequence[Signal], factors: Sequence[Factor] = INPUT_FACTORS) -> tuple[Over, ...]:

@@ -19,7 +19,6 @@ from hybridid.effects.composed import (
 )
 from hybridid.effects.library import EFFECTS, effect_named
 from hybridid.effects.over import (
-    CHANNEL_FACTORS,
     FLOW_FACTORS,
     MEMORIES,
     OVERS,
@@ -32,7 +31,7 @@ from hybridid.effects.shapes import SHAPES, shape_named, shapes_over
 FORCE = Signal("force", "N")
 EVERY = [
     composed(over, shape)
-    for over in (*OVERS, *OVERS_OF_A_FLOW, *over_inputs([FORCE], CHANNEL_FACTORS))
+    for over in (*OVERS, *OVERS_OF_A_FLOW, *over_inputs([FORCE]))
     for shape in shapes_over(over.variable)
 ]
 WITH_LEVEL = [

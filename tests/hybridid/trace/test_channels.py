@@ -99,15 +99,15 @@ def test_a_channel_that_no_effect_sees_changes_no_number(make_model, model):
 def test_an_input_is_a_place_of_a_learned_effort_unless_it_stands_still_or_is_the_load(model, split):
     overs = overs_for(model.plant.port("carriage"), model.plant.inputs, model.channels)[len(OVERS) :]
     assert [str(over) for over in overs] == [
-        "force", "force, times sign of velocity", "temperature", "temperature, times sign of velocity",
-        "temperature, times velocity",
+        "force", "force, times sign of velocity", "force, times velocity",
+        "temperature", "temperature, times sign of velocity", "temperature, times velocity",
     ]  # fmt: skip
     assert str(Over("input", signal=Signal("load", "N"))) == "input load"
     path = Path.of(refit(model, split), split, split.fitted)
-    assert [path.shows("carriage", over) for over in overs] == [False, False, True, True, True]
+    assert [path.shows("carriage", over) for over in overs] == [False] * 3 + [True] * 3
     still = replace(path, inputs=np.column_stack([path.inputs[:, 0], 0 * path.time + 25.0]))
     assert not any(still.shows("carriage", over) for over in overs)
-    assert np.array_equal(path.seen("carriage", overs[2]), path.inputs[:, 1])
+    assert np.array_equal(path.seen("carriage", overs[3]), path.inputs[:, 1])
 
 
 def test_the_variables_of_learned_efforts_can_be_narrowed(model, split):
