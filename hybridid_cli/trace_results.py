@@ -83,6 +83,7 @@ def _accepted(found: Trace) -> RenderableType:
     made = table(f"Accepted ({found.provenance})", columns, words=(0, 1, 2, 3, 6))
     for entry in found.accepted:
         survived = [s.survives for s in entry.survivals if s.simulated and not s.refuted]
+        refuted = sum(s.refuted for s in entry.survivals)
         made.add_row(
             entry.effect,
             entry.port,
@@ -91,7 +92,8 @@ def _accepted(found: Trace) -> RenderableType:
             share(entry.gain),
             probability(entry.p_value),
             ", ".join(entry.others) or NONE,
-            f"{sum(survived)} of {len(survived)} variations",
+            f"{sum(survived)} of {len(survived)} variations"
+            + (f", {refuted} more fit the records worse" if refuted else ""),
         )
     return made
 

@@ -19,10 +19,17 @@ def where(view: View) -> str:
     return "in free run" if view.horizon is None else f"over horizons of {number(view.horizon, 3)} s"
 
 
-def worse_than_nothing(views: Sequence[View]) -> str:
-    """Of which outputs a constant predicts as well."""
+def worse_than_nothing(views: Sequence[View], good: Sequence[View] = ()) -> str:
+    """Of which outputs a constant predicts as well, and over which horizons, ``good``, the model does not."""
     said = "; ".join(f"{v.output} {where(v)}: {_beside_nothing(v)}" for v in views)
-    return f"the model is no better than doing nothing ({said})"
+    told = f"the model is no better than doing nothing ({said})"
+    if not good:
+        return told
+    beside = "; ".join(f"{v.output} {where(v)}: {_beside_nothing(v)}" for v in good)
+    return (
+        f"{told}, but over horizons it explains most of the motion ({beside}): in a free run the errors add "
+        "up, and grow where the machine is unstable; hybridid trace looks for what the model lacks"
+    )
 
 
 def drifts(views: Sequence[View], horizons: View) -> str:

@@ -27,6 +27,8 @@ FEW = 3
 """Members of a class up to which each is told with its parameters."""
 WORTH_TELLING = 3.0
 """The error of the parameters is told from the sensor's noise over this: it then counts by more than 5 %."""
+NEGLIGIBLE = 0.01
+"""Times the sensor's noise below which another error is not told."""
 
 
 def sentence(found: Trace) -> str:
@@ -213,9 +215,8 @@ def _unnamed(found: Trace, unshown: bool = False) -> str:
     tried = named_effects(found)
     if not unshown:
         return none_of(tried, "explain") + together
-    return ("the one effect tried is not" if tried == 1 else f"none of the {tried} effects tried is") + (
-        f" shown to explain{together}"
-    )
+    none = "the one effect tried is not" if tried == 1 else f"none of the {tried} effects tried is"
+    return f"{none} shown to explain{together}"
 
 
 def _unexplained(found: Trace, where: str) -> str:
@@ -250,7 +251,8 @@ def error_left(found: Trace, beside: str = "") -> str:
         if one.parameters > one.value / WORTH_TELLING:
             parts["error of the parameters that the noise has moved"] = one.parameters
             leave = "noise, simulation and parameters may leave"
-        told = ", ".join(f"{what} {quantity(value, one.unit, 2)}" for what, value in parts.items())
+        least = NEGLIGIBLE * one.value
+        told = ", ".join(f"{what} {quantity(v, one.unit, 2)}" for what, v in parts.items() if v >= least)
         each.append(f"{rmse} of {name} ({told})")
     noisy = f" {_of_inputs(found.noisy)}." if found.noisy and found.times <= found.rules.far else ""
     return f"The error left{beside} is {listed(each)}: {_times(found.times)} what {leave}.{noisy}"
@@ -338,7 +340,11 @@ def _more_is_missing(found: Trace) -> str:
             f" The error left is {_times(found.times)} what noise and simulation alone leave, but no more "
             f"need be missing. {_of_inputs(found.noisy)}."
         )
-    return (
-        f" More is missing: the error left is {_times(found.times)} what noise and simulation alone leave. "
-        "A name may stand for a part of that."
-    )
+    left = f"the error left is {_times(found.times)} what noise and simulation alone leave"
+    most = max((one.gain for one in found.ceilings.after), default=float("inf"))
+    if most < found.rules.worth:
+        return (
+            f" More may be missing: {left}. But no learned effort takes {percent(found.rules.worth)} of it, "
+            "and a disturbance that no record shows can leave as much. A name may stand for a part of that."
+        )
+    return f" More is missing: {left}. A name may stand for a part of that."

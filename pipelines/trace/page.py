@@ -297,7 +297,7 @@ def _remaining(found: Trace, pictures: tuple[Picture, ...]) -> Section:
     models = {BEFORE: first, AFTER: last} if found.accepted else {BEFORE: last}
     header = ("port", "over", *models, f"p {AFTER if found.accepted else BEFORE}")
     rows = tuple(
-        (*place, *(_taken(of[place]) for of in models.values()), probability(c.p_value))
+        (*place, *(_taken(of[place]) for of in models.values()), _p(c.gain, c.p_value))
         for place, c in last.items()
     )
     title = f"Reduction of the error by a {learned(found)}"

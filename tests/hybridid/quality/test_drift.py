@@ -11,6 +11,9 @@ from hybridid.estimators import FitSettings, fit
 from hybridid.model import compose
 from hybridid.plants.plant import Motion, Plant
 from hybridid.quality import judge
+from hybridid.quality.judge import _good
+from hybridid.quality.verdict import View
+from hybridid.quality.words import worse_than_nothing
 from hybridid.records.record import Channel, Record
 from hybridid.validation.drift import outputs_that_drift
 
@@ -79,6 +82,16 @@ def test_a_free_run_of_a_plant_that_integrates_is_no_accusation():
     (said,) = (one.said for one in found.advice if one.kind == "drift")
     assert said.startswith("the free run drifts (position: RMSE ")
     assert said.endswith("small errors add up; its errors over horizons of 3 s judge it")
+
+
+@pytest.mark.parametrize(("left", "told"), [(0.04, True), (0.8, False)])
+def test_a_free_run_that_diverges_beside_good_horizons_leads_to_trace(left, told):
+    horizons = View("angle", "rad", 1.0, left, 1 - left**2, 0.9)
+    free = View("angle", "rad", None, 11.3, -160.0, 0.9)
+    said = worse_than_nothing([free], _good([horizons, free], [free]))
+    assert ("over horizons it explains most of the motion" in said) is told
+    assert said.endswith("hybridid trace looks for what the model lacks") is told
+    assert _good([horizons, free], [horizons, free]) == []
 
 
 def test_a_reversed_sign_is_no_matter_of_drift():

@@ -236,6 +236,11 @@ def test_a_name_far_above_the_noise_may_stand_for_a_part(nothing, times, said):
         "A name may stand for a part of that."
     )
     assert "More is missing" not in sentence(replace(found, times=2.9))
+    smooth = LearnedGain("carriage", "velocity", 0.04, 1e-3, "N", "m/s")
+    said_of_rest = sentence(replace(found, ceilings=LearnedGains((), (smooth,))))
+    assert "But no learned effort takes 5 % of it, and a disturbance" in said_of_rest
+    found_more = replace(found, ceilings=LearnedGains((), (replace(smooth, gain=0.06),)))
+    assert sentence(found_more) == sentence(found)
     together = sentence(replace(found, stopped=AT_FLOOR_TOGETHER))
     assert "More is missing" not in together
     assert "its parameters are uncertain" in together
