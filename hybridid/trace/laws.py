@@ -178,7 +178,11 @@ def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> 
     better = compare(found.final.score, lawful.final.score)
     family = family_of(before) + products_over(before, context)
     explains_more = better.gain >= rules.tie and family * better.p_value <= rules.alpha
-    return lawful if explains_more or _is_simpler(lawful, found, rules) else found
+    if explains_more or _is_simpler(lawful, found, rules):
+        return lawful
+    if lawful.accepted:
+        context.say(f"the law does not explain more than {names}: no law takes that place")
+    return found
 
 
 def _as_much_as_several(found: Search, before: Sequence[Ceiling], rules: Rules) -> list[Ceiling]:

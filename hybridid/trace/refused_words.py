@@ -92,11 +92,11 @@ def more_than_possible(gain: float, times: float) -> str:
     return " A complete model could not take as much: it fits the noise, or an error of the simulation."
 
 
-def why_passed_over(trial: Trial, taken: Sequence[Accepted], stopped: str) -> str:
-    """Why a ``trial`` that passed was not accepted: what its step has ``taken`` instead. Where that is gone,
-    the search has ``stopped`` for it."""
+def why_passed_over(trial: Trial, taken: Sequence[Accepted]) -> str:
+    """Why a ``trial`` that passed was not accepted: what its step has ``taken`` instead, if that is not gone
+    since."""
     if not taken:
-        return f"but less than what was accepted in its step; then {stopped}"
+        return "but less than what was accepted in its step, which was withdrawn later"
     names = listed([one.name for one in taken])
     if trial.gain < taken[0].trial.gain:
         return f"but less than {names}, accepted in its step"

@@ -305,7 +305,7 @@ def _at_the_end(search: Search, trial: Trial, number: int) -> TriedEffect:
             return replace(tried, status=UNIDENTIFIABLE, reason=reason, class_of=one.name)
     if trial.status == PASSED:
         taken, cut = search.steps[number - 1].taken, search.cut_within_a_step
-        why = "but others are untried" if cut else why_passed_over(trial, taken, search.stopped)
+        why = "but others are untried" if cut else why_passed_over(trial, taken)
         return replace(tried, status=REJECTED, reason=f"{trial.reason}, {why}")
     return tried
 

@@ -259,7 +259,7 @@ def error_left(found: Trace, beside: str = "") -> str:
 
 
 def _times(times: float) -> str:
-    return f"{times:.1f} times" if times < 1000 else "more than a thousand times"
+    return f"{times:.{1 if times < 100 else 0}f} times" if times < 1000 else "more than a thousand times"
 
 
 def _untried(found: Trace) -> str:

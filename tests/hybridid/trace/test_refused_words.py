@@ -84,9 +84,9 @@ def test_what_the_records_do_not_determine_is_no_hint(nothing):
         (0.3, ["a.viscous"], "but less than a.viscous, accepted in its step"),
         (0.6, ["a.viscous"], "but it is not shown to explain more than a.viscous, accepted in its step"),
         (0.3, ["a.dahl", "a.cogging"], "but less than a.dahl and a.cogging, accepted in its step"),
-        (0.3, [], "but less than what was accepted in its step; then it was withdrawn"),
+        (0.3, [], "but less than what was accepted in its step, which was withdrawn later"),
     ],
 )
 def test_what_passed_and_was_not_accepted_says_what_was(gain, taken, said):
     accepted = [SimpleNamespace(name=name, trial=SimpleNamespace(gain=0.5)) for name in taken]
-    assert why_passed_over(SimpleNamespace(gain=gain), accepted, "it was withdrawn") == said
+    assert why_passed_over(SimpleNamespace(gain=gain), accepted) == said
