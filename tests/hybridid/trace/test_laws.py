@@ -176,6 +176,15 @@ def test_one_effect_that_explains_as_much_stays(proposed, in_place):
     assert lawful is found
 
 
+def test_a_law_that_explains_no_more_is_said_to_take_no_place(proposed, in_place, monkeypatch):
+    monkeypatch.setattr("hybridid.trace.laws.with_law", lambda *given, **more: proposed.search)
+    found, lawful, said = in_place(proposed.search.final, ("asymmetric_viscous",))
+    assert lawful is found
+    assert (
+        said[-1] == "the law does not explain more than carriage.asymmetric_viscous: no law takes that place"
+    )
+
+
 def test_several_effects_of_one_curve_give_way_to_a_law_with_fewer_parameters(proposed, in_place):
     """Both are functions of the velocity, and so is a law of one parameter that explains as much."""
     _, lawful, _ = in_place(proposed.search.final, ("asymmetric_viscous", "coulomb"))
