@@ -55,7 +55,7 @@ from pipelines.trace.request import (
 
 FORMATS = ("svg",)
 """Formats of the figures. SVG is enough: the report embeds it, and a browser prints it."""
-FEWEST_FOR_PACE = 3
+FEWEST_FOR_PACE = 10
 """Results that tell how fast a stage is."""
 
 
@@ -176,9 +176,9 @@ class _Report:
 
 def _time_left(elapsed: float, done: int, of: int) -> str:
     """How long a stage still takes at its pace so far, where that is a minute or more. The slow ones begin
-    first, so it is seldom longer."""
+    first, so it is seldom longer and often less."""
     minutes = round(elapsed / done * (of - done) / 60) if done >= FEWEST_FOR_PACE else 0
-    return f", about {minutes} min left at this pace" if minutes else ""
+    return f", at most about {minutes} min left" if minutes else ""
 
 
 def _write(job: Job, found: Trace, processes: int) -> None:

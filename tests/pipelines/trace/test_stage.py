@@ -59,11 +59,11 @@ def test_no_horizon_is_advised_that_the_records_do_not_give():
 @pytest.mark.parametrize(
     ("elapsed", "done", "of", "said"),
     [
-        (60.0, 3, 9, ", about 2 min left at this pace"),
-        (10.0, 3, 9, ""),  # seconds need not be told
-        (60.0, 2, 9, ""),  # too few tell how fast it is
-        (60.0, 9, 9, ""),
-        (0.0, 0, 9, ""),
+        (60.0, 10, 30, ", at most about 2 min left"),
+        (10.0, 10, 30, ""),  # seconds need not be told
+        (60.0, 9, 30, ""),  # too few tell how fast it is
+        (60.0, 30, 30, ""),
+        (0.0, 0, 30, ""),
     ],
 )
 def test_what_takes_minutes_says_how_long(elapsed, done, of, said):
@@ -76,11 +76,11 @@ def test_progress_names_what_is_done_last(monkeypatch):
     clock = iter((0.0, 5.0, 5.0, 300.0))
     monkeypatch.setattr("pipelines.trace.stage.time.monotonic", lambda: next(clock))
     report = _Report(SimpleNamespace(watcher=watcher))
-    report("step 1", 0, 9, "")
-    report("step 1", 4, 9, "carriage.dahl")
+    report("step 1", 0, 20, "")
+    report("step 1", 10, 20, "carriage.dahl")
     assert told == [
-        "step 1: 0 of 9 done",
-        "step 1: 4 of 9 done, last carriage.dahl, about 6 min left at this pace",
+        "step 1: 0 of 20 done",
+        "step 1: 10 of 20 done, last carriage.dahl, at most about 5 min left",
     ]
 
 
