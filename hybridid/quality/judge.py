@@ -24,7 +24,7 @@ from hybridid.estimators.pieces import pieces
 from hybridid.estimators.problem import Problem, build_problem
 from hybridid.model import Model
 from hybridid.quality.doubt import doubt_of
-from hybridid.quality.drift import drifting
+from hybridid.quality.drift import drifting, explained_over_horizons
 from hybridid.quality.hypotheses import Hypothesis, hypotheses
 from hybridid.quality.smoothing import steady_horizon
 from hybridid.quality.trial import MOST_OF, Data, Trial, tried
@@ -76,7 +76,8 @@ def judge(
     drift = drifting(views, model, model.values(estimate.values), records)
     worse = [v for v in views if v.worse_than_nothing and v not in drift]
     bad = [v for v in worse if more or v.horizon == views[0].horizon]
-    findings = [Finding("worse_than_nothing", worse_than_nothing(bad, _good(views, bad)))] if bad else []
+    good = [] if any(v.horizon is not None for v in bad) else explained_over_horizons(views)
+    findings = [Finding("worse_than_nothing", worse_than_nothing(bad, good))] if bad else []
     if bad or more or unknown:
         findings += _explanations(model, problem, estimate, bool(bad or more))
     findings += [*_steps(estimate, views), *_smoothing(problem, estimate, views)]
@@ -88,13 +89,6 @@ def judge(
     advice = [Advice("drift", drifts(drift, views[0]))] if drift and verdict != "wrong" else []
     advice += advise(problem, estimate, held_out)
     return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began, tuple(advice))
-
-
-def _good(views: Sequence[View], bad: Sequence[View]) -> list[View]:
-    """The horizons over which the model explains most of the motion, where only free runs are ``bad``."""
-    if any(v.horizon is not None for v in bad):
-        return []
-    return [v for v in views if v.horizon is not None and v.rmse**2 < MOST_OF * v.nothing**2]
 
 
 def _verdict(estimate: Estimate, findings: Sequence[Finding]) -> Verdict:
