@@ -51,20 +51,18 @@ def along_the_valley(found: Refit, candidate: Candidate, base: Refit, split: Spl
     play, load, limit = (sought_by(candidate, what) for what in ("play", "load", "limit"))
     if limit:
         own = [name for name in found.values if name.startswith(f"{candidate.name}.")]
-        seen = _search(found, OF_LIMIT, lambda one, by: _with_limit(one, own, limit, by, split), split)
-        return found if seen[0] is found else _with_std(seen[0], split)
+        return _search(found, OF_LIMIT, lambda one, by: _with_limit(one, own, limit, by, split), split)[0]
     giver = giver_of(candidate.port, base, split)
     if giver is None:
         return found
     seen = _search(found, OF_PLAY, lambda one, by: _with_load(one, giver, load, play, by), split)
-    best = found if seen[0] is found else _with_std(seen[0], split)
-    return _as_wide_as_the_valley(best, seen, (giver.name, load, play), split)
+    return _as_wide_as_the_valley(seen[0], seen, (giver.name, load, play), split)
 
 
 def _search(found: Refit, factors: Sequence[float], move: Move, split: Split) -> list[Refit]:
-    """``found`` and all refits along the valley, the lowest cost first. Where a step pays, the next one goes
-    the same way: what lies the other way is known."""
-    seen = [found]
+    """``found`` and all refits along the valley, the lowest cost first, with standard errors. Where a step
+    pays, the next one goes the same way: what lies the other way is known."""
+    first, seen = found, [found]
     for factor in factors:
         ways: tuple[float, ...] = (factor, 1 / factor)
         for _ in range(MOST):
@@ -75,7 +73,8 @@ def _search(found: Refit, factors: Sequence[float], move: Move, split: Split) ->
             if way is None or made[way].cost >= found.cost:
                 break
             found, ways = made[way], (way,)
-    return sorted(seen, key=lambda one: one.cost)
+    best, *others = sorted(seen, key=lambda one: one.cost)
+    return [best if best is first else _with_std(best, split), *others]
 
 
 def _from(found: Refit, start: Start | None, split: Split) -> Refit | None:
@@ -105,6 +104,6 @@ def _with_limit(found: Refit, own: Sequence[str], limit: str, by: float, split: 
 def _as_wide_as_the_valley(found: Refit, seen: Sequence[Refit], names: Sequence[str], split: Split) -> Refit:
     """``found`` with standard errors of ``names`` that reach the fits ``seen`` that are as likely."""
     n = int(found.problem(split).on(split.fitted).windows.cells.sum())
-    near = [one for one in (found, *seen) if n * (one.cost / found.cost - 1) <= 1]
+    near = [one for one in seen if n * (one.cost / found.cost - 1) <= 1]
     reach = {name: max(abs(one.values[name] - found.values[name]) for one in near) for name in names}
     return replace(found, std={name: max(s, reach.get(name, 0.0)) for name, s in found.std.items()})
