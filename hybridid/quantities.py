@@ -100,8 +100,8 @@ def number(value: float | None, digits: int = 4, missing: str = UNKNOWN) -> str:
 
 
 def fixed(value: float | None, places: int, missing: str = UNKNOWN) -> str:
-    """``value`` to so many decimal places."""
-    return missing if value is None or not math.isfinite(value) else minus(f"{value:.{places}f}")
+    """``value`` to so many decimal places, zero without a sign."""
+    return missing if value is None or not math.isfinite(value) else minus(f"{value:z.{places}f}")
 
 
 def power(value: float | None, digits: int = 3, missing: str = "") -> str:

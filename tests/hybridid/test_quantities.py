@@ -192,3 +192,9 @@ def test_mean_squares_and_coefficients_of_determination():
 
 def test_units_stand_behind_numbers():
     assert (with_unit("3", "N*m"), with_unit("3", ""), with_unit("3", "1")) == ("3 N·m", "3", "3")
+
+
+def test_zero_has_no_sign():
+    assert share(-0.0004) == "0.0 %"
+    assert share(-0.0006) == "−0.1 %"
+    assert fixed(-0.004, 2) == "0.00"
