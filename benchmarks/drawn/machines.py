@@ -62,7 +62,7 @@ def _link(p: Mapping[str, float]) -> Bench:
         "servo": (VISCOUS(f_v=BACK_EMF + p["f_v_servo"]),),
         "link": (STIFFNESS(k=p["K_s"], q_0=0.0), VISCOUS(f_v=p["f_v_link"])),
     }
-    return replace(LINK, mass=((p["J_eq"], 0.0), (0.0, p["J_l"])), own=own)
+    return replace(LINK, mass=((p["J_eq"], 0.0), (0.0, p["J_l"])), own=own, back_emf=BACK_EMF)
 
 
 def _esea(p: Mapping[str, float]) -> Bench:

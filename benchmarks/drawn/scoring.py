@@ -48,6 +48,9 @@ TRUTH_IDS: Mapping[str, tuple[str, ...]] = {
 }
 """Ids of the library that are a hidden law under another name than its own. They count as soon as the library
 has them. An id is entered here only where its equation is that very law, whatever a trace answered."""
+OF_ONE_SIDE: Mapping[str, str] = {"load_friction": "two_sided_load_friction"}
+"""The load of a drawn law is the drive's effort. Where a port knows the load's side as well, the library's
+effect that takes both sides together is another law; that which has an amount for each is the drawn one."""
 MOST_ALIKE, MOST_OVER = 3, 3.0
 LAW = "law_proposed"
 HONEST = ("unexplained", "undecided", LAW)
@@ -64,10 +67,11 @@ def truths_of(
     ids = {effect.id for effect in EFFECTS} if library is None else set(library)
     own = [one for one in TRUTH_IDS.get(what, (what,)) if one in ids]
     single = {
-        f"{port}.{one}"
+        f"{port}.{there}"
         for port in ports
         for one in own
-        if plant is None or effect_named(one).admissible_at(plant.port(port))
+        for there in (OF_ONE_SIDE.get(one, one) if plant and plant.port(port).load else one,)
+        if there in ids and (plant is None or effect_named(there).admissible_at(plant.port(port)))
     }
     joint = {f"{'+'.join(ports)}.{one}" for one in own if all(f"{port}.{one}" in single for port in ports)}
     return frozenset(single | joint)

@@ -1,7 +1,9 @@
 """A bench whose laws are told the drive's effort, and which says what each hidden law did.
 
 A law with a parameter ``load`` gets the drive's effort anew for every piece of a sample over which the drive
-holds it: the truth stays exact. ``Seen.efforts`` are the hidden laws' own efforts at the end of each sample.
+holds it: the truth stays exact. A motor's torque changes with its back-EMF, so it is told ``PARTS`` times a
+piece, each time as it is half a part later. ``Seen.efforts`` are the hidden laws' own efforts at the end of
+each sample.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from hybridid.rigs.machine import Machine, Motion
 Array = NDArray[np.float64]
 TOLERANCE = 1e-8
 LOAD = "load"
+PARTS = 10
 
 
 @dataclass(frozen=True)
@@ -34,11 +37,12 @@ class Seen:
 
 
 class ToldMotion(Motion):
-    """A motion that tells its laws the first input's effort at the first coordinate."""
+    """A motion that tells its laws the first input's effort at the first coordinate, less ``back_emf`` times
+    the velocity there."""
 
-    def __init__(self, machine: Machine, tolerance: float = TOLERANCE) -> None:
+    def __init__(self, machine: Machine, tolerance: float = TOLERANCE, back_emf: float = 0.0) -> None:
         super().__init__(machine, positions=np.zeros(machine.coordinates), tolerance=tolerance)
-        self._machine = machine
+        self._machine, self._back_emf, self._gained = machine, back_emf, 0.0
         self._gain = machine.input_matrix[0][0]
         names = [[name for name, _ in planted.values] for _, planted in machine.planted]
         starts = self._tables.parameter_start
@@ -46,8 +50,13 @@ class ToldMotion(Motion):
 
     def advance(self, duration: float, inputs: Array) -> None:
         """As ``Motion`` has it, with the laws told ``inputs`` (1,) first."""
-        self._tables.parameters[self._told] = self._gain * inputs[0]
-        super().advance(duration, inputs)
+        pieces = PARTS if self._back_emf and self._told else 1
+        for _ in range(pieces):
+            begun = self.velocities[0]
+            lost = self._back_emf * (begun + self._gained / 2)
+            self._tables.parameters[self._told] = self._gain * inputs[0] - lost
+            super().advance(duration / pieces, inputs)
+            self._gained = self.velocities[0] - begun  # as much again within the next piece
 
     def contact(self, c: int) -> tuple[float, float]:
         """Position and velocity of contact ``c``."""
@@ -69,7 +78,7 @@ class ToldPath(_Path):
 
     def __init__(self, bench: Bench) -> None:
         super().__init__(bench)
-        self.motion = self._motion = ToldMotion(bench.machine)
+        self.motion = self._motion = ToldMotion(bench.machine, back_emf=bench.back_emf)
 
 
 def perform(

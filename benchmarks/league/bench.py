@@ -73,7 +73,8 @@ class Bench:
 
     ``contacts``: port -> its direction among the coordinates; ``own`` the laws that belong to the machine;
     ``outputs``: name -> (weights of the coordinates, whether of their velocities, unit).
-    ``drives``: run -> input or, with a loop, reference as a function of time (n,).
+    ``runs``: run -> input or, with a loop, reference as a function of time (n,). ``back_emf`` [N s/m]: of the
+    first coordinate's velocity the drive's effort loses so much (a DC motor); it is part of ``own``.
     """
 
     name: str
@@ -89,6 +90,7 @@ class Bench:
     loop: Loop | None = None
     planted: Mapping[str, tuple[Planted, ...]] = field(default_factory=dict)
     drive: Drive = Drive()
+    back_emf: float = 0.0
 
     @property
     def machine(self) -> Machine:

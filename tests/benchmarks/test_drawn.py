@@ -40,6 +40,7 @@ from benchmarks.league.machines import CASES
 from benchmarks.league.planting import PATHS
 from benchmarks.league.scenarios import all_scenarios
 from hybridid.effects.library import EFFECTS, effect_named
+from hybridid.rigs.law_library import VISCOUS
 from hybridid.rigs.machine import Machine
 
 DRAWS = all_draws()
@@ -148,8 +149,8 @@ def test_a_composed_law_is_its_formula():
         assert law.law.function(0.0, 0.0, 0.1 * s, s, np.zeros(2), p, np.zeros(2)) == 3.0 * s * 2.5
 
 
-def _mass(*laws) -> ToldMotion:
-    return ToldMotion(Machine(((2.0,),), ((1.0,),), ((1.0,),), (laws,)))
+def _mass(*laws, back_emf=0.0) -> ToldMotion:
+    return ToldMotion(Machine(((2.0,),), ((1.0,),), ((1.0,),), (laws,)), back_emf=back_emf)
 
 
 def test_friction_of_the_load_takes_its_part_of_the_drive():
@@ -160,6 +161,15 @@ def test_friction_of_the_load_takes_its_part_of_the_drive():
     assert motion.effort(0) == pytest.approx(1.0)
     motion.advance(0.5, np.array([12.0]))
     assert motion.velocities[0] == pytest.approx((4.0 + 12.0) * 0.75 / 2.0 * 0.5)
+
+
+def test_friction_of_the_load_takes_its_part_of_what_the_back_emf_leaves():
+    """M v' = (1 - mu) (u - e v) has the solution v = u / e (1 - exp(-(1 - mu) e t / M))."""
+    u, e, mu = 4.0, 3.0, 0.25
+    motion = _mass(VISCOUS(f_v=e), LOAD_FRICTION(mu=mu, load=0.0), back_emf=e)
+    for _ in range(100):
+        motion.advance(4e-3, np.array([u]))
+    assert motion.velocities[0] == pytest.approx(u / e * (1 - np.exp(-(1 - mu) * e * 0.4 / 2.0)), rel=1e-5)
 
 
 def test_an_inertia_that_varies_keeps_energy():
@@ -290,8 +300,11 @@ def test_a_law_at_two_ports_is_also_one_effect_at_both():
     }
     assert truths_of("load_friction", ("p",), {"load_friction"}) == {"p.load_friction"}
     assert truths_of("two_sided_load_friction", ("p",)) == frozenset()
-    plants = {machine: CASES[machine].plant for machine in ("carriage", "oscillator")}
+    plants = {machine: CASES[machine].plant for machine in ("carriage", "oscillator", "flexible_link")}
     assert truths_of("load_friction", ("carriage",), plant=plants["carriage"]) == {"carriage.load_friction"}
+    assert truths_of("load_friction", ("servo",), plant=plants["flexible_link"]) == {
+        "servo.two_sided_load_friction"
+    }
     assert truths_of("load_friction", ("oscillator",), plant=plants["oscillator"]) == frozenset()
 
 
