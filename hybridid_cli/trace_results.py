@@ -16,6 +16,7 @@ from hybridid.trace.remarks import (
     narrowed_in_words,
     parameters_in_words,
     refused_rivals,
+    richer_laws,
     tried_in_words,
     unsure_in_words,
 )
@@ -46,7 +47,8 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
     parts: list[RenderableType] = [Text.assemble(word, found.sentence, "\n")]
     if found.accepted:
         parts.append(_accepted(found))
-        parts += map(Text, (said for said in (unsure_in_words(found), *refused_rivals(found)) if said))
+        beside = (unsure_in_words(found), *refused_rivals(found), *richer_laws(found))
+        parts += [Text(said) for said in beside if said]
     parts.append(_before_after(found))
     parts += [Text(said) for said in (idle_in_words(found), narrowed_in_words(found)) if said]
     if found.completeness:

@@ -15,7 +15,7 @@ from scipy import stats
 
 from hybridid.declarations import Parameter
 from hybridid.effects.effect import EffectParameter
-from hybridid.quantities import change, percent
+from hybridid.quantities import change, estimated, percent, quantity
 from hybridid.trace.evidence import holm
 from hybridid.trace.rules import Rules
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial
@@ -86,24 +86,26 @@ def undetermined(trial: Trial, rules: Rules) -> str:
     though zero is excluded. That it is not zero is what the held-out gain shows.
     """
     assert trial.refit is not None
-    values, errors = trial.own("values"), trial.refit.std
+    values, errors = trial.own("values"), trial.own("std")
+    units = {p.name: p.unit for p in trial.refit.model.parameters}
+
+    def said(name: str) -> str:
+        unit = units[f"{trial.candidate.name}.{name}"]
+        return f"{name} = {estimated(values[name], errors[name], unit)}"
+
     amplitudes = _amplitudes(trial)
     each = [[name] for name in amplitudes] if trial.candidate.effect.sum_of else [amplitudes]
     vague = [name for names in each if not _stand_off_nothing(trial, names, rules) for name in names]
     if vague and not _is_hard(trial):
-        said = ", ".join(
-            f"{n} = {values[n]:.3g} ± {errors[f'{trial.candidate.name}.{n}']:.2g}" for n in vague
-        )
-        return f"{said}: not determined by these records"
+        return f"{', '.join(map(said, vague))}: not determined by these records"
     into = trial.candidate.effect.into
     if into and not _stand_off_nothing(trial, [into], rules):
-        std = errors[f"{trial.candidate.name}.{into}"]
-        return f"{into} = {values[into]:.3g} ± {std:.2g}: nothing is shown to enter the second level"
+        return f"{said(into)}: nothing is shown to enter the second level"
     for p, declared in _judged_alone(trial):
-        value, std = values[p.name], errors[f"{trial.candidate.name}.{p.name}"]
+        value, std = values[p.name], errors[p.name]
         most = ORDER if declared.lower > 0 else rules.vague
         if not math.isfinite(std) or (not p.nests and std > most * max(abs(value), declared.scale)):
-            return f"{p.name} = {value:.4g} ± {std:.2g} {declared.unit} is not determined by these records"
+            return f"{said(p.name)}: not determined by these records"
     return _degenerate(trial) or _collinear(trial, rules)
 
 
@@ -114,7 +116,8 @@ def _degenerate(trial: Trial) -> str:
         value = values[p.name]
         span = 1e-3 * max(abs(value), 1e-3 * declared.scale)
         if value <= declared.lower + span or value >= declared.upper - span:
-            return f"{p.name} = {value:.4g} {declared.unit} ends at its bound: the effect degenerates"
+            at = quantity(value, declared.unit, 4)
+            return f"{p.name} = {at} ends at its bound: the effect degenerates"
     return ""
 
 

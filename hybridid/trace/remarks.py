@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from hybridid.effects.library import EFFECTS
 from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.constancy import NO_CONSTANT
-from hybridid.trace.entries import AcceptedEffect, Value
+from hybridid.trace.entries import AcceptedEffect, TriedEffect, Value
 from hybridid.trace.result import Trace
-from hybridid.trace.trial import UNTRIED
+from hybridid.trace.trial import UNIDENTIFIABLE, UNTRIED
 
 
 def idle_in_words(found: Trace) -> str:
@@ -70,6 +71,27 @@ def refused_rivals(found: Trace) -> tuple[str, ...]:
         for trial in step.trials
         if trial.reason.startswith(NO_CONSTANT)
     )
+
+
+def richer_laws(found: Trace) -> tuple[str, ...]:
+    """Effects that contain the law of an accepted one and explain as much, but whose further parameters the
+    records do not determine. The simpler law is preferred; the records do not exclude the richer one."""
+    return tuple(
+        f"{rich.name} contains the law of {poor.effect} and explains as much ({rich.reason}). These "
+        "records do not exclude it."
+        for entry in found.accepted
+        if not entry.together
+        for poor in entry.class_members[:1]
+        for rich in found.steps[entry.step - 1].trials
+        if rich.status == UNIDENTIFIABLE and rich.port == poor.port and _contains(rich, poor)
+        if 1.0 - rich.gain <= (1.0 + found.rules.tie) * (1.0 - poor.gain)
+    )
+
+
+def _contains(rich: TriedEffect, poor: TriedEffect) -> bool:
+    """As ``hybridid.trace.contained.contains``, by their names."""
+    alike = {frozenset((effect.id, other)) for effect in EFFECTS for other in effect.look_alikes}
+    return {rich.effect, poor.effect} in alike and poor.parameters.keys() < rich.parameters.keys()
 
 
 def named_effects(found: Trace) -> int:

@@ -26,6 +26,7 @@ from hybridid.trace.remarks import (
     narrowed_in_words,
     parameters_in_words,
     refused_rivals,
+    richer_laws,
     structure_in_words,
     unsure_in_words,
 )
@@ -108,7 +109,7 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
         f"{a.effect}: {a.title}, {equation_in_words(a)}. {a.pattern[:1].upper()}{a.pattern[1:]}."
         for a in found.accepted
     ]
-    paragraphs += refused_rivals(found)
+    paragraphs += (*refused_rivals(found), *richer_laws(found))
     paragraphs += [
         f"{a.name} was found only together with {a.together}; its gain is the one beside it."
         for a in found.accepted

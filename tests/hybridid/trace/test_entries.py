@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from hybridid.trace.entries import AcceptedEffect, TriedEffect, Value
-from hybridid.trace.remarks import equation_in_words
+from hybridid.trace.entries import AcceptedEffect, StepTaken, TriedEffect, Value
+from hybridid.trace.remarks import equation_in_words, richer_laws
 from hybridid.trace.words import sentence
 
 
@@ -55,3 +55,25 @@ def test_what_the_records_hardly_show_is_no_name(nothing):
     assert ": with it, and with joint.viscous, which these records hardly show (it is no name: its " in said
     several = replace(found, accepted=(ours, *(replace(other, shown=False),) * 2))
     assert "hardly show (they are no names: their intervals include zero), the RMSE" in sentence(several)
+
+
+def test_a_richer_law_that_the_records_do_not_determine_is_told(nothing):
+    """LuGre's friction contains Dahl's, and so does Bouc-Wen's hysteresis."""
+    known = {"f_c": Value(1.0, 0.1, "N"), "s": Value(0.1, 0.01, "m")}
+    dahl = replace(member("dahl", "cart"), parameters=known)
+    vague = "sigma_1 = 3 ± 9 N·s/m: not determined by these records"
+    rich = {**known, "sigma_1": Value(3.0, 9.0, "N·s/m")}
+    lugre = replace(member("lugre", "cart"), status="unidentifiable", reason=vague, parameters=rich)
+    found = replace(nothing(), accepted=(accepted(dahl),))
+
+    def told(*trials: TriedEffect) -> tuple[str, ...]:
+        return richer_laws(replace(found, steps=(StepTaken(nothing().path[0], None, (), trials),)))
+
+    assert told(dahl, lugre) == (
+        f"cart.lugre contains the law of dahl and explains as much ({vague}). These records do not "
+        "exclude it.",
+    )
+    assert told(dahl, replace(lugre, gain=0.3)) == (), "it explains less"
+    assert told(dahl, replace(lugre, parameters=known)) == (), "it is no richer"
+    assert told(dahl, replace(lugre, port="motor")) == ()
+    assert told(dahl, replace(lugre, status="rejected")) == (), "its parameters are determined"
