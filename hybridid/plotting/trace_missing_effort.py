@@ -68,13 +68,16 @@ def missing_effort_plot(
         name_y(axes, scale)
     panels[0].set_ylim(limits)
     legend_on_top(figure, handles)
+    at_rest = "at rest, where friction takes up what is missing" if any(e.rests for e in shown) else ""
+    masked = "masked, does not count" if any(len(e.holes) for e in shown if not e.rests) else ""
+    shaded = f"; shaded: {at_rest or masked}" if at_rest or masked else ""
     acts = "Flow that leaves" if one.kind == "flow" else "Effort that resists"
     caption = (
         f"{acts} at {one.port} on {one.record} ({one.provenance}) beyond the model, estimated "
         f"by a smoother, for {', '.join(efforts)}: over time (thin: samples; bold: their means over "
         f"{1e3 * _block(one):.0f} ms; band: 95 % of a sample), and over what it could depend on (dots: "
         "samples; circles: medians in bins, bars: the middle 80 %)"
-        f"{'; shaded: masked, does not count' if len(one.holes) else ''}."
+        f"{shaded}."
     )
     return Plot(figure, f"missing_effort_{one.port}", caption, one.provenance)
 

@@ -32,6 +32,7 @@ from hybridid.simulation.holds import all_held, stage_inputs
 from hybridid.simulation.integrators import sample_step
 from hybridid.simulation.stability import substeps_for
 from hybridid.simulation.unobserved import filled_states
+from hybridid.trace.rest import held_at_rest
 from hybridid.validation.predict import holes_of
 
 Array = NDArray[np.float64]
@@ -63,8 +64,9 @@ class MissingEffort:
 
     ``kind`` is that of the port: at a flow port, ``effort`` is a flow that leaves. ``motion`` holds values
     (n,) and unit, by name, of what the effort could depend on: the smoothed velocity, position, acceleration,
-    and the travel since the velocity last changed sign; at a flow port the level and the net flow. Of a
-    masked record, ``rows`` (n,) are the samples that it shows: those that count.
+    and the travel since the velocity last changed sign; at a flow port the level and the net flow. ``rows``
+    (n,) are the samples of the record that it shows, if not all: those that count, in motion. ``rests``: dry
+    friction holds the machine at rest at some others.
     """
 
     record: str
@@ -78,6 +80,7 @@ class MissingEffort:
     motion: Mapping[str, tuple[Array, str]]
     intensity: float
     rows: NDArray[np.int64] | None = None
+    rests: bool = False
 
     def of(self, values: Array) -> Array:
         """Of ``values`` (n of the record,) those at the samples that it shows, (n,)."""
@@ -85,7 +88,7 @@ class MissingEffort:
 
     @property
     def holes(self) -> Array:
-        """Times [s] of the last sample before and the first after each masked stretch, (h, 2)."""
+        """Times [s] of the last sample before and the first after each stretch that is left out, (h, 2)."""
         return np.empty((0, 2)) if self.rows is None else holes_of(self.time, self.rows)
 
 
@@ -93,10 +96,10 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
     """Estimate the effort that ``model`` at ``values`` lacks at an effort port, or the flow at a flow port.
 
     Masked outputs say nothing of it. Of a record with masked stretches that are not simulated, it is that of
-    the longest part between them.
+    the longest part between them. Where dry friction holds the machine at rest, nothing is shown.
 
     Raises:
-        ValueError: if the port takes neither.
+        ValueError: if the port takes neither, or the machine always rests.
         ArithmeticError: if the smoother diverges.
     """
     from hybridid.trace.kalman import kalman_filter, smooth  # numba takes a quarter of a second
@@ -138,12 +141,22 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
         if np.median(moved) < STILL * np.sqrt(np.median(covariance)):
             break
     found = _result(walking, record, port, p, about, covariance, float(INTENSITIES[best]))
-    return _of_what_counts(found, record, first) if whole.masked else found
+    rests = _rests(found, walking, where, p)
+    shown = record.counts & ~rests
+    if not shown.any():
+        raise ValueError("the machine rests on the whole record: dry friction hides what is missing")
+    found = replace(found, rests=bool(rests.any()))
+    return found if shown.all() and not whole.masked else _shown(found, np.flatnonzero(shown), first)
 
 
-def _of_what_counts(found: MissingEffort, record: Record, first: int) -> MissingEffort:
-    """``found`` at the samples that count of ``record``, which begins at sample ``first`` of a masked one."""
-    kept = np.flatnonzero(record.counts)
+def _rests(found: MissingEffort, model: Model, port: Port, p: Array) -> NDArray[np.bool_]:
+    if port.kind != "effort":
+        return np.zeros(len(found.time), dtype=bool)
+    return held_at_rest(model, port, p, found.time, found.motion["velocity"][0])
+
+
+def _shown(found: MissingEffort, kept: NDArray[np.int64], first: int) -> MissingEffort:
+    """``found`` at the samples ``kept``; it begins at sample ``first`` of the record."""
     arrays = {name: getattr(found, name)[kept] for name in ("time", "effort", "std")}
     motion = {name: (values[kept], unit) for name, (values, unit) in found.motion.items()}
     return replace(found, **arrays, motion=motion, rows=first + kept)
