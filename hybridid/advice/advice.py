@@ -18,7 +18,7 @@ class Advice:
     descent used all its iterations, and needs more, or another tolerance. ``valley``: too few starts tell
     whether the valley that is kept is the lowest. ``open``: a standard error is larger than its parameter,
     which is positive. ``same``: a held-out record holds samples that were fitted.
-    ``drift``: a free run is bad by nature, since the model integrates; horizons judge it.
+    ``drift``: a free run is bad by nature, since the model integrates or is unstable; horizons judge it.
     """
 
     kind: Kind

@@ -1,4 +1,5 @@
-"""The free runs that are bad by nature, since the model integrates (``hybridid.validation.drift``)."""
+"""The free runs that are bad by nature, since the model integrates or is unstable; see
+``hybridid.validation.drift``."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ from hybridid.quality.words import (
     worse_than_nothing,
 )
 from hybridid.records.record import Record
-from hybridid.validation.drift import outputs_that_drift
+from hybridid.validation.drift import growth, outputs_that_drift
 
 Array = NDArray[np.float64]
 PARTS = (20, 4, 1)
@@ -86,7 +86,8 @@ def judge(
     findings += [Finding("valley", said) for said in several_valleys(estimate.starts)]
     verdict = _verdict(estimate, findings)
     said = sentence(verdict, estimate, views, _astray(views, model, estimate, records))
-    advice = [Advice("drift", drifts(drift, views[0]))] if drift and verdict != "wrong" else []
+    grows = growth(model, model.values(estimate.values), records) if drift else 0.0
+    advice = [Advice("drift", drifts(drift, views[0], grows))] if drift and verdict != "wrong" else []
     advice += advise(problem, estimate, held_out)
     return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began, tuple(advice))
 

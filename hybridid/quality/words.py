@@ -28,13 +28,20 @@ def worse_than_nothing(views: Sequence[View], good: Sequence[View] = ()) -> str:
     beside = "; ".join(f"{v.output} {where(v)}: {_beside_nothing(v)}" for v in good)
     return (
         f"{told}, but over horizons it explains most of the motion ({beside}): in a free run the errors add "
-        "up, and grow where the machine is unstable; hybridid trace looks for what the model lacks"
+        "up; hybridid trace looks for what the model lacks"
     )
 
 
-def drifts(views: Sequence[View], horizons: View) -> str:
-    """That the free runs ``views`` are bad by nature, and that ``horizons`` are to be looked at."""
+def drifts(views: Sequence[View], horizons: View, growth: float) -> str:
+    """That the free runs ``views`` are bad by nature, and that ``horizons`` are to be looked at; an error
+    grows at the rate ``growth`` [1/s], 0 if the model is not unstable."""
     said = "; ".join(f"{v.output}: {_beside_nothing(v)}" for v in views)
+    if growth > 0:
+        return (
+            f"the free run diverges ({said}), since the model is unstable where the record holds it: without "
+            f"the loop that holds it, a small error grows e-fold in {quantity(1.0 / growth, 's', 2)}; its "
+            f"errors {where(horizons)} judge it. If the machine is stable, the model is wrong"
+        )
     return (
         f"the free run drifts ({said}), since the model integrates: nothing brings it back within a record, "
         f"and small errors add up; its errors {where(horizons)} judge it"

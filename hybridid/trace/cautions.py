@@ -20,7 +20,7 @@ from hybridid.trace.decay_class import in_their_place
 from hybridid.trace.doubted import other_law_possible, revision_advised
 from hybridid.trace.drive_sides import drive_changes_on_one_side
 from hybridid.trace.entries import AcceptedEffect
-from hybridid.trace.free_run import far_in_free_run, worse_in_free_run
+from hybridid.trace.free_run import far_in_free_run, unstable, worse_in_free_run
 from hybridid.trace.horizon_advice import (
     determining_parts_advised,
     few_samples,
@@ -41,7 +41,7 @@ from hybridid.trace.shorter import seeks
 from hybridid.trace.shown import not_shown
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.verdict import Conclusion
-from hybridid.validation.drift import outputs_that_drift
+from hybridid.validation.drift import growth, outputs_that_drift
 
 OTHER = 0.2
 """Share of its value by which a parameter must differ to be told: a machine that warms up changes by less."""
@@ -84,7 +84,10 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
             _other_held_out(traced.accepted, context.rules),
         ]
         told += [in_their_place(found.search)]
-    return "".join([*told, found.other_hold, worse_in_free_run(traced)])
+    final, measured = found.search.final, context.split.records
+    rate = growth(final.model, final.model.values(final.values), measured)
+    in_free_run = unstable(traced, rate) if rate > 0 else worse_in_free_run(traced)
+    return "".join([*told, found.other_hold, in_free_run])
 
 
 def _of_recordings(found: Search, context: Context) -> str:
@@ -155,7 +158,7 @@ def _hidden_by_the_simulation(traced: Trace, model: Model) -> str:
 
 
 def _drifting(found: Conclusion, context: Context) -> list[str]:
-    """The outputs that follow what the last model integrates."""
+    """The outputs that follow what the last model integrates, or what is unstable in it."""
     final, records = found.search.final, context.split.records
     drift = outputs_that_drift(final.model, final.model.values(final.values), records)
     return [output.name for output, does in zip(final.model.outputs, drift, strict=True) if does]

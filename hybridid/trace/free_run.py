@@ -5,8 +5,8 @@ effect that truly acts lowers it there, too, or leaves it. Where the free run be
 mends the start of each horizon, and what it does in the long run is wrong: a lag of two seconds in a sensor
 can pass for a brake that acts at rest.
 
-A free run of an unstable or integrating machine also adds up what little its parameters err by. So this
-withdraws no effect: the engineer is told, and decides.
+A free run of an integrating machine also adds up what little its parameters err by. So this withdraws no
+effect: the engineer is told, and decides. Of an unstable machine a free run says nothing at all.
 """
 
 from __future__ import annotations
@@ -42,9 +42,20 @@ def worse_in_free_run(found: Trace) -> str:
     )
 
 
+def unstable(found: Trace, rate: float) -> str:
+    """That the free runs say nothing of a model in which an error grows at ``rate`` [1/s]; empty where each
+    is better than doing nothing."""
+    if all(row.r2 > 0 and not row.remark for row in _free_runs(found.after).values()):
+        return ""
+    return (
+        f" The model is unstable where the records hold it: a small error grows e-fold in "
+        f"{quantity(1.0 / rate, 's', 2)}, so its free runs say nothing."
+    )
+
+
 def far_in_free_run(found: Trace, drift: Sequence[str]) -> str:
     """That the last model leaves far more in free run than over horizons, and than noise and simulation do;
-    else empty. The outputs of ``drift`` follow what the model integrates: their free runs tell little."""
+    else empty. The outputs of ``drift`` follow what integrates or grows: their free runs tell little."""
     limits = {
         name: math.hypot(one.value, one.simulation)
         for name, one in found.noise_floor.items()

@@ -15,7 +15,7 @@ from hybridid.quality.drift import explained_over_horizons
 from hybridid.quality.verdict import View
 from hybridid.quality.words import worse_than_nothing
 from hybridid.records.record import Channel, Record
-from hybridid.validation.drift import outputs_that_drift
+from hybridid.validation.drift import growth, outputs_that_drift
 
 DT, N = 0.1, 600
 
@@ -110,12 +110,53 @@ def test_a_reversed_sign_is_no_matter_of_drift():
         ({"beam.viscous.f_v": 2.0}, [True, False]),  # friction holds the speed
         ({"k": 1.0, "beam.viscous.f_v": 0.01}, [False, False]),  # a spring brings it back
         ({"k": 1e-5, "beam.viscous.f_v": 0.0}, [True, True]),  # not within this record
+        ({"k": -1.0, "beam.viscous.f_v": 0.0}, [True, True]),  # it rolls off a hump
     ],
 )
 def test_an_output_drifts_if_nothing_brings_it_back_within_the_record(values, drift):
     model = compose(Ball(), ["viscous"])
     p = model.values({"beam.viscous.f_v": 0.0, **values})
     assert outputs_that_drift(model, p, [rolled(n_y=2)]) == drift
+
+
+class Hump(Position):
+    """The same ball on a hump, which it rolls off: ``q'' = b angle - F + h q``."""
+
+    parameters = (Parameter("b", "m/s²", 5.0, 0.01, 100.0), Parameter("h", "1/s²", 2.0, 0.0, 100.0))
+
+    def derivative(self, x, u, p, effort):
+        return {"q": x.v, "v": p.b * u.angle - effort["beam"] + p.h * x.q}
+
+
+def held(n=3000, dt=0.02):
+    """A ball that a loop holds on a hump, with h = 4 /s² and friction."""
+    generator, q, v = np.random.default_rng(4), 0.0, 0.0
+    time, position, angle = dt * np.arange(n), np.empty(n), np.empty(n)
+    for k in range(n):
+        angle[k] = 4.0 * (0.1 * np.sin(0.9 * time[k]) + 0.05 * np.sin(3 * time[k]) - q) - 1.0 * v
+        position[k] = q
+        for _ in range(20):
+            v += dt / 20 * (5.0 * angle[k] + 4.0 * q - 0.3 * v)
+            q += dt / 20 * v
+    position += generator.normal(0.0, 1e-4, n)
+    channels = (Channel("angle", "rad", "zoh"),), (Channel("position", "m"),)
+    return Record("held", time, angle[:, None], position[:, None], *channels, simulated=True)
+
+
+def test_a_free_run_of_an_unstable_machine_is_no_accusation():
+    record, model = held(), compose(Hump(), ["viscous"])
+    estimate = fit(model, [record], FitSettings(horizon=50))
+    assert estimate.values["h"] == pytest.approx(4.0, rel=0.05)
+    found = judge(model, [record], estimate)
+    horizons, free = found.views
+    assert free.worse_than_nothing
+    assert horizons.rmse < 0.05 * horizons.nothing
+    assert found.verdict == "sound"
+    (said,) = (one.said for one in found.advice if one.kind == "drift")
+    assert "a small error grows e-fold in 540 ms" in said
+    rate = growth(model, model.values(estimate.values), [record])
+    assert rate == pytest.approx(-0.15 + np.sqrt(0.15**2 + 4.0), rel=0.05)
+    assert growth(model, model.values({"h": 0.0}), [record]) == 0.0
 
 
 def test_a_pendulum_does_not_drift():

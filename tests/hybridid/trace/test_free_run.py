@@ -9,7 +9,7 @@ import pytest
 
 from hybridid.trace.before_after import ScoreRow
 from hybridid.trace.entries import Floor
-from hybridid.trace.free_run import far_in_free_run, worse_in_free_run
+from hybridid.trace.free_run import far_in_free_run, unstable, worse_in_free_run
 from hybridid.trace.rules import Rules
 
 
@@ -63,3 +63,12 @@ def test_a_free_run_that_leaves_far_more_than_the_horizons_is_told():
 @pytest.mark.parametrize("told", [far(0.005), far(0.02, horizons=8.0), far(0.02, drift=["position"])])
 def test_a_free_run_near_the_horizons_or_one_that_drifts_is_not(told):
     assert told == ""
+
+
+def test_a_bad_free_run_of_an_unstable_model_says_nothing():
+    good, bad = (SimpleNamespace(after=(row(3.0, r2=r2), row(0.1, "second", r2=0.9))) for r2 in (0.5, -170.0))
+    assert unstable(bad, 7.1) == (
+        " The model is unstable where the records hold it: a small error grows e-fold in 140 ms, so its free "
+        "runs say nothing."
+    )
+    assert unstable(good, 7.1) == ""
