@@ -11,9 +11,10 @@ from hybridid.advice.advice import Advice
 from hybridid.estimators.estimate import Estimate
 from hybridid.estimators.problem import Problem
 from hybridid.model import Model
-from hybridid.quantities import number
+from hybridid.quantities import number, quantity
 from hybridid.records.record import Record
 from hybridid.simulation.unobserved import filled_states
+from hybridid.validation.drift import growth
 
 Array = NDArray[np.float64]
 USUAL = 1.0
@@ -34,6 +35,9 @@ RESOLVED = 1 / 3
 """Of the shortest record, that the slowest dynamics may take and still be seen."""
 PROBES = 50
 """Samples of each record at which the time constants are computed."""
+GROWN, GROWS = 20.0, 5.0
+"""Times e that an error grows by over what is fitted, as an exponent: above the first, the last digits of the
+initial state decide; by the second over the horizon that is proposed then."""
 
 
 def proposed_horizon(step: float, shortest: float, undriven: bool = False) -> float:
@@ -46,8 +50,11 @@ def proposed_horizon(step: float, shortest: float, undriven: bool = False) -> fl
 
 
 def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
-    """Whether the horizon of the fit is too long for its records, or too short for what moves slowly; a fit
-    to whole records has none."""
+    """Whether what is fitted in one run is too long for an unstable model, or the horizon of the fit too long
+    for its records, or too short for what moves slowly; a fit to whole records has none."""
+    if too_long := _grows(problem, estimate):
+        yield Advice("horizon", too_long)
+        return
     if estimate.settings.horizon is None:
         return
     step = problem.windows.dt
@@ -60,6 +67,21 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
     slowest = slowest_time(problem.model, estimate.values, problem.records, RESOLVED * shortest)
     if seconds < slowest:
         yield Advice("horizon", _too_short(problem, estimate, shortest, slowest))
+
+
+def _grows(problem: Problem, estimate: Estimate) -> str:
+    """What to do where an error grows without end over what is fitted in one run; empty where it does not."""
+    step = problem.windows.dt
+    seconds = max(problem.windows.lengths) * step
+    rate = growth(problem.model, problem.model.values(estimate.values), problem.records)
+    if rate * seconds <= GROWN:
+        return ""
+    better = max(FEW, round(float(f"{GROWS / rate / step:.2g}")))
+    return (
+        "the model is unstable where the records hold it: a small error grows e-fold in "
+        f"{quantity(1.0 / rate, 's', 2)}, so no initial state is exact enough for a run of "
+        f"{number(seconds, 3)} s; estimator.horizon={better} ({number(better * step, 2)} s) is proposed"
+    )
 
 
 def _too_short(problem: Problem, estimate: Estimate, shortest: float, slowest: float) -> str:

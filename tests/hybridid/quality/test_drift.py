@@ -154,9 +154,18 @@ def test_a_free_run_of_an_unstable_machine_is_no_accusation():
     assert found.verdict == "sound"
     (said,) = (one.said for one in found.advice if one.kind == "drift")
     assert "a small error grows e-fold in 540 ms" in said
+    assert not [one for one in found.advice if one.kind == "horizon"]
     rate = growth(model, model.values(estimate.values), [record])
     assert rate == pytest.approx(-0.15 + np.sqrt(0.15**2 + 4.0), rel=0.05)
     assert growth(model, model.values({"h": 0.0}), [record]) == 0.0
+
+
+def test_an_unstable_machine_is_not_fitted_in_one_run():
+    record, model = held(), compose(Hump(), ["viscous"])
+    found = judge(model, [record], fit(model, [record], FitSettings()))
+    (said,) = (one.said for one in found.advice if one.kind == "horizon")
+    assert "a small error grows e-fold in " in said
+    assert "no initial state is exact enough for a run of 60 s; estimator.horizon=" in said
 
 
 def test_a_pendulum_does_not_drift():
