@@ -39,27 +39,42 @@ def from_looks(looks: Sequence[Look], plan: Descent, fitted: Sequence[int] | Non
     """The first of ``looks`` that does not diverge, carried to the end."""
     costs: list[float] = []
     for look in looks:
-        found = carried_to_the_end(look.start, look.rest_of(plan), look.factors, plan.handover, fitted)
+        found = _carried(look, plan, fitted)
         costs.append(found.solution.cost)
         if np.isfinite(costs[-1]):
             break
     return replace(found, starts=tuple(costs))
 
 
+def _carried(look: Look, plan: Descent, fitted: Sequence[int] | None) -> Result:
+    """A look carried to the end by every smoothing, or where that ends above what was seen at the narrowest,
+    from there."""
+    found = carried_to_the_end(look.start, look.rest_of(plan), look.factors, plan.handover, fitted)
+    narrowest = plan.continuation[-1:]
+    if look.factors == narrowest or found.solution.cost <= (1 + NEAR[0]) * look.seen.cost:
+        return found
+    x0 = Task.of(look.start, plan.method, fitted).with_ours(look.start.x0, look.seen.x0)
+    sharp = replace(look.start, p=look.seen.p, x0=x0)
+    again = carried_to_the_end(sharp, look.rest_of(plan), narrowest, plan.handover, fitted)
+    return again if again.solution.cost < found.solution.cost else found
+
+
 def _looks(tasks: Sequence[Task], plan: Descent, stop: Stop) -> dict[int, Look]:
     """Where the short descents from each start ended, by its number, the lowest cost first.
 
     All are made at the widest smoothing. The ``BEST`` of these that have not met one another go on at the
-    narrowest, as do those that diverged; all of them, where the records refute the wide one. Those that do
-    not go on come after those that did.
+    narrowest, as do those that diverged and the start that costs least there; all of them, where the records
+    refute the wide one. Those that do not go on come after those that did.
     """
     widest, narrowest = plan.continuation[:1], plan.continuation[-1:]
     looks = {k: _look(task, widest, plan.continuation, stop) for k, task in enumerate(tasks)}
     if widest == narrowest or not tasks[0].start.problem.widths:
         return _by_cost(looks)
     sharp: dict[int, Look] = {}
-    for chosen in (_apart(looks), looks):
-        new = {k: _sharpened(looks[k], tasks[k], narrowest, stop) for k in chosen if k not in sharp}
+    costs = [_cost_at(task.start, task, narrowest[-1]) for task in tasks]
+    cheapest = [int(np.argmin(costs))] if np.isfinite(costs).any() else []
+    for chosen in ({*_apart(looks), *cheapest}, looks):
+        new = {k: _sharpened(looks[k], tasks[k], costs[k], narrowest, stop) for k in chosen if k not in sharp}
         sharp = _by_cost({**sharp, **new})
         best = next(iter(sharp.values()))
         if np.isfinite(best.seen.cost) and best.factors != narrowest:
@@ -95,14 +110,25 @@ def _look(task: Task, factors: Sequence[float], rest: tuple[float, ...], stop: S
     return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, rest)
 
 
-def _sharpened(wide: Look, task: Task, narrowest: tuple[float, ...], stop: Stop) -> Look:
+def _sharpened(wide: Look, task: Task, cost: float, narrowest: tuple[float, ...], stop: Stop) -> Look:
     """Where a short descent at the narrowest smoothing ended, from where that at the widest did. By every
-    smoothing it goes on from the latter, which cost less there."""
-    start = wide.start
+    smoothing it goes on from the latter, which cost less there.
+
+    It begins at the start of the task instead, where that has the lower ``cost`` at the narrowest: the wide
+    descent may have fitted the error of the smoothing. A start at nothing, beside what a poorer model has
+    found, costs no more than that model, and neither does where this ends.
+    """
+    start = wide.start if _cost_at(wide.start, task, narrowest[-1]) <= cost else task.start
     seen = task.solve(start.p, start.x0, narrowest, stop)
     if wide.seen.cost <= BLURRED * seen.cost:
-        return Look(start, seen, wide.factors)
+        return Look(wide.start, seen, wide.factors)
     return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, narrowest)
+
+
+def _cost_at(start: Start, task: Task, factor: float) -> float:
+    """The cost of a start on the horizons that count, at a smoothing."""
+    problem = task.counting
+    return problem.cost(problem.shot(start.x0[task.ours], problem.smoothed(start.p, factor), False))
 
 
 def _hopeful(look: Look, plan: Descent, fitted: Sequence[int] | None) -> bool:

@@ -66,7 +66,11 @@ def test_a_screened_start_that_promises_little_goes_no_further(starts):
 
 @pytest.mark.parametrize(
     ("refuted_from", "goes_on"),
-    [(0.0, (2 * PLAN.stop.iterations, (1.0,))), (np.inf, (PLAN.stop.iterations, (1000.0, 1.0)))],
+    [
+        (0.0, [(2 * PLAN.stop.iterations, (1.0,))]),
+        # by every smoothing it ends above what was seen without the wide one, so it goes on from there as well
+        (np.inf, [(PLAN.stop.iterations, factors) for factors in ((1000.0, 1.0), (1.0,))]),
+    ],
 )
 def test_a_wide_smoothing_that_the_records_refute_is_left_out(starts, monkeypatch, refuted_from, goes_on):
     monkeypatch.setattr(screening, "BLURRED", refuted_from)
@@ -82,7 +86,7 @@ def test_a_wide_smoothing_that_the_records_refute_is_left_out(starts, monkeypatc
 
     plan = replace(PLAN, continuation=(1000.0, 1.0), screening=Stop(4, 1e-3), method=Told(PLAN.method))
     descend(starts[2:], plan)
-    assert used == [(4, (1000.0,)), (4, (1.0,)), goes_on]
+    assert used == [(4, (1000.0,)), (4, (1.0,)), *goes_on]
 
 
 def test_horizons_that_do_not_count_get_initial_states_but_no_say(problem, starts):
@@ -114,11 +118,18 @@ def test_shorter_steps_are_taken_as_long_as_they_are_asked_for(problem, starts):
 
 
 class Scripted(SimpleNamespace):
-    """A start that costs ``wide`` where sign(v) is smoothed widely, and ``sharp`` where it is not."""
+    """A start that costs ``begun`` before any descent, where sign(v) is not smoothed widely; the descent from
+    it ends at ``wide`` where it is, and at ``sharp`` where it is not."""
+
+    begun, ours = np.inf, (0,)
 
     @property
     def start(self):
         return Start(self.problem, np.array([1.0, self.place]), np.zeros((1, 1)))
+
+    @property
+    def counting(self):
+        return SimpleNamespace(smoothed=lambda p, _: p, shot=lambda *_: None, cost=lambda _: self.begun)
 
     def solve(self, p, x0, factors, stop):
         self.looks.append((self.number, tuple(factors)))
@@ -128,13 +139,15 @@ class Scripted(SimpleNamespace):
         return values
 
 
-def looked_at(problem, costs, places=None):
+def looked_at(problem, costs, places=None, begun=()):
     """The numbers of the starts that are looked at sharply, and of all in the order in which they go on."""
     looks, smoothed = [], SimpleNamespace(widths=problem)
     tasks = [
         Scripted(number=k, wide=wide, sharp=sharp, place=place, looks=looks, problem=smoothed)
         for k, ((wide, sharp), place) in enumerate(zip(costs, places or range(len(costs)), strict=True))
     ]
+    for task, cost in zip(tasks, begun, strict=False):
+        task.begun = cost
     plan = replace(PLAN, continuation=(10.0, 1.0))
     ordered = screening._looks(tasks, plan, STOP)
     return sorted(k for k, factors in looks if factors == (1.0,)), list(ordered)
@@ -143,6 +156,12 @@ def looked_at(problem, costs, places=None):
 def test_the_three_best_starts_at_the_widest_smoothing_are_looked_at_sharply(problem):
     costs = [(5.0, 4.9), (2.0, 1.9), (4.0, 1.0), (3.0, 2.8), (1.0, 1.5)]
     assert looked_at(problem, costs) == ([1, 3, 4], [4, 1, 3, 2, 0])
+
+
+def test_the_start_that_costs_least_is_looked_at_sharply_as_well(problem):
+    costs = [(5.0, 4.9), (2.0, 1.9), (4.0, 2.5), (3.0, 2.8), (2.5, 2.4)]
+    assert looked_at(problem, costs) == ([1, 3, 4], [1, 4, 3, 2, 0])
+    assert looked_at(problem, costs, begun=(9.0, 9.0, 2.6, 9.0, 9.0)) == ([1, 2, 3, 4], [1, 4, 2, 3, 0])
 
 
 def test_starts_that_have_met_are_looked_at_once(problem):

@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import pytest
 
+from hybridid.effects.library import effect_named
 from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
 from hybridid.simulation.stability import MOST
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import STIFF, _most, _room, refit, refit_beside
+from hybridid.trace.refit import CONTINUATION, STIFF, _most, _room, refit, refit_beside
 
 
 def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
@@ -69,3 +71,14 @@ def test_a_trial_that_takes_less_than_it_was_asked_for_has_standard_errors_all_t
     assert found.score.loss < 0.95 * base.score.loss
     assert found.score.loss > (1 - 0.9999) * base.score.loss
     assert found.std
+
+
+def test_a_trial_keeps_what_the_model_without_it_explains(make_model, split_of):
+    """At ten times its width, sign(v) leaves far more than the noise: a descent there fits that error."""
+    split, numerics = split_of(), Numerics(smoothing=0.2)
+    base = refit(make_model(), split, numerics=numerics, factors=CONTINUATION)
+    for effect in ("quadratic_drag", "stribeck", "position_friction"):
+        richer = base.model.plus(effect_named(effect))
+        starts = Candidate(effect_named(effect), "carriage").starts(richer, base.values)
+        found = refit_beside(base, richer, split, starts, numerics, base, least=0.02)
+        assert found.cost <= (1 + 1e-9) * base.cost
