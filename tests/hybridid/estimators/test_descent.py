@@ -68,7 +68,7 @@ def test_a_screened_start_that_promises_little_goes_no_further(starts):
     ("refuted_from", "goes_on"),
     [
         (0.0, [(2 * PLAN.stop.iterations, (1.0,))]),
-        # by every smoothing it ends above what was seen without the wide one, so it goes on from there as well
+        # by every smoothing it ends above what was seen without the wide one: it goes on from there, too
         (np.inf, [(PLAN.stop.iterations, factors) for factors in ((1000.0, 1.0), (1.0,))]),
     ],
 )
