@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybridid.estimators.one_start import added, carried_to_the_end
+from hybridid.estimators.one_start import Task, added, carried_to_the_end, carried_unless_lost
 from hybridid.estimators.plan import Descent, Result, Start
 from hybridid.estimators.screening import from_looks, from_the_best
 
@@ -32,9 +32,18 @@ def descend(starts: Iterable[Start], plan: Descent, fitted: Sequence[int] | None
     """
     if plan.screening is not None:
         return from_the_best(starts, plan, plan.screening, fitted)
-    results = [carried_to_the_end(start, plan, plan.continuation, plan.handover, fitted) for start in starts]
+    results = [_carried(start, plan, fitted) for start in starts]
     costs = tuple(one.solution.cost for one in results)
     return replace(results[int(np.argmin(costs))], starts=costs)
+
+
+def _carried(start: Start, plan: Descent, fitted: Sequence[int] | None) -> Result:
+    """A start carried to the end, without the wide smoothings if these end above where it began."""
+    factors = plan.continuation
+    if len(factors) == 1 or not start.problem.widths:
+        return carried_to_the_end(start, plan, factors, plan.handover, fitted)
+    cost = Task.of(start, plan.method, fitted).cost(start.p, start.x0, factors[-1])
+    return carried_unless_lost(start, plan, factors, fitted, start, cost)
 
 
 def go_on(found: Result, plan: Descent, fitted: Sequence[int] | None = None) -> Result:

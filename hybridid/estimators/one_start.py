@@ -57,6 +57,12 @@ class Task:
         """A descent on the horizons that count, from the initial states ``x0`` (w, n_x) of all."""
         return self.method.solve(self.counting, p, x0[self.ours], factors, stop, self.start.watch)
 
+    def cost(self, p: Array, x0: Array, factor: float) -> float:
+        """The cost on the horizons that count at ``p`` (n_p,) and the initial states ``x0`` (w, n_x) of all,
+        with the smoothing widths times ``factor``."""
+        shot = self.counting.shot(x0[self.ours], self.counting.smoothed(p, factor), sensitivities=False)
+        return self.counting.cost(shot)
+
     def with_ours(self, x0: Array, values: Array) -> Array:
         """``x0`` (w, n_x) with ``values`` for the horizons that count."""
         changed = np.array(x0)
@@ -76,6 +82,26 @@ class Task:
         if self.theirs:
             x0[self.theirs] = self.method.solve(self.others, p, x0[self.theirs], factors, stop).x0
         return x0
+
+
+def carried_unless_lost(
+    start: Start,
+    plan: Descent,
+    factors: Sequence[float],
+    fitted: Sequence[int] | None,
+    sharp: Start,
+    cost: float,
+) -> Result:
+    """``start`` carried to the end by the smoothings ``factors``.
+
+    Where that ends above ``cost``, which ``sharp`` has at the narrowest, a wider one has led it astray. Then
+    ``sharp`` is carried to the end at the narrowest alone, and the lower end is kept.
+    """
+    found = carried_to_the_end(start, plan, factors, plan.handover, fitted)
+    if len(factors) == 1 or found.solution.cost <= (1 + SETTLED) * cost:
+        return found
+    again = carried_to_the_end(sharp, plan, factors[-1:], plan.handover, fitted)
+    return again if again.solution.cost < found.solution.cost else found
 
 
 def carried_to_the_end(

@@ -9,7 +9,7 @@ import numpy as np
 
 from hybridid.estimators.carried import run_on
 from hybridid.estimators.estimate import Solution
-from hybridid.estimators.one_start import Task, carried_to_the_end
+from hybridid.estimators.one_start import Task, carried_unless_lost
 from hybridid.estimators.plan import Descent, Look, Result, Start
 from hybridid.estimators.reduced import promise
 from hybridid.estimators.stop import Stop
@@ -47,16 +47,10 @@ def from_looks(looks: Sequence[Look], plan: Descent, fitted: Sequence[int] | Non
 
 
 def _carried(look: Look, plan: Descent, fitted: Sequence[int] | None) -> Result:
-    """A look carried to the end by every smoothing, or where that ends above what was seen at the narrowest,
-    from there."""
-    found = carried_to_the_end(look.start, look.rest_of(plan), look.factors, plan.handover, fitted)
-    narrowest = plan.continuation[-1:]
-    if look.factors == narrowest or found.solution.cost <= (1 + NEAR[0]) * look.seen.cost:
-        return found
+    """A look carried to the end, from what was seen at the narrowest smoothing if the others lead astray."""
     x0 = Task.of(look.start, plan.method, fitted).with_ours(look.start.x0, look.seen.x0)
     sharp = replace(look.start, p=look.seen.p, x0=x0)
-    again = carried_to_the_end(sharp, look.rest_of(plan), narrowest, plan.handover, fitted)
-    return again if again.solution.cost < found.solution.cost else found
+    return carried_unless_lost(look.start, look.rest_of(plan), look.factors, fitted, sharp, look.seen.cost)
 
 
 def _looks(tasks: Sequence[Task], plan: Descent, stop: Stop) -> dict[int, Look]:
@@ -71,7 +65,7 @@ def _looks(tasks: Sequence[Task], plan: Descent, stop: Stop) -> dict[int, Look]:
     if widest == narrowest or not tasks[0].start.problem.widths:
         return _by_cost(looks)
     sharp: dict[int, Look] = {}
-    costs = [_cost_at(task.start, task, narrowest[-1]) for task in tasks]
+    costs = [task.cost(task.start.p, task.start.x0, narrowest[-1]) for task in tasks]
     cheapest = [int(np.argmin(costs))] if np.isfinite(costs).any() else []
     for chosen in ({*_apart(looks), *cheapest}, looks):
         new = {k: _sharpened(looks[k], tasks[k], costs[k], narrowest, stop) for k in chosen if k not in sharp}
@@ -118,17 +112,12 @@ def _sharpened(wide: Look, task: Task, cost: float, narrowest: tuple[float, ...]
     descent may have fitted the error of the smoothing. A start at nothing, beside what a poorer model has
     found, costs no more than that model, and neither does where this ends.
     """
-    start = wide.start if _cost_at(wide.start, task, narrowest[-1]) <= cost else task.start
+    sharp = task.cost(wide.start.p, wide.start.x0, narrowest[-1])
+    start = wide.start if sharp <= cost else task.start
     seen = task.solve(start.p, start.x0, narrowest, stop)
     if wide.seen.cost <= BLURRED * seen.cost:
         return Look(wide.start, seen, wide.factors)
     return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, narrowest)
-
-
-def _cost_at(start: Start, task: Task, factor: float) -> float:
-    """The cost of a start on the horizons that count, at a smoothing."""
-    problem = task.counting
-    return problem.cost(problem.shot(start.x0[task.ours], problem.smoothed(start.p, factor), False))
 
 
 def _hopeful(look: Look, plan: Descent, fitted: Sequence[int] | None) -> bool:

@@ -121,15 +121,14 @@ class Scripted(SimpleNamespace):
     """A start that costs ``begun`` before any descent, where sign(v) is not smoothed widely; the descent from
     it ends at ``wide`` where it is, and at ``sharp`` where it is not."""
 
-    begun, ours = np.inf, (0,)
+    begun = np.inf
 
     @property
     def start(self):
         return Start(self.problem, np.array([1.0, self.place]), np.zeros((1, 1)))
 
-    @property
-    def counting(self):
-        return SimpleNamespace(smoothed=lambda p, _: p, shot=lambda *_: None, cost=lambda _: self.begun)
+    def cost(self, p, x0, factor):
+        return self.begun
 
     def solve(self, p, x0, factors, stop):
         self.looks.append((self.number, tuple(factors)))
