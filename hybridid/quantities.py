@@ -156,6 +156,11 @@ def mean_and_deviation(mean: float, deviation: float | None, unit: str) -> str:
     return with_unit(_plus_minus(mean * factor, deviation * factor), printed)
 
 
+def multiple(times: float) -> str:
+    """``2.9 times``, ``546 times``, or that it is more than a thousand."""
+    return f"{times:.{1 if times < 100 else 0}f} times" if times < 1000 else "more than a thousand times"
+
+
 def probability(p: float | None, equals: str = "") -> str:
     """A p-value to two digits, behind ``equals``; below what its normal theory can mean, only that."""
     if p is None or not math.isfinite(p):

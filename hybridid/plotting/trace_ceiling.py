@@ -85,8 +85,9 @@ def ceiling_plot(
     caption = (
         f"{kind.capitalize()} at {port} ({provenance}) learned as a free curve of one variable, fitted in "
         f"simulation beside everything else, and how much of the error it takes away, {judged}: {found}. "
-        "No effect of that variable alone can do more, up to the curve's resolution. Dots are as large as "
-        "the record dwells there long: between them little holds the curve."
+        "No effect of that variable alone can do more, up to the curve's resolution: a pitch much finer than "
+        "the curve does not show. Dots are as large as the record dwells there long: between them little "
+        "holds the curve."
     )
     return Plot(figure, f"ceiling_{port}", caption, provenance)
 

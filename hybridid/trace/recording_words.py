@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 from hybridid.naming import listed
-from hybridid.quantities import estimated, probability, share
+from hybridid.quantities import estimated, multiple, probability, share
 from hybridid.trace.entries import DifferingParameter
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED
@@ -14,7 +16,7 @@ def by_recording_in_words(found: Trace) -> str:
     if not found.by_recording:
         return ""
     passed = [one for one in found.by_recording if one.status == PASSED]
-    said = "".join(_differs(one) for one in passed if not one.in_place_of)
+    said = "".join(_differs(one) + _bent(one, found) for one in passed if not one.in_place_of)
     for effect in dict.fromkeys(one.in_place_of for one in passed if one.in_place_of):
         instead = [one for one in passed if one.in_place_of == effect]
         rules, names = found.rules, [one.parameter for one in instead]
@@ -44,4 +46,20 @@ def _differs(one: DifferingParameter) -> str:
     return (
         f" {one.parameter} differs by recording, {values}: that leaves {share(one.gain)} less error "
         f"(p {probability(one.p_value, '= ')}){alike}. parameters.{one.parameter}.by=record fits each."
+    )
+
+
+def _bent(one: DifferingParameter, found: Trace) -> str:
+    """That what is still missing may bend the parameter another way in each recording; empty where little is.
+
+    The best parameters of a model that lacks something depend on how the machine was driven. Source: White
+    (1982), Maximum likelihood estimation of misspecified models, Econometrica 50(1), 1-25.
+    """
+    floor = {name: math.hypot(least.value, least.simulation) for name, least in found.noise_floor.items()}
+    times = max((rmse / floor[name] for name, rmse in one.held_out_rmse.items()), default=0.0)
+    if times <= found.rules.far:
+        return ""
+    return (
+        f" The error is still {multiple(times)} what noise and simulation alone leave, so {one.parameter} "
+        "may be the same in all, and what is missing bends it another way in each."
     )

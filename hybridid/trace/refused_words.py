@@ -41,6 +41,14 @@ def most_refused(found: Trace) -> str:
     return f"{told} The largest is {_told(largest, found)}."
 
 
+def largest_refused(found: Trace) -> str:
+    """The largest significant gain that was refused beside the last model, and why; empty without one."""
+    likely = [one for one in _possible(found) if one.p_value <= found.rules.alpha]
+    if not likely:
+        return ""
+    return f"the largest of the refused gains is {_told(max(likely, key=attrgetter('gain')), found)}"
+
+
 def refused_for_significance(found: Trace) -> bool:
     """Whether a gain worth having was refused beside the last model for its p-value alone."""
     return any(one.reason.startswith(NOT_SIGNIFICANT) for one in _possible(found))

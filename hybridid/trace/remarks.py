@@ -11,6 +11,7 @@ from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.entries import AcceptedEffect, TriedEffect, Value
+from hybridid.trace.refused_words import largest_refused
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import UNIDENTIFIABLE, UNTRIED
 
@@ -82,7 +83,8 @@ def richer_laws(found: Trace) -> tuple[str, ...]:
         for entry in found.accepted
         if not entry.together
         for poor in entry.class_members[:1]
-        for rich in found.steps[entry.step - 1].trials
+        for step in found.steps[entry.step - 1 : entry.step]
+        for rich in step.trials
         if rich.status == UNIDENTIFIABLE and rich.port == poor.port and _contains(rich, poor)
         if 1.0 - rich.gain <= (1.0 + found.rules.tie) * (1.0 - poor.gain)
     )
@@ -129,6 +131,26 @@ def structure_in_words(found: Trace) -> str:
     return f"No {learned(found)} is shown to take {worth} or more from the held-out error."
 
 
+def mostly_unshown(found: Trace) -> str:
+    """That most of what is left far above the noise is a function of none of the variables that learned
+    efforts look at; empty where one takes most of it, or none was tried."""
+    solved = [one.gain for one in found.ceilings.after if not one.failure]
+    if not solved or found.times <= found.rules.far:
+        return ""
+    most = max(0.0, *solved)
+    if 1.0 - (1.0 - most) ** 2 >= found.rules.majority:
+        return ""
+    takes = (
+        f"The strongest {learned(found)} takes {share(most)} of it"
+        if most > 0
+        else f"No {learned(found)} helps"
+    )
+    return (
+        f" {takes}: most of what is left is no function of a single variable that trace looks at, and a "
+        "disturbance that no record shows can leave as much."
+    )
+
+
 def learned(found: Trace) -> str:
     """``learned effort``, ``learned flow`` or both, by the ports of the plant."""
     kinds = sorted({one.kind for one in found.ceilings.after}) or ["effort"]
@@ -154,6 +176,8 @@ def completeness_in_words(found: Trace) -> str:
 
 def _what_the_network_finds(found: Trace, check: Completeness) -> str:
     if check.gain < found.rules.worth:
+        if refused := largest_refused(found):
+            return f"That is less than {percent(found.rules.worth)}. But {refused}"
         unsolved = any(one.failure for one in found.ceilings.after)
         unseen = found.times > found.rules.far and not unsolved
         more = "; what is missing is no function of these variables alone" if unseen else ""

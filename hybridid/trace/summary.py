@@ -188,13 +188,13 @@ def level(label: str, base: Refit) -> Level:
 
 
 def estimated_values(estimate: Estimate) -> dict[str, EstimatedValue]:
-    """Estimates by name with their 95 % intervals."""
+    """Estimates by name with their 95 % intervals, within their bounds."""
     return {
         p.name: EstimatedValue(
             p.value,
             p.std,
             p.unit,
-            (p.value - Z95 * p.std, p.value + Z95 * p.std),
+            (max(p.value - Z95 * p.std, p.lower), min(p.value + Z95 * p.std, p.upper)),
             p.at_bound,
             p.identifiable,
             p.meaning,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from hybridid.naming import counted, listed
-from hybridid.quantities import percent, places_below_all, probability, quantity, share
+from hybridid.quantities import multiple, percent, places_below_all, probability, quantity, share
 from hybridid.trace.cut_words import best_tried, cut_short, cut_step, passed_in
 from hybridid.trace.entries import AcceptedEffect, ReplacedEffect, TriedEffect
 from hybridid.trace.input_noise import NoisyInputs
 from hybridid.trace.law_words import passed_before, proposed
 from hybridid.trace.recording_words import by_recording_in_words
 from hybridid.trace.refused_words import more_than_possible, most_refused
-from hybridid.trace.remarks import named_effects, none_of, parameters_in_words
+from hybridid.trace.remarks import mostly_unshown, named_effects, none_of, parameters_in_words
 from hybridid.trace.result import Trace
 from hybridid.trace.steps import AT_FLOOR_TOGETHER
 from hybridid.trace.trial import PASSED, UNTRIED
@@ -92,7 +92,7 @@ def _concluded(found: Trace) -> str:
         place = f": structure remains {listed(found.remains)}, {where}" if found.remains else ""
         withdrawn = f" {found.withdrawn}." if found.withdrawn else ""
         refused = most_refused(found)
-        told = f"{place}.{withdrawn}{refused} {error_left(found)}"
+        told = f"{place}.{withdrawn}{refused} {error_left(found)}{mostly_unshown(found)}"
         return f"Something is missing that {_unnamed(found, unshown=bool(refused))}{told}"
     named = [one for one in found.accepted if one.shown]
     them = "them" if len(named) > 1 else "it"
@@ -173,7 +173,7 @@ def _why_open(found: Trace, where: str) -> str:
             "behind them"
         )
     if found.longer:
-        seconds, times = f"{found.longer.seconds:.2g}", _times(found.longer.times)
+        seconds, times = f"{found.longer.seconds:.2g}", multiple(found.longer.times)
         if not found.longer.judged:
             return (
                 f"{nothing} fitted over horizons of {seconds} s the model leaves {times} {alone}. Too few of "
@@ -184,7 +184,7 @@ def _why_open(found: Trace, where: str) -> str:
             f"trace.horizon={seconds} may show what is missing"
         )
     return (
-        f"the fitted horizons leave {_times(found.times_fitted)} {alone}, but "
+        f"the fitted horizons leave {multiple(found.times_fitted)} {alone}, but "
         f"{_unexplained(found, where)}, which may show too little of the machine"
     )
 
@@ -255,11 +255,7 @@ def error_left(found: Trace, beside: str = "") -> str:
         told = ", ".join(f"{what} {quantity(v, one.unit, 2)}" for what, v in parts.items() if v >= least)
         each.append(f"{rmse} of {name} ({told})")
     noisy = f" {_of_inputs(found.noisy)}." if found.noisy and found.times <= found.rules.far else ""
-    return f"The error left{beside} is {listed(each)}: {_times(found.times)} what {leave}.{noisy}"
-
-
-def _times(times: float) -> str:
-    return f"{times:.{1 if times < 100 else 0}f} times" if times < 1000 else "more than a thousand times"
+    return f"The error left{beside} is {listed(each)}: {multiple(found.times)} what {leave}.{noisy}"
 
 
 def _untried(found: Trace) -> str:
@@ -321,26 +317,31 @@ def _structure(found: Trace) -> str:
     if found.times > found.rules.far:
         return f" Structure remains {listed(found.remains)} that no effect in the library explains."
     return (
-        f" Structure may remain {listed(found.remains)}. But only {_times(found.times)} the error of noise "
+        f" Structure may remain {listed(found.remains)}. But only {multiple(found.times)} the error of noise "
         "and simulation is left, and the noise of a logged input alone can do that."
     )
 
 
 def _more_is_missing(found: Trace) -> str:
     """That names are less sure where far more than noise and simulation is left; empty where it is not."""
+    if found.times <= found.rules.far < found.times_fitted:
+        fitted = multiple(found.times_fitted)
+        return (
+            f" More may be missing: the fitted horizons leave {fitted} what noise and simulation alone leave."
+        )
     if found.times <= found.rules.far:
         return ""
     if found.stopped == AT_FLOOR_TOGETHER:
         return (
-            f" The error left is {_times(found.times)} what noise and simulation alone leave. Fitted to all "
-            "horizons together, the model leaves no more than that: its parameters are uncertain."
+            f" The error left is {multiple(found.times)} what noise and simulation alone leave. Fitted to "
+            "all horizons together, the model leaves no more than that: its parameters are uncertain."
         )
     if found.noisy:
         return (
-            f" The error left is {_times(found.times)} what noise and simulation alone leave, but no more "
+            f" The error left is {multiple(found.times)} what noise and simulation alone leave, but no more "
             f"need be missing. {_of_inputs(found.noisy)}."
         )
-    left = f"the error left is {_times(found.times)} what noise and simulation alone leave"
+    left = f"the error left is {multiple(found.times)} what noise and simulation alone leave"
     most = max((one.gain for one in found.ceilings.after), default=float("inf"))
     if most < found.rules.worth:
         return (

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from hybridid.declarations import Parameter
 from hybridid.effects.library import EFFECTS
 from hybridid.estimators import Estimate
 from hybridid.model import Term
@@ -20,6 +21,9 @@ from pipelines.shared.parameters import BY, parameters_of
 from pipelines.shared.sections.stages import PathsSection
 from pipelines.shared.storage import read_as
 from pipelines.shared.trust import admit, paths_in
+
+NOTHING = 1e-6
+"""Share of a parameter's scale below which its value counts as zero."""
 
 
 def taken_up(config: Mapping[str, Any]) -> dict[str, Any]:
@@ -52,8 +56,10 @@ def augmented(
     paths: Mapping[str, str],
     estimate: Estimate,
     widths: Sequence[Width] = (),
+    free: Sequence[Parameter] = (),
 ) -> Settings:
-    """The settings with ``terms`` among their effects and the values of ``estimate`` as first guesses.
+    """The settings with ``terms`` among their effects and the values of ``estimate`` as first guesses, also
+    of the ``free`` parameters: from other guesses a fit may end in another valley.
 
     ``paths`` gives the import path of each of the user's own effects, by id. A constant of a term that is not
     estimated (the side of an end stop) keeps its value. ``widths`` are smoothings that a trace made narrower.
@@ -69,11 +75,25 @@ def augmented(
             if p not in library.get(term.effect.id, term.effect).parameters and not p.fixed:
                 before["upper"] = p.upper  # a time at the sampling of the records
             own[p.name] = {**before, setting: values[f"{term.name}.{p.name}"]}
+    added = {f"{term.name}.{p.name}" for term in terms for p in term.effect.parameters}
+    for parameter in free:
+        if parameter.name in values.keys() - added:
+            _guessed(parameters, parameter, values[parameter.name])
     for width in widths:
         port, name = width.name.split(".")
         parameters.setdefault(port, {}).setdefault(name, {})["guess"] = width.used
     config = {**settings.config, "effects": [*effect_entries(settings), *names], "parameters": parameters}
     return replace(settings, config=config)
+
+
+def _guessed(parameters: dict[str, Any], parameter: Parameter, value: float) -> None:
+    """Write ``value`` into nested ``parameters`` as the guess of a parameter. What is nothing beside its
+    scale is zero, which keeps that scale."""
+    *path, name = parameter.name.split(".")
+    for key in path:
+        parameters = parameters.setdefault(key, {})
+    nothing = abs(value) < NOTHING * parameter.scale and parameter.lower <= 0.0 <= parameter.upper
+    parameters[name] = {**(parameters.get(name) or {}), "guess": 0.0 if nothing else value}
 
 
 def as_settings(widths: Sequence[Width]) -> list[str]:
@@ -82,14 +102,15 @@ def as_settings(widths: Sequence[Width]) -> list[str]:
 
 
 def commands(settings: Settings, model: Path, samples: int, widths: Sequence[Width] = ()) -> tuple[str, ...]:
-    """Two commands that fit the augmented model: one names its file, the other its effects alone, with the
-    ``widths`` of sign(v) that a trace made narrower. Results and runs go where those of the trace go."""
+    """Two commands that fit the augmented model: one names its file, and begins where the trace ended; the
+    other its effects alone, with the ``widths`` of sign(v) that a trace made narrower. Results and runs go
+    where those of the trace go."""
     own = "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
     start = f"hybridid run case={settings.case}{own}{_elsewhere(settings)}"
     named = [f"effects=[{','.join(effect_entries(settings))}]", *as_settings(widths)]
     effects = " ".join(map(shlex.quote, named))
     return (
-        f"{start} model={shlex.quote(str(model))} estimator.horizon={samples}",
+        f"{start} model={shlex.quote(str(model))} estimator.horizon={samples} estimator.start=guess",
         f"{start} {effects} estimator.horizon={samples}",
     )
 

@@ -220,7 +220,8 @@ def _augmented(settings: Settings, found: Trace) -> Settings:
     """The case's settings with the accepted effects; the user's own effects by their import paths."""
     terms = found.model.terms[len(found.declared) :]
     paths = {effect_named(path).id: path for path in imported_effects(settings)}
-    return augmented(settings, terms, paths, found.estimate, found.narrowed)
+    free = replace(found.model, groups={}).free
+    return augmented(settings, terms, paths, found.estimate, found.narrowed, free)
 
 
 def _drawn(job: Job, found: Trace) -> list[Picture]:

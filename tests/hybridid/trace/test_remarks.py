@@ -5,7 +5,9 @@ from dataclasses import replace
 import pytest
 
 from hybridid.trace.completeness import Completeness
-from hybridid.trace.remarks import completeness_in_words
+from hybridid.trace.entries import LearnedGain, StepTaken, TriedEffect
+from hybridid.trace.remarks import completeness_in_words, mostly_unshown
+from hybridid.trace.result import LearnedGains
 
 
 @pytest.mark.parametrize(
@@ -32,3 +34,39 @@ def test_a_gain_that_is_not_significant_is_no_proof_that_nothing_is_missing(
 ):
     network = Completeness("12 bumps over v at cart", gain, p_value, complete, gain, "")
     assert completeness_in_words(replace(nothing(), completeness=network)).endswith(said)
+
+
+def test_a_refused_gain_is_told_where_the_network_finds_nothing_more(nothing):
+    """What a network over one variable cannot find, an effect with a state may."""
+    bound = "g = 93 nm ends at its bound: the effect degenerates"
+    play = TriedEffect("backlash", "spring", "unidentifiable", bound, 1, 0.463, 1e-16, {}, 1.0)
+    network = Completeness("12 bumps over v at cart", 0.02, 0.3, True, 0.5, "")
+    step = StepTaken(nothing().path[0], None, (), (play,))
+    said = completeness_in_words(replace(nothing(), completeness=network, steps=(step,), times=2.93))
+    assert said.endswith(
+        f"That is less than 5 %. But the largest of the refused gains is 46.3 % with spring.backlash: {bound}"
+    )
+    chance = replace(step, trials=(replace(play, p_value=0.4),))
+    said = completeness_in_words(replace(nothing(), completeness=network, steps=(chance,), times=2.93))
+    assert said.endswith("it finds nothing more worth having")
+
+
+@pytest.mark.parametrize(
+    ("gain", "times", "said"),
+    [
+        (
+            0.08,
+            15.0,
+            " The strongest learned effort takes 8.0 % of it: most of what is left is no function of ",
+        ),
+        (-0.2, 15.0, " No learned effort helps: most of what is left is no function of a single variable "),
+        (0.3, 15.0, ""),
+        (0.08, 2.9, ""),
+    ],
+)
+def test_what_most_learned_efforts_miss_may_be_a_disturbance(nothing, gain, times, said):
+    """A gain of 30 % of the RMSE is half of the squared error."""
+    one = LearnedGain("cart", "position", gain, 1e-8, "N", "m")
+    found = replace(nothing(), ceilings=LearnedGains((), (one,)), times=times)
+    told = mostly_unshown(found)
+    assert told.startswith(said) if said else told == ""

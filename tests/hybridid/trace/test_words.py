@@ -234,6 +234,10 @@ def test_a_name_far_above_the_noise_may_stand_for_a_part(nothing, times, said):
         "A name may stand for a part of that."
     )
     assert "More is missing" not in sentence(replace(found, times=2.9))
+    fitted = sentence(replace(found, times=2.9, times_fitted=3.4))
+    assert (
+        " More may be missing: the fitted horizons leave 3.4 times what noise and simulation alone" in fitted
+    )
     smooth = LearnedGain("carriage", "velocity", 0.04, 1e-3, "N", "m/s")
     said_of_rest = sentence(replace(found, ceilings=LearnedGains((), (smooth,))))
     assert "But no learned effort takes 5 % of it, and a disturbance" in said_of_rest

@@ -1,9 +1,11 @@
 """The commands that fit the model of a trace anew."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 from hybridid.trace.entries import Width
-from pipelines.shared.augmented import commands
+from pipelines.shared.augmented import augmented, commands
+from pipelines.shared.modelling import model_of
 
 NARROWED = (Width("carriage.epsilon", "m/s", 1e-3, 8.5e-05),)
 
@@ -11,7 +13,9 @@ NARROWED = (Width("carriage.epsilon", "m/s", 1e-3, 8.5e-05),)
 def test_the_command_by_effects_says_how_sign_v_is_smoothed(settings):
     given = settings()
     by_file, by_effects = commands(given, Path("model.json"), 250, NARROWED)
-    assert by_file.endswith(" model=model.json estimator.horizon=250"), "that file holds the width"
+    assert by_file.endswith(" model=model.json estimator.horizon=250 estimator.start=guess"), (
+        "that file holds the width, and where the trace ended"
+    )
     assert " parameters.carriage.epsilon.guess=8.5e-05 estimator.horizon=250" in by_effects
     assert "epsilon" not in commands(given, Path("model.json"), 250)[1]
 
@@ -22,3 +26,15 @@ def test_the_commands_write_where_the_trace_wrote(settings):
     given = settings({"paths": {"outputs": "/tmp/my results"}, "mlflow": {"enabled": False}})
     for one in commands(given, Path("model.json"), 250):
         assert "'paths.outputs=/tmp/my results' mlflow.enabled=false" in one
+
+
+def test_the_model_of_a_trace_begins_where_the_trace_ended(settings):
+    """All its parameters, not only those of what was added; one that is nothing keeps its scale."""
+    given = settings({"effects": ["viscous", "coulomb"], "parameters": {"M": {"lower": 50.0}}})
+    model = model_of(given)
+    values = {"M": 93.5, "carriage.viscous.f_v": 1e-9, "carriage.coulomb.f_c": 21.5}
+    better = model_of(augmented(given, [], {}, SimpleNamespace(values=values), (), model.free))
+    begun, declared = ({p.name: p for p in one.parameters} for one in (better, model))
+    assert {name: begun[name].guess for name in values} == {**values, "carriage.viscous.f_v": 0.0}
+    assert begun["carriage.viscous.f_v"].scale == declared["carriage.viscous.f_v"].scale
+    assert begun["M"].lower == 50.0
