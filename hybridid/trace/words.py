@@ -325,10 +325,8 @@ def _structure(found: Trace) -> str:
 def _more_is_missing(found: Trace) -> str:
     """That names are less sure where far more than noise and simulation is left; empty where it is not."""
     if found.times <= found.rules.far < found.times_fitted:
-        fitted = multiple(found.times_fitted)
-        return (
-            f" More may be missing: the fitted horizons leave {fitted} what noise and simulation alone leave."
-        )
+        left = f"leave {multiple(found.times_fitted)} what noise and simulation alone leave"
+        return f" More may be missing: the fitted horizons {left}."
     if found.times <= found.rules.far:
         return ""
     if found.stopped == AT_FLOOR_TOGETHER:
