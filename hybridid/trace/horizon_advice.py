@@ -38,10 +38,12 @@ def other_horizons_advised(final: Refit, split: Split, noise: NDArray[np.float64
         )
     if final.shorter is None or bool((final.shorter.score.rmse <= MOSTLY_NOISE * noise).all()):
         return ""
-    seconds = _short(split.horizon // SHARE * dt)
+    shorter = split.horizon // SHARE * dt
+    seconds, slowest = _short(shorter), _slowest(final, split)
+    slow = f", but not of what acts as slowly as {_short(slowest)} s" if slowest > TOLERATED * shorter else ""
     return (
         f" Over horizons of {seconds} s the fit has other parameters: what is missing bends it over longer "
-        f"ones. trace.horizon={seconds} may show more."
+        f"ones. trace.horizon={seconds} may show more{slow}."
     )
 
 
@@ -62,9 +64,7 @@ def few_samples(final: Refit, split: Split) -> str:
 def slower_dynamics(final: Refit, split: Split) -> str:
     """That the horizons are shorter than the slowest dynamics of the last model that the records resolve, in
     words; else empty. Each has an initial state of its own, which is fitted."""
-    records, seconds = split.records, split.horizon * split.records[0].dt
-    longest = RESOLVED * min(float(record.time[-1] - record.time[0]) for record in records)
-    slowest = slowest_time(final.model, final.values, records, longest)
+    seconds, slowest = split.horizon * split.records[0].dt, _slowest(final, split)
     if slowest <= TOLERATED * seconds:
         return ""
     return (
@@ -72,6 +72,12 @@ def slower_dynamics(final: Refit, split: Split) -> str:
         f"records resolve ({_short(slowest)} s). What acts as slowly may hide in their initial states. A "
         "longer trace.horizon shows it, where the records give enough of them."
     )
+
+
+def _slowest(final: Refit, split: Split) -> float:
+    """The slowest dynamics [s] of the last model that the records resolve; 0 where there are none."""
+    longest = RESOLVED * min(float(record.time[-1] - record.time[0]) for record in split.records)
+    return slowest_time(final.model, final.values, split.records, longest)
 
 
 def parts_of_all_advised(split: Split) -> str:

@@ -34,10 +34,12 @@ def split(horizons: int, samples: int = 200, dt: float = 0.005):
     )
 
 
-def test_shorter_ones_where_the_fit_is_bent():
+@pytest.mark.parametrize(("slowest", "but"), [(0.14, ""), (1.2, ", but not of what acts as slowly as 1.2 s")])
+def test_shorter_ones_where_the_fit_is_bent(monkeypatch, slowest, but):
+    monkeypatch.setattr("hybridid.trace.horizon_advice._slowest", lambda *_: slowest)
     assert other_horizons_advised(final(left=0.03), split(20), NOISE) == (
         " Over horizons of 0.1 s the fit has other parameters: what is missing bends it over longer ones. "
-        "trace.horizon=0.1 may show more."
+        f"trace.horizon=0.1 may show more{but}."
     )
     assert other_horizons_advised(final(), split(20), NOISE) == ""
 
