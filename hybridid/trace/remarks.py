@@ -145,9 +145,10 @@ def mostly_unshown(found: Trace) -> str:
         if most > 0
         else f"No {learned(found)} helps"
     )
+    loop = " In a closed loop it goes with the motion, and may look like structure." if found.remains else ""
     return (
         f" {takes}: most of what is left is no function of a single variable that trace looks at, and a "
-        "disturbance that no record shows can leave as much."
+        f"disturbance that no record shows can leave as much.{loop}"
     )
 
 

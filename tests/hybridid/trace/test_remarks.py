@@ -70,3 +70,6 @@ def test_what_most_learned_efforts_miss_may_be_a_disturbance(nothing, gain, time
     found = replace(nothing(), ceilings=LearnedGains((), (one,)), times=times)
     told = mostly_unshown(found)
     assert told.startswith(said) if said else told == ""
+    assert "In a closed loop" not in told
+    looks = mostly_unshown(replace(found, remains=("at cart over position",)))
+    assert looks.endswith("may look like structure.") is bool(said)
