@@ -57,22 +57,28 @@ def _looks(tasks: Sequence[Task], plan: Descent, stop: Stop) -> dict[int, Look]:
     """Where the short descents from each start ended, by its number, the lowest cost first.
 
     All are made at the widest smoothing. The ``BEST`` of these that have not met one another go on at the
-    narrowest, as do those that diverged and the start that costs least there; all of them, where the records
-    refute the wide one. Those that do not go on come after those that did.
+    narrowest, as do those that diverged; all of them, where the records refute the wide one. Those that do
+    not go on come after those that did.
+
+    A start may cost less than where all of these end: the wide descents have fitted the error of the
+    smoothing. Then the one that costs least goes on from where it is, at the narrowest smoothing alone. So a
+    start at nothing keeps what the model without the effect explains.
     """
     widest, narrowest = plan.continuation[:1], plan.continuation[-1:]
     looks = {k: _look(task, widest, plan.continuation, stop) for k, task in enumerate(tasks)}
     if widest == narrowest or not tasks[0].start.problem.widths:
         return _by_cost(looks)
     sharp: dict[int, Look] = {}
-    costs = [task.cost(task.start.p, task.start.x0, narrowest[-1]) for task in tasks]
-    cheapest = [int(np.argmin(costs))] if np.isfinite(costs).any() else []
-    for chosen in ({*_apart(looks), *cheapest}, looks):
-        new = {k: _sharpened(looks[k], tasks[k], costs[k], narrowest, stop) for k in chosen if k not in sharp}
+    for chosen in (_apart(looks), looks):
+        new = {k: _sharpened(looks[k], tasks[k], narrowest, stop) for k in chosen if k not in sharp}
         sharp = _by_cost({**sharp, **new})
         best = next(iter(sharp.values()))
         if np.isfinite(best.seen.cost) and best.factors != narrowest:
             break
+    costs = [task.cost(task.start.p, task.start.x0, narrowest[-1]) for task in tasks]
+    if min(costs) < best.seen.cost:
+        k = int(np.argmin(costs))
+        sharp = _by_cost({**sharp, k: _look(tasks[k], narrowest, narrowest, stop)})
     return {**sharp, **_by_cost({k: one for k, one in looks.items() if k not in sharp})}
 
 
@@ -104,19 +110,13 @@ def _look(task: Task, factors: Sequence[float], rest: tuple[float, ...], stop: S
     return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, rest)
 
 
-def _sharpened(wide: Look, task: Task, cost: float, narrowest: tuple[float, ...], stop: Stop) -> Look:
+def _sharpened(wide: Look, task: Task, narrowest: tuple[float, ...], stop: Stop) -> Look:
     """Where a short descent at the narrowest smoothing ended, from where that at the widest did. By every
-    smoothing it goes on from the latter, which cost less there.
-
-    It begins at the start of the task instead, where that has the lower ``cost`` at the narrowest: the wide
-    descent may have fitted the error of the smoothing. A start at nothing, beside what a poorer model has
-    found, costs no more than that model, and neither does where this ends.
-    """
-    sharp = task.cost(wide.start.p, wide.start.x0, narrowest[-1])
-    start = wide.start if sharp <= cost else task.start
+    smoothing it goes on from the latter, which cost less there."""
+    start = wide.start
     seen = task.solve(start.p, start.x0, narrowest, stop)
     if wide.seen.cost <= BLURRED * seen.cost:
-        return Look(wide.start, seen, wide.factors)
+        return Look(start, seen, wide.factors)
     return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, narrowest)
 
 
