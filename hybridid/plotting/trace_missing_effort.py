@@ -68,9 +68,9 @@ def missing_effort_plot(
         name_y(axes, scale)
     panels[0].set_ylim(limits)
     legend_on_top(figure, handles)
-    at_rest = "at rest, where friction takes up what is missing" if any(e.rests for e in shown) else ""
-    masked = "masked, does not count" if any(len(e.holes) for e in shown if not e.rests) else ""
-    shaded = f"; shaded: {at_rest or masked}" if at_rest or masked else ""
+    shaded = "; shaded: masked, does not count" if any(len(e.holes) for e in shown) else ""
+    if any(e.rests for e in shown):
+        shaded = "; shaded: at rest, where friction takes up what is missing, or masked"
     acts = "Flow that leaves" if one.kind == "flow" else "Effort that resists"
     caption = (
         f"{acts} at {one.port} on {one.record} ({one.provenance}) beyond the model, estimated "

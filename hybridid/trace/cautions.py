@@ -84,10 +84,17 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
             _other_held_out(traced.accepted, context.rules),
         ]
         told += [in_their_place(found.search)]
-    final, measured = found.search.final, context.split.records
-    rate = growth(final.model, final.model.values(final.values), measured)
-    in_free_run = unstable(traced, rate) if rate > 0 else worse_in_free_run(traced)
-    return "".join([*told, found.other_hold, in_free_run])
+    return "".join([*told, found.other_hold, _in_free_run(found.search, traced, context)])
+
+
+def _in_free_run(search: Search, traced: Trace, context: Context) -> str:
+    """That the free runs become worse, or say nothing since the machine is unstable. Where only what was
+    accepted makes it so, that is no excuse."""
+    first, last = (
+        growth(one.model, one.model.values(one.values), context.split.records)
+        for one in (search.first, search.final)
+    )
+    return unstable(traced, last) if first > 0 and last > 0 else worse_in_free_run(traced)
 
 
 def _of_recordings(found: Search, context: Context) -> str:

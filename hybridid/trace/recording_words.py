@@ -56,7 +56,8 @@ def _bent(one: DifferingParameter, found: Trace) -> str:
     (1982), Maximum likelihood estimation of misspecified models, Econometrica 50(1), 1-25.
     """
     floor = {name: math.hypot(least.value, least.simulation) for name, least in found.noise_floor.items()}
-    times = max((rmse / floor[name] for name, rmse in one.held_out_rmse.items()), default=0.0)
+    left = ((rmse, floor[name]) for name, rmse in one.held_out_rmse.items())
+    times = max((rmse / least if least else math.inf for rmse, least in left), default=0.0)
     if times <= found.rules.far:
         return ""
     return (

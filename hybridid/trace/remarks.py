@@ -15,6 +15,8 @@ from hybridid.trace.refused_words import largest_refused
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import UNIDENTIFIABLE, UNTRIED
 
+LOOK_ALIKES: Mapping[str, tuple[str, ...]] = {effect.id: effect.look_alikes for effect in EFFECTS}
+
 
 def idle_in_words(found: Trace) -> str:
     """Which declared effects the records show nothing of; empty if there is none."""
@@ -92,8 +94,8 @@ def richer_laws(found: Trace) -> tuple[str, ...]:
 
 def _contains(rich: TriedEffect, poor: TriedEffect) -> bool:
     """As ``hybridid.trace.contained.contains``, by their names."""
-    alike = {frozenset((effect.id, other)) for effect in EFFECTS for other in effect.look_alikes}
-    return {rich.effect, poor.effect} in alike and poor.parameters.keys() < rich.parameters.keys()
+    alike = rich.effect in LOOK_ALIKES.get(poor.effect, ()) or poor.effect in LOOK_ALIKES.get(rich.effect, ())
+    return alike and poor.parameters.keys() < rich.parameters.keys()
 
 
 def named_effects(found: Trace) -> int:

@@ -11,7 +11,7 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.by_recording import by_recording
 from hybridid.trace.context import Context
-from hybridid.trace.entries import DifferingParameter, Value
+from hybridid.trace.entries import DifferingParameter, Floor, Value
 from hybridid.trace.recording_words import by_recording_in_words
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
@@ -153,3 +153,6 @@ def test_a_parameter_may_only_seem_to_differ_where_much_is_still_missing(nothing
     said = sentence(replace(nothing(), verdict="unexplained", times=15.0, by_recording=(mass,)))
     bent = "so M may be the same in all, and what is missing bends it another way in each."
     assert (bent in said) is open_still
+    exact = {"position": Floor(0.0, "m")}
+    silent = replace(nothing(), verdict="unexplained", times=15.0, by_recording=(mass,), noise_floor=exact)
+    assert bent in sentence(silent), "a record without noise shows all that is left"

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from hybridid.trace.before_after import ScoreRow
+from hybridid.trace.cautions import _in_free_run
 from hybridid.trace.entries import Floor
 from hybridid.trace.free_run import far_in_free_run, unstable, worse_in_free_run
 from hybridid.trace.rules import Rules
@@ -72,3 +73,20 @@ def test_a_bad_free_run_of_an_unstable_model_says_nothing():
         "runs say nothing."
     )
     assert unstable(good, 7.1) == ""
+
+
+@pytest.mark.parametrize(("before", "excused"), [(6.0, True), (0.0, False)])
+def test_what_only_an_accepted_effect_makes_unstable_is_no_excuse(monkeypatch, before, excused):
+    """A negative damping that was accepted lets the free run of a stable machine diverge."""
+    rates = {"declared": before, "augmented": 7.1}
+    monkeypatch.setattr("hybridid.trace.cautions.growth", lambda model, *_: rates[model.name])
+    first, final = (
+        SimpleNamespace(model=SimpleNamespace(name=name, values=dict), values={}) for name in rates
+    )
+    traced = SimpleNamespace(
+        accepted=("viscous",), before=(row(0.002),), after=(row(3.0, r2=-170.0),), rules=Rules()
+    )
+    context = SimpleNamespace(split=SimpleNamespace(records=()))
+    said = _in_free_run(SimpleNamespace(first=first, final=final), traced, context)
+    assert ("its free runs say nothing" in said) is excused
+    assert ("the error of position grows from 2 mm to 3 m" in said) is not excused
