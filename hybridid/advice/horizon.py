@@ -13,7 +13,7 @@ from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.quantities import number, quantity
 from hybridid.records.record import Record
-from hybridid.simulation.unobserved import filled_states
+from hybridid.simulation.linearised import linearised
 from hybridid.validation.drift import growth
 
 Array = NDArray[np.float64]
@@ -33,8 +33,6 @@ TOLERATED = 1.5
 horizon that does not show the slowest dynamics is worth proposing if it is so many times as long."""
 RESOLVED = 1 / 3
 """Of the shortest record, that the slowest dynamics may take and still be seen."""
-PROBES = 50
-"""Samples of each record at which the time constants are computed."""
 GROWN, GROWS = 20.0, 5.0
 """Times e that an error grows by over what is fitted, as an exponent: above the first, the last digits of the
 initial state decide; by the second over the horizon that is proposed then."""
@@ -117,22 +115,15 @@ def slowest_time(
 ) -> float:
     """The slowest dynamics of ``model`` at the parameters ``values`` in s: a decay's time constant or an
     oscillation's period, of those up to ``longest`` s, at the typical sample; 0 where there is none."""
-    p = model.values(values)
-    times: list[float] = []
-    for record in records:
-        path = filled_states(model, p, record)
-        for k in np.unique(np.linspace(0, record.n - 1, PROBES).astype(int)):
-            matrix = np.asarray(model.by_state(record.time[k], path[k], record.inputs[k], p))
-            own = _times(matrix, longest)
-            times.append(float(own.max(initial=0.0)))
+    times = [
+        float(_times(at.modes, longest).max(initial=0.0))
+        for at in linearised(model, model.values(values), records)
+    ]
     return float(np.median(times)) if times else 0.0
 
 
-def _times(matrix: Array, longest: float) -> Array:
-    """Time constants of the decays and periods of the oscillations of x' = A x in s, up to ``longest``."""
-    if not np.isfinite(matrix).all():
-        return np.empty(0)
-    modes = np.linalg.eigvals(matrix)
+def _times(modes: NDArray[np.complex128], longest: float) -> Array:
+    """Time constants of the decays and periods of the oscillations of ``modes`` in s, up to ``longest``."""
     swings = np.abs(modes.imag) > np.abs(modes.real)
     seen = ((modes.real < 0) | swings) & (np.abs(modes) * longest >= 1.0)
     modes, swings = modes[seen], swings[seen]
