@@ -20,6 +20,7 @@ from hybridid.trace.decay_class import in_their_place
 from hybridid.trace.doubted import other_law_possible, revision_advised
 from hybridid.trace.drive_sides import drive_changes_on_one_side
 from hybridid.trace.entries import AcceptedEffect
+from hybridid.trace.form_shown import form_hardly_shown
 from hybridid.trace.free_run import far_in_free_run, unstable, worse_in_free_run
 from hybridid.trace.horizon_advice import (
     determining_parts_advised,
@@ -79,6 +80,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [other_law_possible(found, context), _no_longer_shown(found.search, context)]
         told += [not_told_from_zero(found.accepted, traced), _confounded(records)]
         told += [
+            form_hardly_shown(found.accepted, context.rules),
             _takes_little(found.search),
             _moved(found.search),
             _other_held_out(traced.accepted, context.rules),
