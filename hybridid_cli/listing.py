@@ -177,7 +177,9 @@ def _described(effect: Effect) -> str:
     """What an effect is: equation, parameters with units, source."""
     lines = [
         f"{effect.id}: {effect.title}",
-        f"  acts at   {effect.kind} ports" + (", from one into another" if effect.into else ""),
+        f"  acts at   {effect.kind} ports"
+        + (", from one into another" if effect.into else "")
+        + (f"; a trace tries it only beside {effect.beside}" if effect.beside else ""),
         f"  equation  {effect.equation}",
     ]
     for parameter in effect.parameters:

@@ -221,6 +221,8 @@ class Effect:
     It is tried where the model has none of them. Each of its amplitudes must be shown to differ from nothing:
     without one of them the effect is one of these others.
 
+    A further branch of a law is tried only ``beside`` the effect of that id, at the same port.
+
     An effect is sent to another process by its name: see ``hybridid.effects.pickling``.
 
     Raises:
@@ -247,6 +249,7 @@ class Effect:
     channels: tuple[str, ...] = ()
     into: str = ""
     sum_of: tuple[str, ...] = ()
+    beside: str = ""
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(PortKind):

@@ -136,7 +136,7 @@ MAXWELL = Effect(
             "k", STIFFNESS, "stiffness of the branch at fast motion", guess=0.3, lower=0.0, nests=True
         ),
         EffectParameter(
-            "tau", TIME, "relaxation time τ", guess=0.1, lower=0.01, upper=30.0, starts=(0.02, 1.0)
+            "tau", TIME, "relaxation time τ", guess=0.1, lower=0.001, upper=1000.0, starts=(0.02, 1.0)
         ),
     ),
     states=(EffectState("x", POSITION, "deflection of the branch's spring"),),
@@ -150,6 +150,41 @@ MAXWELL = Effect(
         "a step of position held for ten times τ, and small sines over two decades of frequency about "
         "1/τ: relaxation, and loss and stiffness that change with frequency but not with amplitude"
     ),
+)
+
+SECOND_MAXWELL = Effect(
+    id="second_maxwell",
+    kind="effort",
+    title="second viscoelastic branch (generalized Maxwell model)",
+    equation="F = k x,  x' = v - x/τ, beside a first branch",
+    law=MAXWELL.law,
+    dynamics=MAXWELL.dynamics,
+    parameters=(
+        EffectParameter(
+            "k", STIFFNESS, "stiffness of this branch at fast motion", guess=0.1, lower=0.0, nests=True
+        ),
+        EffectParameter(
+            "tau",
+            TIME,
+            "relaxation time τ of this branch",
+            guess=1.0,
+            lower=0.001,
+            upper=1000.0,
+            starts=(0.01, 0.1, 10.0),
+        ),
+    ),
+    states=(EffectState("x", POSITION, "deflection of this branch's spring"),),
+    source="Findley, Lai, Onaran (1976), Creep and Relaxation of Nonlinear Viscoelastic Materials, ch. 5",
+    pattern=(
+        "relaxation that is fast first and slow later: it is spread over more than a decade of time or "
+        "frequency, as in rubber; one Maxwell element relaxes by one exponential"
+    ),
+    look_alikes=("maxwell", "viscous", "linear_stiffness", "flexible_mode", "dahl", "bouc_wen"),
+    separating_experiment=(
+        "a step of position held for ten times the longest τ: the logarithm of the relaxing effort has two "
+        "slopes, whatever the amplitude"
+    ),
+    beside="maxwell",
 )
 
 # sin and cos need an angle: only at ports in rad

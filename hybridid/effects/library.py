@@ -68,6 +68,7 @@ EFFECTS: tuple[Effect, ...] = (
     elastic.CUBIC_STIFFNESS,
     elastic.FREE_PLAY,
     elastic.MAXWELL,
+    elastic.SECOND_MAXWELL,
     elastic.GRAVITY,
     elastic.DETENT,
     contact.END_STOP,

@@ -81,7 +81,8 @@ def admissible(
     """Every effect at every port of its kind where the model does not have it yet, and at ports alike.
 
     An effect that sees a channel which the model lacks is left out, and one that sees the rate of an output
-    that depends on an input at once. So is the sum of others of which the model has one.
+    that depends on an input at once. So is the sum of others of which the model has one, and what is tried
+    only beside an effect that the model lacks there.
     At ports alike only effects without states are tried, and only where none of the ports has them.
     """
     present = {(term.effect.id, name) for term in model.terms for name in term.ports}
@@ -94,7 +95,8 @@ def admissible(
             fits = all(effect.admissible_at(model.plant.port(name)) for name in together)
             fits = fits and not ("rate" in effect.needs and model.at_once.intersection(together))
             had = present.intersection(product((effect.id, *effect.sum_of), together))
-            if wanted and fits and not had:
+            lacks = effect.beside and not present.issuperset(product((effect.beside,), together))
+            if wanted and fits and not (had or lacks):
                 yield Candidate(effect, TOGETHER.join(together))
 
 

@@ -14,6 +14,7 @@ from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.quantities import estimated, quantity, share
 from hybridid.records.record import Record
+from hybridid.trace.at_bound import ends_at_bound
 from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
@@ -79,6 +80,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
     if traced.accepted:
         told += [other_law_possible(found, context), _no_longer_shown(found.search, context)]
         told += [not_told_from_zero(found.accepted, traced), _confounded(records)]
+        told += [ends_at_bound(traced.accepted, traced.estimate)]
         told += [
             form_hardly_shown(found.accepted, context.rules),
             _takes_little(found.search),

@@ -145,6 +145,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "periodic_disturbance",
         "free_play",
         "gravity",
+        "second_maxwell",  # only beside another one
         "added_inertia",
         "preloaded_spring",  # one with the offset that is declared
         "sensor_scale",

@@ -71,7 +71,7 @@ BLIND_TO_VELOCITY = (
 )
 ODD_ALTOGETHER = (
     *("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play"),
-    *("hardening_hysteresis", "side_capacity"),
+    *("hardening_hysteresis", "side_capacity", "second_maxwell"),
 )
 OF_THE_SPEED = ("warming_friction", "back_emf_limit")
 
@@ -155,7 +155,9 @@ CONSERVATIVE = (
     "detent",
 )
 DISSIPATIVE = ("viscous", "coulomb", "stribeck", "quadratic_drag", "eddy_brake", *LOADED)
-DISSIPATIVE_OVER_A_CYCLE = ("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "friction_behind_play")
+DISSIPATIVE_OVER_A_CYCLE = (
+    *("dahl", "lugre", "bouc_wen", "maxwell", "second_maxwell", "flexible_mode", "friction_behind_play"),
+)
 
 
 @pytest.mark.parametrize("name", CONSERVATIVE)

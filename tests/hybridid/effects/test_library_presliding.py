@@ -126,12 +126,13 @@ def test_bouc_wen_differentiates_by_its_sharpness_at_zero(bench):
     assert np.isfinite(bench("bouc_wen", n=1.0).slopes(z=[0.0], velocity=1.0)).all()
 
 
+@pytest.mark.parametrize("name", ["maxwell", "second_maxwell"])
 @pytest.mark.parametrize("omega", [0.3, 10.0, 300.0])
-def test_maxwell_has_its_complex_stiffness(bench, omega):
+def test_maxwell_has_its_complex_stiffness(bench, name, omega):
     """k i omega tau / (1 + i omega tau): a damper when slow, a spring when fast."""
     k, tau = 40.0, 0.1
     motion, time = swinging(1.0, omega), np.linspace(0, 40 / omega + 1, 4001)
-    law, _ = bench("maxwell", k=k, tau=tau).run(motion, time)
+    law, _ = bench(name, k=k, tau=tau).run(motion, time)
     stiffness = k * 1j * omega * tau / (1 + 1j * omega * tau)
     wanted = np.imag(stiffness * np.exp(1j * omega * time))
     settled = time > 8 * tau
