@@ -152,40 +152,48 @@ MAXWELL = Effect(
     ),
 )
 
-SECOND_MAXWELL = Effect(
-    id="second_maxwell",
-    kind="effort",
-    title="second viscoelastic branch (generalized Maxwell model)",
-    equation="F = k x,  x' = v - x/τ, beside a first branch",
-    law=MAXWELL.law,
-    dynamics=MAXWELL.dynamics,
-    parameters=(
-        EffectParameter(
-            "k", STIFFNESS, "stiffness of this branch at fast motion", guess=0.1, lower=0.0, nests=True
+
+def _further_branch(nth: str, beside: str) -> Effect:
+    """One more Maxwell element in parallel: a sum of exponentials (a Prony series) is how relaxation that is
+    spread over decades is described."""
+    return Effect(
+        id=f"{nth}_maxwell",
+        kind="effort",
+        title=f"{nth} viscoelastic branch (generalized Maxwell model)",
+        equation=f"F = k x,  x' = v - x/τ, beside {beside}",
+        law=MAXWELL.law,
+        dynamics=MAXWELL.dynamics,
+        parameters=(
+            EffectParameter(
+                "k", STIFFNESS, "stiffness of this branch at fast motion", guess=0.1, lower=0.0, nests=True
+            ),
+            EffectParameter(
+                "tau",
+                TIME,
+                "relaxation time τ of this branch",
+                guess=1.0,
+                lower=0.001,
+                upper=1000.0,
+                starts=(0.01, 0.1, 10.0),
+            ),
         ),
-        EffectParameter(
-            "tau",
-            TIME,
-            "relaxation time τ of this branch",
-            guess=1.0,
-            lower=0.001,
-            upper=1000.0,
-            starts=(0.01, 0.1, 10.0),
+        states=(EffectState("x", POSITION, "deflection of this branch's spring"),),
+        source="Findley, Lai, Onaran (1976), Creep and Relaxation of Nonlinear Viscoelastic Materials, ch. 5",
+        pattern=(
+            "relaxation that is fast first and slow later: it is spread over more than a decade of time or "
+            "frequency, as in rubber; one Maxwell element relaxes by one exponential"
         ),
-    ),
-    states=(EffectState("x", POSITION, "deflection of this branch's spring"),),
-    source="Findley, Lai, Onaran (1976), Creep and Relaxation of Nonlinear Viscoelastic Materials, ch. 5",
-    pattern=(
-        "relaxation that is fast first and slow later: it is spread over more than a decade of time or "
-        "frequency, as in rubber; one Maxwell element relaxes by one exponential"
-    ),
-    look_alikes=("maxwell", "viscous", "linear_stiffness", "flexible_mode", "dahl", "bouc_wen"),
-    separating_experiment=(
-        "a step of position held for ten times the longest τ: the logarithm of the relaxing effort has two "
-        "slopes, whatever the amplitude"
-    ),
-    beside="maxwell",
-)
+        look_alikes=(beside, "viscous", "linear_stiffness", "flexible_mode", "dahl", "bouc_wen"),
+        separating_experiment=(
+            "a step of position held for ten times the longest τ: the logarithm of the relaxing effort has "
+            "one slope for each branch, whatever the amplitude"
+        ),
+        beside=beside,
+    )
+
+
+SECOND_MAXWELL = _further_branch("second", "maxwell")
+THIRD_MAXWELL = _further_branch("third", "second_maxwell")
 
 # sin and cos need an angle: only at ports in rad
 GRAVITY = Effect(

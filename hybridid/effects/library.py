@@ -69,6 +69,7 @@ EFFECTS: tuple[Effect, ...] = (
     elastic.FREE_PLAY,
     elastic.MAXWELL,
     elastic.SECOND_MAXWELL,
+    elastic.THIRD_MAXWELL,
     elastic.GRAVITY,
     elastic.DETENT,
     contact.END_STOP,

@@ -146,6 +146,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "free_play",
         "gravity",
         "second_maxwell",  # only beside another one
+        "third_maxwell",
         "added_inertia",
         "preloaded_spring",  # one with the offset that is declared
         "sensor_scale",

@@ -71,7 +71,7 @@ BLIND_TO_VELOCITY = (
 )
 ODD_ALTOGETHER = (
     *("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play"),
-    *("hardening_hysteresis", "side_capacity", "second_maxwell"),
+    *("hardening_hysteresis", "side_capacity", "second_maxwell", "third_maxwell"),
 )
 OF_THE_SPEED = ("warming_friction", "back_emf_limit")
 
@@ -156,7 +156,8 @@ CONSERVATIVE = (
 )
 DISSIPATIVE = ("viscous", "coulomb", "stribeck", "quadratic_drag", "eddy_brake", *LOADED)
 DISSIPATIVE_OVER_A_CYCLE = (
-    *("dahl", "lugre", "bouc_wen", "maxwell", "second_maxwell", "flexible_mode", "friction_behind_play"),
+    *("dahl", "lugre", "bouc_wen", "maxwell", "second_maxwell", "third_maxwell"),
+    *("flexible_mode", "friction_behind_play"),
 )
 
 

@@ -126,7 +126,7 @@ def test_bouc_wen_differentiates_by_its_sharpness_at_zero(bench):
     assert np.isfinite(bench("bouc_wen", n=1.0).slopes(z=[0.0], velocity=1.0)).all()
 
 
-@pytest.mark.parametrize("name", ["maxwell", "second_maxwell"])
+@pytest.mark.parametrize("name", ["maxwell", "second_maxwell", "third_maxwell"])
 @pytest.mark.parametrize("omega", [0.3, 10.0, 300.0])
 def test_maxwell_has_its_complex_stiffness(bench, name, omega):
     """k i omega tau / (1 + i omega tau): a damper when slow, a spring when fast."""
