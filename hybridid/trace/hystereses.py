@@ -1,11 +1,14 @@
-"""Several accepted hystereses at one port are the parts of a sum, and no names.
+"""Several accepted hystereses, or relaxations, at one port may be the parts of a sum, and no names.
 
 A sum of elastic and friction elements approximates any hysteresis without a memory of the speed. So where two
 look-alikes with inner states and a limited effort were accepted at one port, the machine has one hysteresis
 of another form. (A load behind a play or a spring has states, too, but no limited effort.)
 
-Source: Iwan (1966), A distributed-element model for hysteresis and its steady-state dynamic response, ASME J.
-Applied Mechanics 33(4), 893-900.
+A sum of Maxwell elements approximates any linear relaxation in the same way, also one of a fractional order.
+
+Sources: Iwan (1966), A distributed-element model for hysteresis and its steady-state dynamic response, ASME
+J. Applied Mechanics 33(4), 893-900; Findley, Lai, Onaran (1976), Creep and Relaxation of Nonlinear Viscoelastic
+Materials, ch. 5.
 """
 
 from __future__ import annotations
@@ -14,9 +17,14 @@ from collections.abc import Sequence
 
 from hybridid.effects.dimension import EFFORT
 from hybridid.effects.effect import Effect
+from hybridid.effects.elastic import MAXWELL
+from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.trace.alike import look_alikes
 from hybridid.trace.steps import Accepted
+
+BRANCHES = 3
+"""Maxwell branches at one port from which that is told."""
 
 
 def several_hystereses(accepted: Sequence[Accepted]) -> str:
@@ -37,6 +45,21 @@ def several_hystereses(accepted: Sequence[Accepted]) -> str:
     return (
         f" Beware: {listed(parts)} look alike. Their sum stands for one hysteresis of another form, and none "
         "of them is a name."
+    )
+
+
+def spread_relaxation(model: Model) -> str:
+    """That the Maxwell branches at a port may stand for one relaxation that is spread over time, in words;
+    empty where the ``model`` has fewer than ``BRANCHES`` at each."""
+    branches = [term for term in model.terms if term.effect.dynamics is MAXWELL.dynamics]
+    ports = dict.fromkeys(term.port for term in branches)
+    told = [port for port in ports if sum(term.port == port for term in branches) >= BRANCHES]
+    if not told:
+        return ""
+    return (
+        f" Beware: the Maxwell branches at {listed(told)} may stand for a relaxation that is spread over all "
+        "times, as of rubber. Then their numbers depend on the frequencies in the records, and what was "
+        "accepted beside them may be a part of it."
     )
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.model import compose
+from hybridid.plants.duffing import Duffing
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.hystereses import several_hystereses
+from hybridid.trace.hystereses import several_hystereses, spread_relaxation
 from hybridid.trace.steps import Accepted
 from hybridid.trace.trial import Trial
 
@@ -37,3 +39,11 @@ def test_look_alikes_with_states_at_one_port_are_a_sum():
 )
 def test_others_are_names(names):
     assert several_hystereses(accepted(*names)) == ""
+
+
+def test_three_maxwell_branches_may_be_one_relaxation():
+    two, three = (
+        compose(Duffing(), ["maxwell", "second_maxwell", *more]) for more in ((), ("third_maxwell",))
+    )
+    assert spread_relaxation(two) == ""
+    assert "the Maxwell branches at oscillator may stand for a relaxation" in spread_relaxation(three)
