@@ -7,8 +7,8 @@ of another form. (A load behind a play or a spring has states, too, but no limit
 A sum of Maxwell elements approximates any linear relaxation in the same way, also one of a fractional order.
 
 Sources: Iwan (1966), A distributed-element model for hysteresis and its steady-state dynamic response, ASME
-J. Applied Mechanics 33(4), 893-900; Findley, Lai, Onaran (1976), Creep and Relaxation of Nonlinear Viscoelastic
-Materials, ch. 5.
+J. Applied Mechanics 33(4), 893-900; Findley, Lai, Onaran (1976), Creep and Relaxation of Nonlinear
+Viscoelastic Materials, ch. 5.
 """
 
 from __future__ import annotations
