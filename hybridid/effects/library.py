@@ -100,6 +100,7 @@ EFFECTS: tuple[Effect, ...] = (
     actuator.INPUT_NONLINEARITY,
     actuator.INPUT_RATE_LIMIT,
     paths.SENSOR_LAG,
+    paths.INPUT_RECORD_LAG,
     paths.SENSOR_SCALE,
     paths.SENSOR_OFFSET,
     sensors.SENSOR_NONLINEARITY,

@@ -131,6 +131,26 @@ SENSOR_LAG = Effect(
     ),
 )
 
+INPUT_RECORD_LAG = Effect(
+    id="input_record_lag",
+    kind="output",
+    title="record of the inputs that lags behind this output",
+    equation="y → y + T y': what drives the machine was recorded through a lag 1/(1 + T s)",
+    law=lambda at: at.p.T * at.rate,
+    parameters=(LAG,),
+    needs=("rate",),
+    source=_ASTROM + ", sec. 6.3 (first-order lag, here of the instrument that recorded the input)",
+    pattern=(
+        "the machine answers before it is driven: a fault of the recording, not of the machine (an "
+        "anti-alias filter in one channel, a force sensor's amplifier, clocks that differ)"
+    ),
+    look_alikes=("sensor_lag", "input_lag", "input_delay", "flexible_mode", "backlash", "added_inertia"),
+    separating_experiment=(
+        "record one signal through both channels at once; or strike the machine: nothing answers before it "
+        "is struck"
+    ),
+)
+
 SENSOR_SCALE = Effect(
     id="sensor_scale",
     kind="output",

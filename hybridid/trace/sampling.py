@@ -1,4 +1,6 @@
-"""Accepted delays and lags of no more than half a sample: the record's sampling may make as much.
+"""Accepted delays and lags that may be those of the recording.
+
+Of no more than half a sample: the record's sampling may make as much.
 
 A signal that is held (zero-order hold) lags one that goes straight from sample to sample (first-order hold)
 by half a sample, and so does a time stamp taken at the end of a sample instead of its middle. So what is
@@ -12,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from hybridid.effects.dimension import TIME
+from hybridid.effects.paths import INPUT_RECORD_LAG
 from hybridid.effects.sampled import PATHS
 from hybridid.naming import listed
 from hybridid.quantities import quantity
@@ -29,6 +32,19 @@ def within_half_a_sample(accepted: Sequence[Accepted], final: Refit, dt: float) 
     return (
         f" Beware: {listed(short)} may be no more than half a sampling period ({quantity(dt / 2, 's', 3)}). "
         "The hold of the input or the record's time stamps make as much, if they are not as declared."
+    )
+
+
+def recorded_late(accepted: Sequence[Accepted]) -> str:
+    """That the inputs were recorded late, where a trace found that: a fault to mend before all else. Else
+    empty."""
+    late = [one.name for one in accepted if one.trial.candidate.effect.id == INPUT_RECORD_LAG.id]
+    if not late:
+        return ""
+    return (
+        f" Beware: {listed(late)} says that the machine answers before it is driven, so it is a fault of the "
+        "recording: a filter, an amplifier or a clock in one channel. Mend it first, and trace again; other "
+        "names may make up for what it is beyond a lag."
     )
 
 

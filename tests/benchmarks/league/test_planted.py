@@ -152,6 +152,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "sensor_scale",
         "sensor_offset",
         "sensor_nonlinearity",
+        "input_record_lag",  # a fault of the recording, not of the machine
         "sensor_periodic_error",
         "input_nonlinearity",
         "input_rate_limit",

@@ -70,6 +70,7 @@ PROMISED = [
     "input_saturation",
     "input_dead_zone",
     "sensor_lag",
+    "input_record_lag",
     "sensor_scale",
     "sensor_offset",
     "sensor_nonlinearity",
@@ -211,7 +212,7 @@ def test_a_fit_can_leave_zero_amplitude(bench, effect):
     at_port = bench(effect)
     zero = dict.fromkeys(at_port.amplitudes, 0.0)
     seen = {"time": 0.317, "position": 0.17, "velocity": -0.05, "acceleration": 1.0, "signal": 4.0}
-    seen |= {"drive": 3.0, "load": -1.0, "level": 0.8}
+    seen |= {"drive": 3.0, "load": -1.0, "level": 0.8, "rate": 0.7}
     if effect.id == "wheel_lift_off":
         seen["position"] = -0.17
     if effect.id == "detent":
@@ -301,6 +302,7 @@ def test_effects_are_searched_where_they_make_sense():
         "back_emf_limit": (carriage,),
         "input_delay": (force,),
         "sensor_lag": (position,),
+        "input_record_lag": (position,),
     }
     for id_, where in sensible.items():
         found = [port for port in ports if effect_named(id_).admissible_at(port)]

@@ -79,6 +79,16 @@ def test_a_lag_is_first_order_above_its_floor(bench, name, time_constant):
     assert error <= ratio**2
 
 
+def test_an_output_that_is_ahead_has_the_inverse_of_a_lag(bench):
+    """y + T y' is (1 + T s) y: what a lag 1/(1 + T s) of the recorded input leaves out."""
+    lag, omega = 0.02, 30.0
+    law = bench("input_record_lag", T=lag).law
+    for t in np.linspace(0.0, 0.2, 7):
+        y, rate = np.sin(omega * t), omega * np.cos(omega * t)
+        lead = 1 + 1j * omega * lag
+        assert y + law(signal=y, rate=rate) == pytest.approx(np.imag(lead * np.exp(1j * omega * t)))
+
+
 @pytest.mark.parametrize("time_constant", [0.0, 1e-4, 1e-3, 1e-2])
 def test_a_lag_delays_slow_signals_by_its_time_constant_whatever_the_floor(bench, time_constant):
     omega = 1.0

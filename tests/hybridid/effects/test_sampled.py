@@ -43,7 +43,7 @@ def test_a_rate_limit_takes_as_many_samples_over_the_range():
 def test_all_else_stays_and_ones_own_effects_too():
     pairs = zip(EFFECTS, sampled(EFFECTS, 0.1), strict=True)
     changed = {effect.id for effect, one in pairs if effect is not one}
-    assert changed == {"input_delay", "input_lag", "input_rate_limit", "sensor_lag"}
+    assert changed == {"input_delay", "input_lag", "input_rate_limit", "sensor_lag", "input_record_lag"}
     mine = replace(effect_named("input_delay"), id="own_delay")
     assert sampled([mine], 0.1) == (mine,)
 

@@ -1,0 +1,55 @@
+"""A force that was recorded through a filter is no load, play or gain: the trace says that it is late.
+
+The oscillator is linear and driven by a sum of cosines, so that its records are known exactly (simulated).
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hybridid.effects.library import effect_named
+from hybridid.model import compose
+from hybridid.plants.duffing import Duffing
+from hybridid.records.record import Channel, Record
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.run import trace
+from hybridid.trace.sampling import recorded_late
+
+MASS, DAMPING, STIFFNESS, LAG = 5e-6, 4e-4, 1.0, 1.5e-3
+DT, SAMPLES, NOISE = 2.5e-4, 4000, 2e-5
+
+
+def _record(seed: int) -> Record:
+    rng = np.random.default_rng(seed)
+    time, omega = DT * np.arange(SAMPLES), 2 * np.pi * 10 ** rng.uniform(0, 2, 24)
+    force = 0.0144 * np.exp(1j * rng.uniform(0, 2 * np.pi, 24))
+    waves = np.exp(1j * np.outer(time, omega))
+    motion = (waves @ (force / (STIFFNESS - MASS * omega**2 + 1j * omega * DAMPING))).real
+    recorded = (waves @ (force / (1 + 1j * omega * LAG))).real
+    seen = motion + NOISE * rng.standard_normal(SAMPLES)
+    channels = (Channel("V1", "V", hold="foh"),), (Channel("V2", "V"),)
+    return Record(f"run_{seed}", time, recorded[:, None], seen[:, None], *channels, simulated=True)
+
+
+def test_a_force_that_was_recorded_late_is_told():
+    effects = ["input_record_lag", "sensor_lag", "input_gain", "flexible_mode"]
+    asked = {"effects": effects, "variables": ("velocity",), "laws": False, "pairs": 0}
+    found = trace(compose(Duffing()), [_record(1)], [_record(2)], **asked)
+    (first, *_) = found.accepted
+    assert first.effect == "input_record_lag"
+    assert first.parameters["T"].value == pytest.approx(LAG, rel=0.01)
+    for name, true in (("m", MASS), ("d", DAMPING), ("k", STIFFNESS)):
+        assert found.estimates.after[name].value == pytest.approx(true, rel=0.01)
+    assert "answers before it is driven" in found.sentence
+
+
+def test_only_that_effect_is_a_fault_of_the_recording():
+    def accepted(effect: str):
+        trial = SimpleNamespace(candidate=Candidate(effect_named(effect), "V2"))
+        return SimpleNamespace(name=f"V2.{effect}", trial=trial)
+
+    assert recorded_late([accepted("sensor_lag")]) == ""
+    assert recorded_late([accepted("input_record_lag")]).startswith(" Beware: V2.input_record_lag says")
