@@ -41,7 +41,8 @@ class EffectParameter:
     edge), so records may show no more than that it is large.
 
     A ``minor`` parameter does not decide whether the effect is present. A fit may leave it
-    undetermined or at a bound.
+    undetermined or at a bound; but one that is ``lost_above`` (the damping of a mode, which then rings no
+    more) not at its upper bound.
 
     A ``fixed`` parameter belongs to the form of the law (a smoothing width, the window of a
     delay). It is not estimated. Its ``starts`` are alternative values, each kept fixed in a fit. One that is
@@ -64,6 +65,7 @@ class EffectParameter:
     absolute: bool = False
     fixed: bool = False
     minor: bool = False
+    lost_above: bool = False
     sought: Literal["", "period", "place", "frequency", "load", "play", "limit", "mean"] = ""
     above: str = ""
     smooths: int = 0

@@ -69,7 +69,16 @@ FLEXIBLE_MODE = Effect(
             starts=(0.3, 10.0, 30.0),
             sought="frequency",
         ),
-        EffectParameter("zeta", ONE, "damping ratio ζ", guess=0.05, lower=1e-3, upper=2.0, minor=True),
+        EffectParameter(
+            "zeta",
+            ONE,
+            "damping ratio ζ",
+            guess=0.05,
+            lower=1e-3,
+            upper=2.0,
+            minor=True,
+            lost_above=True,
+        ),
     ),
     states=LOAD_STATES,
     source=(

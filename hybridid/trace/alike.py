@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from hybridid.effects.composed import is_composed
 from hybridid.estimators.floor import MISFIT
 from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.judgement import undetermined
+from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.trial import PASSED, REJECTED, Trial
 
@@ -25,11 +28,11 @@ def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules, at_noise: bo
     ``best``. (Hansen, Lunde, Nason (2011), The model confidence set, Econometrica 79(2), 453-497.)
 
     Two effects are one class if the advantage of the better one is not significant, or less than
-    ``rules.tie`` of the error. Declared look-alikes are one class also if it is less than ``rules.tie`` of
-    what the better one takes from the squared error, and the other one leaves no more than ``rules.far``
-    times its error, or ``MISFIT`` times where that is the noise. (Bouc-Wen hysteresis contains Dahl's
-    friction and has one shape parameter more, which always lowers the error a little. But where most of what
-    the other one leaves is its own misfit, the records refute it.)
+    ``rules.tie`` of the error of each output. Declared look-alikes are one class also if it is less than
+    ``rules.tie`` of what the better one takes from the squared error, and the other one leaves no more than
+    ``rules.far`` times its error in each output, or ``MISFIT`` times where that is the noise. (Bouc-Wen
+    hysteresis contains Dahl's friction and has one shape parameter more, which always lowers the error a
+    little. But where most of what the other one leaves is its own misfit, the records refute it.)
     """
     others = [t for t in trials if t is not best and (t.status == PASSED or _insignificant(t, best, rules))]
     return [
@@ -49,9 +52,20 @@ def _insignificant(trial: Trial, best: Trial, rules: Rules) -> bool:
 
 def _nearly_alike(best: Trial, other: Trial, rules: Rules, at_noise: bool) -> bool:
     left, more = 1.0 - best.gain, 1.0 - other.gain
-    most = MISFIT if at_noise else rules.far
-    near = more**2 - left**2 < rules.tie * (1.0 - left**2) and more <= most * left
-    return near and look_alikes(best, other)
+    near = more**2 - left**2 < rules.tie * (1.0 - left**2) and more <= _most_left(rules, at_noise) * left
+    if not near or best.refit is None or other.refit is None or not look_alikes(best, other):
+        return False
+    return leaves_little_more(other.refit, best.refit, rules, at_noise)
+
+
+def leaves_little_more(other: Refit, best: Refit, rules: Rules, at_noise: bool) -> bool:
+    """Whether ``other`` leaves at most ``rules.far`` times the error of ``best`` in each output; ``MISFIT``
+    times where that is the noise."""
+    return bool(np.all(other.score.rmse <= _most_left(rules, at_noise) * best.score.rmse))
+
+
+def _most_left(rules: Rules, at_noise: bool) -> float:
+    return MISFIT if at_noise else rules.far
 
 
 def look_alikes(one: Trial, other: Trial) -> bool:
@@ -87,7 +101,9 @@ def indistinguishable(best: Trial, other: Trial, rules: Rules) -> bool:
 
 
 def tells_apart(advantage: Comparison, rules: Rules) -> bool:
-    """Whether the ``advantage`` of one effect over another is relevant and significant: at ``rules.alpha``,
-    or at ``USUAL`` where the other one leaves more than ``rules.far`` times the error."""
+    """Whether the ``advantage`` of one effect over another is relevant, over all outputs or in one of them,
+    and significant: at ``rules.alpha``, or at ``USUAL`` where the other one leaves more than ``rules.far``
+    times the error."""
     level = max(rules.alpha, USUAL) if advantage.gain > 1.0 - 1.0 / rules.far else rules.alpha
-    return advantage.gain >= rules.tie and advantage.p_value <= level
+    relevant = advantage.gain >= rules.tie or (advantage.gain > 0 and advantage.largest >= rules.tie)
+    return relevant and advantage.p_value <= level

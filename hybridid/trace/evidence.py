@@ -38,11 +38,14 @@ CELLS = 1 << 14
 @dataclass(frozen=True)
 class Comparison:
     """``gain`` = 1 - loss(richer) / loss(poorer) held out; ``p_value`` one-sided, richer not
-    better; ``likelihood_gain`` the summed log-likelihood ratio of the whitened errors."""
+    better; ``likelihood_gain`` the summed log-likelihood ratio of the whitened errors. ``largest`` is the
+    gain in the RMSE of the output that gains most: where a poor sensor makes most of the loss, it hides what
+    a good one shows."""
 
     gain: float
     p_value: float
     likelihood_gain: float
+    largest: float = 0.0
 
 
 @np.errstate(over="ignore", invalid="ignore")  # held-out errors of a model that nearly diverges
@@ -59,7 +62,14 @@ def compare(poorer: Score, richer: Score) -> Comparison:
         gain=1.0 - richer.loss / poorer.loss if lower else 0.0,
         p_value=min(1.0, len(p_values) * min(p_values)),
         likelihood_gain=float(ratio.sum()),
+        largest=_largest_gain(poorer, richer) if lower else 0.0,
     )
+
+
+def _largest_gain(poorer: Score, richer: Score) -> float:
+    """By which share the RMSE of the output that gains most falls."""
+    before, after = poorer.rmse, richer.rmse
+    return float(np.max(1.0 - after[before > 0] / before[before > 0], initial=0.0))
 
 
 def _of_squares(poorer: Score, richer: Score) -> Array:

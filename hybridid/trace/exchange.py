@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hybridid.trace.alike import look_alikes, tells_apart
+from hybridid.trace.alike import leaves_little_more, look_alikes, tells_apart
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
@@ -33,8 +33,11 @@ def exchanged(
     return refit_if_possible(model, split, starts, final, final.numerics)
 
 
-def still_alike(final: Refit, one: Trial, rival: Trial, split: Split, rules: Rules) -> bool:
-    """Whether ``rival``, in the place of the accepted ``one``, explains the records as well in ``final``."""
+def still_alike(
+    final: Refit, one: Trial, rival: Trial, split: Split, rules: Rules, at_noise: bool = False
+) -> bool:
+    """Whether ``rival``, in the place of the accepted ``one``, explains the records as well in ``final``,
+    which may leave no more than the noise (``at_noise``). The rules are those of ``equivalents``."""
     lent = rival.refit.values if rival.refit else {}
     other = exchanged(final, one.candidate.name, rival.candidate, split, lent)
     if other is None:
@@ -42,5 +45,5 @@ def still_alike(final: Refit, one: Trial, rival: Trial, split: Split, rules: Rul
     if not tells_apart(compare(other.score, final.score), rules):
         return True
     more = other.score.loss**2 - final.score.loss**2
-    near = more < rules.tie * one.taken and other.score.loss <= rules.far * final.score.loss
+    near = more < rules.tie * one.taken and leaves_little_more(other, final, rules, at_noise)
     return (near and look_alikes(one, rival)) or smoothed_apart(final, other, split, rules)

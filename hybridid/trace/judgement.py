@@ -111,14 +111,20 @@ def undetermined(trial: Trial, rules: Rules) -> str:
 
 def _degenerate(trial: Trial) -> str:
     """Which of the effect's own parameters ends at its bound, where its form is lost; empty if none."""
+    assert trial.refit is not None
     values = trial.own("values")
     for p, declared in _judged_alone(trial):
         value = values[p.name]
         span = 1e-3 * max(abs(value), 1e-3 * declared.scale)
         if value <= declared.lower + span or value >= declared.upper - span:
-            at = quantity(value, declared.unit, 4)
-            return f"{p.name} = {at} ends at its bound: the effect degenerates"
-    return ""
+            return _at_bound(p.name, value, declared)
+    port = trial.refit.model.plant.port(trial.candidate.port)
+    lost = ((p.name, p.at(port)) for p in trial.candidate.effect.parameters if p.lost_above)
+    return next((_at_bound(n, values[n], d) for n, d in lost if values[n] >= (1 - 1e-3) * d.upper), "")
+
+
+def _at_bound(name: str, value: float, declared: Parameter) -> str:
+    return f"{name} = {quantity(value, declared.unit, 4)} ends at its bound: the effect degenerates"
 
 
 def _amplitudes(trial: Trial) -> list[str]:

@@ -47,7 +47,8 @@ def _with_those_alike(found: Search, context: Context) -> Search:
         for rival in (*one.alike, *_kept_out(found, one))
         if rival is not one.trial
     ]
-    given = [(found.final, one.trial, rival, context.split, context.rules) for one, rival in rivals]
+    at_noise = context.meets_noise(found.final.score)
+    given = [(found.final, one.trial, rival, context.split, context.rules, at_noise) for one, rival in rivals]
     told = context.each("in place of what was accepted", still_alike, given)
     alike = [pair for pair, is_so in zip(rivals, told, strict=True) if is_so]
     classes = [(one.trial, *(rival for of, rival in alike if of is one)) for one in found.accepted]
