@@ -242,10 +242,12 @@ def _no_longer_shown(search: Search, context: Context) -> str:
 
 def _moved(search: Search) -> str:
     """Which parameters of the plant are less than half or more than twice what they were, and by more than
-    chance; else empty."""
+    chance: what the records did not determine before has not moved. Else empty."""
     before, after, std = search.first.values, search.final.values, search.final.std
+    vague = search.first.std
     free = [p for p in search.final.model.plant.parameters if p.name in std]
-    sure = [p for p in free if abs(after[p.name] - before[p.name]) > SURE * std[p.name]]
+    chance = {p.name: SURE * math.hypot(std[p.name], vague.get(p.name, 0.0)) for p in free}
+    sure = [p for p in free if abs(after[p.name] - before[p.name]) > chance[p.name]]
     moved = [p for p in sure if not 0.5 <= after[p.name] / (before[p.name] or math.inf) <= 2.0]
     told = [
         f"{p.name} moves from {quantity(before[p.name], p.unit, 3)} to {quantity(after[p.name], p.unit, 3)}"

@@ -230,6 +230,12 @@ def test_a_mass_that_moves_within_its_error_is_not_told():
     assert _moved(found(mass=(0.15, -0.04))) == ""
 
 
+def test_a_mass_that_was_not_determined_has_not_moved():
+    before = found(mass=(2.0, 19.0))
+    before.first.std["M"] = 14.0
+    assert _moved(before) == ""
+
+
 @pytest.fixture
 def make_decay():
     """A free swing from ``amplitude`` rad, simulated: 10 s at 100 Hz."""
