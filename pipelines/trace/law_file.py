@@ -16,8 +16,8 @@ _TEXT = '''"""A law that hybridid trace proposed for the case {case} ({provenanc
 
 {values}
 
-Name it as any effect of your own, with --config-dir FOLDER_OF_THIS_FILE. For a case of your own, copy this file
-into the folder of that case, which is the --config-dir already:
+Name it as any effect of your own, with --config-dir FOLDER_OF_THIS_FILE. For a case of your own, copy this
+file into the folder of that case, which is the --config-dir already:
 
     effects=[..., {module}:{constant}@{port}]
     trace.extra_effects=[{module}:{constant}]
