@@ -32,6 +32,7 @@ from hybridid.trace.horizon_advice import (
 )
 from hybridid.trace.hystereses import several_hystereses, spread_relaxation
 from hybridid.trace.idle import SURE, amplitudes_of, told_from_zero
+from hybridid.trace.memory_begins import memory_begins_empty
 from hybridid.trace.one_way import judged_the_other_way
 from hybridid.trace.other_parameters import ASK, other_parameters, recordings
 from hybridid.trace.recording_offset import offset_by_recording
@@ -82,6 +83,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [other_law_possible(found, context), _no_longer_shown(found.search, context)]
         told += [not_told_from_zero(found.accepted, traced), _confounded(records)]
         told += [ends_at_bound(traced.accepted, traced.estimate), spread_relaxation(found.model)]
+        told += [memory_begins_empty(found.accepted, found.search.final, context.split)]
         told += [
             form_hardly_shown(found.accepted, context.rules),
             _takes_little(found.search),
