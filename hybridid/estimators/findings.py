@@ -13,6 +13,7 @@ from hybridid.estimators.estimate import Estimate, EstimatedParameter, Left, Sol
 from hybridid.estimators.floor import Floor
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.uncertainty import Uncertainty
+from hybridid.quantities import with_unit
 from hybridid.settings.fit import FitSettings
 from hybridid.simulation.stability import MOST, substeps_wanted
 
@@ -104,11 +105,11 @@ def _warnings(
         notes.append(f"NOT CONVERGED: {solution.status}; the estimates are not at an optimum")
     for p in parameters:
         if p.at_bound:
-            notes.append(f"{p.name} = {p.value:.6g} {p.unit} is at a bound [{p.lower:g}, {p.upper:g}]")
+            said = with_unit(f"{p.value:.6g}", p.unit)
+            notes.append(f"{p.name} = {said} is at a bound [{p.lower:g}, {p.upper:g}]")
         if not p.identifiable:
-            notes.append(
-                f"{p.name} is not identifiable from these records: standard error {p.std:.3g} {p.unit}"
-            )
+            said = with_unit(f"{p.std:.3g}", p.unit)
+            notes.append(f"{p.name} is not identifiable from these records: standard error {said}")
     smeared = [p.name for p in parameters if np.isfinite(p.std) and abs(p.smoothing) > MOSTLY * p.std]
     if smeared:
         notes.append(
