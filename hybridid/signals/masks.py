@@ -94,8 +94,10 @@ class Mask(_Masking):
 
     They stay on the time axis, but are no part of the cost, the scores and the noise. With ``through``, the
     simulation runs through them with the recorded inputs, and effects keep their inner states: right for a
-    sensor that saturates or drops out. ``through: false`` ends the simulation before them and starts it anew
-    after them: right where the machine moved otherwise than the inputs say, as by hand. Several masks add up.
+    sensor that saturates or drops out. Not so where a record begins with them, or where they last longer than
+    a horizon: inner states begin anew after those. ``through: false`` ends the simulation before them and
+    starts it anew after them: right where the machine moved otherwise than the inputs say, as by hand. Several
+    masks add up.
     """
 
     def apply(self, record: Record) -> Record:
