@@ -96,8 +96,8 @@ class Mask(_Masking):
     simulation runs through them with the recorded inputs, and effects keep their inner states: right for a
     sensor that saturates or drops out. Not so where a record begins with them, or where they last longer than
     a horizon: inner states begin anew after those. ``through: false`` ends the simulation before them and
-    starts it anew after them: right where the machine moved otherwise than the inputs say, as by hand. Several
-    masks add up.
+    starts it anew after them: right where the machine moved otherwise than the inputs say, as by hand.
+    Several masks add up.
     """
 
     def apply(self, record: Record) -> Record:
