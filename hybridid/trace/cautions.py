@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 from scipy.stats import norm
 
 from hybridid.advice.decay import free_decay
@@ -214,21 +215,32 @@ def _may_be_zero(accepted: Accepted, traced: Trace) -> bool:
 
 
 def _takes_little(search: Search) -> str:
-    """Which accepted effects, but for the first, take little of what all take; else empty.
+    """Which accepted effects, but for the first, take little of what all take, in each output; else empty.
 
     A first effect whose law is off by a tenth of its amplitude leaves a hundredth of the square of what it
     takes. So what takes less than that may only mend the form of what was found before. What made an earlier
     effect needless takes what that one took, too.
     """
-    every = search.first.score.loss**2 - search.final.score.loss**2
     instead = {one.name for step in search.steps if step.dropped for one in step.taken}
     later = [one for one in search.accepted[1:] if not (one.together or one.name in instead)]
     return "".join(
-        f" Beware: {one.name} takes {share(one.trial.taken / every)} of the squared error that all take: it "
-        "may only mend the form of what was found before it."
-        for one in later
-        if one.trial.taken < LITTLE * every
+        f" Beware: {one.name} takes {share(taken)} of the squared error that all take: it may only mend the "
+        "form of what was found before it."
+        for one, taken in ((one, _share_taken(one, search)) for one in later)
+        if taken < LITTLE
     )
+
+
+def _share_taken(one: Accepted, search: Search) -> float:
+    """The share that an accepted effect took, in its step, from the squared error which all take; that of the
+    output in which it is largest."""
+    assert one.trial.refit is not None
+    its = (step for step in search.steps if any(other.name == one.name for other in step.taken))
+    before = next((step.base for step in its), search.first)
+    levels = (search.first, search.final, before, one.trial.refit)
+    first, final, base, after = (level.score.rmse**2 for level in levels)
+    lower = first > final
+    return float(np.max((base - after)[lower] / (first - final)[lower], initial=0.0))
 
 
 def _no_longer_shown(search: Search, context: Context) -> str:

@@ -175,25 +175,31 @@ def test_a_limit_that_is_hard_is_not_doubted():
     assert told("end_stop", "joint", **hard) == ""
 
 
-def found(takes=(99.5, 0.5), mass=(2.0, 1.9), dropped=()):
-    """A search that accepted effects that took so much of a squared error of 100, and moved a mass; the last
-    one has made those ``dropped`` needless."""
+def left(squares):
+    """A model that leaves these squared errors, one for each output."""
+    return SimpleNamespace(score=SimpleNamespace(rmse=np.sqrt(np.array(squares, float))))
+
+
+def found(takes=((99.5,), (0.5,)), mass=(2.0, 1.9), dropped=()):
+    """A search that accepted two effects, which took so much of a squared error of 100 of each output, and
+    moved a mass; the last one has made those ``dropped`` needless."""
+    beside = [left(100.0 - np.sum(takes[:k], axis=0)) for k in range(3)]
     names = ["cart.coulomb", "cart.detent"]
     accepted = [
-        SimpleNamespace(name=name, trial=SimpleNamespace(taken=taken), together="")
-        for name, taken in zip(names, takes, strict=True)
+        SimpleNamespace(name=name, trial=SimpleNamespace(refit=refit), together="")
+        for name, refit in zip(names, beside[1:], strict=True)
     ]
     plant = SimpleNamespace(parameters=(Parameter("M", "kg", 1.0),))
     first, final = (
         SimpleNamespace(
-            values={"M": value},
-            std={"M": 0.1},
-            model=SimpleNamespace(plant=plant),
-            score=SimpleNamespace(loss=loss),
+            values={"M": value}, std={"M": 0.1}, model=SimpleNamespace(plant=plant), score=model.score
         )
-        for value, loss in zip(mass, (10.0, 0.0), strict=True)
+        for value, model in zip(mass, beside[::2], strict=True)
     )
-    steps = [SimpleNamespace(dropped=dropped, taken=accepted[-1:])]
+    steps = [
+        SimpleNamespace(dropped=gone, taken=(one,), base=base)
+        for gone, one, base in zip(((), dropped), accepted, beside[:2], strict=True)
+    ]
     return SimpleNamespace(first=first, final=final, accepted=accepted, steps=steps)
 
 
@@ -202,9 +208,14 @@ def test_what_takes_less_than_a_hundredth_may_mend_what_came_before():
         " Beware: cart.detent takes 0.5 % of the squared error that all take: it may only mend the form of "
         "what was found before it."
     )
-    assert _takes_little(found(takes=(98.0, 2.0))) == ""
-    assert _takes_little(found(takes=(0.5, 99.5))) == "", "what came first mends nothing"
+    assert _takes_little(found(takes=((98.0,), (2.0,)))) == ""
+    assert _takes_little(found(takes=((0.5,), (99.5,)))) == "", "what came first mends nothing"
     assert _takes_little(found(dropped=("cart.stribeck",))) == "", "it takes what the stribeck took, too"
+
+
+def test_what_takes_much_of_one_output_mends_nothing():
+    assert _takes_little(found(takes=((99.9, 60.0), (0.1, 40.0)))) == ""
+    assert "takes 0.4 %" in _takes_little(found(takes=((99.9, 99.6), (0.1, 0.4))))
 
 
 def test_a_form_that_the_last_model_does_not_show_is_doubted(monkeypatch):
