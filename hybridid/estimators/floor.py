@@ -36,6 +36,9 @@ ALPHA = 1e-3
 """Probability that the rank test calls noise of any one model's outputs louder in motion."""
 STRETCHES, FEWEST = 50, 10
 """Stretches of the record that are compared; fewer than the latter say nothing."""
+CLEARLY = 0.8
+"""Of the noise that a record tells: a fit that leaves less shows that the noise is no more than what it
+leaves. A motion as fast as the samples looks like noise."""
 RK4_ORDER, EXACT = 4, 1e-9
 """Order by which half the step lessens its error; an error over the output's spread that is arithmetic."""
 
@@ -90,9 +93,10 @@ def floor_of(
         ]
     )
     step = _rms(problem, _by_step(problem, p, x0, shot)) * problem.scale
+    left = _rms(problem, residual) * problem.scale
     return Floor(
-        left=_rms(problem, residual) * problem.scale,
-        noise=noise,
+        left=left,
+        noise=np.where(left < CLEARLY * noise, left, noise),
         simulation=np.hypot(smeared, step),
         step=step,
         louder=_louder(problem, shot, residual, np.flatnonzero(np.isnan(noise))),
