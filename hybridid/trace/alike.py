@@ -17,6 +17,8 @@ from hybridid.trace.trial import PASSED, REJECTED, Trial
 USUAL = 0.05
 """Level of a test of one difference alone. Eight horizons that all agree reach no p-value below 0.01, but are
 enough to show that one effect leaves several times the error of another."""
+ROUNDING = 1e-9
+"""Share of an error that the arithmetic may change."""
 
 
 def equivalents(best: Trial, trials: Sequence[Trial], rules: Rules, at_noise: bool = False) -> list[Trial]:
@@ -61,7 +63,8 @@ def _nearly_alike(best: Trial, other: Trial, rules: Rules, at_noise: bool) -> bo
 def leaves_little_more(other: Refit, best: Refit, rules: Rules, at_noise: bool) -> bool:
     """Whether ``other`` leaves at most ``rules.far`` times the error of ``best`` in each output; ``MISFIT``
     times where that is the noise."""
-    return bool(np.all(other.score.rmse <= _most_left(rules, at_noise) * best.score.rmse))
+    most = (1 + ROUNDING) * _most_left(rules, at_noise)
+    return bool(np.all(other.score.rmse <= most * best.score.rmse))
 
 
 def _most_left(rules: Rules, at_noise: bool) -> float:
