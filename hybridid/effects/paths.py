@@ -61,6 +61,10 @@ def _behind_rate(at: Local) -> dict[str, ca.SX]:
     return {"w": at.rate - at.z.w / _lag_time(at)}
 
 
+def _ahead(at: Local) -> ca.SX:
+    return at.p.T * at.rate
+
+
 _LAG_EQUATION = "y = {0} + (T/T_e) (z - {0}),  T_e z' = {0} - z,  T_e = √(T² + floor²): 1/(1 + T s)"
 _ASTROM = "Åström, Murray (2021), Feedback Systems, 2nd ed."
 
@@ -136,7 +140,7 @@ INPUT_RECORD_LAG = Effect(
     kind="output",
     title="record of the inputs that lags behind this output",
     equation="y → y + T y': what drives the machine was recorded through a lag 1/(1 + T s)",
-    law=lambda at: at.p.T * at.rate,
+    law=_ahead,
     parameters=(LAG,),
     needs=("rate",),
     source=_ASTROM + ", sec. 6.3 (first-order lag, here of the instrument that recorded the input)",

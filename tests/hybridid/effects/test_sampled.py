@@ -48,7 +48,7 @@ def test_all_else_stays_and_ones_own_effects_too():
     assert sampled([mine], 0.1) == (mine,)
 
 
-def test_it_can_be_sent_to_another_process():
-    delay = named(sampled(EFFECTS, 0.08), "input_delay")
-    again = pickle.loads(pickle.dumps(delay))
-    assert again.parameters == delay.parameters
+def test_each_can_be_sent_to_another_process():
+    for effect in sampled(EFFECTS, 0.08):
+        again = pickle.loads(pickle.dumps(effect))
+        assert again.parameters == effect.parameters
