@@ -36,15 +36,16 @@ def within_half_a_sample(accepted: Sequence[Accepted], final: Refit, dt: float) 
 
 
 def recorded_late(accepted: Sequence[Accepted]) -> str:
-    """That the inputs were recorded late, where a trace found that: a fault to mend before all else. Else
-    empty."""
-    late = [one.name for one in accepted if one.trial.candidate.effect.id == INPUT_RECORD_LAG.id]
+    """That the inputs may have been recorded late, where an accepted effect or one of its class says so: a
+    fault to look for before all else. Else empty."""
+    members = [trial.candidate for one in accepted for trial in (one.trial, *one.alike)]
+    late = dict.fromkeys(one.name for one in members if one.effect.id == INPUT_RECORD_LAG.id)
     if not late:
         return ""
     return (
-        f" Beware: {listed(late)} says that the machine answers before it is driven, so it is a fault of the "
-        "recording: a filter, an amplifier or a clock in one channel. Mend it first, and trace again; other "
-        "names may make up for what it is beyond a lag."
+        f" Beware: {listed(list(late))} says that the machine answers before it is driven. That is a fault "
+        "of the recording: a filter, an amplifier or a clock in one channel. Look for it first, mend it, and "
+        "trace again: other names may only make up for it."
     )
 
 

@@ -46,10 +46,16 @@ def test_a_force_that_was_recorded_late_is_told():
     assert "answers before it is driven" in found.sentence
 
 
-def test_only_that_effect_is_a_fault_of_the_recording():
-    def accepted(effect: str):
-        trial = SimpleNamespace(candidate=Candidate(effect_named(effect), "V2"))
-        return SimpleNamespace(name=f"V2.{effect}", trial=trial)
+def test_a_fault_of_the_recording_is_told_also_of_a_class():
+    def accepted(*effects: str):
+        ports = {"input_record_lag": "V2", "sensor_lag": "V2"}
+        trials = tuple(
+            SimpleNamespace(candidate=Candidate(effect_named(one), ports.get(one, "oscillator")))
+            for one in effects
+        )
+        return [SimpleNamespace(trial=trials[0], alike=trials)]
 
-    assert recorded_late([accepted("sensor_lag")]) == ""
-    assert recorded_late([accepted("input_record_lag")]).startswith(" Beware: V2.input_record_lag says")
+    assert recorded_late(accepted("sensor_lag")) == ""
+    said = recorded_late(accepted("input_record_lag"))
+    assert said.startswith(" Beware: V2.input_record_lag says")
+    assert recorded_late(accepted("backlash", "input_record_lag")) == said
