@@ -69,10 +69,9 @@ BLIND_TO_VELOCITY = (
     *("varying_force_factor", "torque_ripple", "natural_convection", "thermal_radiation"),
     "falling_supply",
 )
-ODD_ALTOGETHER = (
-    *("dahl", "lugre", "bouc_wen", "maxwell", "flexible_mode", "backlash", "friction_behind_play"),
-    *("hardening_hysteresis", "side_capacity", "second_maxwell", "third_maxwell"),
-)
+BRANCHES = ("maxwell", "second_maxwell", "third_maxwell")
+REMEMBERING = ("dahl", "lugre", "bouc_wen", *BRANCHES, "flexible_mode", "friction_behind_play")
+ODD_ALTOGETHER = (*REMEMBERING, "backlash", "hardening_hysteresis", "side_capacity")
 OF_THE_SPEED = ("warming_friction", "back_emf_limit")
 
 
@@ -155,10 +154,6 @@ CONSERVATIVE = (
     "detent",
 )
 DISSIPATIVE = ("viscous", "coulomb", "stribeck", "quadratic_drag", "eddy_brake", *LOADED)
-DISSIPATIVE_OVER_A_CYCLE = (
-    *("dahl", "lugre", "bouc_wen", "maxwell", "second_maxwell", "third_maxwell"),
-    *("flexible_mode", "friction_behind_play"),
-)
 
 
 @pytest.mark.parametrize("name", CONSERVATIVE)
@@ -183,7 +178,7 @@ def test_friction_takes_power_at_every_instant(bench, name):
         assert power > 0 or abs(v) > 1, "no friction at slow motion"
 
 
-@pytest.mark.parametrize("name", DISSIPATIVE_OVER_A_CYCLE)
+@pytest.mark.parametrize("name", REMEMBERING)
 @pytest.mark.parametrize("seed", range(3))
 def test_effects_with_memory_take_energy_over_a_cycle(bench, name, seed):
     shape = {"frequency": 1.0, "zeta": 0.5} if name == "flexible_mode" else {}
