@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 
 from hybridid.effects.dimension import EFFORT, POSITION, STIFFNESS, TIME, Dimension
@@ -156,29 +158,16 @@ MAXWELL = Effect(
 def _further_branch(nth: str, beside: str) -> Effect:
     """One more Maxwell element in parallel: a sum of exponentials (a Prony series) is how relaxation that is
     spread over decades is described."""
-    return Effect(
+    stiffness, time = MAXWELL.parameters
+    return replace(
+        MAXWELL,
         id=f"{nth}_maxwell",
-        kind="effort",
         title=f"{nth} viscoelastic branch (generalized Maxwell model)",
         equation=f"F = k x,  x' = v - x/τ, beside {beside}",
-        law=MAXWELL.law,
-        dynamics=MAXWELL.dynamics,
         parameters=(
-            EffectParameter(
-                "k", STIFFNESS, "stiffness of this branch at fast motion", guess=0.1, lower=0.0, nests=True
-            ),
-            EffectParameter(
-                "tau",
-                TIME,
-                "relaxation time τ of this branch",
-                guess=1.0,
-                lower=0.001,
-                upper=1000.0,
-                starts=(0.01, 0.1, 10.0),
-            ),
+            replace(stiffness, guess=0.1),
+            replace(time, guess=1.0, starts=(0.01, 0.1, 10.0)),
         ),
-        states=(EffectState("x", POSITION, "deflection of this branch's spring"),),
-        source="Findley, Lai, Onaran (1976), Creep and Relaxation of Nonlinear Viscoelastic Materials, ch. 5",
         pattern=(
             "relaxation that is fast first and slow later: it is spread over more than a decade of time or "
             "frequency, as in rubber; one Maxwell element relaxes by one exponential"
