@@ -10,6 +10,7 @@ from hybridid.advice.decay import free_decay
 from hybridid.advice.horizon import unsuitable_horizon
 from hybridid.advice.ranges import out_of_range
 from hybridid.advice.relaxation import relaxation
+from hybridid.advice.unequal import unequal_outputs
 from hybridid.advice.unfinished import few_starts, stopped
 from hybridid.advice.untold import (
     bound_to_few_samples,
@@ -30,6 +31,7 @@ def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()
         *free_decay(problem.records),
         *relaxation(problem.records),
         *unsuitable_horizon(problem, estimate),
+        *unequal_outputs(problem.records),
         *stopped(estimate),
         *few_starts(estimate),
         *left_open(estimate),

@@ -1,7 +1,9 @@
 """``Problem``: the weighted least-squares problem that every estimator here solves.
 
 ``min over p, x0 of 1/2 sum ((y - y_hat(p, x0)) / s)^2`` over all horizons, with s (n_y,)
-the standard deviation of each output over the records.
+the noise of each output's sensor, where each is declared, else the standard deviation of each output over the
+records. With s the noise this is maximum likelihood for white noise. Source: Ljung (1999), System
+Identification, 2nd ed., sec. 7.4.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.model import Model
+from hybridid.naming import listed
 from hybridid.records.record import Record
 from hybridid.simulation.initial import measured_states
 from hybridid.simulation.matching import check_records
@@ -198,11 +201,28 @@ def build_problem(
     check_records(model, records)
     windows = cut(records, horizon, substeps)
     names = tuple(p.name for p in model.free) if free is None else tuple(free)
-    pooled = np.concatenate([record.counted for record in records])
-    scale = np.nanstd(pooled, axis=0)
-    scale[scale == 0] = 1.0
+    scale = output_scale(records)
     shooter = Shooter(model, windows, names, integrator, _inner(model))
     return Problem(model, tuple(records), windows, shooter, scale, estimate_x0)
+
+
+def output_scale(records: Sequence[Record]) -> Array:
+    """What the errors of each output are divided by, (n_y,): see the head of this file.
+
+    Raises:
+        ValueError: if the noise of some outputs is declared, and that of others is not.
+    """
+    noise = np.array([[channel.noise for channel in record.output_channels] for record in records])
+    if noise.all():
+        return np.sqrt(np.mean(noise**2, axis=0))
+    if noise.any():
+        names = [channel.name for channel in records[0].output_channels]
+        without = listed([name for name, one in zip(names, noise.all(axis=0), strict=True) if not one])
+        raise ValueError(
+            f"noise is declared for some outputs, but not for {without}: give it for each or none"
+        )
+    scale = np.nanstd(np.concatenate([record.counted for record in records]), axis=0)
+    return np.where(scale == 0, 1.0, scale)
 
 
 def _inner(model: Model) -> tuple[int, ...]:

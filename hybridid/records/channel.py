@@ -27,6 +27,7 @@ class Channel:
     a number that belongs to the record, declared with it. ``made_of``: the recorded signal that a step of
     preprocessing made it of; empty for one that was recorded. ``rounding``: the standard deviation, in its
     unit, of what the recorder rounded off, where resampling has hidden that in the samples; else 0.
+    ``noise``: the standard deviation, in its unit, of the sensor's noise as the config declares it; else 0.
 
     Raises:
         RecordError: if ``hold`` is none of these.
@@ -40,6 +41,7 @@ class Channel:
     constant: bool = False
     made_of: str = ""
     rounding: float = 0.0
+    noise: float = 0.0
 
     def __post_init__(self) -> None:
         if self.hold not in HOLDS:

@@ -42,7 +42,9 @@ class SignalMap:
     ``offset`` is in ``unit``. If several files have a column of that name, write ``file:column``
     with the file's name or stem. Without a ``hold`` an input is assumed to be held constant (``zoh``).
     ``missing`` says what becomes of cells without a number: ``refuse`` ends the command, ``mask`` leaves them
-    out (of an output alone), ``interpolate`` draws a straight line (in an auxiliary signal alone).
+    out (of an output alone), ``interpolate`` draws a straight line (in an auxiliary signal alone). ``noise``
+    is the standard deviation of an output's noise, in ``unit``. Give that of each output, and a fit weighs
+    each error by it; else by the output's own standard deviation.
     """
 
     name: str
@@ -55,6 +57,7 @@ class SignalMap:
     hold: Hold | None = None
     meaning: str = ""
     missing: Missing = "refuse"
+    noise: float | None = None
 
     def __post_init__(self) -> None:
         if not self.name.isprintable() or not 0 < len(self.name) <= LONGEST:
@@ -72,11 +75,20 @@ class SignalMap:
             raise RecordError(
                 f"scale is {self.scale:g} and offset {self.offset:g}: must be finite, and scale not 0"
             )
+        if self.noise is not None and not 0 < self.noise < np.inf:
+            raise RecordError(f"noise is {self.noise:g}, a standard deviation must be positive")
 
     @property
     def channel(self) -> Channel:
         """The channel that the signal becomes in the record."""
-        return Channel(self.name, self.unit, self.hold or "zoh", self.meaning, assumed=self.hold is None)
+        return Channel(
+            self.name,
+            self.unit,
+            self.hold or "zoh",
+            self.meaning,
+            assumed=self.hold is None,
+            noise=self.noise or 0.0,
+        )
 
 
 @dataclass(frozen=True)
@@ -133,6 +145,9 @@ class RecordMap:
         for name in names:
             if names.count(name) > 1:
                 raise RecordError(f"the name {name!r} is taken twice (time is one of them)")
+        for signal in (*self.inputs, *self.auxiliary):
+            if signal.noise is not None:
+                raise RecordError(f"{signal.name}: noise is allowed for an output alone")
         if isinstance(self.resample, int | float):
             object.__setattr__(self, "resample", Resample(self.resample))
 

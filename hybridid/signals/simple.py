@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -99,4 +99,9 @@ class Scale(Step):
         return self.signals
 
     def apply(self, record: Record) -> Record:
-        return in_place(record, self.signals, lambda x: self.factor * x, self.unit)
+        scaled = in_place(record, self.signals, lambda x: self.factor * x, self.unit)
+        channels = tuple(
+            replace(c, noise=abs(self.factor) * c.noise) if c.name in self.signals else c
+            for c in scaled.output_channels
+        )
+        return replace(scaled, output_channels=channels)

@@ -80,7 +80,9 @@ class Target:
             StepError: if another signal has that name.
         """
         if self.name == self.source:
-            return edited(record, {self.name: values}, self.unit)
+            changed = edited(record, {self.name: values}, self.unit)
+            channels = (replace(c, noise=0.0) if c.name == self.name else c for c in changed.output_channels)
+            return replace(changed, output_channels=tuple(channels))
         if self.name in {channel.name for channel in record.channels}:
             raise StepError(f"record {record.name} already has a signal {self.name!r}; choose another name")
         hold: Hold = "foh" if self.role == "input" else "zoh"

@@ -6,15 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import cont2discrete, dlsim
 
-from hybridid.declarations import Parameter, Signal, State
 from hybridid.estimators import FitSettings, fit
-from hybridid.model import compose
-from hybridid.plants.plant import Plant
 from hybridid.plotting.series import Response
-from hybridid.records.channel import Channel, RecordError
-from hybridid.records.record import Record
+from hybridid.records.channel import RecordError
 from hybridid.records.sensor_noise import noise_level
 from hybridid.residuals.series import error_series
 from hybridid.simulation.windows import cut
@@ -23,59 +18,13 @@ from hybridid.trace.refit import refit
 from hybridid.trace.split import by_blocks, check_measured
 from hybridid.validation import free_run, horizon_run, metrics, residual_tests
 
-N, DT, TRUTH = 1200, 0.01, {"M": 2.0, "d": 3.0}
+N, TRUTH = 1200, {"M": 2.0, "d": 3.0}
 NOISE = np.array([2e-3, 1e-2])  # m, m/s
 
 
-class Sledge(Plant):
-    """``M q'' = force - d q'``."""
-
-    name = "sledge"
-    meaning = "a sledge with two sensors"
-    source = "this test"
-    states = (
-        State("q", "m", scale=1.0, observed_by="position", derivative=0),
-        State("v", "m/s", scale=1.0, observed_by="speed", derivative=0),
-    )
-    inputs = (Signal("force", "N"),)
-    outputs = (Signal("position", "m"), Signal("speed", "m/s"))
-    parameters = (
-        Parameter("M", "kg", guess=1.0, lower=0.1, upper=10.0),
-        Parameter("d", "N·s/m", guess=1.0, lower=0.1, upper=10.0),
-    )
-    ports = ()
-
-    def motion(self, x, u, p):
-        return {}
-
-    def derivative(self, x, u, p, effort):
-        return {"q": x.v, "v": (u.force - p.d * x.v) / p.M}
-
-    def output(self, x, u, p):
-        return {"position": x.q, "speed": x.v}
-
-
 @pytest.fixture(scope="module")
-def sledge():
-    return compose(Sledge())
-
-
-@pytest.fixture(scope="module")
-def record():
-    generator = np.random.default_rng(0)
-    force = np.repeat(generator.uniform(-5, 5, N // 20), 20)
-    rates = np.array([[0, 1], [0, -TRUTH["d"] / TRUTH["M"]]]), np.array([[0], [1 / TRUTH["M"]]])
-    *discrete, step = cont2discrete((*rates, np.eye(2), np.zeros((2, 1))), DT)
-    _, outputs, _ = dlsim((*discrete, step), force)
-    return Record(
-        name="sledge",
-        time=DT * np.arange(N),
-        inputs=force[:, None],
-        outputs=outputs + generator.normal(0, NOISE, (N, 2)),
-        input_channels=(Channel("force", "N", "zoh"),),
-        output_channels=(Channel("position", "m"), Channel("speed", "m/s")),
-        simulated=True,
-    )
+def record(sledge_record):
+    return sledge_record(NOISE)
 
 
 @pytest.fixture(scope="module")
