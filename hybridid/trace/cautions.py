@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from scipy.stats import norm
 
+from hybridid.advice.advice import Advice
 from hybridid.advice.decay import free_decay
 from hybridid.advice.relaxation import relaxation
+from hybridid.advice.unequal import unequal_outputs
 from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.quantities import estimated, quantity, share
@@ -92,6 +94,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
             _other_held_out(traced.accepted, context.rules),
         ]
         told += [in_their_place(found.search)]
+    told += [_beware(unequal_outputs(records))]
     return "".join([*told, found.other_hold, _in_free_run(found.search, traced, context)])
 
 
@@ -293,4 +296,8 @@ def _other_held_out(accepted: Sequence[AcceptedEffect], rules: Rules) -> str:
 def _confounded(records: Sequence[Record]) -> str:
     """That a name may stand for another one, where all records are one free decay or relaxation; else
     empty."""
-    return "".join(f" Beware: {one.said}." for one in (*free_decay(records), *relaxation(records)))
+    return _beware((*free_decay(records), *relaxation(records)))
+
+
+def _beware(advised: Iterable[Advice]) -> str:
+    return "".join(f" Beware: {one.said}." for one in advised)
