@@ -43,3 +43,12 @@ def test_where_nothing_drives_the_machine_horizons_are_as_long_as_enough_are_lef
     seconds = record.n * record.dt
     found = horizon_for(model, start, [still], [still])
     assert found == pytest.approx(seconds / FEW, rel=0.05)
+
+
+def test_an_unstable_machine_gets_horizons_over_which_an_error_grows_by_e_to_the_fifth(make_model, carriage):
+    """A carriage on a hill-top: it falls with the rate √(k/M)."""
+    model, records = make_model(("viscous", "linear_stiffness")), 2 * [carriage.record(n=3000)]
+    mass = {"M": 90.0, "carriage.viscous.f_v": 0.0}
+    hill, slope = ({**mass, "carriage.linear_stiffness.k": -90.0 * rate**2} for rate in (40.0, 15.0))
+    assert horizon_for(model, hill, records[:1], records[1:]) == pytest.approx(5.0 / 40.0, rel=0.05)
+    assert horizon_for(model, slope, records[:1], records[1:]) == LONGEST
