@@ -19,6 +19,7 @@ from hybridid.quantities import estimated, quantity, share
 from hybridid.records.record import Record
 from hybridid.trace.at_bound import ends_at_bound
 from hybridid.trace.constancy import NO_CONSTANT
+from hybridid.trace.constants import wrong_constants
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
 from hybridid.trace.doubted import other_law_possible, revision_advised
@@ -94,7 +95,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
             _other_held_out(traced.accepted, context.rules),
         ]
         told += [in_their_place(found.search)]
-    told += [_beware(unequal_outputs(records))]
+    told += [wrong_constants(found, context), _beware(unequal_outputs(records))]
     return "".join([*told, found.other_hold, _in_free_run(found.search, traced, context)])
 
 

@@ -1,0 +1,151 @@
+"""Whether a constant that is declared as known explains what an effect was named for, or what none does.
+
+A mass may have been weighed without its cable, a gear ratio taken from another data sheet. A search that
+only adds effects gives such an error the name of one. So each fixed parameter of the plant is freed, one at a
+time, between half and twice its value: in the place of each accepted effect, and where the verdict is
+``unexplained``, beside the last model. It is told
+
+- in the place of an effect, if the model with the effect shows no relevant advantage then (``tells_apart``),
+- beside the last model, if it takes most of the squared error that is left (``Rules.majority``), at
+  ``Rules.alpha`` among all constants,
+
+and if it certainly ends elsewhere than declared, and at no bound.
+
+Source: Bohlin (2006), Practical Grey-box Process Identification, Springer, sec. 2.3: what is known beforehand
+are hypotheses, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from scipy.stats import norm
+
+from hybridid.declarations import Parameter
+from hybridid.model import Model
+from hybridid.naming import listed
+from hybridid.quantities import estimated, number, share
+from hybridid.trace.alike import tells_apart
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
+from hybridid.trace.refit import Refit, refit_if_possible, values_without
+from hybridid.trace.split import Split
+from hybridid.trace.verdict import Conclusion
+
+FURTHEST = 2.0
+"""Times its value, or its value over this, a constant may be: what differs more is other physics."""
+TOLD = 3
+"""Constants that are told in one place, at most."""
+BOUND = 1e-3
+"""Share of a bound within which a constant ends there."""
+
+
+@dataclass(frozen=True)
+class Freed:
+    """A ``constant`` that was freed ``instead`` of an accepted effect (empty: beside all), and what came of
+    it; None where the model could not be simulated."""
+
+    constant: Parameter
+    instead: str
+    refit: Refit | None
+
+    @property
+    def name(self) -> str:
+        """What was tried, in words."""
+        return f"{self.constant.name} free" + (f" in the place of {self.instead}" if self.instead else "")
+
+    def moved(self, tests: int, alpha: float) -> bool:
+        """Whether the constant certainly ends elsewhere than declared, of so many ``tests``, and at no
+        bound."""
+        if self.refit is None:
+            return False
+        declared = self.constant.guess
+        value, std = self.refit.values[self.constant.name], self.refit.std.get(self.constant.name, 0.0)
+        ratio = value / declared
+        inside = (1 + BOUND) / FURTHEST < ratio < (1 - BOUND) * FURTHEST
+        return bool(inside and 0 < norm.isf(alpha / (2 * tests)) * std < abs(value - declared))
+
+    def __str__(self) -> str:
+        assert self.refit is not None
+        p, found = self.constant, self.refit
+        return (
+            f"{p.name} = {estimated(found.values[p.name], found.std.get(p.name), p.unit)} instead of "
+            f"{number(p.guess, 5)}"
+        )
+
+
+def wrong_constants(found: Conclusion, context: Context) -> str:
+    """Which declared constants explain as much as what was accepted, or some of what is unexplained, in
+    words; empty if none."""
+    final, rules = found.search.final, context.rules
+    constants = _constants(final.model)
+    places = [one.name for one in found.accepted]
+    places += [""] if found.verdict == "unexplained" else []
+    given = [(p, place, final, context.split) for place in places for p in constants]
+    tried = context.each("declared constants", _freed, given, lambda one: one.name, always=0)
+    moved = [one for one in tried if one.moved(len(given), rules.alpha)]
+    as_much = [one for one in moved if one.instead and not _worse(one, final, context)]
+    told = [
+        _in_place(place, [one for one in as_much if one.instead == place])
+        for place in dict.fromkeys(one.instead for one in as_much)
+    ]
+    return "".join(
+        [*told, _beside([one for one in moved if not one.instead], len(constants), final, context)]
+    )
+
+
+def _constants(model: Model) -> list[Parameter]:
+    """The parameters of the plant that are declared as known, and that may be wrong by a share."""
+    own = {p.name for p in model.plant.parameters}
+    return [p for p in model.parameters if p.name in own and p.fixed and p.guess and not p.smooths]
+
+
+def _freed(constant: Parameter, instead: str, final: Refit, split: Split) -> Freed:
+    """``constant`` freed in the model of ``final``, without the effect ``instead`` (empty: with all)."""
+    model = final.model.without(instead) if instead else final.model
+    values = values_without(final, instead) if instead else dict(final.values)
+    bounds = sorted((constant.guess / FURTHEST, constant.guess * FURTHEST))
+    adjusted = {"guess": constant.guess, "lower": bounds[0], "upper": bounds[1]}
+    free = replace(model, adjustments={**model.adjustments, constant.name: adjusted})
+    std_up_to = 2.0 * final.score.loss
+    hopeful = FURTHEST * final.cost
+    refit = refit_if_possible(free, split, [values], final, final.numerics, std_up_to, hopeful)
+    return Freed(constant, instead, refit)
+
+
+def _worse(one: Freed, final: Refit, context: Context) -> bool:
+    """Whether the model with the effect is shown to explain more than that with the constant free."""
+    assert one.refit is not None
+    return tells_apart(compare(one.refit.score, final.score), context.rules)
+
+
+def _in_place(place: str, freed: Sequence[Freed]) -> str:
+    some = listed([str(one) for one in sorted(freed, key=_loss)[:TOLD]])
+    each = ", each alone" if len(freed) > 1 else ""
+    return (
+        f" Beware: in the place of {place} a constant that is declared as known explains as much, if it is "
+        f"another one: {some}{each}."
+    )
+
+
+def _beside(freed: Sequence[Freed], tests: int, final: Refit, context: Context) -> str:
+    rules, told = context.rules, []
+    for one in sorted(freed, key=_loss):
+        assert one.refit is not None
+        better = compare(final.score, one.refit.score)
+        taken = 1.0 - (1.0 - better.gain) ** 2
+        if taken >= rules.majority and tests * better.p_value <= rules.alpha:
+            told.append(f"{one} takes {share(better.gain)} from the held-out error")
+    if not told:
+        return ""
+    each = "; each alone" if len(told) > 1 else ""
+    return (
+        f" A constant that is declared as known may be wrong: {listed(told[:TOLD])}{each}. Compare that with "
+        "what you know of the machine."
+    )
+
+
+def _loss(one: Freed) -> float:
+    assert one.refit is not None
+    return one.refit.score.loss

@@ -1,0 +1,53 @@
+"""A constant that was declared as known, and is wrong, is told. All records here are simulated."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hybridid.model import compose
+from hybridid.plants.emps import EMPS
+from hybridid.trace.run import trace
+
+DECLARED = ("viscous", "coulomb", "offset")
+
+
+@pytest.fixture(scope="module")
+def record(carriage, noise):
+    """Five seconds of a carriage of 95 kg, on which a constant force of -3.2 N acts."""
+    return carriage.record(2500, 0.002, noise(2500, 1e-5, seed=3))
+
+
+@pytest.fixture(scope="module")
+def traced(record):
+    def of(mass, declared, effects):
+        model = compose(EMPS(), declared, {"M": {"fixed": mass}})
+        return trace(model, [record], effects=effects, laws=False, pairs=0)
+
+    return of
+
+
+def test_in_the_place_of_a_name_a_wrong_mass_explains_as_much(traced):
+    found = traced(80.0, DECLARED, ["added_inertia"])
+    assert [one.effect for one in found.accepted] == ["added_inertia"]
+    told = "in the place of carriage.added_inertia a constant that is declared as known explains as much"
+    _, told, said = found.sentence.partition(told + ", if it is another one: M = ")
+    assert told
+    assert float(said.split()[0]) == pytest.approx(95.0, abs=0.5)
+
+
+def test_what_no_effect_explains_a_wrong_mass_does(traced):
+    found = traced(80.0, DECLARED, ["cogging"])
+    assert found.verdict == "unexplained"
+    _, told, said = found.sentence.partition("A constant that is declared as known may be wrong: M = ")
+    assert told
+    assert float(said.split()[0]) == pytest.approx(95.0, abs=0.5)
+    assert "instead of 80" in said
+
+
+def test_a_right_constant_is_not_told(traced):
+    """No mass does what a constant force does."""
+    found = traced(95.0, DECLARED[:2], ["offset"])
+    assert [one.effect for one in found.accepted] == ["offset"]
+    assert "declared as known" not in found.sentence
+    assert np.isclose(found.accepted[0].parameters["offset"].value, -3.2, atol=0.2)
