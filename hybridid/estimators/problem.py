@@ -217,7 +217,7 @@ def output_scale(records: Sequence[Record]) -> Array:
         return np.sqrt(np.mean(noise**2, axis=0))
     if noise.any():
         names = [channel.name for channel in records[0].output_channels]
-        without = listed([name for name, one in zip(names, noise.all(axis=0), strict=True) if not one])
+        without = listed([name for k, name in enumerate(names) if not noise[:, k].all()])
         raise ValueError(
             f"noise is declared for some outputs, but not for {without}: give it for each or none"
         )

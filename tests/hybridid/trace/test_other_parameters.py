@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -49,6 +50,24 @@ def test_nothing_is_told_where_a_recording_is_on_both_sides(two_records, make_mo
 def test_a_law_that_no_other_parameters_make_up_for_is_not_told(said):
     """A spring where it is judged: no mass and friction moves as it does."""
     assert said(20.0, stiffness=2e3) == ""
+
+
+@pytest.mark.parametrize(
+    ("misread", "told", "value"),
+    [("inputs", "force.input_gain", 1 / 1.12 - 1), ("outputs", "position.sensor_scale", 0.12)],
+)
+def test_one_gauge_that_reads_otherwise_where_it_is_judged_is_told(
+    make_model, carriage, noise, misread, told, value
+):
+    """It reads 12 % too much there, so that all parameters seem to differ."""
+    one, two = (carriage.record(1500, 0.002, noise(1500, 2e-6, seed=k), name=f"run{k}") for k in range(2))
+    two = replace(two, **{misread: 1.12 * getattr(two, misread)}, warnings=())
+    context = Context(by_record([one], [two], 150), (), Rules())
+    said = other_parameters(refit(make_model(), context.split, std_up_to=WITHOUT_STD), context)
+    _, found, rest = said.partition(f" There {told} alone (")
+    assert found
+    assert float(rest.split(" = ")[1].split()[0].replace("−", "-")) == pytest.approx(value, abs=0.01)
+    assert said.endswith(ASK)
 
 
 def test_it_is_told_once_how_to_ask(monkeypatch):

@@ -1,0 +1,69 @@
+"""Whether one gauge that reads otherwise in the recordings that judge explains what other parameters would.
+
+A gauge or an amplifier whose range was changed between two recordings scales an input or an output. Then
+every parameter that carries the effort seems to differ, all by one factor. So the gain of each input and the
+scale of each output is fitted alone to the recordings that judge, with all else as the others have it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from hybridid.effects.library import effect_named
+from hybridid.quantities import estimated, share
+from hybridid.trace.candidates import Candidate
+from hybridid.trace.context import Context
+from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.split import Split
+
+READINGS = {"input": "input_gain", "output": "sensor_scale"}
+"""The effect of a reading that is off by a factor, by the kind of port."""
+
+
+def other_gauge(final: Refit, context: Context) -> str:
+    """Which gauge alone takes most of the squared error of ``final`` from the recordings that judge, in
+    words; empty if none does."""
+    gauges = list(_gauges(final))
+    tried = context.each(
+        "one gauge in the recordings that judge", _read, [(one, final, context.split) for one in gauges]
+    )
+    left = final.score.loss**2
+    taken = {
+        1.0 - float(np.mean((there.fitted_rmse / final.score.scale) ** 2)) / left: (one, there)
+        for one, there in zip(gauges, tried, strict=True)
+        if there is not None and left > 0
+    }
+    most = max(taken, default=0.0)
+    if most < context.rules.majority:
+        return ""
+    one, there = taken[most]
+    (factor,) = there.model.free
+    name = factor.name.rsplit(".", 1)[-1]
+    value = estimated(there.values[factor.name], there.std.get(factor.name), "")
+    return (
+        f" There {one.name} alone ({name} = {value}) takes {share(most)}: a gauge or an amplifier may have "
+        "another range."
+    )
+
+
+def _gauges(final: Refit) -> Iterator[Candidate]:
+    """The reading of each input and output that the model of ``final`` does not scale yet."""
+    present = {term.name for term in final.model.terms}
+    for port in final.model.plant.ports:
+        if port.kind in READINGS:
+            one = Candidate(effect_named(READINGS[port.kind]), port.name)
+            if one.name not in present:
+                yield one
+
+
+def _read(gauge: Candidate, final: Refit, split: Split) -> Refit | None:
+    """The factor of ``gauge`` alone, fitted to the horizons that judge ``final``; None if it cannot be."""
+    known = {p.name: {"fixed": final.values[p.name]} for p in final.model.free}
+    richer = gauge.added_to(final.model)
+    model = replace(richer, adjustments={**richer.adjustments, **known})
+    values = {**final.values, f"{gauge.name}.{gauge.effect.parameters[0].name}": 0.0}
+    return refit_if_possible(model, split.swapped, [values], final, final.numerics, math.inf)
