@@ -6,6 +6,9 @@ noise over horizons of any length, if its parameters are fitted over these. So b
 missing, the last model is fitted and judged over longer horizons, up to ten times as long, of which enough
 are left on either side. Where none are, it is fitted to the fitted records alone over horizons twice as long:
 what is left even then, parameters that noise has moved do not explain.
+
+A model that is unstable lets any disturbance grow. So horizons over which it grows by more than e to the
+power of ``GROWS`` show the disturbance, and nothing else: they are not asked.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from hybridid.advice.horizon import GROWS
 from hybridid.model import Model
 from hybridid.simulation.windows import cut
 from hybridid.trace.accuracy import Accuracy
@@ -22,6 +26,7 @@ from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import FEW, FEWEST, Split
+from hybridid.validation.drift import growth
 
 LEAST = 20
 """Samples of a horizon below which its fitted initial state may follow what a missing effort does."""
@@ -50,8 +55,8 @@ def more_over_longer(final: Refit, context: Context, above: float | None = None)
     on either side; else the shortest, as more of these can judge.
     """
     above = context.rules.far if above is None else above
-    judged = _longer(context.split)
-    splits = judged or _of_the_fitted(context.split)
+    judged = _bounded(_longer(context.split), final)
+    splits = judged or _bounded(_of_the_fitted(context.split), final)
     longest = _more_over(splits[0], final, context, above) if splits else None
     if longest is None:
         return None
@@ -61,6 +66,13 @@ def more_over_longer(final: Refit, context: Context, above: float | None = None)
         for one in enough or reversed(splits)
     )
     return replace(next(filter(None, found), longest), judged=bool(judged))
+
+
+def _bounded(splits: Sequence[Split], final: Refit) -> list[Split]:
+    """Those of ``splits`` over whose horizons a disturbance of ``final``'s model does not grow too far."""
+    values = final.model.values(final.values)
+    rates = ((one, growth(final.model, values, one.records)) for one in splits)
+    return [one for one, rate in rates if rate * one.horizon * one.records[0].dt <= GROWS]
 
 
 def _more_over(split: Split, final: Refit, context: Context, above: float) -> Longer | None:

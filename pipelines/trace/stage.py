@@ -12,8 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from hybridid.advice.horizon import SHORTEST, proposed_horizon
+from hybridid.advice.horizon import GROWN, SHORTEST, proposed_horizon
 from hybridid.effects.library import effect_named
+from hybridid.quantities import quantity
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
 from hybridid.trace.candidates import admissible
@@ -22,6 +23,7 @@ from hybridid.trace.mapper import Mapper, Report, unheard
 from hybridid.trace.missing_efforts import Missing
 from hybridid.trace.result import Trace
 from hybridid.trace.split import automatic_horizon, divided
+from hybridid.validation.drift import growth
 from pipelines.shared import modelling
 from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.config import Settings
@@ -65,12 +67,12 @@ def run(job: Job) -> None:
     asked = request_of(job.settings)
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
     estimate, report = fit_of(job.tree).estimate, _Report(job)
-    request = asked
+    request, rate = asked, 0.0
     if is_automatic(job.settings):
         model = model_of(job.settings)
         seconds = horizon_for(model, estimate.values, fitted, held_out, asked.horizon)
-        request = replace(asked, horizon=seconds)
-    if line := _other_horizon(request.horizon, asked.horizon, fitted, held_out):
+        request, rate = replace(asked, horizon=seconds), growth(model, model.values(estimate.values), fitted)
+    if line := _other_horizon(request.horizon, asked.horizon, fitted, held_out, rate):
         job.watcher.warn(line)
     groups = groupings_of(job.settings, model_of(job.settings))
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
@@ -84,8 +86,11 @@ def run(job: Job) -> None:
         _write(job, found, request.processes)
 
 
-def _other_horizon(horizon: float, usual: float, fitted: Sequence[Record], held_out: Sequence[Record]) -> str:
-    """That and why the horizon [s] has fewer or more samples than the ``usual`` one; else empty."""
+def _other_horizon(
+    horizon: float, usual: float, fitted: Sequence[Record], held_out: Sequence[Record], rate: float = 0.0
+) -> str:
+    """That and why the horizon [s] has fewer or more samples than the ``usual`` one; else empty. ``rate``
+    [1/s] is that at which an error of the model grows."""
     step = fitted[0].dt
     samples, wanted = round(horizon / step), round(usual / step)
     said = f"trace.horizon: {horizon:.3g} s instead of {usual:g} s"
@@ -95,6 +100,9 @@ def _other_horizon(horizon: float, usual: float, fitted: Sequence[Record], held_
         return f"{said}, {why}; {all_the_same.format('shorter')}"
     if samples == wanted:
         return ""
+    if rate * usual > GROWN:
+        grows = f"since the model is unstable: a small error grows e-fold in {quantity(1 / rate, 's', 2)}"
+        return f"{said}, {grows}; {all_the_same.format('longer')}"
     if not _gives_enough(fitted, held_out, usual):
         return f"{said}: these records give too few of the longer ones to judge"
     return f"{said}, so that enough horizons can judge; {all_the_same.format('longer')}"

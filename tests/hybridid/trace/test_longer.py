@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
-from hybridid.trace.longer import more_over_longer, shows_little
+from hybridid.trace.longer import _bounded, more_over_longer, shows_little
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.run import trace
 from hybridid.trace.split import by_blocks, by_record
@@ -53,6 +55,17 @@ def test_where_too_few_longer_ones_are_held_out_the_fitted_ones_are_asked(make_m
     if found:
         assert not found.judged
         assert found.seconds == pytest.approx(2 * LONGER * first.dt)
+
+
+def test_horizons_over_which_a_disturbance_grows_too_far_are_not_asked(make_model, short):
+    """A model that falls from a hill-top is asked over horizons up to e⁵ alone."""
+    split, model = short[0.0], make_model(("viscous", "linear_stiffness"))
+    base = refit(model, split, [{"carriage.linear_stiffness.k": 0.0}])
+    seconds = SHORT * split.records[0].dt
+    hill = {**base.values, "M": 90.0, "carriage.viscous.f_v": 0.0}
+    unstable = replace(base, values={**hill, "carriage.linear_stiffness.k": -90.0 * (3.9 / seconds) ** 2})
+    assert _bounded([split, split.longer(2 * SHORT)], unstable) == [split]
+    assert len(_bounded([split, split.longer(2 * SHORT)], base)) == 2
 
 
 def test_longer_horizons_are_divided_in_the_same_way(short):

@@ -56,6 +56,11 @@ def test_no_horizon_is_advised_that_the_records_do_not_give():
     assert said.endswith("instead of 0.28 s: these records give too few of the longer ones to judge")
 
 
+def test_an_unstable_model_is_the_reason_for_a_shorter_horizon():
+    said = _other_horizon(0.02, 0.28, [recorded(3.0)], [], rate=250.0)
+    assert "instead of 0.28 s, since the model is unstable: a small error grows e-fold in 4 ms; " in said
+
+
 @pytest.mark.parametrize(
     ("elapsed", "done", "of", "said"),
     [
