@@ -5,6 +5,10 @@ records that were not fitted judge, as they judge an effect: a record that is he
 of its own. The parameter that explains most, also when the equations are solved another way, is kept, and the
 others are tried again beside it.
 
+A gauge whose range was changed scales an input or an output in one recording, and then all parameters seem
+to differ. So the relative error of each gauge is tried as well, alone, and zero in the first record. It is
+named in the place of all these parameters if it explains as much.
+
 An effect may have been accepted in the place of such a difference (a drift within each run for friction that
 changed between the runs). So each accepted effect is left out once, with each parameter by recording instead.
 """
@@ -12,7 +16,7 @@ changed between the runs). So each accepted effect is left out once, with each p
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,6 +28,7 @@ from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.entries import DifferingParameter, Value
 from hybridid.trace.evidence import Comparison, compare, holm
+from hybridid.trace.gauges import error_of, gauges, is_error_of_gauge
 from hybridid.trace.judgement import too_little
 from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit, values_without
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
@@ -60,22 +65,63 @@ def by_recording(found: Search, context: Context) -> tuple[DifferingParameter, .
         ValueError: if there are fewer than two records, or a record is held out as a whole.
     """
     check_split(context.split)
+    rules = context.rules
+    kept, left = _one_after_another(found, context)
+    named, told = [_entry(one, alike) for one, alike in kept], [one for one, _ in kept]
+    gauge, alike, others = _of_gauges(found, context)
+    last = told[-1].refit if told else None
+    if gauge and (last is None or _no_worse(gauge.refit, last, rules)):
+        instead = [one.parameter for one in told if _no_worse(last, gauge.refit, rules)]
+        named = [_entry(gauge, (*alike, *instead))]
+        left += _outdone(told, f"{gauge.parameter} alone explains as much")
+    elif gauge:
+        others.append(gauge)
+    others = _outdone(others, "another parameter explains more")
+    tried = sorted((*left, *others), key=lambda one: -one.gain)
+    return (*named, *_in_place(found, context), *map(_entry, tried))
+
+
+def _outdone(trials: Sequence[Differing], reason: str) -> list[Differing]:
+    """``trials``; those that passed do not differ, for that ``reason``."""
+    return [replace(one, status=REJECTED, reason=reason) if one.status == PASSED else one for one in trials]
+
+
+def _one_after_another(
+    found: Search, context: Context
+) -> tuple[list[tuple[Differing, tuple[str, ...]]], list[Differing]]:
+    """The parameters of the last model of ``found`` that differ by recording, each beside those before it and
+    with what the records cannot tell from it; and what was tried beside all of them, and does not."""
     rules, base, split = context.rules, found.final, context.split
-    kept: list[DifferingParameter] = []
+    kept: list[tuple[Differing, tuple[str, ...]]] = []
     while True:
-        names = [p.name for p in base.model.free if not _has_groups(p.name, base.model)]
-        places = [(name, base, split) for name in names]
-        trials = _judged(context.each("by recording", differing, places, lambda one: one.parameter), rules)
-        trials = _lasting(trials, base, replace(context, split=split))
+        trials = _tried([(name, base, split) for name, base in _parameters(base)], base, context)
         passed = [one for one in trials if one.status == PASSED]
         if not passed or len(kept) >= rules.most_effects:
-            left = sorted(trials, key=lambda one: -one.gain)
-            return (*kept, *_in_place(found, context), *(_entry(one) for one in left))
+            return kept, trials
         best = max(passed, key=lambda one: one.gain)
         assert best.refit is not None
-        kept.append(_entry(best, _alike(best, passed, None if kept else found, rules)))
+        kept.append((best, _alike(best, passed, None if kept else found, rules)))
         context.say(f"{best.parameter} differs by recording: {best.gain:.1%} off the held-out error")
         base, split = best.refit, best.split
+
+
+def _of_gauges(found: Search, context: Context) -> tuple[Differing | None, tuple[str, ...], list[Differing]]:
+    """The gauge of the last model of ``found`` whose error by recording explains most, if any does, with what
+    the records cannot tell from it; and the others that were tried."""
+    final = found.final
+    trials = _tried([(name, base, context.split) for name, base in _gauges(final)], final, context)
+    passed = [one for one in trials if one.status == PASSED]
+    if not passed:
+        return None, (), trials
+    best = max(passed, key=lambda one: one.gain)
+    return best, _alike(best, passed, found, context.rules), [one for one in trials if one is not best]
+
+
+def _tried(places: Sequence[tuple[str, Refit, Split]], base: Refit, context: Context) -> list[Differing]:
+    """Each of ``places``, arguments of ``differing``, tried and judged beside ``base``."""
+    trials = context.each("by recording", differing, places, lambda one: one.parameter)
+    split = places[0][2] if places else context.split
+    return _lasting(_judged(trials, context.rules), base, replace(context, split=split))
 
 
 def check_split(split: Split) -> None:
@@ -91,11 +137,29 @@ def check_split(split: Split) -> None:
         )
 
 
+def _parameters(base: Refit) -> Iterator[tuple[str, Refit]]:
+    """The free parameters of the model of ``base`` that have one value, by their names, with ``base``."""
+    return ((p.name, base) for p in base.model.free if not _has_groups(p.name, base.model))
+
+
+def _gauges(base: Refit) -> Iterator[tuple[str, Refit]]:
+    """The relative error of each gauge, by its name, with ``base`` that has it in its model: zero."""
+    for gauge in gauges(base.model):
+        values = {**base.values, error_of(gauge): 0.0}
+        yield error_of(gauge), replace(base, model=gauge.added_to(base.model), values=values)
+
+
 @np.errstate(over="ignore", invalid="ignore")  # a start may diverge
 def differing(name: str, base: Refit, split: Split, without: str = "") -> Differing:
-    """``base`` with parameter ``name`` by record, and without the term ``without``, refitted and compared."""
+    """``base`` with parameter ``name`` by record, and without the term ``without``, refitted and compared.
+    That of a gauge is known in the first record: zero."""
     records = tuple(record.name for record in split.records)
-    grouped = replace(base.model, groups={**base.model.groups, name: records})
+    known = {of_group(name, records[0]): {"fixed": 0.0}} if is_error_of_gauge(name) else {}
+    grouped = replace(
+        base.model,
+        groups={**base.model.groups, name: records},
+        adjustments={**base.model.adjustments, **known},
+    )
     split = replace(split, records=tuple(_weighted(split, name, k) for k in range(len(records))))
     own = {of_group(name, record): base.values[name] for record in records}
     values = {**{key: value for key, value in base.values.items() if key != name}, **own}
@@ -168,9 +232,11 @@ def _lasting(trials: Sequence[Differing], base: Refit, context: Context) -> list
 def _same(one: Differing, found: Refit) -> float:
     """The p-value of one value in all records, by the standard errors of the refit."""
     names = found.model.names_of(one.parameter)
-    rows = [list(found.std).index(name) for name in names]
-    std = np.array([found.std[name] for name in names])
-    covariance = found.correlation[np.ix_(rows, rows)] * np.outer(std, std)
+    free = [k for k, name in enumerate(names) if name in found.std]
+    rows = [list(found.std).index(names[k]) for k in free]
+    std = np.array([found.std[names[k]] for k in free])
+    covariance = np.zeros((len(names), len(names)))
+    covariance[np.ix_(free, free)] = found.correlation[np.ix_(rows, rows)] * np.outer(std, std)
     return chi_square_test([np.array([found.values[name] for name in names])], covariance).p_value
 
 
@@ -199,10 +265,10 @@ def _in_place(found: Search, context: Context) -> list[DifferingParameter]:
     effects. The p-value of more counts all that were tried."""
     final, rules = found.final, context.rules
     places = [
-        (p.name, final, context.split, one.name)
+        (name, base, context.split, one.name)
         for one in found.accepted
-        for p in final.model.without(one.name).free
-        if not _has_groups(p.name, final.model)
+        for name, base in (*_parameters(final), *_gauges(final))
+        if not name.startswith(f"{one.name}.")
     ]
     trials = context.each("by recording, in place of effects", differing, places, lambda one: one.parameter)
     kept = []
@@ -221,6 +287,7 @@ def _entry(one: Differing, alike: tuple[str, ...] = ()) -> DifferingParameter:
     outputs = [y.name for y in found.model.outputs] if found else ()
     units = {p.name: p.unit for p in found.model.parameters} if found else {}
     names = {r.name: of_group(one.parameter, r.name) for r in one.split.records} if found else {}
+    known = 0.0 if is_error_of_gauge(one.parameter) and found and found.std else math.nan
     return DifferingParameter(
         parameter=one.parameter,
         status=one.status,
@@ -228,7 +295,7 @@ def _entry(one: Differing, alike: tuple[str, ...] = ()) -> DifferingParameter:
         gain=one.gain if found else -1.0,
         p_value=one.p_adjusted,
         values={
-            record: Value(found.values[name], found.std.get(name, math.nan), units[name])
+            record: Value(found.values[name], found.std.get(name, known), units[name])
             for record, name in names.items()
             if found
         },

@@ -8,33 +8,29 @@ scale of each output is fitted alone to the recordings that judge, with all else
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from hybridid.effects.library import effect_named
 from hybridid.quantities import estimated, share
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
+from hybridid.trace.gauges import error_of, gauges, put_right
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.split import Split
-
-READINGS = {"input": "input_gain", "output": "sensor_scale"}
-"""The effect of a reading that is off by a factor, by the kind of port."""
 
 
 def other_gauge(final: Refit, context: Context) -> str:
     """Which gauge alone takes most of the squared error of ``final`` from the recordings that judge, in
     words; empty if none does."""
-    gauges = list(_gauges(final))
+    every = list(gauges(final.model))
     tried = context.each(
-        "one gauge in the recordings that judge", _read, [(one, final, context.split) for one in gauges]
+        "one gauge in the recordings that judge", _read, [(one, final, context.split) for one in every]
     )
     left = final.score.loss**2
     taken = {
         1.0 - float(np.mean((there.fitted_rmse / final.score.scale) ** 2)) / left: (one, there)
-        for one, there in zip(gauges, tried, strict=True)
+        for one, there in zip(every, tried, strict=True)
         if there is not None and left > 0
     }
     most = max(taken, default=0.0)
@@ -46,18 +42,8 @@ def other_gauge(final: Refit, context: Context) -> str:
     value = estimated(there.values[factor.name], there.std.get(factor.name), "")
     return (
         f" There {one.name} alone ({name} = {value}) takes {share(most)}: a gauge or an amplifier may have "
-        "another range."
+        f"another range, which {put_right(factor.name, there.values[factor.name])} puts right."
     )
-
-
-def _gauges(final: Refit) -> Iterator[Candidate]:
-    """The reading of each input and output that the model of ``final`` does not scale yet."""
-    present = {term.name for term in final.model.terms}
-    for port in final.model.plant.ports:
-        if port.kind in READINGS:
-            one = Candidate(effect_named(READINGS[port.kind]), port.name)
-            if one.name not in present:
-                yield one
 
 
 def _read(gauge: Candidate, final: Refit, split: Split) -> Refit | None:
@@ -65,5 +51,5 @@ def _read(gauge: Candidate, final: Refit, split: Split) -> Refit | None:
     known = {p.name: {"fixed": final.values[p.name]} for p in final.model.free}
     richer = gauge.added_to(final.model)
     model = replace(richer, adjustments={**richer.adjustments, **known})
-    values = {**final.values, f"{gauge.name}.{gauge.effect.parameters[0].name}": 0.0}
+    values = {**final.values, error_of(gauge): 0.0}
     return refit_if_possible(model, split.swapped, [values], final, final.numerics, math.inf)

@@ -7,6 +7,7 @@ import math
 from hybridid.naming import listed
 from hybridid.quantities import estimated, multiple, probability, share
 from hybridid.trace.entries import DifferingParameter
+from hybridid.trace.gauges import is_error_of_gauge, put_right
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import PASSED
 
@@ -32,7 +33,7 @@ def _refutes(one: DifferingParameter) -> str:
     return (
         f" But {one.parameter} that differs by recording, {_values_of(one)}, leaves {share(one.gain)} less "
         f"error in the place of {one.in_place_of} (p {probability(one.p_value, '= ')}): that name is "
-        f"refuted. parameters.{one.parameter}.by=record fits each."
+        f"refuted. {_how_to_go_on(one)}"
     )
 
 
@@ -45,8 +46,16 @@ def _differs(one: DifferingParameter) -> str:
     alike = f"; these records cannot tell it from {listed(one.alike)}" if one.alike else ""
     return (
         f" {one.parameter} differs by recording, {values}: that leaves {share(one.gain)} less error "
-        f"(p {probability(one.p_value, '= ')}){alike}. parameters.{one.parameter}.by=record fits each."
+        f"(p {probability(one.p_value, '= ')}){alike}. {_how_to_go_on(one)}"
     )
+
+
+def _how_to_go_on(one: DifferingParameter) -> str:
+    """The setting that fits each value; of a gauge, what puts its reading right in each record."""
+    if not is_error_of_gauge(one.parameter):
+        return f"parameters.{one.parameter}.by=record fits each."
+    each = [f"{put_right(one.parameter, v.value)} in {record}" for record, v in one.values.items() if v.value]
+    return f"A gauge or an amplifier may have another range, which {listed(each)} puts right."
 
 
 def _bent(one: DifferingParameter, found: Trace) -> str:

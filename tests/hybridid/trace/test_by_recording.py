@@ -20,6 +20,7 @@ from hybridid.trace.trial import PASSED, REJECTED
 from hybridid.trace.words import sentence
 
 F_C, DRIFT = "carriage.coulomb.f_c", "carriage.friction_drift"
+GAUGES = {"force.input_gain.g", "position.sensor_scale.e"}
 TRIED = tuple(map(effect_named, ("friction_drift", "stribeck")))
 HORIZON = 25
 
@@ -59,7 +60,22 @@ def test_friction_that_differs_is_named_with_its_values(pair, searched):
         assert abs(value.value - truth) < 4 * value.std
     assert one.held_out_rmse["position"] < 0.5 * found.final.score.rmse[0]
     others = [t for t in by_recording(found, context) if t.status != PASSED]
-    assert {t.parameter for t in others} == {p.name for p in found.final.model.free} - {F_C}
+    assert {t.parameter for t in others} == {p.name for p in found.final.model.free} - {F_C} | GAUGES
+
+
+def test_a_gauge_that_reads_too_much_in_one_recording_is_named_with_what_puts_it_right(pair, searched):
+    """It reads 12 % too much in the second: mass and friction seem to differ there."""
+    first, second = pair(20.4, 20.4)
+    found, context = searched((first, replace(second, inputs=1.12 * second.inputs, warnings=())))
+    tried = by_recording(found, context)
+    one = next(t for t in tried if t.status == PASSED and not t.in_place_of)
+    assert one.parameter == "force.input_gain.g"
+    assert one.values["first"] == Value(0.0, 0.0, "1")
+    assert one.values["second"].value == pytest.approx(1 / 1.12 - 1, abs=3e-3)
+    floor = {"position": Floor(1.0, "m")}
+    said = by_recording_in_words(SimpleNamespace(by_recording=tried, rules=Rules(), noise_floor=floor))
+    assert "another range, which the step scale of force by 0.89" in said
+    assert " in second puts right." in said
 
 
 def test_two_that_differ_are_both_named(two_records, searched):
@@ -96,7 +112,11 @@ def test_a_parameter_with_groups_already_is_not_tried(pair, searched, make_model
         for record, own in zip(pair(20.0, 21.5), weights, strict=True)
     )
     tried = by_recording(*searched(records, model=model))
-    assert {one.parameter for one in tried} == {"M", "carriage.viscous.f_v", "carriage.offset.offset"}
+    assert {one.parameter for one in tried} - GAUGES == {
+        "M",
+        "carriage.viscous.f_v",
+        "carriage.offset.offset",
+    }
     assert not any(one.status == PASSED for one in tried)
 
 
