@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from hybridid.advice.advice import Advice
+from hybridid.estimators.problem import output_scale
 from hybridid.quantities import number
 from hybridid.records.record import Record
 from hybridid.records.sensor_noise import sensor_noise
@@ -29,7 +30,7 @@ def unequal_outputs(records: Sequence[Record]) -> Iterator[Advice]:
     if len(channels) < 2 or any(c.noise for c in channels) or not all(n.told for own in found for n in own):
         return
     noise = np.sqrt(np.mean([[n.level**2 for n in own] for own in found], axis=0))
-    share = noise / np.nanstd(np.concatenate([record.counted for record in records]), axis=0)
+    share = noise / output_scale(records)
     best, worst = int(np.argmin(share)), int(np.argmax(share))
     if not share[worst] >= UNEQUAL * share[best] > 0:
         return
