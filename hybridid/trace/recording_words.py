@@ -18,14 +18,36 @@ def by_recording_in_words(found: Trace) -> str:
         return ""
     passed = [one for one in found.by_recording if one.status == PASSED]
     said = "".join(_differs(one) + _bent(one, found) for one in passed if not one.in_place_of)
-    for effect in dict.fromkeys(one.in_place_of for one in passed if one.in_place_of):
-        instead = [one for one in passed if one.in_place_of == effect]
-        rules, names = found.rules, [one.parameter for one in instead]
-        if rules.passes(instead[0].gain, instead[0].p_value):
+    for effect, instead in _in_place(found).items():
+        if _more(instead[0], found):
             said += _refutes(instead[0])
             continue
+        names = [one.parameter for one in instead]
         said += f" These records cannot tell {effect} from {' or '.join(names)} that differs by recording."
     return said or " No parameter differs by recording."
+
+
+def comes_first(found: Trace) -> bool:
+    """Whether some parameter differs by recording, and no name is left beside it: nothing was accepted, or
+    each name is refuted."""
+    refuted = {effect for effect, instead in _in_place(found).items() if _more(instead[0], found)}
+    differs = any(one.status == PASSED and not one.in_place_of for one in found.by_recording)
+    return differs and refuted >= {one.name for one in found.accepted}
+
+
+def _in_place(found: Trace) -> dict[str, list[DifferingParameter]]:
+    """The parameters that explain as much, by recording, in the place of each accepted effect, the best
+    first."""
+    every: dict[str, list[DifferingParameter]] = {}
+    for one in found.by_recording:
+        if one.status == PASSED and one.in_place_of:
+            every.setdefault(one.in_place_of, []).append(one)
+    return every
+
+
+def _more(one: DifferingParameter, found: Trace) -> bool:
+    """Whether it explains more than the effect in whose place it stands."""
+    return found.rules.passes(one.gain, one.p_value)
 
 
 def _refutes(one: DifferingParameter) -> str:

@@ -12,7 +12,7 @@ from hybridid.effects.library import effect_named
 from hybridid.trace.by_recording import by_recording
 from hybridid.trace.context import Context
 from hybridid.trace.entries import DifferingParameter, Floor, Value
-from hybridid.trace.recording_words import by_recording_in_words
+from hybridid.trace.recording_words import by_recording_in_words, comes_first
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
 from hybridid.trace.split import by_blocks, by_record
@@ -164,6 +164,17 @@ def test_where_no_effect_was_found_what_differs_comes_first(nothing, status, lea
     said = sentence(replace(nothing(), verdict="unexplained", times=15.0, by_recording=(friction,)))
     assert said.startswith("carriage.coulomb.f_c differs by recording, 14.700") is leads
     assert ("With one value for all recordings: Something is missing" in said) is leads
+
+
+@pytest.mark.parametrize(("gain", "first"), [(0.98, True), (0.0, False)])
+def test_where_each_name_is_refuted_what_differs_comes_first(gain, first):
+    """Not where it explains as much as the name, in its place."""
+    mass = DifferingParameter("M", PASSED, "its reason", 0.9, 1e-6, {}, {})
+    instead = replace(mass, gain=gain, in_place_of="position.sensor_lag")
+    accepted = (SimpleNamespace(name="position.sensor_lag"),)
+    found = SimpleNamespace(by_recording=(mass, instead), accepted=accepted, rules=Rules())
+    assert comes_first(found) is first
+    assert not comes_first(SimpleNamespace(by_recording=(instead,), accepted=accepted, rules=Rules()))
 
 
 @pytest.mark.parametrize(("left", "open_still"), [(2e-6, False), (2e-5, True)])
