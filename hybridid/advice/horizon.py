@@ -28,6 +28,8 @@ SHARE = 0.1
 FEW = 20
 """Samples below which a horizon shows little: its initial state is fitted to them. So it is longer then, up
 to half of the shortest record."""
+LEFT = 6
+"""Horizons of the shortest record that are enough where its dynamics are slow."""
 TOLERATED = 1.5
 """Times ``SHARE`` that are not told: a part of a recording may be fitted with the horizon of the whole. A
 horizon that does not show the slowest dynamics is worth proposing if it is so many times as long."""
@@ -58,11 +60,12 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
     step = problem.windows.dt
     shortest = min(float(record.time[-1] - record.time[0]) for record in problem.records)
     seconds = estimate.settings.horizon * step
-    proposed = proposed_horizon(step, shortest)
-    if seconds > TOLERATED * max(SHARE * shortest, proposed):
+    slowest = slowest_time(problem.model, estimate.values, problem.records, RESOLVED * shortest)
+    proposed = max(proposed_horizon(step, shortest), min(2 * slowest, SHARE * shortest))
+    longest = max(SHARE * shortest, proposed, min(2 * slowest, shortest / LEFT))
+    if seconds > TOLERATED * longest:
         yield Advice("horizon", _said(problem, estimate, shortest, proposed))
         return
-    slowest = slowest_time(problem.model, estimate.values, problem.records, RESOLVED * shortest)
     if seconds < slowest:
         yield Advice("horizon", _too_short(problem, estimate, shortest, slowest))
 

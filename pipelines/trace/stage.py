@@ -288,7 +288,7 @@ def check_records(settings: Settings, tree: Path) -> None:
 
 TRACE = Stage(
     "trace",
-    (*modelling.KEYS, "estimator", "trace", "validate.initial_state"),
+    (*modelling.KEYS, "estimator", "trace", "validate.horizon", "validate.initial_state"),
     ("preprocess", "fit"),
     run,
     inputs=lambda settings: {**named_code(settings), **code_digests(imported_effects(settings))},

@@ -301,6 +301,15 @@ def test_a_horizon_that_does_not_suit_its_records_is_told(make_model, carriage, 
         assert "estimator.horizon=200 (1 s)" in said[0]
 
 
+@pytest.mark.parametrize("samples", [200, 600, 1000, 2000])
+def test_no_horizon_is_too_long_and_the_one_that_is_proposed_too_short(make_model, carriage_like, samples):
+    """The slowest dynamics take 5 s, a sixth of the record."""
+    slow = carriage_like(f_v=190.0, M=950.0, f_c=0.0, offset=0.0).record(n=6000)
+    (said,) = told("horizon", make_model(("viscous",)), [slow], FitSettings(horizon=samples)) or [""]
+    assert ("longer than a tenth" in said) is (samples == 2000)
+    assert ("estimator.horizon=600 (3 s) is proposed" in said) is (samples in (200, 2000))
+
+
 @pytest.mark.parametrize("samples", [51, 60])
 def test_a_longer_horizon_is_proposed_only_where_it_helps(make_model, carriage, samples):
     """The slowest dynamics take 0.47 s; a tenth of 2.6 s is 52 samples, which show little more."""

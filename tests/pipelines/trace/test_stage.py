@@ -10,7 +10,7 @@ import pytest
 
 from hybridid.plotting.trace_waterfall import Level, waterfall_plot
 from hybridid.records.record import Channel, Record
-from pipelines.trace.stage import _drawn, _other_horizon, _Report, _time_left
+from pipelines.trace.stage import TRACE, _drawn, _other_horizon, _Report, _time_left
 
 
 def test_a_figure_that_cannot_be_drawn_costs_only_itself(monkeypatch, tmp_path):
@@ -93,3 +93,9 @@ def recorded(seconds: float) -> Record:
     n = round(seconds / 0.01)
     time, nothing = np.arange(n) * 0.01, np.zeros((n, 1))
     return Record("run", time, nothing, nothing, (Channel("force", "N"),), (Channel("position", "m"),))
+
+
+def test_a_trace_depends_on_the_horizon_that_it_takes_from_the_validation(settings):
+    """With ``trace.horizon=auto``."""
+    one, other = (TRACE.options(settings({"validate": {"horizon": h}})) for h in (0.1, 1.0))
+    assert one != other
