@@ -11,7 +11,8 @@ sensors and the simulation, if that is no more than the largest s^2 of ``DRAWS``
 p-value is then at least 2 / (DRAWS + 1).
 
 The records say how much noise there may be (``hybridid.records.sensor_noise.input_noise``), not whether there
-is any: a controller's command may carry as much, and is known exactly.
+is any: a controller's command may carry as much, and is known exactly. Nor can there be so much that it alone
+would leave more than is left: s^2 grows with the variance of n, so more than n e / s there is not.
 
 Source: Cook, Stefanski (1994), Simulation-extrapolation estimation in parametric measurement error models,
 J. Am. Stat. Assoc. 89(428), 1314-1328; Barnard (1963), J. R. Stat. Soc. B 25(2), 294 (Monte Carlo tests).
@@ -48,8 +49,8 @@ class NoiseLevel:
 
 @dataclass(frozen=True)
 class NoisyInputs:
-    """By name, ``levels`` are the standard deviations of the white noise that each input may have, ``leaves``
-    the RMS errors of each output that it makes, the mean over the draws."""
+    """By name, ``levels`` are the standard deviations of the white noise that each input has at most,
+    ``leaves`` the RMS errors of each output that it makes, the mean over the draws."""
 
     levels: Mapping[str, NoiseLevel]
     leaves: Mapping[str, NoiseLevel]
@@ -81,9 +82,11 @@ def noisy_inputs(final: Refit, accuracy: Accuracy, context: Context) -> NoisyInp
     near = left <= (rules.far if times > rules.far else rules.near_floor) ** 2 * accuracy.squares
     if not (near | (left - accuracy.squares <= added.max(axis=0))).all():
         return None
+    leaves = np.sqrt(np.maximum(added.mean(axis=0), 0.0))
+    most = min(1.0, float(np.min(np.sqrt(left)[leaves > 0] / leaves[leaves > 0], initial=1.0)))
     return NoisyInputs(
-        _named(split.records[0].input_channels, np.max(levels, axis=0)),
-        _named(final.model.outputs, np.sqrt(np.maximum(added.mean(axis=0), 0.0))),
+        _named(split.records[0].input_channels, most * np.max(levels, axis=0)),
+        _named(final.model.outputs, most * leaves),
     )
 
 

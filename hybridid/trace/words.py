@@ -129,12 +129,12 @@ def _undecided(found: Trace, where: str) -> str:
 
 
 def _of_inputs(noisy: NoisyInputs) -> str:
-    """How much noise the inputs may have, and the error that it makes."""
+    """How much noise the inputs have at most, and the error that it makes."""
     levels, leaves = (
         listed([f"{quantity(one.value, one.unit, 2)} of {name}" for name, one in each.items()])
         for each in (noisy.levels, noisy.leaves)
     )
-    return f"The records show a white noise of {levels}; if a sensor makes it, it alone leaves {leaves}"
+    return f"The records show white noise of at most {levels}; if a sensor makes it, it alone leaves {leaves}"
 
 
 def _best_so_far(found: Trace, fall: str) -> str:
