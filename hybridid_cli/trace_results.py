@@ -15,8 +15,7 @@ from hybridid.trace.remarks import (
     idle_in_words,
     narrowed_in_words,
     parameters_in_words,
-    refused_rivals,
-    richer_laws,
+    rivals,
     tried_in_words,
     unsure_in_words,
 )
@@ -26,6 +25,8 @@ from hybridid_cli.tables import provenance, table, view
 from pipelines.shared.fitted import ESTIMATE, fit_of
 from pipelines.shared.traced import trace_of
 
+WRONG_READING = ("sign", "unit", "swapped", "bound")
+"""Findings of a fit that are as true of a trace over the same records."""
 _COLOURS = {
     "effect_found": "green",
     "ambiguous": "yellow",
@@ -47,7 +48,7 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
     parts: list[RenderableType] = [Text.assemble(word, found.sentence, "\n")]
     if found.accepted:
         parts.append(_accepted(found))
-        beside = (unsure_in_words(found), *refused_rivals(found), *richer_laws(found))
+        beside = (unsure_in_words(found), *rivals(found))
         parts += [Text(said) for said in beside if said]
     parts.append(_before_after(found))
     parts += [Text(said) for said in (idle_in_words(found), narrowed_in_words(found)) if said]
@@ -66,15 +67,19 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
 
 
 def _advice_of_the_fit(tree: Path, found: Trace) -> list[RenderableType]:
-    """What the fit advises that the trace stands on. The trace has horizons of its own, and warns where they
-    are too short. Where it fits every record, none of them leaves what was fitted."""
+    """What the fit says of records and bounds that the trace stands on, and what it advises. The trace
+    has horizons of its own, and warns where they are too short. Where it fits every record, none of them
+    leaves what was fitted."""
     if not (tree / ESTIMATE).exists():
         return []
     fits_all = all(record.role == FITTED for record in found.records)
     its_own = ("horizon", "range") if fits_all else ("horizon",)
-    advice = [one for one in fit_of(tree).quality.advice if one.kind not in its_own]
-    whose = "advice of the fit of the declared model" if found.accepted else "advice of the fit"
-    return [Text(f"{whose}: {one.said}", style="cyan") for one in advice]
+    quality = fit_of(tree).quality
+    whose = "the fit of the declared model" if found.accepted else "the fit"
+    told = [(f"advice of {whose}", one.said) for one in quality.advice if one.kind not in its_own]
+    if any(one.kind in WRONG_READING for one in quality.findings):
+        told = [(f"beware, {whose} says", quality.said), *told]
+    return [Text(f"{who}: {said}", style="cyan") for who, said in told]
 
 
 def _accepted(found: Trace) -> RenderableType:

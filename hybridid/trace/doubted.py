@@ -50,18 +50,44 @@ def doubted(declared: Model, final: Refit, places: Sequence[Ceiling], split: Spl
     ]
 
 
+def of_another_law(found: Conclusion, places: Sequence[Ceiling], context: Context) -> list[str]:
+    """The accepted effects that are functions of the variable of a learned effort of ``places``: a library
+    holds a few laws over it, and names the nearest."""
+    names = [one.name for one in found.accepted if not is_composed(one.trial.candidate.effect)]
+    final = found.search.final
+    return [name for name in doubted(final.model, final, places, context.split) if name in names]
+
+
+def refuted_form(found: Conclusion, context: Context) -> list[str]:
+    """The accepted effects whose form the records refute, though not their variable: a learned effort over it
+    takes most of the squared error that is left far above the noise (``Rules.majority``, ``Rules.far``).
+
+    It is a test of lack of fit: of all functions of the variable the effect is one. Source: Draper, Smith
+    (1998), Applied Regression Analysis, 3rd ed., sec. 2.1.
+    """
+    rules = context.rules
+    if found.times <= rules.far:
+        return []
+    left = found.search.final.score.loss**2
+    most = [one for one in _remaining(found) if left - one.refit.score.loss**2 >= rules.majority * left]
+    return of_another_law(found, most, context)
+
+
 def other_law_possible(found: Conclusion, context: Context) -> str:
-    """Which accepted effects are functions of a variable over which structure remains, in words: a library
-    holds a few laws over it, and names the nearest. Empty if none is, or where the search was cut off."""
+    """Which accepted effects are functions of a variable over which structure remains, in words; empty if
+    none is, or where the search was cut off."""
     if found.verdict == "undecided":
         return ""
-    names = [one.name for one in found.accepted if not is_composed(one.trial.candidate.effect)]
-    places = _remaining(found)
-    final = found.search.final
-    told = [name for name in doubted(final.model, final, places, context.split) if name in names]
+    told = of_another_law(found, _remaining(found), context)
     if not told:
         return ""
     them, its = ("are functions", "their laws") if len(told) > 1 else ("is itself a function", "its law")
+    if refuted := refuted_form(found, context):
+        is_one = "is a function" if len(refuted) == 1 else "are functions"
+        return (
+            f" {listed(refuted)} {is_one} of a variable over which a learned effort takes most of what is "
+            "left: another law over it is there, alone or beside the one that is named."
+        )
     return f" {listed(told)} {them} of a variable over which structure remains: {its} may be the wrong one."
 
 

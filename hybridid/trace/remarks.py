@@ -15,6 +15,8 @@ from hybridid.trace.refused_words import largest_refused
 from hybridid.trace.result import Trace
 from hybridid.trace.trial import UNIDENTIFIABLE, UNTRIED
 
+RIVALS = 3
+"""Of the largest gains of a step, among which undetermined rivals are told."""
 LOOK_ALIKES: Mapping[str, tuple[str, ...]] = {effect.id: effect.look_alikes for effect in EFFECTS}
 
 
@@ -64,6 +66,11 @@ def finer_in_words(found: Trace) -> str:
     )
 
 
+def rivals(found: Trace) -> tuple[str, ...]:
+    """Effects that explain as much as an accepted one, or may, and why they are no names."""
+    return (*refused_rivals(found), *richer_laws(found), *undetermined_rivals(found))
+
+
 def refused_rivals(found: Trace) -> tuple[str, ...]:
     """Effects not shown to explain less than an accepted one that were refused for their amplitudes. Beside a
     pair there are none: what one of its members cannot be told from was tried in its place."""
@@ -89,6 +96,22 @@ def richer_laws(found: Trace) -> tuple[str, ...]:
         for rich in step.trials
         if rich.status == UNIDENTIFIABLE and rich.port == poor.port and _contains(rich, poor)
         if 1.0 - rich.gain <= (1.0 + found.rules.tie) * (1.0 - poor.gain)
+    )
+
+
+def undetermined_rivals(found: Trace) -> tuple[str, ...]:
+    """Effects of another law that explain as much as an accepted one, the best first, but whose parameters
+    the records do not determine."""
+    return tuple(
+        f"{rival.name} explains as much as {entry.name} ({share(rival.gain)}), but {rival.reason}."
+        for entry in found.accepted
+        if not entry.together
+        for best in entry.class_members[:1]
+        for step in found.steps[entry.step - 1 : entry.step]
+        for rival in sorted(step.trials, key=lambda one: -one.gain)[:RIVALS]
+        if rival.status == UNIDENTIFIABLE and rival.name not in {one.name for one in entry.class_members}
+        if not (rival.port == best.port and _contains(rival, best))
+        if 1.0 - rival.gain <= (1.0 + found.rules.tie) * (1.0 - best.gain)
     )
 
 

@@ -23,6 +23,7 @@ from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.declared_starts import declared_starts
+from hybridid.trace.doubted import refuted_form
 from hybridid.trace.horizon import horizon_for
 from hybridid.trace.longer import lengthened, over_long_enough
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
@@ -113,7 +114,8 @@ def trace(
     differ = by_recording(found.search, context) if recordings else ()
     if found.verdict in OPEN and not found.accepted and any(one.status == PASSED for one in differ):
         found = replace(found, verdict="unexplained")
-    if found.verdict == "effect_found" and any(one.in_place_of for one in differ):
+    in_doubt = any(one.in_place_of for one in differ) or refuted_form(found, context)
+    if found.verdict == "effect_found" and in_doubt:
         found = replace(found, verdict="ambiguous")
     settings = replace(settings, integrator=_solving(found.search.first.numerics.integrator))
     validation = Validation(fitted, others, settings, seconds, initial_state)

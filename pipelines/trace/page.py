@@ -25,8 +25,7 @@ from hybridid.trace.remarks import (
     learned,
     narrowed_in_words,
     parameters_in_words,
-    refused_rivals,
-    richer_laws,
+    rivals,
     structure_in_words,
     unsure_in_words,
 )
@@ -109,7 +108,7 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
         f"{a.effect}: {a.title}, {equation_in_words(a)}. {a.pattern[:1].upper()}{a.pattern[1:]}."
         for a in found.accepted
     ]
-    paragraphs += (*refused_rivals(found), *richer_laws(found))
+    paragraphs += rivals(found)
     paragraphs += [
         f"{a.name} was found only together with {a.together}; its gain is the one beside it."
         for a in found.accepted

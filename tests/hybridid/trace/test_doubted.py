@@ -11,7 +11,7 @@ from hybridid.effects.over import Over
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
-from hybridid.trace.doubted import doubted, other_law_possible, revision_advised
+from hybridid.trace.doubted import doubted, other_law_possible, refuted_form, revision_advised
 from hybridid.trace.refit import refit
 
 
@@ -56,13 +56,31 @@ def test_an_accepted_effect_is_doubted_in_the_same_way(fitted, effect, remains, 
     accepted = SimpleNamespace(name=candidate.name, trial=SimpleNamespace(candidate=candidate))
     ended = SimpleNamespace(
         verdict="effect_found", accepted=(accepted,), search=SimpleNamespace(final=base), ceilings=[found],
-        remains=(f"at {found.place}",) if remains else (),
+        remains=(f"at {found.place}",) if remains else (), times=1.0,
     )  # fmt: skip
     told = other_law_possible(ended, Context(split, ()))
     ended.verdict = "undecided"
     assert other_law_possible(ended, Context(split, ())) == "", "the rest may explain it"
     assert told.startswith(said)
     assert bool(told) is bool(said)
+
+
+@pytest.mark.parametrize(
+    ("times", "effect", "refuted"), [(9.0, "viscous", True), (2.0, "viscous", False), (9.0, "offset", False)]
+)
+def test_a_curve_that_takes_most_of_what_is_left_refutes_the_form(fitted, times, effect, refuted):
+    """Friction that differs by direction is a function of the velocity, and viscous friction another one."""
+    base, split = fitted
+    found = ceiling(base, split, "carriage", Over("velocity"))
+    candidate = Candidate(effect_named(effect), "carriage")
+    accepted = SimpleNamespace(name=candidate.name, trial=SimpleNamespace(candidate=candidate))
+    ended = SimpleNamespace(
+        verdict="effect_found", accepted=(accepted,), search=SimpleNamespace(final=base), ceilings=[found],
+        remains=(f"at {found.place}",), times=times,
+    )  # fmt: skip
+    assert refuted_form(ended, Context(split, ())) == ([candidate.name] if refuted else [])
+    said = other_law_possible(ended, Context(split, ()))
+    assert ("another law over it is there" in said) is refuted
 
 
 def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_asked(fitted):

@@ -1,12 +1,13 @@
 """What a network finds beside the last model is told for what it is."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.entries import LearnedGain, StepTaken, TriedEffect
-from hybridid.trace.remarks import completeness_in_words, mostly_unshown
+from hybridid.trace.remarks import completeness_in_words, mostly_unshown, rivals
 from hybridid.trace.result import LearnedGains
 
 
@@ -73,3 +74,14 @@ def test_what_most_learned_efforts_miss_may_be_a_disturbance(nothing, gain, time
     assert "In a closed loop" not in told
     looks = mostly_unshown(replace(found, remains=("at cart over position",)))
     assert looks.endswith("may look like structure.") is bool(said)
+
+
+def test_a_rival_whose_parameters_the_records_do_not_tell_is_told(nothing):
+    """One that explains as much as what was accepted, and not one that explains less."""
+    why = "f_c = 0.7 ± 8.2 N: not determined by these records"
+    best = TriedEffect("eddy_brake", "drum", "passed", "", 1, 0.37, 1e-9, {}, 1.0)
+    lugre = replace(best, effect="lugre", status="unidentifiable", reason=why, gain=0.39)
+    name = SimpleNamespace(name=best.name, step=1, together="", class_members=(best,))
+    step = StepTaken(nothing().path[0], best.name, (), (best, lugre, replace(lugre, effect="dahl", gain=0.1)))
+    said = f"drum.lugre explains as much as drum.eddy_brake (39.0 %), but {why}."
+    assert rivals(replace(nothing(), accepted=(name,), steps=(step,))) == (said,)
