@@ -77,8 +77,8 @@ def _advice_of_the_fit(tree: Path, found: Trace) -> list[RenderableType]:
     quality = fit_of(tree).quality
     whose = "the fit of the declared model" if found.accepted else "the fit"
     told = [(f"advice of {whose}", one.said) for one in quality.advice if one.kind not in its_own]
-    if any(one.kind in WRONG_READING for one in quality.findings):
-        told = [(f"beware, {whose} says", quality.said), *told]
+    wrong = [one.said for one in quality.findings if one.kind in WRONG_READING]
+    told = [*((f"beware, by {whose}", said) for said in wrong), *told]
     return [Text(f"{who}: {said}", style="cyan") for who, said in told]
 
 
