@@ -11,7 +11,7 @@ import pytest
 from hybridid.advice.advice import Advice
 from hybridid.estimators import Estimate, FitSettings
 from hybridid.plain import plain
-from hybridid.quality import Quality
+from hybridid.quality import Finding, Quality
 from hybridid_cli.tables import rendered
 from hybridid_cli.trace_results import trace_results
 from pipelines.shared.fitted import ESTIMATE, Fit
@@ -60,11 +60,14 @@ def test_the_terminal_repeats_what_the_fit_advises(tree):
         (), {}, nothing, nothing, (), 1.0, "converged", converged=True, iterations=3, seconds={},
         substeps=1, settings=FitSettings(),
     )  # fmt: skip
-    quality = Quality("sound", "sound", (), (), 0.0, advice=(advice, beyond, horizon))
+    findings = (Finding("bound", "k wants to leave its bounds"), Finding("step", "steps are too long"))
+    quality = Quality("wrong", "wrong", findings, (), 0.0, advice=(advice, beyond, horizon))
     (tree / ESTIMATE).parent.mkdir()
     write_json(tree / ESTIMATE, Fit("cart", "gray box", ("push",), "simulated", (), quality, estimate))
     said = rendered(trace_results(tree))
     assert "advice of the fit of the declared model: amplitude and time" in said
+    assert "beware, by the fit of the declared model: k wants to leave its bounds" in said
+    assert "steps are too long" not in said
     assert "b leaves what was fitted" in said
     assert "horizons of 12 s" not in said
     stored = read_json(tree / TRACE)
