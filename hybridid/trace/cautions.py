@@ -89,7 +89,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         told += [ends_at_bound(traced.accepted, traced.estimate), spread_relaxation(found.model)]
         told += [memory_begins_empty(found.accepted, found.search.final, context.split)]
         told += [
-            form_hardly_shown(found.accepted, context.rules),
+            form_hardly_shown(found.accepted, found.search.final.score.loss, context.rules),
             _takes_little(found.search),
             _moved(found.search),
             _other_held_out(traced.accepted, context.rules),
