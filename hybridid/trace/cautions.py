@@ -54,6 +54,8 @@ OTHER = 0.2
 """Share of its value by which a parameter must differ to be told: a machine that warms up changes by less."""
 MOST_FREE = 2
 """Parameters of an effect up to which what it takes from the fitted horizons alone is told."""
+NEAR = 1e-3
+"""Of its scale, within which of a bound a parameter ends there."""
 LITTLE = 0.01
 """Of the squared error that all accepted effects take: what takes less is told."""
 
@@ -269,6 +271,7 @@ def _moved(search: Search) -> str:
     moved = [p for p in sure if not 0.5 <= after[p.name] / (before[p.name] or math.inf) <= 2.0]
     told = [
         f"{p.name} moves from {quantity(before[p.name], p.unit, 3)} to {quantity(after[p.name], p.unit, 3)}"
+        + (", its bound" if min(abs(after[p.name] - b) for b in (p.lower, p.upper)) <= NEAR * p.scale else "")
         for p in moved
     ]
     known = "compare that with what you know of the machine"

@@ -189,7 +189,7 @@ def found(takes=((99.5,), (0.5,)), mass=(2.0, 1.9), dropped=()):
         SimpleNamespace(name=name, trial=SimpleNamespace(refit=refit), together="")
         for name, refit in zip(names, beside[1:], strict=True)
     ]
-    plant = SimpleNamespace(parameters=(Parameter("M", "kg", 1.0),))
+    plant = SimpleNamespace(parameters=(Parameter("M", "kg", 1.0, upper=9.0),))
     first, final = (
         SimpleNamespace(
             values={"M": value}, std={"M": 0.1}, model=SimpleNamespace(plant=plant), score=model.score
@@ -235,6 +235,10 @@ def test_a_mass_that_is_halved_is_told(mass):
         "you know of the machine."
     )
     assert _moved(found()) == ""
+
+
+def test_a_mass_that_moves_to_its_bound_is_told_with_it():
+    assert "M moves from 2 kg to 9 kg, its bound: compare" in _moved(found(mass=(2.0, 9.0)))
 
 
 def test_a_mass_that_moves_within_its_error_is_not_told():
