@@ -12,11 +12,13 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.advice import Advice, advise
+from hybridid.advice.horizon import FEW, GROWN, GROWS
 from hybridid.estimators.estimate import Estimate, Left
 from hybridid.estimators.findings import several_valleys
 from hybridid.estimators.floor import FAR
@@ -41,6 +43,7 @@ from hybridid.quality.words import (
     worse_than_nothing,
 )
 from hybridid.records.record import Record
+from hybridid.simulation.windows import cut
 from hybridid.validation.drift import growth, outputs_that_drift
 
 Array = NDArray[np.float64]
@@ -152,12 +155,15 @@ def _explanations(model: Model, problem: Problem, estimate: Estimate, bounds: bo
     it; none if nothing explains it. ``bounds``: those that a parameter stands at are released too.
 
     Only channels that the fit does not confirm are asked about. Short pieces are tried first: a longer run
-    tells more, where its cost does not have many valleys.
+    tells more, where its cost does not have many valleys. Where the model is unstable, pieces are so short
+    that an error grows by e to the power of ``GROWS`` at most: over longer ones any reading that makes it
+    stable is better.
     """
     p, guess = model.values(estimate.values), model.values()
     at_bound = [q.name for q in estimate.parameters if q.at_bound] if bounds else []
     doubted = np.flatnonzero(doubt_of(Data.of(problem), p, estimate.initial_states).channels).tolist()
     asked = [one for one in hypotheses(model, problem.records, at_bound) if one.concerns(doubted)]
+    problem = _before_it_falls(problem, p)
     for parts in PARTS if asked else ():
         data = Data.of(pieces(problem, parts, SAMPLES, FITS))
         given = tried(data, [p, guess])
@@ -166,6 +172,15 @@ def _explanations(model: Model, problem: Problem, estimate: Estimate, bounds: bo
             named = [one.hypothesis for one in kept if one.hypothesis is not None]
             return [Finding(named[0].kind, explained(named, kept[0], given))]
     return []
+
+
+def _before_it_falls(problem: Problem, p: Array) -> Problem:
+    """``problem`` over horizons so short that an error of an unstable model stays small at ``p`` (n_p,)."""
+    rate, old = growth(problem.model, p, problem.records), problem.windows
+    if rate * max(old.lengths) * old.dt <= GROWN:
+        return problem
+    windows = cut(problem.records, max(FEW, round(GROWS / rate / old.dt)), old.substeps)
+    return replace(problem, windows=windows, shooter=problem.shooter.over(windows), estimate_x0=True)
 
 
 def _kept(asked: Sequence[Hypothesis], given: Trial, guess: Array, p: Array) -> list[Trial]:

@@ -8,10 +8,12 @@ import pytest
 from benchmarks.torture.pendulum import Pendulum
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.estimators import FitSettings, fit
+from hybridid.estimators.problem import build_problem
 from hybridid.model import compose
 from hybridid.plants.plant import Motion, Plant
 from hybridid.quality import judge
 from hybridid.quality.drift import explained_over_horizons
+from hybridid.quality.judge import _before_it_falls
 from hybridid.quality.verdict import View
 from hybridid.quality.words import worse_than_nothing
 from hybridid.records.record import Channel, Record
@@ -166,6 +168,15 @@ def test_an_unstable_machine_is_not_fitted_in_one_run():
     (said,) = (one.said for one in found.advice if one.kind == "horizon")
     assert "a small error grows e-fold in " in said
     assert "no initial state is exact enough for a run of 60 s; estimator.horizon=" in said
+
+
+def test_readings_are_tried_over_pieces_in_which_an_unstable_machine_does_not_fall():
+    """Over longer ones any reading that makes it stable would seem right."""
+    record, model = held(), compose(Hump(), ["viscous"])
+    problem = build_problem(model, [record], None, 1)
+    for h, samples in ((4.0, round(5.0 / 2.0 / record.dt)), (0.0, record.n)):
+        p = model.values({"h": h, "beam.viscous.f_v": 0.0})
+        assert _before_it_falls(problem, p).windows.horizon == samples
 
 
 def test_a_pendulum_does_not_drift():
