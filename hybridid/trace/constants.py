@@ -20,17 +20,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 from scipy.stats import norm
 
 from hybridid.declarations import Parameter
 from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.quantities import estimated, number, share
+from hybridid.simulation.stability import TooStiff
 from hybridid.trace.alike import tells_apart
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import Refit, refit_if_possible, values_without
+from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit, values_without
 from hybridid.trace.split import Split
+from hybridid.trace.steps import Search
 from hybridid.trace.verdict import Conclusion
 
 FURTHEST = 2.0
@@ -82,7 +85,7 @@ def wrong_constants(found: Conclusion, context: Context) -> str:
     constants = _constants(final.model)
     places = [one.name for one in found.accepted]
     places += [""] if found.verdict == "unexplained" else []
-    given = [(p, place, final, context.split) for place in places for p in constants]
+    given = [(p, place, found.search, context.split) for place in places for p in constants]
     tried = context.each("declared constants", _freed, given, lambda one: one.name, always=0)
     moved = [one for one in tried if one.moved(len(given), rules.alpha)]
     as_much = [one for one in moved if one.instead and not _worse(one, final, context)]
@@ -101,17 +104,23 @@ def _constants(model: Model) -> list[Parameter]:
     return [p for p in model.parameters if p.name in own and p.fixed and p.guess and not p.smooths]
 
 
-def _freed(constant: Parameter, instead: str, final: Refit, split: Split) -> Freed:
-    """``constant`` freed in the model of ``final``, without the effect ``instead`` (empty: with all)."""
+@np.errstate(over="ignore", invalid="ignore")  # a start may diverge
+def _freed(constant: Parameter, instead: str, search: Search, split: Split) -> Freed:
+    """``constant`` freed in the last model of ``search``, without the effect ``instead`` (empty: with all),
+    from where that ended and from where the declared model did."""
+    final, first = search.final, search.first
     model = final.model.without(instead) if instead else final.model
     values = values_without(final, instead) if instead else dict(final.values)
     bounds = sorted((constant.guess / FURTHEST, constant.guess * FURTHEST))
     adjusted = {"guess": constant.guess, "lower": bounds[0], "upper": bounds[1]}
     free = replace(model, adjustments={**model.adjustments, constant.name: adjusted})
-    std_up_to = 2.0 * final.score.loss
-    hopeful = FURTHEST * final.cost
-    refit = refit_if_possible(free, split, [values], final, final.numerics, std_up_to, hopeful)
-    return Freed(constant, instead, refit)
+    starts = [values, {**values, **{key: first.values[key] for key in first.values if key in values}}]
+    std_up_to = FURTHEST * final.score.loss
+    try:
+        found = refit(free, split, starts, final, final.numerics, CONTINUATION, std_up_to=std_up_to)
+    except (TooStiff, *FAILURES):
+        return Freed(constant, instead, None)
+    return Freed(constant, instead, found)
 
 
 def _worse(one: Freed, final: Refit, context: Context) -> bool:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
 
+import numpy as np
+
 from hybridid.declarations import Port
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import EFFECTS
@@ -75,8 +77,9 @@ class Context:
         return Noise.of(self.split.records)
 
     def meets_noise(self, score: Score) -> bool:
-        """Whether the held-out error of a model is that of the sensors' noise."""
-        return score.loss <= self.rules.near_floor * self.noise.loss(score)
+        """Whether the held-out error of a model is that of the sensors' noise, in each output: the noise of a
+        poor sensor hides in the loss what a good one shows."""
+        return bool(np.all(score.rmse <= self.rules.near_floor * self.noise.beside(score)))
 
     def equation_ports(self, model: Model) -> list[Port]:
         """The effort and flow ports of ``model`` where this trace tries something."""

@@ -42,7 +42,3 @@ class Noise:
     def beside(self, score: Score) -> Array:
         """The noise level (n_y,) where a model has the held-out errors of ``score``."""
         return np.maximum(self.rounding, np.minimum(self.show, score.innovation))
-
-    def loss(self, score: Score) -> float:
-        """The same as a loss (``Score.loss``): what a complete model would leave."""
-        return float(np.sqrt(np.mean((self.beside(score) / score.scale) ** 2)))

@@ -38,6 +38,6 @@ def meets_noise_together(base: Refit, context: Context) -> bool:
 
 
 def _meets_noise_where_fitted(found: Refit, context: Context) -> bool:
-    """Whether the error of ``found`` on the horizons it is fitted to is that of the sensors' noise."""
-    loss = float(np.sqrt(np.mean((found.fitted_rmse / found.score.scale) ** 2)))
-    return loss <= context.rules.near_floor * context.noise.loss(found.score)
+    """Whether the error of ``found`` on the horizons it is fitted to is that of the sensors' noise, in each
+    output."""
+    return bool(np.all(found.fitted_rmse <= context.rules.near_floor * context.noise.beside(found.score)))

@@ -48,7 +48,9 @@ def test_an_effect_that_takes_little_is_no_name_and_the_sentence_says_beside_wha
 
 def test_at_the_noise_no_effect_is_minor(make_model, poor, context_of):
     score = poor.steps[0].trials[0].refit.score
-    at_noise = replace(LENIENT, near_floor=1.01 * score.loss / context_of(RESEMBLES).noise.loss(score))
+    at_noise = replace(
+        LENIENT, near_floor=1.01 * float(score.rmse[0] / context_of(RESEMBLES).noise.beside(score)[0])
+    )
     found = search(make_model(), context_of(RESEMBLES, rules=at_noise), [{}])
     assert [one.name for one in found.steps[0].taken] == [f"carriage.{RESEMBLES}"]
     assert found.withdrawn == ""
@@ -102,7 +104,8 @@ def test_what_takes_half_or_ends_at_the_noise_cannot_be_minor(poor, context_of):
     trial, context = step.trials[0], context_of(RESEMBLES)
     share, score = trial.taken / step.base.score.loss**2, trial.refit.score
     assert may_be_minor(trial, step.base, context)
-    at_noise = replace(LENIENT, near_floor=1.01 * score.loss / context.noise.loss(score))
+    (times,) = score.rmse / context.noise.beside(score)
+    at_noise = replace(LENIENT, near_floor=1.01 * times)
     assert not may_be_minor(trial, step.base, replace(context, rules=at_noise))
     less = replace(context, rules=replace(LENIENT, majority=0.99 * share))
     assert not may_be_minor(trial, step.base, less)

@@ -40,6 +40,7 @@ def test_the_noise_of_both_sensors_shows_what_the_poor_one_hides(record):
     model = compose(TwoSensors(), ["viscous", "coulomb"])
     alike = trace(model, [record], effects=["offset"], laws=False)
     assert not alike.accepted
+    assert "no effect was tried" not in alike.sentence, "the poor sensor's noise is not that of the good one"
     assert "Beware: position is measured" in alike.sentence
     channels = zip(record.output_channels, NOISE, strict=True)
     declared = replace(record, output_channels=tuple(replace(c, noise=std) for c, std in channels))
