@@ -48,6 +48,7 @@ from hybridid.trace.shorter import seeks
 from hybridid.trace.shown import not_shown
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.verdict import Conclusion
+from hybridid.trace.weighed import weights_in_words
 from hybridid.validation.drift import growth, outputs_that_drift
 
 OTHER = 0.2
@@ -98,6 +99,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
         ]
         told += [in_their_place(found.search)]
     told += [wrong_constants(found, context), _beware(unequal_outputs(records))]
+    told += [weights_in_words(traced.weights)]
     return "".join([*told, found.other_hold, _in_free_run(found.search, traced, context)])
 
 

@@ -24,7 +24,7 @@ from hybridid.trace.entries import (
     UsedRecord,
     Width,
 )
-from hybridid.trace.input_noise import NoisyInputs
+from hybridid.trace.input_noise import NoiseLevel, NoisyInputs
 from hybridid.trace.longer import Longer
 from hybridid.trace.missing_efforts import Missing
 from hybridid.trace.rules import Rules
@@ -84,6 +84,7 @@ class Trace:
     or far above the noise over ``longer`` ones. So do horizons that are ``too_short`` where the records give
     no longer ones, and parameters so ``vague`` that they alone may err by what is left. ``noisy`` is the
     noise of the inputs that may make all the error that is left, where noise and simulation alone do not.
+    ``weights`` are the outputs' noise by which their errors count, by name; none: by standard deviations.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``idle`` names the declared effects of which the records show nothing, ``replacements`` what explains more
     in the place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for
@@ -135,6 +136,7 @@ class Trace:
     too_short: bool = False
     vague: bool = False
     noisy: NoisyInputs | None = None
+    weights: Mapping[str, NoiseLevel] = field(default_factory=dict)
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     def __str__(self) -> str:

@@ -25,10 +25,12 @@ from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.doubted import refuted_form
 from hybridid.trace.horizon import horizon_for
+from hybridid.trace.input_noise import NoiseLevel
 from hybridid.trace.longer import lengthened, over_long_enough
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_efforts import missing_efforts
 from hybridid.trace.numerics import numerics_for
+from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.sharper import narrowed
@@ -37,6 +39,7 @@ from hybridid.trace.steps import OUT_OF_TIME
 from hybridid.trace.summary import summary
 from hybridid.trace.trial import PASSED
 from hybridid.trace.verdict import Conclusion, conclude
+from hybridid.trace.weighed import hidden_by_noise, weights_in_words, with_noise
 from hybridid.trace.words import sentence
 
 OPEN = ("nothing_missing", "undecided")
@@ -107,7 +110,13 @@ def trace(
     if recordings:
         check_split(split)
     may_lengthen = horizon is None if lengthen is None else lengthen
-    found, context = _concluded(model, context, [start] if start else [], settings.integrator, may_lengthen)
+    begun = [start] if start else []
+    weights = _weights(model, context, begun, settings.integrator)
+    if weights:
+        fitted, others = with_noise(fitted, weights), with_noise(others, weights)
+        context = replace(context, split=divided(fitted, others, seconds))
+        context.say(weights_in_words(weights).strip())
+    found, context = _concluded(model, context, begun, settings.integrator, may_lengthen)
     split, settings = context.split, replace(settings, horizon=context.split.horizon)
     seconds = seconds if split.horizon == samples else split.horizon * fitted[0].dt
     found = _of_one_decay(found, fitted, context)
@@ -127,11 +136,23 @@ def trace(
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     limit = time_limit if found.out_of_time else None
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
-    traced = replace(traced, finer=found.search.final.numerics.finer)
+    traced = replace(traced, finer=found.search.final.numerics.finer, weights=weights)
     traced = marked_as_shown(found.accepted, traced)
     traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
     said = sentence(traced) + cautions(found, traced, fitted, context)
     return replace(traced, sentence=said)
+
+
+def _weights(
+    model: Model, context: Context, start: Sequence[Mapping[str, float]], integrator: AskedIntegrator
+) -> dict[str, NoiseLevel]:
+    """The noise by which the outputs must count beside the declared model, by name; none if they need not."""
+    if len(model.outputs) < 2:
+        return {}
+    starts = declared_starts(model, context.split, start)
+    numerics = numerics_for(model, context.split, starts, integrator)
+    base = context.one(refit, model, context.split, starts, None, numerics, CONTINUATION)
+    return hidden_by_noise(base, context)
 
 
 def _concluded(

@@ -13,6 +13,8 @@ from hybridid.effects.library import EFFECTS
 from hybridid.estimators import Estimate
 from hybridid.model import Term
 from hybridid.trace.entries import Width
+from hybridid.trace.input_noise import NoiseLevel
+from hybridid.trace.weighed import as_settings as noise_as_settings
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import MAKES_A_MODEL, DescribedModel
@@ -101,12 +103,19 @@ def as_settings(widths: Sequence[Width]) -> list[str]:
     return [f"parameters.{width.name}.guess={width.used!r}" for width in widths]
 
 
-def commands(settings: Settings, model: Path, samples: int, widths: Sequence[Width] = ()) -> tuple[str, ...]:
+def commands(
+    settings: Settings,
+    model: Path,
+    samples: int,
+    widths: Sequence[Width] = (),
+    weights: Mapping[str, NoiseLevel] | None = None,
+) -> tuple[str, ...]:
     """Two commands that fit the augmented model: one names its file, and begins where the trace ended; the
-    other its effects alone, with the ``widths`` of sign(v) that a trace made narrower. Results and runs go
-    where those of the trace go."""
+    other its effects alone, with the ``widths`` of sign(v) that a trace made narrower. In both the outputs
+    count by the ``weights`` of the trace. Results and runs go where those of the trace go."""
     own = "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
-    start = f"hybridid run case={settings.case}{own}{_elsewhere(settings)}"
+    counted = "".join(f" {one}" for one in map(shlex.quote, noise_as_settings(weights or {})))
+    start = f"hybridid run case={settings.case}{own}{_elsewhere(settings)}{counted}"
     named = [f"effects=[{','.join(effect_entries(settings))}]", *as_settings(widths)]
     effects = " ".join(map(shlex.quote, named))
     return (

@@ -200,7 +200,7 @@ def _write(job: Job, found: Trace, processes: int) -> None:
         case=job.settings.case,
         processes=processes,
         fitted_records=found.fitted_records,
-        commands=commands(settings, job.results / "model.json", samples, found.narrowed),
+        commands=commands(settings, job.results / "model.json", samples, found.narrowed, found.weights),
         found=found,
     )
     write_json(job.folder / "trace.json", traced)

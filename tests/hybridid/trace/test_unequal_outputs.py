@@ -1,4 +1,4 @@
-"""What a poor sensor hides is found once the noise of both is declared. All records here are simulated."""
+"""What a poor sensor hides in the loss is found by the good one. All records here are simulated."""
 
 from __future__ import annotations
 
@@ -7,11 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hybridid.advice.unequal import unequal_outputs
 from hybridid.declarations import Signal
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
 from hybridid.records.channel import Channel
+from hybridid.trace.context import Context
+from hybridid.trace.refit import refit
 from hybridid.trace.run import trace
+from hybridid.trace.split import by_blocks
+from hybridid.trace.weighed import hidden_by_noise
 
 NOISE = np.array([2e-5, 1e-2])
 """An encoder and a laser, both of the carriage's position, in m."""
@@ -36,15 +41,51 @@ def record(carriage):
     return replace(one, outputs=outputs, output_channels=channels, absent=None, warnings=())
 
 
-def test_the_noise_of_both_sensors_shows_what_the_poor_one_hides(record):
+def declared(record, noise):
+    channels = zip(record.output_channels, noise, strict=True)
+    return replace(record, output_channels=tuple(replace(c, noise=std) for c, std in channels))
+
+
+@pytest.fixture(scope="module")
+def traced(record):
+    def of(one):
+        return trace(compose(TwoSensors(), ["viscous", "coulomb"]), [one], effects=["offset"], laws=False)
+
+    return of
+
+
+def test_what_the_poor_sensor_hides_is_found_by_the_good_one(traced, record):
+    """The records tell the noise of both, and the trace counts by it."""
+    found = traced(record)
+    (offset,) = found.accepted
+    assert offset.parameters["offset"].value == pytest.approx(-3.2, abs=3 * offset.parameters["offset"].std)
+    assert [one.value for one in found.weights.values()] == pytest.approx(NOISE, rel=0.3)
+    assert "Each output's errors count in multiples of its sensor's noise" in found.sentence
+
+
+def test_declared_noise_is_taken_as_it_is(traced, record):
+    found = traced(declared(record, NOISE))
+    assert [one.effect for one in found.accepted] == ["offset"]
+    assert found.weights == {}
+    assert "Beware: position" not in found.sentence
+
+
+def test_noise_that_makes_little_of_the_loss_weighs_nothing(record):
+    """A model whose errors are far above the noise of both sensors keeps its weights; advice tells others."""
     model = compose(TwoSensors(), ["viscous", "coulomb"])
-    alike = trace(model, [record], effects=["offset"], laws=False)
-    assert not alike.accepted
-    assert "no effect was tried" not in alike.sentence, "the poor sensor's noise is not that of the good one"
-    assert "Beware: position is measured" in alike.sentence
-    channels = zip(record.output_channels, NOISE, strict=True)
-    declared = replace(record, output_channels=tuple(replace(c, noise=std) for c, std in channels))
-    weighed = trace(model, [declared], effects=["offset"], laws=False)
-    (found,) = weighed.accepted
-    assert found.parameters["offset"].value == pytest.approx(-3.2, abs=3 * found.parameters["offset"].std)
-    assert "Beware: position" not in weighed.sentence
+    context = Context(by_blocks([record], 120), ())
+    base = refit(model, context.split)
+    assert hidden_by_noise(base, context).keys() == {"position", "laser"}
+    far = replace(base, score=replace(base.score, squares=100 * base.score.squares))
+    assert hidden_by_noise(far, context) == {}
+    (told,) = unequal_outputs([record])
+    assert told.said.startswith("position is measured")
+
+
+def test_a_model_meets_the_noise_in_each_output_or_not_at_all(record):
+    """Over standard deviations, the loss is that of the laser's noise."""
+    context = Context(by_blocks([record], 120), ())
+    base = refit(compose(TwoSensors(), ["viscous", "coulomb"]), context.split)
+    noise = context.noise.beside(base.score)
+    assert base.score.loss <= context.rules.near_floor * np.sqrt(np.mean((noise / base.score.scale) ** 2))
+    assert not context.meets_noise(base.score)

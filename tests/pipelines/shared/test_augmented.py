@@ -4,6 +4,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from hybridid.trace.entries import Width
+from hybridid.trace.input_noise import NoiseLevel
 from pipelines.shared.augmented import augmented, commands
 from pipelines.shared.modelling import model_of
 
@@ -18,6 +19,9 @@ def test_the_command_by_effects_says_how_sign_v_is_smoothed(settings):
     )
     assert " parameters.carriage.epsilon.guess=8.5e-05 estimator.horizon=250" in by_effects
     assert "epsilon" not in commands(given, Path("model.json"), 250)[1]
+    weights = {"speed": NoiseLevel(0.15, "m/s")}
+    for one in commands(given, Path("model.json"), 250, weights=weights):
+        assert " +signals.outputs.speed.noise=0.15 " in one
 
 
 def test_the_commands_write_where_the_trace_wrote(settings):
