@@ -17,34 +17,27 @@ from dataclasses import replace
 
 import numpy as np
 
+from hybridid.advice.unequal import DIGITS, noise_told
 from hybridid.naming import listed
 from hybridid.quantities import quantity
 from hybridid.records.record import Record
-from hybridid.records.sensor_noise import sensor_noise
 from hybridid.trace.context import Context
 from hybridid.trace.input_noise import NoiseLevel
 from hybridid.trace.refit import Refit
-
-DIGITS = 2
-"""Of a noise, as the command has it that goes on."""
 
 
 def hidden_by_noise(base: Refit, context: Context) -> dict[str, NoiseLevel]:
     """The noise of each output by name, if the errors of ``base``, the declared model, must count by it; else
     none."""
     records, score, rules = context.split.records, base.score, context.rules
-    channels = records[0].output_channels
-    found = [sensor_noise(record) for record in records]
-    if len(channels) < 2 or any(c.noise for c in channels) or not all(n.told for own in found for n in own):
+    told = noise_told(records)
+    if not told:
         return {}
-    noise = np.sqrt(np.mean([[n.level**2 for n in own] for own in found], axis=0))
+    noise = np.array(list(told.values()))
     of_noise = np.mean((np.minimum(noise, score.rmse) / score.scale) ** 2)
     if of_noise < rules.majority * score.loss**2 or not np.any(score.rmse > rules.far * noise):
         return {}
-    return {
-        c.name: NoiseLevel(float(f"{value:.{DIGITS}g}"), c.unit)
-        for c, value in zip(channels, noise.tolist(), strict=True)
-    }
+    return {c.name: NoiseLevel(told[c.name], c.unit) for c in records[0].output_channels}
 
 
 def with_noise(records: Sequence[Record], levels: Mapping[str, NoiseLevel]) -> tuple[Record, ...]:
@@ -68,8 +61,3 @@ def weights_in_words(levels: Mapping[str, NoiseLevel]) -> str:
         f" Each output's errors count in multiples of its sensor's noise, as the records show it ({each}): "
         "over standard deviations, the noise of a poor sensor hides what a good one shows."
     )
-
-
-def as_settings(levels: Mapping[str, NoiseLevel]) -> list[str]:
-    """``levels`` as words of a command: ``+signals.outputs.speed.noise=0.15``."""
-    return [f"+signals.outputs.{name}.noise={one.value:g}" for name, one in levels.items()]

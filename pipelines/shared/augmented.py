@@ -8,13 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from hybridid.advice.unequal import as_settings as noise_as_settings
 from hybridid.declarations import Parameter
 from hybridid.effects.library import EFFECTS
 from hybridid.estimators import Estimate
 from hybridid.model import Term
 from hybridid.trace.entries import Width
 from hybridid.trace.input_noise import NoiseLevel
-from hybridid.trace.weighed import as_settings as noise_as_settings
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import MAKES_A_MODEL, DescribedModel
@@ -114,7 +114,8 @@ def commands(
     other its effects alone, with the ``widths`` of sign(v) that a trace made narrower. In both the outputs
     count by the ``weights`` of the trace. Results and runs go where those of the trace go."""
     own = "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
-    counted = "".join(f" {one}" for one in map(shlex.quote, noise_as_settings(weights or {})))
+    noise = {name: level.value for name, level in (weights or {}).items()}
+    counted = "".join(f" {one}" for one in map(shlex.quote, noise_as_settings(noise)))
     start = f"hybridid run case={settings.case}{own}{_elsewhere(settings)}{counted}"
     named = [f"effects=[{','.join(effect_entries(settings))}]", *as_settings(widths)]
     effects = " ".join(map(shlex.quote, named))

@@ -36,6 +36,19 @@ def test_functions_of_the_variable_are_doubted(fitted, over, names):
     assert doubted(base.model, base, [found], split) == names
 
 
+def ended_with(fitted, effect, remains=True, times=1.0):
+    """As if the ``effect`` had been found, and structure ``remains`` over the velocity; with its context."""
+    base, split = fitted
+    found = ceiling(base, split, "carriage", Over("velocity"))
+    candidate = Candidate(effect_named(effect), "carriage")
+    accepted = SimpleNamespace(name=candidate.name, trial=SimpleNamespace(candidate=candidate))
+    ended = SimpleNamespace(
+        verdict="effect_found", accepted=(accepted,), search=SimpleNamespace(final=base), ceilings=[found],
+        remains=(f"at {found.place}",) if remains else (), times=times,
+    )  # fmt: skip
+    return ended, Context(split, ())
+
+
 @pytest.mark.parametrize(
     ("effect", "remains", "said"),
     [
@@ -50,17 +63,10 @@ def test_functions_of_the_variable_are_doubted(fitted, over, names):
 )
 def test_an_accepted_effect_is_doubted_in_the_same_way(fitted, effect, remains, said):
     """As if the carriage's friction had been found."""
-    base, split = fitted
-    found = ceiling(base, split, "carriage", Over("velocity"))
-    candidate = Candidate(effect_named(effect), "carriage")
-    accepted = SimpleNamespace(name=candidate.name, trial=SimpleNamespace(candidate=candidate))
-    ended = SimpleNamespace(
-        verdict="effect_found", accepted=(accepted,), search=SimpleNamespace(final=base), ceilings=[found],
-        remains=(f"at {found.place}",) if remains else (), times=1.0,
-    )  # fmt: skip
-    told = other_law_possible(ended, Context(split, ()))
+    ended, context = ended_with(fitted, effect, remains)
+    told = other_law_possible(ended, context)
     ended.verdict = "undecided"
-    assert other_law_possible(ended, Context(split, ())) == "", "the rest may explain it"
+    assert other_law_possible(ended, context) == "", "the rest may explain it"
     assert told.startswith(said)
     assert bool(told) is bool(said)
 
@@ -70,17 +76,9 @@ def test_an_accepted_effect_is_doubted_in_the_same_way(fitted, effect, remains, 
 )
 def test_a_curve_that_takes_most_of_what_is_left_refutes_the_form(fitted, times, effect, refuted):
     """Friction that differs by direction is a function of the velocity, and viscous friction another one."""
-    base, split = fitted
-    found = ceiling(base, split, "carriage", Over("velocity"))
-    candidate = Candidate(effect_named(effect), "carriage")
-    accepted = SimpleNamespace(name=candidate.name, trial=SimpleNamespace(candidate=candidate))
-    ended = SimpleNamespace(
-        verdict="effect_found", accepted=(accepted,), search=SimpleNamespace(final=base), ceilings=[found],
-        remains=(f"at {found.place}",), times=times,
-    )  # fmt: skip
-    assert refuted_form(ended, Context(split, ())) == ([candidate.name] if refuted else [])
-    said = other_law_possible(ended, Context(split, ()))
-    assert ("another law over it is there" in said) is refuted
+    ended, context = ended_with(fitted, effect, times=times)
+    assert refuted_form(ended, context) == ([f"carriage.{effect}"] if refuted else [])
+    assert ("another law over it is there" in other_law_possible(ended, context)) is refuted
 
 
 def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_asked(fitted):
