@@ -19,7 +19,7 @@ from hybridid.quantities import estimated, quantity, share
 from hybridid.records.record import Record
 from hybridid.trace.at_bound import ends_at_bound
 from hybridid.trace.constancy import NO_CONSTANT
-from hybridid.trace.constants import wrong_constants
+from hybridid.trace.constants import WrongConstants, constants_in_words
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
 from hybridid.trace.doubted import other_law_possible, revision_advised
@@ -61,8 +61,15 @@ LITTLE = 0.01
 """Of the squared error that all accepted effects take: what takes less is told."""
 
 
-def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], context: Context) -> str:
-    """Sentences for the trace of the fitted ``records``, each after a space; empty if there is none."""
+def cautions(
+    found: Conclusion,
+    traced: Trace,
+    records: Sequence[Record],
+    constants: WrongConstants,
+    context: Context,
+) -> str:
+    """Sentences for the trace of the fitted ``records``, each after a space; empty if there is none.
+    ``constants`` are those that were declared and may be wrong."""
     told = [revision_advised(found, context), several_hystereses(found.accepted)]
     told += [judged_the_other_way(found.search.first, context)]
     told += [drive_changes_on_one_side(found.model, context.split)]
@@ -98,7 +105,7 @@ def cautions(found: Conclusion, traced: Trace, records: Sequence[Record], contex
             _other_held_out(traced.accepted, context.rules),
         ]
         told += [in_their_place(found.search)]
-    told += [wrong_constants(found, context), _beware(unequal_outputs(records))]
+    told += [constants_in_words(constants), _beware(unequal_outputs(records))]
     told += [weights_in_words(traced.weights)]
     return "".join([*told, found.other_hold, _in_free_run(found.search, traced, context)])
 

@@ -1,9 +1,9 @@
 """Whether a constant that is declared as known explains what an effect was named for, or what none does.
 
 A mass may have been weighed without its cable, a gear ratio taken from another data sheet. A search that
-only adds effects gives such an error the name of one. So each fixed parameter of the plant is freed, one at a
-time, between half and twice its value: in the place of each accepted effect, and where the verdict is
-``unexplained``, beside the last model. It is told
+only adds effects gives such an error the name of one, or of several. So each fixed parameter of the plant is
+freed, one at a time, between half and twice its value: in the place of each accepted effect, of all of them,
+and where the verdict is ``unexplained``, beside the last model. It is told
 
 - in the place of an effect, if the model with the effect shows no relevant advantage then (``tells_apart``),
 - beside the last model, if it takes most of the squared error that is left (``Rules.majority``), at
@@ -31,7 +31,8 @@ from hybridid.simulation.stability import TooStiff
 from hybridid.trace.alike import tells_apart
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit, values_without
+from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit
+from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.steps import Search
 from hybridid.trace.verdict import Conclusion
@@ -46,17 +47,18 @@ BOUND = 1e-3
 
 @dataclass(frozen=True)
 class Freed:
-    """A ``constant`` that was freed ``instead`` of an accepted effect (empty: beside all), and what came of
-    it; None where the model could not be simulated."""
+    """A ``constant`` that was freed ``instead`` of accepted effects (none: beside all), and what came of it;
+    None where the model could not be simulated."""
 
     constant: Parameter
-    instead: str
+    instead: tuple[str, ...]
     refit: Refit | None
 
     @property
     def name(self) -> str:
         """What was tried, in words."""
-        return f"{self.constant.name} free" + (f" in the place of {self.instead}" if self.instead else "")
+        place = f" in the place of {listed(self.instead)}" if self.instead else ""
+        return f"{self.constant.name} free{place}"
 
     def moved(self, tests: int, alpha: float) -> bool:
         """Whether the constant certainly ends elsewhere than declared, of so many ``tests``, and at no
@@ -78,24 +80,43 @@ class Freed:
         )
 
 
-def wrong_constants(found: Conclusion, context: Context) -> str:
-    """Which declared constants explain as much as what was accepted, or some of what is unexplained, in
-    words; empty if none."""
+@dataclass(frozen=True)
+class WrongConstants:
+    """Constants that explain as much ``in_place`` of accepted effects; those ``beside`` all, with what they
+    take from the held-out error."""
+
+    in_place: tuple[Freed, ...] = ()
+    beside: tuple[tuple[Freed, float], ...] = ()
+
+
+def wrong_constants(found: Conclusion, context: Context) -> WrongConstants:
+    """Which declared constants explain as much as what was accepted, or most of what is unexplained."""
     final, rules = found.search.final, context.rules
     constants = _constants(final.model)
-    places = [one.name for one in found.accepted]
-    places += [""] if found.verdict == "unexplained" else []
+    names = [one.name for one in found.accepted]
+    places = [(tuple(names))] if len(names) > 1 else []
+    places += [(name,) for name in names]
+    places += [()] if found.verdict == "unexplained" else []
     given = [(p, place, found.search, context.split) for place in places for p in constants]
     tried = context.each("declared constants", _freed, given, lambda one: one.name, always=0)
-    moved = [one for one in tried if one.moved(len(given), rules.alpha)]
+    moved = sorted((one for one in tried if one.moved(len(given), rules.alpha)), key=_loss)
     as_much = [one for one in moved if one.instead and not _worse(one, final, context)]
-    told = [
-        _in_place(place, [one for one in as_much if one.instead == place])
-        for place in dict.fromkeys(one.instead for one in as_much)
-    ]
-    return "".join(
-        [*told, _beside([one for one in moved if not one.instead], len(constants), final, context)]
+    gains = ((one, _taken(one, final, len(constants), rules)) for one in moved if not one.instead)
+    return WrongConstants(
+        tuple(sorted(as_much, key=lambda one: -len(one.instead))),
+        tuple((one, gain) for one, gain in gains if gain > 0),
     )
+
+
+def constants_in_words(wrong: WrongConstants) -> str:
+    """``wrong`` in words; empty if there is none. What takes the place of all is not told of each."""
+    every = {place: [one for one in wrong.in_place if one.instead == place] for place in _places(wrong)}
+    return "".join([*(_in_place(place, freed) for place, freed in every.items()), _beside(wrong.beside)])
+
+
+def _places(wrong: WrongConstants) -> list[tuple[str, ...]]:
+    places = list(dict.fromkeys(one.instead for one in wrong.in_place))
+    return places[:1] if places and len(places[0]) > 1 else places
 
 
 def _constants(model: Model) -> list[Parameter]:
@@ -105,12 +126,14 @@ def _constants(model: Model) -> list[Parameter]:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start may diverge
-def _freed(constant: Parameter, instead: str, search: Search, split: Split) -> Freed:
-    """``constant`` freed in the last model of ``search``, without the effect ``instead`` (empty: with all),
+def _freed(constant: Parameter, instead: tuple[str, ...], search: Search, split: Split) -> Freed:
+    """``constant`` freed in the last model of ``search``, without the effects ``instead`` (none: with all),
     from where that ended and from where the declared model did."""
     final, first = search.final, search.first
-    model = final.model.without(instead) if instead else final.model
-    values = values_without(final, instead) if instead else dict(final.values)
+    model = final.model
+    for name in instead:
+        model = model.without(name)
+    values = {p.name: final.values[p.name] for p in model.parameters}
     bounds = sorted((constant.guess / FURTHEST, constant.guess * FURTHEST))
     adjusted = {"guess": constant.guess, "lower": bounds[0], "upper": bounds[1]}
     free = replace(model, adjustments={**model.adjustments, constant.name: adjusted})
@@ -129,29 +152,32 @@ def _worse(one: Freed, final: Refit, context: Context) -> bool:
     return tells_apart(compare(one.refit.score, final.score), context.rules)
 
 
-def _in_place(place: str, freed: Sequence[Freed]) -> str:
-    some = listed([str(one) for one in sorted(freed, key=_loss)[:TOLD]])
+def _taken(one: Freed, final: Refit, tests: int, rules: Rules) -> float:
+    """The share of the held-out error that a constant takes beside all; 0 if not most of its square, or not
+    significantly among so many ``tests``."""
+    assert one.refit is not None
+    better = compare(final.score, one.refit.score)
+    most = 1.0 - (1.0 - better.gain) ** 2 >= rules.majority
+    return better.gain if most and tests * better.p_value <= rules.alpha else 0.0
+
+
+def _in_place(place: tuple[str, ...], freed: Sequence[Freed]) -> str:
+    some = listed([str(one) for one in freed[:TOLD]])
     each = ", each alone" if len(freed) > 1 else ""
     return (
-        f" Beware: in the place of {place} a constant that is declared as known explains as much, if it is "
-        f"another one: {some}{each}."
+        f" Beware: in the place of {listed(place)} a constant that is declared as known explains as much, if "
+        f"it is another one: {some}{each}."
     )
 
 
-def _beside(freed: Sequence[Freed], tests: int, final: Refit, context: Context) -> str:
-    rules, told = context.rules, []
-    for one in sorted(freed, key=_loss):
-        assert one.refit is not None
-        better = compare(final.score, one.refit.score)
-        taken = 1.0 - (1.0 - better.gain) ** 2
-        if taken >= rules.majority and tests * better.p_value <= rules.alpha:
-            told.append(f"{one} takes {share(better.gain)} from the held-out error")
-    if not told:
+def _beside(freed: Sequence[tuple[Freed, float]]) -> str:
+    if not freed:
         return ""
-    each = "; each alone" if len(told) > 1 else ""
+    told = listed([f"{one} takes {share(gain)} from the held-out error" for one, gain in freed[:TOLD]])
+    each = "; each alone" if len(freed) > 1 else ""
     return (
-        f" A constant that is declared as known may be wrong: {listed(told[:TOLD])}{each}. Compare that with "
-        "what you know of the machine."
+        f" A constant that is declared as known may be wrong: {told}{each}. Compare that with what you know "
+        "of the machine."
     )
 
 

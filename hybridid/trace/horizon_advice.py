@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.advice.horizon import RESOLVED, TOLERATED, slowest_time
+from hybridid.advice.horizon import GROWS, RESOLVED, TOLERATED, slowest_time
 from hybridid.naming import counted, listed
 from hybridid.trace.longer import MOSTLY_NOISE
 from hybridid.trace.refit import Refit
 from hybridid.trace.shorter import SHARE
 from hybridid.trace.split import FEWEST, Split
+from hybridid.validation.drift import growth
 
 ABSORBED = 0.2
 """Initial states that a horizon estimates, over its measured values, from which these may hide an effect."""
@@ -63,9 +64,11 @@ def few_samples(final: Refit, split: Split) -> str:
 
 def slower_dynamics(final: Refit, split: Split) -> str:
     """That the horizons are shorter than the slowest dynamics of the last model that the records resolve, in
-    words; else empty. Each has an initial state of its own, which is fitted."""
+    words; else empty. Each has an initial state of its own, which is fitted. Over longer ones a model that is
+    unstable shows disturbances alone."""
     seconds, slowest = split.horizon * split.records[0].dt, _slowest(final, split)
-    if slowest <= TOLERATED * seconds:
+    rate = growth(final.model, final.model.values(final.values), split.records)
+    if slowest <= TOLERATED * seconds or rate * TOLERATED * seconds > GROWS:
         return ""
     return (
         f" Beware: the horizons of {_short(seconds)} s are shorter than the slowest dynamics that the "

@@ -20,6 +20,7 @@ from hybridid.trace.before_after import Validation, before_and_after
 from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.cautions import cautions, marked_as_shown
 from hybridid.trace.completeness import ceilings_of_each, with_networks
+from hybridid.trace.constants import wrong_constants
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.declared_starts import declared_starts
@@ -123,7 +124,8 @@ def trace(
     differ = by_recording(found.search, context) if recordings else ()
     if found.verdict in OPEN and not found.accepted and any(one.status == PASSED for one in differ):
         found = replace(found, verdict="unexplained")
-    in_doubt = any(one.in_place_of for one in differ) or refuted_form(found, context)
+    constants = wrong_constants(found, context)
+    in_doubt = any(one.in_place_of for one in differ) or refuted_form(found, context) or constants.in_place
     if found.verdict == "effect_found" and in_doubt:
         found = replace(found, verdict="ambiguous")
     settings = replace(settings, integrator=_solving(found.search.first.numerics.integrator))
@@ -139,7 +141,7 @@ def trace(
     traced = replace(traced, finer=found.search.final.numerics.finer, weights=weights)
     traced = marked_as_shown(found.accepted, traced)
     traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
-    said = sentence(traced) + cautions(found, traced, fitted, context)
+    said = sentence(traced) + cautions(found, traced, fitted, constants, context)
     return replace(traced, sentence=said)
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from hybridid.declarations import Parameter
 from hybridid.model import compose
 from hybridid.plants.emps import EMPS
+from hybridid.trace.constants import Freed, WrongConstants, constants_in_words
 from hybridid.trace.run import trace
 
 DECLARED = ("viscous", "coulomb", "offset")
@@ -34,6 +38,20 @@ def test_in_the_place_of_a_name_a_wrong_mass_explains_as_much(traced):
     _, told, said = found.sentence.partition(told + ", if it is another one: M = ")
     assert told
     assert float(said.split()[0]) == pytest.approx(95.0, abs=0.5)
+    assert found.verdict == "ambiguous"
+
+
+def test_what_takes_the_place_of_all_is_not_told_of_each():
+    """A wrong radius passes for gravity and a gain together."""
+    values = SimpleNamespace(values={"r": 0.065}, std={"r": 1e-6})
+    both, one = (Freed(Parameter("r", "m", 0.06), place, values) for place in (("p.a", "p.b"), ("p.a",)))
+    said = constants_in_words(WrongConstants((both, one)))
+    assert said.startswith(
+        " Beware: in the place of p.a and p.b a constant that is declared as known explains"
+    )
+    assert "r = 0.065 ± 2·10⁻⁶ m instead of 0.06" in said
+    assert said.count("Beware") == 1
+    assert constants_in_words(WrongConstants()) == ""
 
 
 def test_what_no_effect_explains_a_wrong_mass_does(traced):
