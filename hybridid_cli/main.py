@@ -24,12 +24,12 @@ LONGEST = 700
 
 def main() -> None:
     """Run the command on ``sys.argv`` and exit with its code."""
-    interrupt.install()
     # no process of ours imports modules from the current folder: its files may come from somebody else
     os.environ["PYTHONSAFEPATH"] = "1"
-    warnings.showwarning = _show_warning
-    mask_streams()
     try:
+        interrupt.install()  # a signal may come before the next line
+        warnings.showwarning = _show_warning
+        mask_streams()
         code = dispatch(sys.argv[1:])
         sys.stdout.flush()
         interrupt.ignore_from_now()

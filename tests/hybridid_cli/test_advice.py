@@ -43,9 +43,15 @@ def test_silverbox_is_told_of_its_arrow_alone(advice, effects):
 
 
 @pytest.mark.parametrize("effects", ["effects=[viscous,coulomb]", "effects=[viscous,coulomb,load_friction]"])
-def test_the_servo_and_the_flexible_link_are_told_nothing(advice, effects):
+def test_the_servo_is_told_nothing(advice, effects):
     assert advice("servo", "bam_xl330", effects) == {}
-    assert advice("flexible_link", "quanser_flexible_link") == {}
+
+
+def test_the_flexible_link_is_told_of_its_sensors_alone(advice):
+    """An encoder, and a strain gauge."""
+    found = advice("flexible_link", "quanser_flexible_link")
+    assert found.keys() == {"weights"}
+    assert found["weights"].startswith("servo_angle is measured 17 times as well as tip_angle")
 
 
 def test_the_resistance_of_the_servo_is_told_with_its_torque_constant(advice):
