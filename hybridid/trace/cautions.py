@@ -15,7 +15,7 @@ from hybridid.advice.relaxation import relaxation
 from hybridid.advice.unequal import unequal_outputs
 from hybridid.model import Model
 from hybridid.naming import listed
-from hybridid.quantities import estimated, quantity, share
+from hybridid.quantities import estimated, multiple, quantity, share
 from hybridid.records.record import Record
 from hybridid.trace.at_bound import ends_at_bound
 from hybridid.trace.constancy import NO_CONSTANT
@@ -36,6 +36,7 @@ from hybridid.trace.horizon_advice import (
 )
 from hybridid.trace.hystereses import several_hystereses, spread_relaxation
 from hybridid.trace.idle import SURE, amplitudes_of, told_from_zero
+from hybridid.trace.longer import more_over_longer
 from hybridid.trace.memory_begins import memory_begins_empty
 from hybridid.trace.one_way import judged_the_other_way
 from hybridid.trace.other_parameters import ASK, other_parameters, recordings
@@ -98,6 +99,7 @@ def cautions(
         told += [not_told_from_zero(found.accepted, traced), _confounded(records)]
         told += [ends_at_bound(traced.accepted, traced.estimate), spread_relaxation(found.model)]
         told += [memory_begins_empty(found.accepted, found.search.final, context.split)]
+        told += [_more_over_longer(found, context)]
         told += [
             form_hardly_shown(found.accepted, found.search.final.score.loss, context.rules),
             _takes_little(found.search),
@@ -167,6 +169,21 @@ def _grows(found: Conclusion) -> str:
         f" Beware: {fitted}over horizons of {found.grows.seconds:.2g} s the model leaves "
         f"{found.grows.times:.1f} times what noise and simulation leave: an effect that adds up slowly may "
         "be missing."
+    )
+
+
+def _more_over_longer(found: Conclusion, context: Context) -> str:
+    """That what was accepted meets the noise here, and leaves far more over longer horizons; else empty. A
+    fitted initial state may hide over a short horizon what a law of another form leaves."""
+    if found.times > context.rules.far or context.out_of_time:
+        return ""
+    longer = more_over_longer(found.search.final, context)
+    if longer is None:
+        return ""
+    seconds, times = f"{longer.seconds:.2g}", multiple(longer.times)
+    return (
+        f" Beware: over horizons of {seconds} s the last model leaves {times} what noise and simulation leave. "
+        f"What is named may have another form, or stand for something else: trace.horizon={seconds} asks there."
     )
 
 

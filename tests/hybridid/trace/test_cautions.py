@@ -19,6 +19,7 @@ from hybridid.trace.cautions import (
     _grows,
     _hidden_by_the_simulation,
     _may_differ_by_recording,
+    _more_over_longer,
     _moved,
     _no_longer_shown,
     _only_fitted,
@@ -249,6 +250,22 @@ def test_a_mass_that_was_not_determined_has_not_moved():
     before = found(mass=(2.0, 19.0))
     before.first.std["M"] = 14.0
     assert _moved(before) == ""
+
+
+@pytest.mark.parametrize(
+    ("times", "longer", "told"), [(1.0, 15.5, True), (1.0, None, False), (9.0, 15.5, False)]
+)
+def test_what_is_named_at_the_noise_is_doubted_where_longer_horizons_leave_more(
+    monkeypatch, times, longer, told
+):
+    seen = longer and Longer(4.0, longer)
+    monkeypatch.setattr(cautions, "more_over_longer", lambda final, context: seen)
+    named = SimpleNamespace(times=times, search=SimpleNamespace(final=None))
+    said = _more_over_longer(named, SimpleNamespace(rules=Rules(), out_of_time=False))
+    assert bool(said) is told
+    if told:
+        assert "over horizons of 4 s the last model leaves 15.5 times what noise" in said
+        assert said.endswith("trace.horizon=4 asks there.")
 
 
 @pytest.fixture
