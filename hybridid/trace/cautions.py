@@ -182,8 +182,9 @@ def _more_over_longer(found: Conclusion, context: Context) -> str:
         return ""
     seconds, times = f"{longer.seconds:.2g}", multiple(longer.times)
     return (
-        f" Beware: over horizons of {seconds} s the last model leaves {times} what noise and simulation leave. "
-        f"What is named may have another form, or stand for something else: trace.horizon={seconds} asks there."
+        f" Beware: over horizons of {seconds} s the last model leaves {times} what noise and simulation "
+        "leave. What is named may have another form, or stand for something else: "
+        f"trace.horizon={seconds} asks there."
     )
 
 
