@@ -20,7 +20,8 @@ def by_recording_in_words(found: Trace) -> str:
     said = "".join(_differs(one) + _bent(one, found) for one in passed if not one.in_place_of)
     for effect, instead in _in_place(found).items():
         if _more(instead[0], found):
-            said += _refutes(instead[0])
+            how = _how_to_go_on(instead[0])
+            said += _refutes(instead[0]) + ("" if how in said else f" {how}")
             continue
         names = [one.parameter for one in instead]
         said += f" These records cannot tell {effect} from {' or '.join(names)} that differs by recording."
@@ -55,7 +56,7 @@ def _refutes(one: DifferingParameter) -> str:
     return (
         f" But {one.parameter} that differs by recording, {_values_of(one)}, leaves {share(one.gain)} less "
         f"error in the place of {one.in_place_of} (p {probability(one.p_value, '= ')}): that name is "
-        f"refuted. {_how_to_go_on(one)}"
+        "refuted."
     )
 
 
