@@ -95,10 +95,12 @@ def told_of_held_out(final: Refit, context: Context) -> Refit | None:
     simulated there.
     """
     (there,) = fitted_to_held_out([final], context)
-    return there and context.one(_with_smoothing, there, context.split.swapped)
+    return there and context.one(with_smoothing, there, context.split.swapped)
 
 
-def _with_smoothing(fitted: Refit, split: Split) -> Refit:
+def with_smoothing(fitted: Refit, split: Split) -> Refit:
+    """``fitted`` on ``split``, whose standard errors hold what the smoothing of sign(v) moves the parameters
+    by; none where it has none."""
     problem, rows = fitted.problem(split).on(split.fitted), list(split.fitted)
     found = uncertainty(problem, fitted.model.values(fitted.values), fitted.x0[rows])
     std = dict(zip(problem.free, found.std.tolist(), strict=True))

@@ -11,8 +11,7 @@ and where the verdict is ``unexplained``, beside the last model. It is told
 
 and if it certainly ends elsewhere than declared, and at no bound.
 
-Source: Bohlin (2006), Practical Grey-box Process Identification, Springer, sec. 2.3: what is known beforehand
-are hypotheses, too.
+The fit must have converged, and the standard error holds what the smoothing of sign(v) moves the constant by.
 """
 
 from __future__ import annotations
@@ -29,6 +28,7 @@ from hybridid.naming import listed
 from hybridid.quantities import estimated, number, share
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.alike import tells_apart
+from hybridid.trace.constancy import with_smoothing
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit
@@ -61,9 +61,9 @@ class Freed:
         return f"{self.constant.name} free{place}"
 
     def moved(self, tests: int, alpha: float) -> bool:
-        """Whether the constant certainly ends elsewhere than declared, of so many ``tests``, and at no
-        bound."""
-        if self.refit is None:
+        """Whether the fit converged, and the constant certainly ends elsewhere than declared, of so many
+        ``tests``, and at no bound."""
+        if self.refit is None or not self.refit.converged:
             return False
         declared = self.constant.guess
         value, std = self.refit.values[self.constant.name], self.refit.std.get(self.constant.name, 0.0)
@@ -94,7 +94,7 @@ def wrong_constants(found: Conclusion, context: Context) -> WrongConstants:
     final, rules = found.search.final, context.rules
     constants = _constants(final.model)
     names = [one.name for one in found.accepted]
-    places = [(tuple(names))] if len(names) > 1 else []
+    places = [tuple(names)] if len(names) > 1 else []
     places += [(name,) for name in names]
     places += [()] if found.verdict == "unexplained" else []
     given = [(p, place, found.search, context.split) for place in places for p in constants]
@@ -143,7 +143,7 @@ def _freed(constant: Parameter, instead: tuple[str, ...], search: Search, split:
         found = refit(free, split, starts, final, final.numerics, CONTINUATION, std_up_to=std_up_to)
     except (TooStiff, *FAILURES):
         return Freed(constant, instead, None)
-    return Freed(constant, instead, found)
+    return Freed(constant, instead, with_smoothing(found, split) if found.std else found)
 
 
 def _worse(one: Freed, final: Refit, context: Context) -> bool:

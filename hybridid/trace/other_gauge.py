@@ -14,6 +14,7 @@ import numpy as np
 
 from hybridid.quantities import estimated, share
 from hybridid.trace.candidates import Candidate
+from hybridid.trace.constancy import with_smoothing
 from hybridid.trace.context import Context
 from hybridid.trace.gauges import error_of, gauges, put_right
 from hybridid.trace.refit import Refit, refit_if_possible
@@ -31,7 +32,7 @@ def other_gauge(final: Refit, context: Context) -> str:
     taken = {
         1.0 - float(np.mean((there.fitted_rmse / final.score.scale) ** 2)) / left: (one, there)
         for one, there in zip(every, tried, strict=True)
-        if there is not None and left > 0
+        if there is not None and there.converged and left > 0
     }
     most = max(taken, default=0.0)
     if most < context.rules.majority:
@@ -52,4 +53,5 @@ def _read(gauge: Candidate, final: Refit, split: Split) -> Refit | None:
     richer = gauge.added_to(final.model)
     model = replace(richer, adjustments={**richer.adjustments, **known})
     values = {**final.values, error_of(gauge): 0.0}
-    return refit_if_possible(model, split.swapped, [values], final, final.numerics, math.inf)
+    found = refit_if_possible(model, split.swapped, [values], final, final.numerics, math.inf)
+    return found and with_smoothing(found, split.swapped)
