@@ -8,7 +8,7 @@ only adds cannot replace it. So may any declared effect where no learned effort 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 import numpy as np
 
@@ -71,6 +71,14 @@ def refuted_form(found: Conclusion, context: Context) -> list[str]:
     left = found.search.final.score.loss**2
     most = [one for one in _remaining(found) if left - one.refit.score.loss**2 >= rules.majority * left]
     return of_another_law(found, most, context)
+
+
+def in_doubt(found: Conclusion, instead: Set[str], context: Context) -> bool:
+    """Whether a name is in doubt: it is one of those ``instead`` of which something else explains as much, or
+    the records refute its form. Proposed laws are in doubt if something else explains as much as each."""
+    if found.verdict == "law_proposed":
+        return {one.name for one in found.accepted if is_composed(one.trial.candidate.effect)} <= instead
+    return found.verdict == "effect_found" and bool(instead or refuted_form(found, context))
 
 
 def other_law_possible(found: Conclusion, context: Context) -> str:

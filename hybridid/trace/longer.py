@@ -13,9 +13,12 @@ power of ``GROWS`` show the disturbance, and nothing else: they are not asked.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from hybridid.advice.horizon import GROWS
 from hybridid.model import Model
@@ -77,12 +80,31 @@ def _bounded(splits: Sequence[Split], final: Refit) -> list[Split]:
 
 def _more_over(split: Split, final: Refit, context: Context, above: float) -> Longer | None:
     """What ``final`` leaves over the horizons of ``split``, if more than ``above`` times the noise."""
-    there = replace(context, split=split)
-    found = there.one(refit_if_possible, final.model, split, [final.values], None, final.numerics)
+    there, begun = replace(context, split=split), _begun_as(final, context.split, split)
+    found = there.one(refit_if_possible, final.model, split, [final.values], begun, final.numerics)
     if found is None:
         return None
     times = Accuracy.of(found, there).times(found.score.rmse)
     return Longer(split.horizon * split.records[0].dt, times) if times > above else None
+
+
+def _begun_as(final: Refit, split: Split, longer: Split) -> Refit:
+    """``final`` with initial states of the horizons of ``longer``: those of the horizons of ``split`` that
+    begin where these do, else those that the record shows.
+
+    A long horizon that passes near an unstable rest, as a crank near its top, has one valley for each side.
+    A horizon that ends before it has not, and its initial state leads to the right one.
+    """
+    known = dict(zip(_beginnings(split), final.x0, strict=True))
+    shown = final.problem(longer).measured_x0()
+    x0 = [known.get(place, one) for place, one in zip(_beginnings(longer), shown, strict=True)]
+    return replace(final, x0=np.array(x0), cost=math.inf)
+
+
+def _beginnings(split: Split) -> list[tuple[str, int]]:
+    """Record and first sample of each horizon."""
+    origins = cut(split.records, split.horizon, 1).origin
+    return [(split.records[record].name, start) for record, start, _ in origins]
 
 
 def over_long_enough(

@@ -24,7 +24,7 @@ from hybridid.trace.constants import wrong_constants
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.declared_starts import declared_starts
-from hybridid.trace.doubted import refuted_form
+from hybridid.trace.doubted import in_doubt
 from hybridid.trace.horizon import horizon_for
 from hybridid.trace.input_noise import NoiseLevel
 from hybridid.trace.longer import lengthened, over_long_enough
@@ -125,8 +125,8 @@ def trace(
     if found.verdict in OPEN and not found.accepted and any(one.status == PASSED for one in differ):
         found = replace(found, verdict="unexplained")
     constants = wrong_constants(found, context)
-    in_doubt = any(one.in_place_of for one in differ) or refuted_form(found, context) or constants.in_place
-    if found.verdict == "effect_found" and in_doubt:
+    freed = {name for one in constants.in_place for name in one.instead}
+    if in_doubt(found, freed | {one.in_place_of for one in differ}, context):
         found = replace(found, verdict="ambiguous")
     settings = replace(settings, integrator=_solving(found.search.first.numerics.integrator))
     validation = Validation(fitted, others, settings, seconds, initial_state)

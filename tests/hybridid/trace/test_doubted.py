@@ -11,7 +11,7 @@ from hybridid.effects.over import Over
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
-from hybridid.trace.doubted import doubted, other_law_possible, refuted_form, revision_advised
+from hybridid.trace.doubted import doubted, in_doubt, other_law_possible, refuted_form, revision_advised
 from hybridid.trace.refit import refit
 
 
@@ -105,3 +105,21 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
         " The declared carriage.viscous, carriage.coulomb and carriage.offset were not questioned: "
         "trace.revise=true seeks others in the place of each."
     )
+
+
+@pytest.mark.parametrize(
+    ("verdict", "effect", "instead", "doubt"),
+    [
+        ("effect_found", "viscous", {"carriage.viscous"}, True),
+        ("effect_found", "viscous", set(), False),
+        ("law_proposed", "modulus_of_velocity", {"carriage.modulus_of_velocity"}, True),
+        ("law_proposed", "modulus_of_velocity", {"carriage.viscous"}, False),
+        ("unexplained", "viscous", {"carriage.viscous"}, False),
+    ],
+)
+def test_a_name_or_a_law_is_in_doubt_where_something_else_explains_as_much(
+    fitted, verdict, effect, instead, doubt
+):
+    ended, context = ended_with(fitted, effect, remains=False)
+    ended.verdict = verdict
+    assert in_doubt(ended, instead, context) == doubt

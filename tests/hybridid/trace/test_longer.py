@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
-from hybridid.trace.longer import _bounded, more_over_longer, shows_little
+from hybridid.trace.longer import _begun_as, _bounded, more_over_longer, shows_little
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.run import trace
 from hybridid.trace.split import by_blocks, by_record
@@ -55,6 +56,18 @@ def test_where_too_few_longer_ones_are_held_out_the_fitted_ones_are_asked(make_m
     if found:
         assert not found.judged
         assert found.seconds == pytest.approx(2 * LONGER * first.dt)
+
+
+def test_a_longer_horizon_begins_as_the_shorter_one_at_its_place_ended_its_fit(make_model, short):
+    """Else as the record shows it."""
+    split = short[0.0]
+    base = refit(make_model(), split)
+    twice = split.longer(2 * SHORT)
+    assert np.array_equal(_begun_as(base, split, twice).x0, base.x0[::2])
+    odd = split.longer(int(2.5 * SHORT))
+    begun, shown = _begun_as(base, split, odd).x0, base.problem(odd).measured_x0()
+    assert np.array_equal(begun[1], shown[1])  # 25 samples on, no shorter one begins
+    assert np.array_equal(begun[2], base.x0[5])
 
 
 def test_horizons_over_which_a_disturbance_grows_too_far_are_not_asked(make_model, short):
