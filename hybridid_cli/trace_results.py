@@ -38,14 +38,16 @@ _COLOURS = {
 
 
 def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType]:
-    """The verdict in one sentence, what was accepted, before and after, where the files are.
+    """The verdict in one sentence, each caution, what was accepted, before and after, where the files are.
 
     ``folder`` holds the trace; None: it is the newest of the tree.
     """
     said = trace_of(tree, folder)
     found = said.found
     word = (f"{VERDICTS[found.verdict]}: ", f"bold {_COLOURS[found.verdict]}")
-    parts: list[RenderableType] = [Text.assemble(word, found.sentence, "\n")]
+    parts: list[RenderableType] = [Text.assemble(word, found.sentence)]
+    parts += [Text(f"- {one}", style="yellow" if one.startswith("Beware") else "") for one in found.cautions]
+    parts.append(Text(""))
     if found.accepted:
         parts.append(_accepted(found))
         beside = (unsure_in_words(found), *rivals(found))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -60,6 +61,7 @@ NEAR = 1e-3
 """Of its scale, within which of a bound a parameter ends there."""
 LITTLE = 0.01
 """Of the squared error that all accepted effects take: what takes less is told."""
+_EACH = re.compile(r" (?=Beware: )")
 
 
 def cautions(
@@ -68,9 +70,9 @@ def cautions(
     records: Sequence[Record],
     constants: WrongConstants,
     context: Context,
-) -> str:
-    """Sentences for the trace of the fitted ``records``, each after a space; empty if there is none.
-    ``constants`` are those that were declared and may be wrong."""
+) -> tuple[str, ...]:
+    """What speaks against taking the trace of the fitted ``records`` at its word, one by one; ``constants``
+    are those that were declared and may be wrong."""
     told = [revision_advised(found, context), several_hystereses(found.accepted)]
     told += [judged_the_other_way(found.search.first, context)]
     told += [drive_changes_on_one_side(found.model, context.split)]
@@ -109,7 +111,8 @@ def cautions(
         told += [in_their_place(found.search)]
     told += [constants_in_words(constants), _beware(unequal_outputs(records))]
     told += [weights_in_words(traced.weights)]
-    return "".join([*told, found.other_hold, _in_free_run(found.search, traced, context)])
+    told += [found.other_hold, _in_free_run(found.search, traced, context)]
+    return tuple(caution for one in told if one for caution in _EACH.split(one.strip()))
 
 
 def _in_free_run(search: Search, traced: Trace, context: Context) -> str:

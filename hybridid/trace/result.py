@@ -72,7 +72,8 @@ class Evidence:
 class Trace:
     """What the declared model lacks, with the evidence, before and after.
 
-    ``verdict`` is one word and ``sentence`` says it in one sentence. ``accepted`` and ``rejected`` hold every
+    ``verdict`` is one word, ``sentence`` says it in words, and ``cautions`` say, one by one, what speaks
+    against taking it at its word. ``accepted`` and ``rejected`` hold every
     effect that was tried, ``before`` and ``after`` the scores of the declared and the last model on every
     record. ``declared`` and ``effects`` name the terms of these two models, ``estimates`` hold their
     parameters, ``ceilings`` the gains of learned efforts beside them, ``path`` the error at each change.
@@ -137,12 +138,20 @@ class Trace:
     vague: bool = False
     noisy: NoisyInputs | None = None
     weights: Mapping[str, NoiseLevel] = field(default_factory=dict)
+    cautions: tuple[str, ...] = ()
     evidence: Evidence | None = field(default=None, repr=False, compare=False, metadata={"stored": False})
 
     def __str__(self) -> str:
-        """The sentence, then a line for each record, view and output: the error before and after."""
+        """The sentence, a line for each caution, then one for each record, view and output: the error before
+        and after."""
         rows = zip(self.before, self.after, strict=True)
-        return "\n".join([self.sentence, *(_line(before, after) for before, after in rows)])
+        cautions = (f"- {caution}" for caution in self.cautions)
+        return "\n".join([self.sentence, *cautions, *(_line(before, after) for before, after in rows)])
+
+    @property
+    def words(self) -> str:
+        """The sentence and the cautions as one text."""
+        return " ".join((self.sentence, *self.cautions))
 
     @property
     def model(self) -> Model:

@@ -141,8 +141,8 @@ def trace(
     traced = replace(traced, finer=found.search.final.numerics.finer, weights=weights)
     traced = marked_as_shown(found.accepted, traced)
     traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
-    said = sentence(traced) + cautions(found, traced, fitted, constants, context)
-    return replace(traced, sentence=said)
+    beware = cautions(found, traced, fitted, constants, context)
+    return replace(traced, sentence=sentence(traced), cautions=beware)
 
 
 def _weights(

@@ -78,12 +78,14 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """A report: title, ``marks`` (words such as ``measured``), the sentence that says it all, sections."""
+    """A report: title, ``marks`` (words such as ``measured``), the sentence that says it all, ``points`` to
+    bear in mind beside it, sections."""
 
     title: str
     lead: str
     sections: tuple[Section, ...]
     marks: tuple[str, ...] = ()
+    points: tuple[str, ...] = ()
 
     @property
     def has_contents(self) -> bool:

@@ -170,7 +170,7 @@ def _machine(point: Point, swept: SweepOutcome) -> Machine:
         units={row.output: row.unit for row in found.before},
         times=found.times,
         seconds=found.seconds,
-        sentence=found.sentence,
+        sentence=found.words,
     )
 
 

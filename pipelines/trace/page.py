@@ -84,7 +84,7 @@ def trace_page(traced: TraceFile, pictures: Sequence[Picture]) -> Page:
     )
     marks = (VERDICTS[found.verdict], found.provenance, f"case {traced.case}")
     shown = tuple(section for section in sections if section is not None)
-    return Page(f"Trace of {traced.case}", found.sentence, shown, marks)
+    return Page(f"Trace of {traced.case}", found.sentence, shown, marks, found.cautions)
 
 
 def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:

@@ -35,8 +35,10 @@ def test_in_the_place_of_a_name_a_wrong_mass_explains_as_much(traced):
     found = traced(80.0, DECLARED, ["added_inertia"])
     assert [one.effect for one in found.accepted] == ["added_inertia"]
     told = "in the place of carriage.added_inertia a constant that is declared as known explains as much"
-    _, told, said = found.sentence.partition(told + ", if it is another one: M = ")
-    assert told
+    (caution,) = [one for one in found.cautions if told in one]
+    assert caution.startswith("Beware: ")
+    assert caution not in found.sentence
+    said = caution.partition(", if it is another one: M = ")[2]
     assert float(said.split()[0]) == pytest.approx(95.0, abs=0.5)
     assert found.verdict == "ambiguous"
 
@@ -57,7 +59,7 @@ def test_what_takes_the_place_of_all_is_not_told_of_each():
 def test_what_no_effect_explains_a_wrong_mass_does(traced):
     found = traced(80.0, DECLARED, ["cogging"])
     assert found.verdict == "unexplained"
-    _, told, said = found.sentence.partition("A constant that is declared as known may be wrong: M = ")
+    _, told, said = found.words.partition("A constant that is declared as known may be wrong: M = ")
     assert told
     assert float(said.split()[0]) == pytest.approx(95.0, abs=0.5)
     assert "instead of 80" in said
@@ -67,5 +69,5 @@ def test_a_right_constant_is_not_told(traced):
     """No mass does what a constant force does."""
     found = traced(95.0, DECLARED[:2], ["offset"])
     assert [one.effect for one in found.accepted] == ["offset"]
-    assert "declared as known" not in found.sentence
+    assert "declared as known" not in found.words
     assert np.isclose(found.accepted[0].parameters["offset"].value, -3.2, atol=0.2)

@@ -43,7 +43,7 @@ def test_a_force_that_was_recorded_late_is_told():
     assert first.parameters["T"].value == pytest.approx(LAG, rel=0.01)
     for name, true in (("m", MASS), ("d", DAMPING), ("k", STIFFNESS)):
         assert found.estimates.after[name].value == pytest.approx(true, rel=0.01)
-    assert "answers before it is driven" in found.sentence
+    assert "answers before it is driven" in found.words
 
 
 def test_a_fault_of_the_recording_is_told_also_of_a_class():

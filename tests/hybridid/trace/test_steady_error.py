@@ -39,8 +39,7 @@ def test_a_noise_with_a_memory_leaves_it_undecided(traced):
     assert found.verdict == "undecided"
     assert found.steady == pytest.approx(found.horizon / 10)
     assert (
-        "it may be a noise with a memory, an error of the sensor, or an effect that is faster"
-        in found.sentence
+        "it may be a noise with a memory, an error of the sensor, or an effect that is faster" in found.words
     )
 
 

@@ -60,14 +60,14 @@ def test_what_the_poor_sensor_hides_is_found_by_the_good_one(traced, record):
     (offset,) = found.accepted
     assert offset.parameters["offset"].value == pytest.approx(-3.2, abs=3 * offset.parameters["offset"].std)
     assert [one.value for one in found.weights.values()] == pytest.approx(NOISE, rel=0.3)
-    assert "Each output's errors count in multiples of its sensor's noise" in found.sentence
+    assert "Each output's errors count in multiples of its sensor's noise" in found.words
 
 
 def test_declared_noise_is_taken_as_it_is(traced, record):
     found = traced(declared(record, NOISE))
     assert [one.effect for one in found.accepted] == ["offset"]
     assert found.weights == {}
-    assert "Beware: position" not in found.sentence
+    assert "Beware: position" not in found.words
 
 
 def test_noise_that_makes_little_of_the_loss_weighs_nothing(record):

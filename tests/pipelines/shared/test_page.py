@@ -120,6 +120,14 @@ def test_pictures_are_inside_the_html_and_need_no_other_file(page):
     assert not {"link", "script"} & set(outline.attributes)
 
 
+def test_points_stand_one_by_one_under_the_lead(page, tmp_path):
+    told = replace(page, points=("It may be <another>.", "Free runs say *nothing*."))
+    assert Outline(told.html()).texts["li"] == ["It may be <another>.", "Free runs say *nothing*."]
+    assert "li" not in Outline(page.html()).texts
+    markdown = told.markdown(tmp_path)
+    assert "The model lacked one effect.\n\n- It may be \\<another>.\n- Free runs" in markdown
+
+
 def test_markdown_links_pictures_from_where_it_lies(page, tmp_path):
     assert "![How fall.svg](figures/fall.svg)" in page.markdown(tmp_path)
     assert "![How fall.svg](../figures/fall.svg)" in page.markdown(tmp_path / "pages")

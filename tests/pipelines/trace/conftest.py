@@ -77,6 +77,7 @@ FOUND = Trace(
     provenance="simulated",
     verdict="ambiguous",
     sentence="The model lacked a friction.",
+    cautions=("Beware: it may be another one.", "Free runs say nothing."),
     accepted=(ACCEPTED,),
     rejected=(_tried("stribeck", 0.6, "unidentifiable"), _tried("backlash", -1.0)),
     before=(

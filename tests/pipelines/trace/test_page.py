@@ -31,6 +31,7 @@ def column(table: Table, name: str) -> list[str]:
 def test_the_head_says_verdict_provenance_and_sentence(stored):
     page = trace_page(stored(), ())
     assert page.lead == "The model lacked a friction."
+    assert page.points == ("Beware: it may be another one.", "Free runs say nothing.")
     assert page.marks == ("ambiguous", "simulated", "case cart")
 
 

@@ -45,7 +45,8 @@ def test_models_are_not_stored(tree):
 def test_the_terminal_prints_it(tree):
     text = rendered(trace_results(tree))
     for part in (
-        "ambiguous: The model lacked a friction.", "f_c = 2.000 ± 0.098 N", "1 of 2 variations", "diverges",
+        "ambiguous: The model lacked a friction.\n- Beware: it may be another one.\n- Free runs",
+        "f_c = 2.000 ± 0.098 N", "1 of 2 variations", "diverges",
         "simulated", "tried 3 effects in 1 step,", "go on:  hybridid run case=cart", "horizons that judge",
     ):  # fmt: skip
         assert part in text, part
