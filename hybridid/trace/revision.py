@@ -20,6 +20,9 @@ The model so found, the revised one, is held against the last one of the trace o
   model must be adequate itself, with at most ``Rules.far`` times the error of noise and simulation: two
   models that both lack something may be alike in that.
 
+Where the last model meets the noise, nothing better can be found. A declared effect of one parameter beside
+which nothing was accepted is not left out there: what takes its place has one parameter at least.
+
 Of two models that the records cannot tell apart, the one with fewer parameters is preferred (parsimony).
 Source: Ljung (1999), System Identification, 2nd ed., sec. 16.4; Akaike (1974), IEEE Trans. Autom. Control
 19(6), 716-723; Altman, Bland (1995), BMJ 311, 485 (absence of evidence is not evidence of absence).
@@ -83,10 +86,18 @@ def replacements(model: Model, found: Search, context: Context) -> tuple[Replace
 
     ``found`` is what the search that only adds came to.
     """
-    ways = [(term, _ways_without(term, found, context)) for term in model.terms]
+    doubtful = [term for term in model.terms if _may_be_replaced(term, found)]
+    ways = [(term, _ways_without(term, found, context)) for term in doubtful]
     tried = sum(max(1, _trials(way)) for _, every in ways for way in every)
     every = (_best(found.final, term, given, tried, context) for term, given in ways)
     return tuple(sorted((one for one in every if one is not None), key=_rank))
+
+
+def _may_be_replaced(term: Term, found: Search) -> bool:
+    """Whether a replacement of ``term`` can pass. Where the last model of ``found`` meets the noise, none can
+    be better. It must have fewer parameters then, and one of its own at least."""
+    poorer = found.first.model.without(term.name)
+    return not found.at_noise or len(found.final.model.free) - len(poorer.free) > 1
 
 
 def _rank(one: Replacement) -> tuple[bool, int, float]:

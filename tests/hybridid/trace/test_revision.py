@@ -13,7 +13,7 @@ from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.revision import _without, replacements
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import continued
-from hybridid.trace.steps import Search, Step
+from hybridid.trace.steps import AT_FLOOR, Search, Step
 
 TRUE = tuple(map(effect_named, ("coulomb", "quadratic_drag")))
 WRONG = ("viscous", "offset")
@@ -86,6 +86,16 @@ def test_no_replacement_of_what_is_true(stalled):
     declared = ("viscous", "coulomb", "offset")
     model, found, split = stalled(declared)
     assert replacements(model, found, Context(split, (effect_named("quadratic_drag"),))) == ()
+
+
+def test_at_the_noise_only_an_effect_of_several_parameters_is_left_out(stalled):
+    """What takes the place of one parameter has one at least, and explains no more than all."""
+    said = []
+    model, found, split = stalled(("viscous", "stribeck"))
+    ended = replace(found, stopped=AT_FLOOR)
+    replacements(model, ended, Context(split, (effect_named("offset"),), say=said.append))
+    left_out = [line for line in said if line.startswith("without")]
+    assert left_out == ["without carriage.stribeck: the search is repeated"]
 
 
 def test_a_sound_effect_stays_where_a_new_one_only_stands_for_it(stalled):
