@@ -20,8 +20,9 @@ def by_recording_in_words(found: Trace) -> str:
     said = "".join(_differs(one) + _bent(one, found) for one in passed if not one.in_place_of)
     for effect, instead in _in_place(found).items():
         if _more(instead[0], found):
-            how = _how_to_go_on(instead[0])
-            said += _refutes(instead[0]) + ("" if how in said else f" {how}")
+            values, how = _values_of(instead[0]), _how_to_go_on(instead[0])
+            said += _refutes(instead[0], "" if values in said else f", {values},")
+            said += "" if how in said else f" {how}"
             continue
         names = [one.parameter for one in instead]
         said += f" These records cannot tell {effect} from {' or '.join(names)} that differs by recording."
@@ -51,17 +52,22 @@ def _more(one: DifferingParameter, found: Trace) -> bool:
     return found.rules.passes(one.gain, one.p_value)
 
 
-def _refutes(one: DifferingParameter) -> str:
-    """That a parameter by recording explains more than an accepted effect in its place."""
+def _refutes(one: DifferingParameter, values: str) -> str:
+    """That a parameter by recording, with its ``values`` if they are to be told, explains more than an
+    accepted effect in its place."""
     return (
-        f" But {one.parameter} that differs by recording, {_values_of(one)}, leaves {share(one.gain)} less "
+        f" But {one.parameter} that differs by recording{values} leaves {share(one.gain)} less "
         f"error in the place of {one.in_place_of} (p {probability(one.p_value, '= ')}): that name is "
         "refuted."
     )
 
 
 def _values_of(one: DifferingParameter) -> str:
-    return listed([f"{estimated(v.value, v.std, v.unit)} in {record}" for record, v in one.values.items()])
+    """The value in each recording; the error of a gauge is against the first one, where it is zero."""
+    values = one.values
+    known = [record for record, v in values.items() if is_error_of_gauge(one.parameter) and not v.value]
+    told = [f"{estimated(v.value, v.std, v.unit)} in {r}" for r, v in values.items() if r not in known]
+    return listed(told) + (f" against {listed(known)}" if known else "")
 
 
 def _differs(one: DifferingParameter) -> str:

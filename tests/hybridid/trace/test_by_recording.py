@@ -76,6 +76,7 @@ def test_a_gauge_that_reads_too_much_in_one_recording_is_named_with_what_puts_it
     said = by_recording_in_words(SimpleNamespace(by_recording=tried, rules=Rules(), noise_floor=floor))
     assert "another range, which the step scale of force by 0.89" in said
     assert " in second puts right." in said
+    assert " in second against first: that leaves" in said
 
 
 def test_two_that_differ_are_both_named(two_records, searched):
