@@ -69,7 +69,7 @@ def with_law(
     ``finer`` only laws are tried that may be finer than a learned effort. ``formed`` laws count, at least
     those over ``left``."""
     base, rules = found.final, context.rules
-    laws = _tried(base, left, context, rival, finer)
+    laws = _tried(found, left, context, rival, finer)
     if not laws:
         return found
     levelled, more = with_levels(base, laws, left, context)
@@ -124,18 +124,25 @@ def _drawn(
 
 
 def _tried(
-    base: Refit, left: Sequence[Ceiling], context: Context, rival: Refit | None, finer: bool
+    found: Search, left: Sequence[Ceiling], context: Context, rival: Refit | None, finer: bool
 ) -> list[Trial]:
-    """The refits of the laws over the variables of ``left``, in the order of what these take.
+    """The refits of the laws over the variables of ``left``, in the order of what these take. First come
+    those of which another law than a withdrawn name is known to explain more (``Search.other_laws``).
 
     A variable that is left out stays so, as the best law can only take more. So neighbours that are left out
     are tried together.
     """
-    rules, trials = context.rules, list[Trial]()
-    waiting = sorted((c for c in left if not c.failure), key=lambda c: -c.most(base, rules))
+    base, rules, trials = found.final, context.rules, list[Trial]()
+
+    def is_known(one: Ceiling) -> bool:
+        return (one.port, one.over) in found.other_laws
+
+    waiting = [c for c in left if not c.failure]
+    waiting.sort(key=lambda c: (not is_known(c), -c.most(base, rules)))
     while waiting:
         most = max((t.taken for t in trials), default=0.0)
         excluded = waiting if finer else _left_out(waiting, base, most, rules)
+        excluded = [] if is_known(waiting[0]) else excluded
         now = excluded or waiting[:1]
         waiting = waiting[len(now) :]
         given = [

@@ -40,9 +40,19 @@ class NamedEffort:
     refit: Refit
 
 
-def other_form(found: Search, context: Context) -> tuple[str, str] | None:
-    """The first accepted effect whose form another one outdoes, and how in words; None if there is none, or
-    the last model has not converged: then more may be had with the effect itself."""
+@dataclass(frozen=True)
+class Outdone:
+    """The accepted effect ``name`` at ``port``, a function of ``over``, and in words what outdoes it."""
+
+    name: str
+    port: str
+    over: Over
+    why: str
+
+
+def other_form(found: Search, context: Context) -> Outdone | None:
+    """The first accepted effect whose form another one outdoes; None if there is none, or the last model has
+    not converged: then more may be had with the effect itself."""
     rules, final = context.rules, found.final
     least = 0.0 if found.at_noise else rules.tie
     asked = [(one, _others(one, context)) for one in found.accepted if final.converged]
@@ -55,10 +65,13 @@ def other_form(found: Search, context: Context) -> tuple[str, str] | None:
             if better.gain < least or p_value > rules.alpha:
                 continue
             if surviving([trial.refit], final, context):
-                return one.name, (
+                over = _over(one)
+                assert over is not None
+                why = (
                     f"{trial.candidate.name} in its place, with no more parameters, leaves {better.gain:.1%} "
                     f"less (p = {min(p_value, 1.0):.1g})"
                 )
+                return Outdone(one.name, trial.candidate.port, over, why)
     return None
 
 

@@ -237,13 +237,13 @@ def unless_varying(found: Search, context: Context) -> Search:
 def unless_another_form(found: Search, context: Context) -> Search:
     """``found`` without the first accepted effect whose form another one outdoes, and without those after it.
 
-    See ``hybridid.trace.other_form``.
+    See ``hybridid.trace.other_form``. Laws over its variable are tried then, whatever a learned effort finds.
     """
     outdone = other_form(found, context)
     if outdone is None:
         return found
-    name, why = outdone
-    return _ended_at(found, _step_of(found, name), why)
+    kept = _ended_at(found, _step_of(found, outdone.name), outdone.why)
+    return replace(kept, other_laws=(*found.other_laws, (outdone.port, outdone.over)))
 
 
 def unless_no_better_than_nothing(found: Search, context: Context) -> Search:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from hybridid.effects.over import Over
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.law_curve import LawOverLearned
 from hybridid.trace.pair import PairTrial
@@ -73,6 +74,8 @@ class Search:
 
     ``withdrawn`` says why an effect that had passed was withdrawn afterwards, if one was. ``refused_laws``
     are the composed laws, of ``laws_formed``, that were tried beside the last model; none of them passed.
+    ``other_laws`` are the ports and variables of which another law than a name withdrawn is known to explain
+    more.
     """
 
     steps: tuple[Step, ...]
@@ -82,6 +85,7 @@ class Search:
     withdrawn: str = ""
     refused_laws: tuple[Trial, ...] = ()
     laws_formed: int = 0
+    other_laws: tuple[tuple[str, Over], ...] = ()
 
     @property
     def first(self) -> Refit:

@@ -9,7 +9,9 @@ import pytest
 from hybridid.effects.composed import form_over
 from hybridid.effects.library import effect_named
 from hybridid.effects.over import BRISTLE, Over
+from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
+from hybridid.trace.laws import with_law
 from hybridid.trace.numerics import DECLARED
 from hybridid.trace.other_form import _others, other_form
 from hybridid.trace.search import search
@@ -48,6 +50,18 @@ def test_the_nearest_law_of_the_library_is_no_name(of_another_form):
     )
     (refused,) = kept.steps[0].trials
     assert refused.status == REJECTED
+
+
+def test_the_laws_of_its_variable_are_tried_whatever_a_learned_effort_finds(of_another_form):
+    """Bumps do not hold every kink: a learned effort that finds nothing leaves laws out otherwise."""
+    found, context = of_another_form
+    kept = unless_another_form(found, context)
+    assert kept.other_laws == (("carriage", Over("velocity")),)
+    learned = ceiling(kept.final, context.split, "carriage", Over("velocity"))
+    blind = replace(learned, refit=kept.final, gain=0.0, p_value=1.0, beyond=False)
+    assert with_law(replace(kept, other_laws=()), [blind], context).accepted == ()
+    (law,) = with_law(kept, [blind], context).accepted
+    assert law.name == "carriage.signed_square_of_velocity"
 
 
 def test_a_true_form_keeps_its_name(named):
