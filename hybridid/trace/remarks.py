@@ -13,6 +13,7 @@ from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.entries import AcceptedEffect, TriedEffect, Value
 from hybridid.trace.refused_words import largest_refused
 from hybridid.trace.result import Trace
+from hybridid.trace.rules import Rules
 from hybridid.trace.trial import UNIDENTIFIABLE, UNTRIED
 
 RIVALS = 3
@@ -69,6 +70,15 @@ def finer_in_words(found: Trace) -> str:
 def rivals(found: Trace) -> tuple[str, ...]:
     """Effects that explain as much as an accepted one, or may, and why they are no names."""
     return (*refused_rivals(found), *richer_laws(found), *undetermined_rivals(found))
+
+
+def told_apart(entry: AcceptedEffect, rules: Rules) -> str:
+    """How far the members of a class are alike: which of them leave more error in their step than the best,
+    by ``Rules.tie`` or more, and how much."""
+    least = 1.0 - max(one.gain for one in entry.class_members)
+    more = {one.name: (1.0 - one.gain) / least - 1.0 for one in entry.class_members if least > 0}
+    told = [f"{name} leaves {share(much)} more error" for name, much in more.items() if much >= rules.tie]
+    return f"nearly alike: in its step {listed(told)}" if told else "these records cannot tell them apart"
 
 
 def refused_rivals(found: Trace) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from hybridid.trace.input_noise import NoisyInputs
 from hybridid.trace.law_words import passed_before, proposed
 from hybridid.trace.recording_words import by_recording_in_words, comes_first
 from hybridid.trace.refused_words import more_than_possible, most_refused
-from hybridid.trace.remarks import mostly_unshown, named_effects, none_of, parameters_in_words
+from hybridid.trace.remarks import mostly_unshown, named_effects, none_of, parameters_in_words, told_apart
 from hybridid.trace.result import Trace
 from hybridid.trace.steps import AT_FLOOR_TOGETHER
 from hybridid.trace.trial import PASSED, UNTRIED
@@ -101,7 +101,7 @@ def _concluded(found: Trace) -> str:
         return _best_so_far(found, fall)
     names = [one for one in named if not one.is_law]
     laws = [one for one in named if one.is_law]
-    lacked = f"The model lacked {listed([_named(entry) for entry in names])}"
+    lacked = f"The model lacked {listed([_named(entry, found) for entry in names])}"
     if not laws:
         return f"{lacked}: {fall}.{_only_together(found)}{_rest(found)}"
     before, something = (f"{lacked}. ", "Something else") if names else ("", "Something")
@@ -139,7 +139,7 @@ def _of_inputs(noisy: NoisyInputs) -> str:
 
 def _best_so_far(found: Trace, fall: str) -> str:
     """What a search had accepted that the time limit ended far above the noise."""
-    named = [_named(entry) for entry in found.accepted if entry.shown]
+    named = [_named(entry, found) for entry in found.accepted if entry.shown]
     names, their = listed(named), "its" if len(named) < 2 else "their"
     return (
         f"The best so far: {names}; {fall}.{_only_together(found)} {error_left(found)} The search for the "
@@ -266,10 +266,10 @@ def _untried(found: Trace) -> str:
     return f"The verdict leaves out {listed(names)}: no fit could solve {them}. " if names else ""
 
 
-def _named(entry: AcceptedEffect) -> str:
+def _named(entry: AcceptedEffect, found: Trace) -> str:
     """An accepted effect with its parameters, or the class that it stands for."""
     if len(entry.class_members) > 1:
-        return f"one of {_members(entry)} (these records cannot tell them apart)"
+        return f"one of {_members(entry)} ({told_apart(entry, found.rules)})"
     return f"{entry.effect} at {entry.port} ({', '.join(parameters_in_words(entry.parameters))})"
 
 

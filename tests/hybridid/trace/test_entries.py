@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import pytest
+
 from hybridid.trace.entries import AcceptedEffect, StepTaken, TriedEffect, Value
-from hybridid.trace.remarks import equation_in_words, richer_laws
+from hybridid.trace.remarks import equation_in_words, richer_laws, told_apart
+from hybridid.trace.rules import Rules
 from hybridid.trace.words import sentence
 
 
@@ -38,6 +41,19 @@ def test_the_sentence_names_both_ports(nothing):
     assert (
         "one of {sensor_scale at link, sensor_scale at motor} (these records cannot tell them apart)" in said
     )
+
+
+@pytest.mark.parametrize(
+    ("gain", "told"),
+    [
+        (0.495, "these records cannot tell them apart"),
+        (0.47, "nearly alike: in its step joint.coulomb leaves 6.0 % more error"),
+    ],
+)
+def test_a_member_that_leaves_more_error_is_told_with_how_much(gain, told):
+    poorer = replace(member("coulomb", "joint"), gain=gain)
+    said = told_apart(accepted(member("dahl", "joint"), poorer), Rules())
+    assert said.replace("\N{NO-BREAK SPACE}", " ") == told
 
 
 def test_an_equation_is_told_with_the_constants_that_are_not_estimated():
