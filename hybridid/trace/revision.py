@@ -5,7 +5,9 @@ drag are true, each of the two alone may gain nothing beside the viscous term; o
 the search mends the viscous term with effects that the machine has not, until nothing is left to be gained.
 Without the declared effect each of the two gains by itself, so the search finds them one after the other; or
 as a pair, where another effect resembles both.
-What the trace accepted may do without the declared effect as well. So that is tried, too; accepted effects
+What such a search accepted gives way to effects of fewer parameters that are as good
+(``hybridid.trace.simpler``). What the trace accepted may do without the declared effect as well. So that is
+tried, too; accepted effects
 that are needless then are left out with it.
 
 The model so found, the revised one, is held against the last one of the trace on held-out horizons. It passes
@@ -41,6 +43,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 from hybridid.model import Model, Term
@@ -54,6 +57,7 @@ from hybridid.trace.pairs import in_place, with_pair
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import continued, without_needless
+from hybridid.trace.simpler import simplified
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import attempt
 
@@ -139,7 +143,7 @@ def _held_against(last: Refit, term: Term, again: Search, tried: int, rules: Rul
     p_value = min(1.0, tried * better.p_value)
     if rules.passes(better.gain, p_value):
         return Replacement(term.name, again.accepted, revised, "better", better.gain, p_value, fewer)
-    if fewer > 0 and _is_as_good(worse, int(revised.score.samples.sum()), fewer, rules):
+    if fewer > 0 and _as_good(rules, revised, last):
         return Replacement(term.name, again.accepted, revised, "as_good", better.gain, worse.p_value, fewer)
     return None
 
@@ -204,7 +208,15 @@ def _without(term: Term, found: Search, context: Context) -> Search:
     elsewhere = replace(context, effects=others, rules=rules)
     base = context.one(refit, poorer, context.split, [values], None, first.numerics, CONTINUATION)
     again = continued(Search((), base, (), ""), elsewhere)
-    return again if context.meets_noise(again.final.score) else _with_pair(again, elsewhere)
+    if not context.meets_noise(again.final.score):
+        again = _with_pair(again, elsewhere)
+    return simplified(again, partial(_as_good, context.rules), elsewhere)
+
+
+def _as_good(rules: Rules, simpler: Refit, richer: Refit) -> bool:
+    """Whether what the ``richer`` model explains more is too little for its further parameters."""
+    fewer = len(richer.model.free) - len(simpler.model.free)
+    return _is_as_good(compare(simpler.score, richer.score), int(simpler.score.samples.sum()), fewer, rules)
 
 
 def _with_pair(again: Search, context: Context) -> Search:

@@ -1,0 +1,58 @@
+"""Effects with fewer parameters in the place of those that a search accepted.
+
+A forward search takes what explains most beside the model of its step. While a second effect is still
+missing, an effect of two parameters that bends to both explains more than either: an eddy-current brake or a
+Stribeck peak for Coulomb friction beside a drag. Once the drag is in the model, one parameter does. So each
+accepted effect is exchanged for effects of fewer parameters at its port, as long as one of them is as good.
+
+Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2nd ed., Chapman & Hall, ch. 3.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.context import Context
+from hybridid.trace.refit import Refit, refit_if_possible, values_without
+from hybridid.trace.steps import Accepted, Search
+from hybridid.trace.trial import Trial
+from hybridid.trace.tried import tried_in_place
+
+AsGood = Callable[[Refit, Refit], bool]
+
+
+def simplified(found: Search, as_good: AsGood, context: Context) -> Search:
+    """``found`` with simpler effects in the place of accepted ones, each ``as_good`` (the refit with it, the
+    last one) as what it replaces."""
+    several = [one for one in found.accepted if one.trial.free_parameters > 1]
+    for one in sorted(several, key=lambda one: -one.trial.free_parameters):
+        good = [t for t in _simpler(found, one, context) if t.refit and as_good(t.refit, found.final)]
+        if good:
+            best = min(good, key=lambda t: (t.free_parameters, -t.gain))
+            return simplified(_with(found, one, best), as_good, context)
+    return found
+
+
+def _simpler(found: Search, one: Accepted, context: Context) -> list[Trial]:
+    """The trials of effects with fewer parameters in the place of ``one``, at its port."""
+    final = found.final
+    model, values = final.model.without(one.name), values_without(final, one.name)
+
+    def is_simpler(other: Candidate) -> bool:
+        free = sum(not p.fixed for p in other.effect.parameters)
+        return other.port == one.trial.candidate.port and free < one.trial.free_parameters
+
+    rivals = [other for other in admissible(model, context.effects, context.ports) if is_simpler(other)]
+    poorer = context.one(refit_if_possible, model, context.split, [values], final, final.numerics, math.inf)
+    return tried_in_place(one.name, rivals, poorer, final, context) if poorer is not None else []
+
+
+def _with(found: Search, one: Accepted, best: Trial) -> Search:
+    """``found`` with ``best`` in the place of the accepted ``one``."""
+    assert best.refit is not None
+    instead = Accepted(best, (best,), ())
+    accepted = tuple(instead if other is one else other for other in found.accepted)
+    return replace(found, final=best.refit, accepted=accepted)
