@@ -24,7 +24,7 @@ from hybridid.quantities import share
 from hybridid.records.record import Record
 from hybridid.trace.constancy import Amplitude, fitted_to_held_out
 from hybridid.trace.context import Context
-from hybridid.trace.other_gauge import other_gauge
+from hybridid.trace.one_alone import one_alone
 from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.split import Split
 
@@ -58,9 +58,10 @@ def other_parameters(final: Refit, context: Context) -> str:
     if taken < rules.majority or not moved:
         return ""
     told = listed([str(one) for one in moved[:TOLD]])
+    alone = one_alone(final, [one.name for one in moved], context)
     return (
         f" Fitted to the recordings that judge alone, the same model leaves {share(taken)} less of the "
-        f"squared error there, with {told}.{other_gauge(final, context)} A parameter may differ between the "
+        f"squared error there, with {told}.{alone} A parameter may differ between the "
         f"recordings, or each fit makes up for a missing effect in its own way.{ASK}"
     )
 

@@ -79,6 +79,19 @@ def test_a_gauge_that_reads_too_much_in_one_recording_is_named_with_what_puts_it
     assert " in second against first: that leaves" in said
 
 
+def test_one_parameter_that_differs_is_named_before_the_gauge_that_explains_as_much(
+    two_records, make_model, searched
+):
+    """Of a mass without friction, a gauge that reads less is the exact equal of a payload."""
+    bare = {"f_v": 0.0, "f_c": 0.0, "offset": 0.0}
+    records = two_records(M=95.0, **bare)[0], two_records(M=105.0, **bare)[1]
+    found, context = searched(records, model=make_model(()))
+    (one,) = differing(found, context)
+    assert one.parameter == "M"
+    assert "force.input_gain.g" in one.alike
+    assert one.values["second"].value == pytest.approx(105.0, abs=0.5)
+
+
 def test_two_that_differ_are_both_named(two_records, searched):
     records = two_records(f_c=20.0, M=95.0)[0], two_records(f_c=21.5, M=110.0)[1]
     found, context = searched(records)

@@ -37,6 +37,13 @@ def test_a_friction_that_differs_between_the_recordings_is_told_with_both_values
     assert told.endswith(ASK)
 
 
+def test_one_parameter_that_differs_is_told_and_no_gauge(said):
+    """A payload is another mass. A gauge that reads less does nearly as well, and is not blamed."""
+    told = said(20.0, M=105.0)
+    assert " There M alone (M = 105.0" in told
+    assert "gauge" not in told
+
+
 def test_nothing_is_told_of_a_machine_with_the_same_parameters(said):
     assert said(20.0) == ""
 
