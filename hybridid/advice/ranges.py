@@ -78,11 +78,15 @@ def _quantities(model: Model, p: Array, records: Sequence[Record]) -> tuple[dict
 
 
 def _of_record(model: Model, p: Array, record: Record) -> dict[str, tuple[str, Array]]:
-    everywhere = _alike_everywhere(model)
+    everywhere, idle = _alike_everywhere(model), _without_effect(model)
     found = {
         c.name: (c.unit, record.output(c.name)) for c in record.output_channels if c.name not in everywhere
     }
-    found |= {c.name: (c.unit, record.input(c.name)) for c in record.input_channels if not c.constant}
+    found |= {
+        c.name: (c.unit, record.input(c.name))
+        for c in record.input_channels
+        if not (c.constant or c.name in idle)
+    }
     own = len(model.plant.states)
     if not all(observed(model)[:own]):
         return found
@@ -100,12 +104,7 @@ def _of_record(model: Model, p: Array, record: Record) -> dict[str, tuple[str, A
 def _alike_everywhere(model: Model) -> set[str]:
     """The outputs that are linear in states on which no equation of motion depends: at every value of such an
     output the machine is the same."""
-    t, x, u, p = (
-        ca.SX.sym(name, size)
-        for name, size in zip(
-            "txup", (1, len(model.states), len(model.inputs), len(model.parameters)), strict=True
-        )
-    )
+    t, x, u, p = _arguments(model)
     acting = set(ca.jacobian(model.f(t, x, u, p), x).sparsity().get_triplet()[1])
     slopes = ca.jacobian(model.h(t, x, u, p), x)
     return {
@@ -115,6 +114,20 @@ def _alike_everywhere(model: Model) -> set[str]:
         and acting.isdisjoint(slopes[k, :].sparsity().get_triplet()[1])
         and not ca.depends_on(slopes[k, :], x)
     }
+
+
+def _without_effect(model: Model) -> set[str]:
+    """The inputs on which neither an equation of motion nor an output depends, as the angle of a shaft whose
+    speed alone is measured."""
+    t, x, u, p = _arguments(model)
+    used = ca.which_depends(ca.vertcat(model.f(t, x, u, p), model.h(t, x, u, p)), u, 1, False)
+    return {signal.name for signal, acts in zip(model.inputs, used, strict=True) if not acts}
+
+
+def _arguments(model: Model) -> tuple[ca.SX, ...]:
+    """Symbols of time, states, inputs and parameters."""
+    sizes = (1, len(model.states), len(model.inputs), len(model.parameters))
+    return tuple(ca.SX.sym(name, size) for name, size in zip("txup", sizes, strict=True))
 
 
 def _loads(model: Model, p: Array, record: Record, states: Array) -> dict[str, tuple[str, Array]]:

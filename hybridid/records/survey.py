@@ -30,6 +30,8 @@ _UNIT_AT_END = (
     re.compile(r"^(?P<label>.+?)\s+in\s+(?P<unit>\S+)$"),
     re.compile(r"^(?P<label>.+)_(?P<unit>[^_]+)$"),
 )
+_RATE_AT_END = re.compile(r"^(?P<label>.+)_(?P<unit>rad|deg|rev|[mck]?m|[lL]|m3|kg)_(?P<per>s2?|min|h)$")
+"""A rate whose stroke is an underscore: ``speed_rad_s``."""
 
 
 class Labelled(NamedTuple):
@@ -83,7 +85,10 @@ class ColumnFound:
 
 
 def labelled(name: str) -> Labelled:
-    """``angle [deg]``, ``angle (deg)``, ``angle in deg`` and ``angle_deg`` as (``angle``, ``deg``)."""
+    """``angle [deg]``, ``angle (deg)``, ``angle in deg`` and ``angle_deg`` as (``angle``, ``deg``);
+    ``speed_rad_s`` as (``speed``, ``rad/s``)."""
+    if rate := _RATE_AT_END.match(name):
+        return Labelled(rate["label"], f"{rate['unit']}/{rate['per']}")
     for pattern in _UNIT_AT_END:
         match = pattern.match(name)
         if match and not match["unit"].isdigit() and (pattern is _BRACKETS or is_unit(match["unit"])):

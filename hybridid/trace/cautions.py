@@ -45,7 +45,7 @@ from hybridid.trace.recording_offset import offset_by_recording
 from hybridid.trace.refused_words import refused_for_significance
 from hybridid.trace.result import Trace
 from hybridid.trace.rules import Rules
-from hybridid.trace.sampling import recorded_late, within_half_a_sample
+from hybridid.trace.sampling import outputs_late, recorded_late, within_half_a_sample
 from hybridid.trace.shorter import seeks
 from hybridid.trace.shown import not_shown
 from hybridid.trace.steps import Accepted, Search
@@ -77,7 +77,7 @@ def cautions(
     told += [judged_the_other_way(found.search.first, context)]
     told += [drive_changes_on_one_side(found.model, context.split)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
-    told += [recorded_late(found.accepted)]
+    told += [recorded_late(found.accepted), outputs_late(found.accepted)]
     told += [slower_dynamics(found.search.final, context.split)]
     told += [few_samples(found.search.final, context.split)]
     if found.verdict == "unexplained":

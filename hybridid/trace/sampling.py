@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from hybridid.effects.delay import INPUT_DELAY
 from hybridid.effects.dimension import TIME
 from hybridid.effects.paths import INPUT_RECORD_LAG
 from hybridid.effects.sampled import PATHS
@@ -46,6 +47,19 @@ def recorded_late(accepted: Sequence[Accepted]) -> str:
         f" Beware: {listed(list(late))} says that the machine answers before it is driven. That is a fault "
         "of the recording: a filter, an amplifier or a clock in one channel. Look for it first, mend it, and "
         "trace again: other names may only make up for it."
+    )
+
+
+def outputs_late(accepted: Sequence[Accepted]) -> str:
+    """That the outputs may have been stamped late instead, where an input is found to be delayed; else empty.
+    A machine whose equations do not change with time moves the same, if all of it is recorded later."""
+    members = [trial.candidate for one in accepted for trial in (one.trial, *one.alike)]
+    late = dict.fromkeys(one.name for one in members if one.effect.id == INPUT_DELAY.id)
+    if not late:
+        return ""
+    return (
+        f" Beware: {listed(list(late))} may as well be a delay of the outputs: sensors whose samples are "
+        "stamped late (a camera, a bus, a filter of constant delay) look the same."
     )
 
 

@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.torture.pendulum import Pendulum
 from hybridid.advice.decay import coasts, free_decay, settles, undriven
+from hybridid.advice.ranges import _without_effect
 from hybridid.advice.relaxation import relaxation
 from hybridid.declarations import Parameter, Port, Signal, State
 from hybridid.estimators import FitSettings, fit
@@ -18,6 +19,7 @@ from hybridid.model import compose
 from hybridid.plants.plant import Load, Motion, Plant
 from hybridid.quality import judge
 from hybridid.records.record import Channel, Record
+from pipelines.new.templates.spindle import Spindle
 
 NOISE = 1e-5
 
@@ -241,6 +243,12 @@ def test_speed_and_load_are_looked_at_too(pressed, record):
     assert "load at carriage" in said
     assert "position" not in said, "the carriage is the same everywhere"
     assert "force" not in said
+
+
+@pytest.mark.parametrize(("effects", "idle"), [(["viscous"], {"angle"}), (["viscous", "cogging"], set())])
+def test_an_input_on_which_nothing_depends_has_no_range(effects, idle):
+    """A spindle whose speed is measured has its angle as an input, for effects that act at an angle."""
+    assert _without_effect(compose(Spindle(), effects)) == idle
 
 
 def test_a_position_is_a_range_where_something_depends_on_it(make_model, record):

@@ -26,6 +26,9 @@ def columns(**found) -> Columns:
         ("Winkel[°]", "Winkel", "°"),
         ("speed in rpm", "speed", "rpm"),
         ("t_ms", "t", "ms"),
+        ("speed_rad_s", "speed", "rad/s"),
+        ("car_speed_km_h", "car_speed", "km/h"),
+        ("acc_m_s2", "acc", "m/s2"),
         ("pos [counts]", "pos", "counts"),
         ("F [a.u.]", "F", "a.u."),  # in brackets stands a unit, whether we know it or not
         ("motor_current", "motor_current", ""),

@@ -16,7 +16,7 @@ from hybridid.plants.duffing import Duffing
 from hybridid.records.record import Channel, Record
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.run import trace
-from hybridid.trace.sampling import recorded_late
+from hybridid.trace.sampling import outputs_late, recorded_late
 
 MASS, DAMPING, STIFFNESS, LAG = 5e-6, 4e-4, 1.0, 1.5e-3
 DT, SAMPLES, NOISE = 2.5e-4, 3000, 2e-5
@@ -46,15 +46,22 @@ def test_a_force_that_was_recorded_late_is_told():
     assert "answers before it is driven" in found.words
 
 
-def test_a_fault_of_the_recording_is_told_also_of_a_class():
-    def accepted(*effects: str):
-        ports = {"input_record_lag": "V2", "sensor_lag": "V2"}
-        trials = tuple(
-            SimpleNamespace(candidate=Candidate(effect_named(one), ports.get(one, "oscillator")))
-            for one in effects
-        )
-        return [SimpleNamespace(trial=trials[0], alike=trials)]
+def accepted(*effects: str):
+    ports = {"input_record_lag": "V2", "sensor_lag": "V2", "input_delay": "V1", "input_lag": "V1"}
+    trials = tuple(
+        SimpleNamespace(candidate=Candidate(effect_named(one), ports.get(one, "oscillator")))
+        for one in effects
+    )
+    return [SimpleNamespace(trial=trials[0], alike=trials)]
 
+
+def test_a_delay_of_an_input_may_be_one_of_the_outputs():
+    assert outputs_late(accepted("input_lag")) == ""
+    said = outputs_late(accepted("input_lag", "input_delay"))
+    assert said.startswith(" Beware: V1.input_delay may as well be a delay of the outputs")
+
+
+def test_a_fault_of_the_recording_is_told_also_of_a_class():
     assert recorded_late(accepted("sensor_lag")) == ""
     said = recorded_late(accepted("input_record_lag"))
     assert said.startswith(" Beware: V2.input_record_lag says")
