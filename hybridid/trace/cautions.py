@@ -88,6 +88,8 @@ def cautions(
     if found.verdict == "unexplained" and not traced.by_recording:
         told += [_of_recordings(found.search, context)]
         told += [offset_by_recording(found.search.final, context.split, context.rules)]
+    elif found.accepted and found.times > context.rules.far and not traced.by_recording:
+        told += [other_parameters(found.search.final, context)]
     cut = found.search.cut_within_a_step or (found.out_of_time and bool(found.accepted))
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         advised = determining_parts_advised if traced.vague else parts_of_all_advised

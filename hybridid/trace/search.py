@@ -20,13 +20,14 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import exchanged, still_alike
 from hybridid.trace.finer_steps import in_short_steps
 from hybridid.trace.judgement import judge
+from hybridid.trace.many_steps import many_steps
 from hybridid.trace.minor import MINOR, may_be_minor, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.robustness import Otherwise, objection, survivals_of
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough, sharper_for_an_effect
-from hybridid.trace.shorter import with_shorter
+from hybridid.trace.shorter import beside_shorter
 from hybridid.trace.smoothed_apart import rivals_smoothed_apart
 from hybridid.trace.solve import refit_declared
 from hybridid.trace.steps import (
@@ -56,7 +57,9 @@ def search(
     ``start`` holds parameter values to start the declared model from.
     """
     base = context.one(refit_declared, model, context.split, start, numerics)
-    base = context.one(with_shorter, base, context.split)
+    if told := many_steps(base, context.split):
+        context.say(told)
+    base = beside_shorter(base, context)
     return continued(Search((), base, (), ""), context, anew=True)
 
 
@@ -81,7 +84,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         base = sharp
         stopped = _nothing_to_seek(base, accepted, context)
         begun = base
-        base = begun if stopped or context.out_of_time else _beside_shorter(begun, context)
+        base = begun if stopped or context.out_of_time else beside_shorter(begun, context)
         if base.cost < begun.cost:
             continue
         if stopped := stopped or _out_of_time(steps, took, context):
@@ -114,11 +117,6 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         took = time.monotonic() - began
         if why := _two_mixed_classes(base, accepted, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=why)
-
-
-def _beside_shorter(base: Refit, context: Context) -> Refit:
-    """``base``, or its fit from where one over shorter horizons ended, if that is better; with the latter."""
-    return base if base.shorter is not None else context.one(with_shorter, base, context.split)
 
 
 def _gone_back(

@@ -21,6 +21,7 @@ import numpy as np
 
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
+from hybridid.trace.context import Context
 from hybridid.trace.refit import (
     FAILURES,
     LEAST_DECREASE,
@@ -51,6 +52,11 @@ ALIKE = 0.02
 SOUGHT = ("period", "place", "frequency", "load")
 """What long horizons may hide. The longer they are, the narrower are the valleys over a frequency, and the
 more impacts of a load follow from each other."""
+
+
+def beside_shorter(base: Refit, context: Context) -> Refit:
+    """``base`` as ``with_shorter`` has it, unless its fit over shorter horizons is known already."""
+    return base if base.shorter is not None else context.one(with_shorter, base, context.split)
 
 
 def with_shorter(base: Refit, split: Split) -> Refit:
