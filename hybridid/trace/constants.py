@@ -48,11 +48,13 @@ BOUND = 1e-3
 @dataclass(frozen=True)
 class Freed:
     """A ``constant`` that was freed ``instead`` of accepted effects (none: beside all), and what came of it;
-    None where the model could not be simulated."""
+    None where the model could not be simulated. ``more`` is the share of the held-out error that it takes
+    beyond these, if that is worth having and significant."""
 
     constant: Parameter
     instead: tuple[str, ...]
     refit: Refit | None
+    more: float = 0.0
 
     @property
     def name(self) -> str:
@@ -93,19 +95,29 @@ def wrong_constants(found: Conclusion, context: Context) -> WrongConstants:
     """Which declared constants explain as much as what was accepted, or most of what is unexplained."""
     final, rules = found.search.final, context.rules
     constants = _constants(final.model)
-    names = [one.name for one in found.accepted]
-    places = [tuple(names)] if len(names) > 1 else []
-    places += [(name,) for name in names]
-    places += [()] if found.verdict == "unexplained" else []
-    given = [(p, place, found.search, context.split) for place in places for p in constants]
-    tried = context.each("declared constants", _freed, given, lambda one: one.name, always=0)
-    moved = sorted((one for one in tried if one.moved(len(given), rules.alpha)), key=_loss)
-    as_much = [one for one in moved if one.instead and not _worse(one, final, context)]
+    names = tuple(one.name for one in found.accepted)
+    places = [(name,) for name in names] + ([()] if found.verdict == "unexplained" else [])
+    tried = _tried([(p, place, ()) for place in places for p in constants], found.search, context)
+    if len(names) > 1:
+        refits = {p.name: [one.refit for one in tried if one.constant == p and one.refit] for p in constants}
+        tried += _tried([(p, names, tuple(refits[p.name])) for p in constants], found.search, context)
+    moved = sorted((one for one in tried if one.moved(len(tried), rules.alpha)), key=_loss)
+    as_much = [
+        _with_more(one, final, rules) for one in moved if one.instead and not _worse(one, final, context)
+    ]
     gains = ((one, _taken(one, final, len(constants), rules)) for one in moved if not one.instead)
     return WrongConstants(
         tuple(sorted(as_much, key=lambda one: -len(one.instead))),
         tuple((one, gain) for one, gain in gains if gain > 0),
     )
+
+
+def _tried(
+    asked: Sequence[tuple[Parameter, tuple[str, ...], tuple[Refit, ...]]], search: Search, context: Context
+) -> list[Freed]:
+    """Each constant that is ``asked``, freed in its place."""
+    given = [(constant, place, known, search, context.split) for constant, place, known in asked]
+    return context.each("declared constants", _freed, given, lambda one: one.name, always=0)
 
 
 def constants_in_words(wrong: WrongConstants) -> str:
@@ -126,9 +138,12 @@ def _constants(model: Model) -> list[Parameter]:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start may diverge
-def _freed(constant: Parameter, instead: tuple[str, ...], search: Search, split: Split) -> Freed:
+def _freed(
+    constant: Parameter, instead: tuple[str, ...], known: Sequence[Refit], search: Search, split: Split
+) -> Freed:
     """``constant`` freed in the last model of ``search``, without the effects ``instead`` (none: with all),
-    from where that ended and from where the declared model did."""
+    from where that ended, from where the declared model did, and from where the ``known`` refits did: these
+    have it free beside more effects, and are nearer."""
     final, first = search.final, search.first
     model = final.model
     for name in instead:
@@ -137,7 +152,10 @@ def _freed(constant: Parameter, instead: tuple[str, ...], search: Search, split:
     bounds = sorted((constant.guess / FURTHEST, constant.guess * FURTHEST))
     adjusted = {"guess": constant.guess, "lower": bounds[0], "upper": bounds[1]}
     free = replace(model, adjustments={**model.adjustments, constant.name: adjusted})
-    starts = [values, {**values, **{key: first.values[key] for key in first.values if key in values}}]
+    starts = [
+        {**values, **{key: value for key, value in one.values.items() if key in values}}
+        for one in (final, first, *known)
+    ]
     std_up_to = FURTHEST * final.score.loss
     try:
         found = refit(free, split, starts, final, final.numerics, CONTINUATION, std_up_to=std_up_to)
@@ -152,6 +170,12 @@ def _worse(one: Freed, final: Refit, context: Context) -> bool:
     return tells_apart(compare(one.refit.score, final.score), context.rules)
 
 
+def _with_more(one: Freed, final: Refit, rules: Rules) -> Freed:
+    assert one.refit is not None
+    better = compare(final.score, one.refit.score)
+    return replace(one, more=better.gain) if rules.passes(better.gain, better.p_value) else one
+
+
 def _taken(one: Freed, final: Refit, tests: int, rules: Rules) -> float:
     """The share of the held-out error that a constant takes beside all; 0 if not most of its square, or not
     significantly among so many ``tests``."""
@@ -162,10 +186,12 @@ def _taken(one: Freed, final: Refit, tests: int, rules: Rules) -> float:
 
 
 def _in_place(place: tuple[str, ...], freed: Sequence[Freed]) -> str:
+    """What explains as much in the place of the effects ``place``, in words."""
     some = listed([str(one) for one in freed[:TOLD]])
     each = ", each alone" if len(freed) > 1 else ""
+    more = f"more ({share(freed[0].more)} less error)" if freed[0].more else "as much"
     return (
-        f" Beware: in the place of {listed(place)} a constant that is declared as known explains as much, if "
+        f" Beware: in the place of {listed(place)} a constant that is declared as known explains {more}, if "
         f"it is another one: {some}{each}."
     )
 
