@@ -15,6 +15,7 @@ from collections.abc import Iterator, Sequence
 
 from hybridid.effects.delay import INPUT_DELAY
 from hybridid.effects.dimension import TIME
+from hybridid.effects.effect import Effect
 from hybridid.effects.paths import INPUT_RECORD_LAG
 from hybridid.effects.sampled import PATHS
 from hybridid.naming import listed
@@ -39,12 +40,11 @@ def within_half_a_sample(accepted: Sequence[Accepted], final: Refit, dt: float) 
 def recorded_late(accepted: Sequence[Accepted]) -> str:
     """That the inputs may have been recorded late, where an accepted effect or one of its class says so: a
     fault to look for before all else. Else empty."""
-    members = [trial.candidate for one in accepted for trial in (one.trial, *one.alike)]
-    late = dict.fromkeys(one.name for one in members if one.effect.id == INPUT_RECORD_LAG.id)
+    late = _members(accepted, INPUT_RECORD_LAG)
     if not late:
         return ""
     return (
-        f" Beware: {listed(list(late))} says that the machine answers before it is driven. That is a fault "
+        f" Beware: {listed(late)} says that the machine answers before it is driven. That is a fault "
         "of the recording: a filter, an amplifier or a clock in one channel. Look for it first, mend it, and "
         "trace again: other names may only make up for it."
     )
@@ -53,14 +53,19 @@ def recorded_late(accepted: Sequence[Accepted]) -> str:
 def outputs_late(accepted: Sequence[Accepted]) -> str:
     """That the outputs may have been stamped late instead, where an input is found to be delayed; else empty.
     A machine whose equations do not change with time moves the same, if all of it is recorded later."""
-    members = [trial.candidate for one in accepted for trial in (one.trial, *one.alike)]
-    late = dict.fromkeys(one.name for one in members if one.effect.id == INPUT_DELAY.id)
+    late = _members(accepted, INPUT_DELAY)
     if not late:
         return ""
     return (
-        f" Beware: {listed(list(late))} may as well be a delay of the outputs: sensors whose samples are "
+        f" Beware: {listed(late)} may as well be a delay of the outputs: sensors whose samples are "
         "stamped late (a camera, a bus, a filter of constant delay) look the same."
     )
+
+
+def _members(accepted: Sequence[Accepted], effect: Effect) -> list[str]:
+    """Where ``effect`` was accepted, or is in the class of what was, by its names."""
+    members = [trial.candidate for one in accepted for trial in (one.trial, *one.alike)]
+    return list(dict.fromkeys(one.name for one in members if one.effect.id == effect.id))
 
 
 def _short_times(candidate: Candidate, found: Refit, half: float) -> Iterator[str]:

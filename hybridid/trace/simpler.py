@@ -17,7 +17,7 @@ from dataclasses import replace
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.context import Context
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
-from hybridid.trace.steps import Accepted, Search
+from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import Trial
 from hybridid.trace.tried import tried_in_place
 
@@ -26,10 +26,12 @@ AsGood = Callable[[Refit, Refit], bool]
 
 def simplified(found: Search, as_good: AsGood, context: Context) -> Search:
     """``found`` with simpler effects in the place of accepted ones, each ``as_good`` (the refit with it, the
-    last one) as what it replaces."""
+    last one) as what it replaces. A step holds what was tried in the place of each."""
     several = [one for one in found.accepted if one.trial.free_parameters > 1]
     for one in sorted(several, key=lambda one: -one.trial.free_parameters):
-        good = [t for t in _simpler(found, one, context) if t.refit and as_good(t.refit, found.final)]
+        trials = _simpler(found, one, context)
+        found = replace(found, steps=(*found.steps, Step(found.final, tuple(trials), None)))
+        good = [t for t in trials if t.refit and as_good(t.refit, found.final)]
         if good:
             best = min(good, key=lambda t: (t.free_parameters, -t.gain))
             return simplified(_with(found, one, best), as_good, context)

@@ -39,4 +39,7 @@ def test_an_effect_of_one_parameter_that_is_as_good_takes_the_place_of_one_of_tw
 
 def test_what_is_not_as_good_changes_nothing(found):
     search, context = found
-    assert simplified(search, lambda new, old: False, context) is search
+    same = simplified(search, lambda new, old: False, context)
+    assert (same.final, same.accepted) == (search.final, search.accepted)
+    tried = [t.candidate.effect.id for step in same.steps for t in step.trials]
+    assert tried == ["coulomb", "asymmetric_viscous"], "each counts in the family of tests"
