@@ -26,7 +26,7 @@ from hybridid.trace.trial import PASSED, Trial
 def each_with_its_own(step: Step, context: Context) -> Step:
     """``step`` with the pair of the accepted effect at each of two ports alike, if that explains more."""
     one, base, rules = step.accepted, step.base, context.rules
-    if one is None or step.together or one.trial.refit is None or len(one.trial.candidate.ports) != 2:
+    if one is None or step.together or one.trial.refit is None or not _is_at_two_alike(one.trial.candidate):
         return step
     promise = _at_each(one.trial, one.trial.refit)
     alone = {t.candidate.name: t for t in step.trials}
@@ -44,6 +44,11 @@ def each_with_its_own(step: Step, context: Context) -> Step:
     among = {t.candidate.effect.id for t in one.alike}
     taken = pair_taken(replace(step, accepted=None, family=family), judged, context, among)
     return taken if taken.accepted else step
+
+
+def _is_at_two_alike(candidate: Candidate) -> bool:
+    """Whether the effect acts at two ports alike. One that leads from a port into another is no such one."""
+    return len(candidate.ports) == 2 and not candidate.effect.into
 
 
 def _at_each(joint: Trial, fitted: Refit) -> Promise:

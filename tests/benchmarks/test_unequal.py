@@ -65,3 +65,11 @@ def test_an_effect_at_one_port_and_a_step_without_any_stay(step):
     for accepted in (None, replace(joint.accepted, trial=alone)):
         given = replace(joint, accepted=accepted)
         assert each_with_its_own(given, SimpleNamespace(rules=context.rules)) is given
+
+
+def test_an_effect_that_leads_from_one_port_into_another_is_at_no_ports_alike(step):
+    joint, context = step
+    overflow = Candidate(effect_named("overflow_into"), "upper+lower")
+    trial = SimpleNamespace(candidate=overflow, refit=joint.accepted.trial.refit)
+    found = replace(joint, accepted=SimpleNamespace(trial=trial))
+    assert each_with_its_own(found, context) is found
