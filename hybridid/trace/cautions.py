@@ -73,7 +73,8 @@ def cautions(
 ) -> tuple[str, ...]:
     """What speaks against taking the trace of the fitted ``records`` at its word, one by one; ``constants``
     are those that were declared and may be wrong."""
-    told = [revision_advised(found, context), several_hystereses(found.accepted)]
+    told = [] if traced.by_recording else _between_recordings(found, context)
+    told += [revision_advised(found, context), several_hystereses(found.accepted)]
     told += [judged_the_other_way(found.search.first, context)]
     told += [drive_changes_on_one_side(found.model, context.split)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
@@ -85,11 +86,6 @@ def cautions(
     unconfirmed = _only_fitted(found, context) if found.verdict == "unexplained" else ""
     if unconfirmed or (found.verdict == "unexplained" and refused_for_significance(traced)):
         told += [unconfirmed, parts_of_all_advised(context.split)]
-    if found.verdict == "unexplained" and not traced.by_recording:
-        told += [_of_recordings(found.search, context)]
-        told += [offset_by_recording(found.search.final, context.split, context.rules)]
-    elif found.accepted and found.times > context.rules.far and not traced.by_recording:
-        told += [other_parameters(found.search.final, context)]
     cut = found.search.cut_within_a_step or (found.out_of_time and bool(found.accepted))
     if found.verdict == "undecided" and not (cut or traced.steady or traced.longer):
         advised = determining_parts_advised if traced.vague else parts_of_all_advised
@@ -115,6 +111,17 @@ def cautions(
     told += [weights_in_words(traced.weights)]
     told += [found.other_hold, _in_free_run(found.search, traced, context)]
     return tuple(caution for one in told if one for caution in _EACH.split(one.strip()))
+
+
+def _between_recordings(found: Conclusion, context: Context) -> list[str]:
+    """What may differ between the recordings: where something is unexplained, or far more than the noise is
+    left beside what was accepted. If it is so, nothing else that is told counts as much."""
+    final = found.search.final
+    if found.verdict == "unexplained":
+        offset = offset_by_recording(final, context.split, context.rules)
+        return [_of_recordings(found.search, context), offset]
+    far = found.accepted and found.times > context.rules.far
+    return [other_parameters(final, context)] if far else []
 
 
 def _in_free_run(search: Search, traced: Trace, context: Context) -> str:
