@@ -23,7 +23,7 @@ from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.constants import WrongConstants, constants_in_words
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
-from hybridid.trace.doubted import other_law_possible, revision_advised
+from hybridid.trace.doubted import other_law_possible, revision_advised, simpler_possible
 from hybridid.trace.drive_sides import drive_changes_on_one_side
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.form_shown import form_hardly_shown
@@ -95,7 +95,8 @@ def cautions(
     if found.verdict == "nothing_missing":
         told += [_hidden_by_the_simulation(traced, found.model), _grows(found)]
     if traced.accepted:
-        told += [other_law_possible(found, context), _no_longer_shown(found.search, context)]
+        told += [other_law_possible(found, context), simpler_possible(found, context)]
+        told += [_no_longer_shown(found.search, context)]
         told += [not_told_from_zero(found.accepted, traced), _confounded(records)]
         told += [ends_at_bound(traced.accepted, traced.estimate), spread_relaxation(found.model)]
         told += [memory_begins_empty(found.accepted, found.search.final, context.split)]

@@ -12,7 +12,8 @@ from collections.abc import Sequence, Set
 
 import numpy as np
 
-from hybridid.effects.composed import is_composed
+from hybridid.effects.composed import form_over, is_composed
+from hybridid.effects.over import Over
 from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
@@ -97,6 +98,29 @@ def other_law_possible(found: Conclusion, context: Context) -> str:
             "left: another law over it is there, alone or beside the one that is named."
         )
     return f" {listed(told)} {them} of a variable over which structure remains: {its} may be the wrong one."
+
+
+def simpler_possible(found: Conclusion, context: Context) -> str:
+    """Which accepted effects of several parameters bend over the variable of a declared one at their port, in
+    words; empty if none does, or the declared ones were questioned. A search that only adds mends a wrong law
+    of a variable with flexible ones: a viscous friction that is declared for Coulomb friction and a drag."""
+    if context.revise:
+        return ""
+    places: dict[tuple[str, Over | None], list[str]] = {}
+    for term in found.search.first.model.terms:
+        places.setdefault((term.port, form_over(term.effect)), []).append(term.name)
+    beside: dict[str, list[str]] = {}
+    for one in found.accepted:
+        place = one.trial.candidate.port, form_over(one.trial.candidate.effect)
+        if one.trial.free_parameters > 1 and place[1] is not None and place in places:
+            beside[one.name] = places[place]
+    if not beside:
+        return ""
+    declared = listed(list(dict.fromkeys(name for names in beside.values() for name in names)))
+    return (
+        f" {listed(list(beside))} and the declared {declared} are functions of one variable: whether others "
+        "with fewer parameters explain as much in their place, trace.revise=true asks."
+    )
 
 
 def _remaining(found: Conclusion) -> list[Ceiling]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -11,7 +12,14 @@ from hybridid.effects.over import Over
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
-from hybridid.trace.doubted import doubted, in_doubt, other_law_possible, refuted_form, revision_advised
+from hybridid.trace.doubted import (
+    doubted,
+    in_doubt,
+    other_law_possible,
+    refuted_form,
+    revision_advised,
+    simpler_possible,
+)
 from hybridid.trace.refit import refit
 
 
@@ -105,6 +113,27 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
         " The declared carriage.viscous, carriage.coulomb and carriage.offset were not questioned: "
         "trace.revise=true seeks others in the place of each."
     )
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameters", "revise", "told"),
+    [
+        ("stribeck", 2, False, True),
+        ("stribeck", 2, True, False),  # it was asked
+        ("asymmetric_viscous", 1, False, False),  # one parameter does not bend
+        ("detent", 3, False, False),  # over the position, where nothing is declared
+    ],
+)
+def test_a_flexible_effect_over_the_variable_of_a_declared_one_may_mend_a_wrong_law(
+    fitted, effect, parameters, revise, told
+):
+    ended, context = ended_with(fitted, effect, remains=False)
+    ended.search.first = ended.search.final
+    ended.accepted[0].trial.free_parameters = parameters
+    said = simpler_possible(ended, replace(context, revise=revise))
+    both = f" carriage.{effect} and the declared carriage.viscous and carriage.coulomb are functions of one"
+    assert said.startswith(both) is told
+    assert bool(said) is told
 
 
 @pytest.mark.parametrize(
