@@ -70,16 +70,16 @@ def by_recording(found: Search, context: Context) -> tuple[DifferingParameter, .
     named, told = [_entry(one, alike) for one, alike in kept], [one for one, _ in kept]
     gauge, alike, others = _of_gauges(found, context)
     last = told[-1].refit if told else None
-    if gauge and len(told) == 1 and _no_worse(last, gauge.refit, rules):  # one for one: no gauge is blamed
-        if _no_worse(gauge.refit, last, rules):
-            named = [_entry(told[0], (*kept[0][1], gauge.parameter))]
-        others.append(gauge)
-    elif gauge and (last is None or _no_worse(gauge.refit, last, rules)):
+    as_good = gauge is not None and (last is None or _no_worse(gauge.refit, last, rules))
+    one_for_one = gauge is not None and len(told) == 1 and _no_worse(last, gauge.refit, rules)
+    if gauge and as_good and not one_for_one:
         instead = [one.parameter for one in told if _no_worse(last, gauge.refit, rules)]
         named = [_entry(gauge, (*alike, *instead))]
         left += _outdone(told, f"{gauge.parameter} alone explains as much")
     elif gauge:
         others.append(gauge)
+        if as_good:  # one parameter of the machine is told before a gauge that explains as much
+            named = [_entry(told[0], (*kept[0][1], gauge.parameter))]
     others = _outdone(others, "another one explains as much, or more")
     tried = sorted((*left, *others), key=lambda one: -one.gain)
     return (*named, *_in_place(found, context), *map(_entry, tried))
