@@ -122,9 +122,10 @@ def _rivals(steps: Sequence[Step], last: Refit, rules: Rules) -> Iterator[tuple[
 def _exchanged(
     number: int, rival: Trial, member: Trial, names: tuple[str, str], last: Refit, split: Split
 ) -> Exchange:
-    """``member`` tried beside ``rival``, both in the place of the effects ``names`` of the model ``last``."""
+    """``member`` tried beside ``rival``, both in the place of the effects ``names`` of the model ``last``: to
+    the end if that promises to explain more."""
     beside = _in_place(rival, names, last, split)
-    tried = None if beside is None else attempt(member.candidate, beside, split)
+    tried = None if beside is None else attempt(member.candidate, beside, split, rival=last)
     return Exchange(number, rival, member, tried.refit if tried else None)
 
 

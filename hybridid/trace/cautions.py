@@ -49,6 +49,7 @@ from hybridid.trace.sampling import outputs_late, recorded_late, within_half_a_s
 from hybridid.trace.shorter import seeks
 from hybridid.trace.shown import not_shown
 from hybridid.trace.steps import Accepted, Search
+from hybridid.trace.told_classes import depends_on_the_member
 from hybridid.trace.verdict import Conclusion
 from hybridid.trace.weighed import weights_in_words
 from hybridid.validation.drift import growth, outputs_that_drift
@@ -74,6 +75,7 @@ def cautions(
     """What speaks against taking the trace of the fitted ``records`` at its word, one by one; ``constants``
     are those that were declared and may be wrong."""
     told = [] if traced.by_recording else _between_recordings(found, context)
+    told += [constants_in_words(constants), ends_at_bound(traced.estimate)]
     told += [revision_advised(found, context), several_hystereses(found.accepted)]
     told += [judged_the_other_way(found.search.first, context)]
     told += [drive_changes_on_one_side(found.model, context.split)]
@@ -98,7 +100,7 @@ def cautions(
         told += [other_law_possible(found, context), simpler_possible(found, context)]
         told += [_no_longer_shown(found.search, context)]
         told += [not_told_from_zero(found.accepted, traced), _confounded(records)]
-        told += [ends_at_bound(traced.accepted, traced.estimate), spread_relaxation(found.model)]
+        told += [spread_relaxation(found.model)]
         told += [memory_begins_empty(found.accepted, found.search.final, context.split)]
         told += [_more_over_longer(found, context)]
         told += [
@@ -107,8 +109,8 @@ def cautions(
             _moved(found.search),
             _other_held_out(traced.accepted, context.rules),
         ]
-        told += [in_their_place(found.search)]
-    told += [constants_in_words(constants), _beware(unequal_outputs(records))]
+        told += [in_their_place(found.search), depends_on_the_member(found.accepted, traced)]
+    told += [_beware(unequal_outputs(records))]
     told += [weights_in_words(traced.weights)]
     told += [found.other_hold, _in_free_run(found.search, traced, context)]
     return tuple(caution for one in told if one for caution in _EACH.split(one.strip()))

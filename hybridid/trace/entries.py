@@ -44,6 +44,8 @@ class TriedEffect:
     ``gain`` is the relative decrease of the held-out RMSE (-1: it could not be fitted), ``p_value`` the
     adjusted p-value in the ``step``; ``parameters`` are the effect's own. ``class_of`` names the accepted
     effect that it cannot be told from, if any. ``is_law``: a composed law, no effect of the library.
+    ``more``, of a member of a class: the share of the held-out error that it leaves beyond what the accepted
+    effect leaves, both in the last model (below 0: it leaves less).
     """
 
     effect: str
@@ -57,6 +59,7 @@ class TriedEffect:
     seconds: float
     class_of: str | None = None
     is_law: bool = False
+    more: float = 0.0
 
     @property
     def name(self) -> str:

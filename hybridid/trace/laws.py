@@ -50,9 +50,9 @@ from hybridid.trace.law_starts import law_starts
 from hybridid.trace.level_curve import level_over_freed
 from hybridid.trace.refit import Refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import decided, said_of, without_needless
+from hybridid.trace.search import decided, without_needless
 from hybridid.trace.split import Split
-from hybridid.trace.steps import Search
+from hybridid.trace.steps import Search, said_of
 from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
 
 

@@ -79,10 +79,11 @@ def _bounded(splits: Sequence[Split], final: Refit) -> list[Split]:
 
 
 def _more_over(split: Split, final: Refit, context: Context, above: float) -> Longer | None:
-    """What ``final`` leaves over the horizons of ``split``, if more than ``above`` times the noise."""
+    """What ``final`` leaves over the horizons of ``split``, if more than ``above`` times the noise. A fit
+    that has not converged says nothing: over long horizons the cost of a machine that sticks may be rough."""
     there, begun = replace(context, split=split), _begun_as(final, context.split, split)
     found = there.one(refit_if_possible, final.model, split, [final.values], begun, final.numerics)
-    if found is None:
+    if found is None or not found.converged:
         return None
     times = Accuracy.of(found, there).times(found.score.rmse)
     return Longer(split.horizon * split.records[0].dt, times) if times > above else None

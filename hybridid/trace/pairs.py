@@ -29,9 +29,9 @@ from hybridid.trace.pair_decision import pair_taken
 from hybridid.trace.promise import Promise, most_promising, promises
 from hybridid.trace.refit import least_of
 from hybridid.trace.rules import Rules
-from hybridid.trace.search import said_of, without_needless
+from hybridid.trace.search import without_needless
 from hybridid.trace.sensitivity import seen
-from hybridid.trace.steps import Search, Step
+from hybridid.trace.steps import Search, Step, said_of
 from hybridid.trace.trial import PASSED, REJECTED
 
 TOLD = 5

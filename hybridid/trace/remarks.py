@@ -73,12 +73,14 @@ def rivals(found: Trace) -> tuple[str, ...]:
 
 
 def told_apart(entry: AcceptedEffect, rules: Rules) -> str:
-    """How far the members of a class are alike: which of them leave more error in their step than the best,
-    by ``Rules.tie`` or more, and how much."""
-    least = 1.0 - max(one.gain for one in entry.class_members)
-    more = {one.name: (1.0 - one.gain) / least - 1.0 for one in entry.class_members if least > 0}
-    told = [f"{name} leaves {share(much)} more error" for name, much in more.items() if much >= rules.tie]
-    return f"nearly alike: in its step {listed(told)}" if told else "these records cannot tell them apart"
+    """How far the members of a class are alike: which of them leave more error than the accepted one in the
+    last model, by ``Rules.tie`` or more, and how much."""
+    told = [
+        f"{one.name} leaves {share(one.more)} more error"
+        for one in entry.class_members
+        if one.more >= rules.tie
+    ]
+    return f"nearly alike: {listed(told)}" if told else "these records cannot tell them apart"
 
 
 def refused_rivals(found: Trace) -> tuple[str, ...]:

@@ -38,7 +38,7 @@ from hybridid.trace.sharper import narrowed
 from hybridid.trace.split import check_measured, divided
 from hybridid.trace.steps import OUT_OF_TIME
 from hybridid.trace.summary import summary
-from hybridid.trace.told_classes import with_told_errors
+from hybridid.trace.told_classes import as_told
 from hybridid.trace.trial import PASSED
 from hybridid.trace.verdict import Conclusion, conclude
 from hybridid.trace.weighed import hidden_by_noise, weights_in_words, with_noise
@@ -129,8 +129,7 @@ def trace(
     freed = {name for one in constants.in_place for name in one.instead}
     if in_doubt(found, freed | {one.in_place_of for one in differ}, context):
         found = replace(found, verdict="ambiguous")
-    told = with_told_errors(found.accepted, context)
-    found = replace(found, search=replace(found.search, accepted=told))
+    found = replace(found, search=replace(found.search, accepted=as_told(found.search, context)))
     settings = replace(settings, integrator=_solving(found.search.first.numerics.integrator))
     validation = Validation(fitted, others, settings, seconds, initial_state)
     models = before_and_after(found, validation, context)

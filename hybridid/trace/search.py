@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hybridid.model import Model
-from hybridid.naming import counted
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.alike import equivalents, indistinguishable, strangers
 from hybridid.trace.backtrack import better_branch, both_taken, without_the_better
 from hybridid.trace.ceiling import ceilings
+from hybridid.trace.class_lead import led_by_the_better
 from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
 from hybridid.trace.cross_fitting import cross_fitted
@@ -39,6 +39,7 @@ from hybridid.trace.steps import (
     Accepted,
     Search,
     Step,
+    said_of,
 )
 from hybridid.trace.together import meets_noise_together
 from hybridid.trace.trial import PASSED, REJECTED, Trial
@@ -87,11 +88,12 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         base = begun if stopped or context.out_of_time else beside_shorter(begun, context)
         if base.cost < begun.cost:
             continue
-        if stopped := stopped or _out_of_time(steps, took, context):
-            return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
-        if back := _gone_back(steps, base, context, gone_back):
+        stopped = stopped or _out_of_time(steps, took, context)
+        if back := _gone_back(steps, base, context, gone_back, stopped):
             steps, base, accepted = back
             continue
+        if stopped:
+            return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
         step = each_with_its_own(_unless_minor(_step(base, context, len(steps) + 1), context), context)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
@@ -120,10 +122,14 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
 
 
 def _gone_back(
-    steps: Sequence[Step], last: Refit, context: Context, gone_back: set[int]
+    steps: Sequence[Step], last: Refit, context: Context, gone_back: set[int], stopped: str
 ) -> tuple[list[Step], Refit, list[Accepted]] | None:
     """The steps up to one that should have taken another effect, with that one, the model there and what it
-    holds; None if there is no such step. A search goes back once to each step, noted in ``gone_back``."""
+    holds; None if there is no such step. A search goes back once to each step, noted in ``gone_back``; where
+    it is ``stopped``, only to another member of a class."""
+    if stopped:
+        in_time = stopped != OUT_OF_TIME and not context.out_of_time
+        return led_by_the_better(steps, last, gone_back, context) if in_time else None
     better = better_branch(steps, last, gone_back, context)
     if better is None:
         return None
@@ -296,24 +302,6 @@ def _unless_minor(step: Step, context: Context) -> Step:
         return replace(decided(step.base, trials, context), learned=learned)
     said = f"{one.name} is minor: {said_of_minor(one.trial, step.base, larger)}"
     return replace(step, trials=tuple(trials), accepted=None, learned=learned, minor=said)
-
-
-def said_of(step: Step) -> str:
-    """What a step decided, in one line."""
-    if step.minor:
-        return step.minor
-    if step.left_out:
-        return f"the time limit left out {counted(len(step.left_out), 'effect')}"
-    if step.accepted is None:
-        return f"none of {len(step.trials)} effects passes"
-    best = step.accepted
-    if step.together is not None:
-        names = [one.name for one in step.taken]
-        (gain,) = (pair.gain for pair in step.pairs if pair.name == " + ".join(names))
-        return f"{' and '.join(names)} take {gain:.1%} off the held-out error, only together"
-    others = [t.candidate.name for t in best.alike if t is not best.trial]
-    alike = f"; it cannot be told from {', '.join(others)}" if others else ""
-    return f"{best.name} takes {best.trial.gain:.1%} off the held-out error{alike}"
 
 
 def _preferred(passed: Sequence[Trial], rules: Rules) -> Trial:

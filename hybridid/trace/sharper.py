@@ -4,6 +4,9 @@ A machine that sticks does not creep as tanh(v/epsilon) does. Where the smoothin
 that creeps less (a bristle, a hysteresis) takes it, and seems to be missing. So before effects are tried
 beside a model, it is refitted with half of each epsilon, and again, as long as that takes as much from the
 held-out error as an effect must (``Rules.worth``). It is the simulation's error that goes: no law was added.
+What a machine that creeps shows may lie between two halves. A gauge with another range may then stand for
+the rest. So the epsilons are fitted in between as well, and kept if the model then meets the noise: beside a
+model that lacks something, they would bend to that.
 
 Beside a model that lacks an effect, that error may hardly count, and beside the effect decide: a resonance
 that a machine excites as it sticks is not seen where it creeps instead. So where no effect passes, or only
@@ -17,6 +20,7 @@ of a solution is made small before the model is judged.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 from hybridid.declarations import Parameter
@@ -42,9 +46,10 @@ def sharp_enough(base: Refit, context: Context) -> Refit:
     Where a half does not pay, a quarter may: in the same steps, the narrower law is integrated less well, and
     that may take more than the smoothing left. Shorter steps come with the next half.
     """
-    return halved_while_it_pays(
+    kept = halved_while_it_pays(
         base, lambda one: _halved(one, context), lambda one: _said(one.model), context
     )
+    return kept if context.meets_noise(kept.score) else _between_halves(kept, kept is not base, context)
 
 
 def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:
@@ -69,11 +74,36 @@ def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:
 def _halved(base: Refit, context: Context) -> Refit | None:
     """``base`` refitted with half of each epsilon that the user has not fixed; None if there is none, or it
     cannot be simulated."""
-    narrower, widths = _narrowed(base.model)
-    if not widths:
-        return None
+    halves = {p.name: {"guess": p.guess / 2} for p in _widths(base.model)}
+    return _with_widths(base, halves, context) if halves else None
+
+
+def _between_halves(base: Refit, halved: bool, context: Context) -> Refit:
+    """``base`` with the epsilons that the records show between half and twice those that it has, if it then
+    meets the noise. None becomes wider than that of its port, or than before it was ``halved``."""
+    ports = {f"{port.name}.epsilon": port.epsilon for port in base.model.plant.ports}
+    free = {}
+    for p in _widths(base.model):
+        widest = 2 * p.guess if halved else max(p.guess, ports[p.name])
+        free[p.name] = {"lower": p.guess / 2, "guess": p.guess, "upper": min(2 * p.guess, widest)}
+    if not free:
+        return base
+    fitted = _with_widths(base, free, context)
+    if fitted is None:
+        return base
+    found = {name: {"guess": fitted.values[name]} for name in free}
+    again = _with_widths(replace(base, values=fitted.values), found, context)
+    if again is None or not context.meets_noise(again.score):
+        return base
+    context.say(f"{_said(again.model)} from here on: that leaves the noise alone")
+    return again
+
+
+def _with_widths(base: Refit, widths: Mapping[str, Mapping[str, float]], context: Context) -> Refit | None:
+    """``base`` refitted with other adjustments of its epsilons; None if that cannot be simulated."""
+    model = replace(base.model, adjustments={**base.model.adjustments, **widths})
     values = {name: value for name, value in base.values.items() if name not in widths}
-    given = (narrower, context.split, [values], base, base.numerics, math.inf)
+    given = (model, context.split, [values], base, base.numerics, math.inf)
     (again,) = context.each("narrower smoothing", refit_if_possible, [given])
     return again
 
@@ -98,10 +128,3 @@ def _widths(model: Model) -> list[Parameter]:
         for p in model.parameters
         if p.name.endswith(".epsilon") and p.fixed and "fixed" not in model.adjustments.get(p.name, {})
     ]
-
-
-def _narrowed(model: Model) -> tuple[Model, dict[str, float]]:
-    """``model`` with half of each epsilon that is not fixed by the user, and these halves by name."""
-    widths = {p.name: p.guess / 2 for p in _widths(model)}
-    changed = {name: {"guess": width} for name, width in widths.items()}
-    return replace(model, adjustments={**model.adjustments, **changed}), widths

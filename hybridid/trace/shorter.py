@@ -63,7 +63,7 @@ def with_shorter(base: Refit, split: Split) -> Refit:
     """``base``, or the lower refit from where its model ends over shorter horizons, with that end
     (``Refit.shorter``) if a parameter differs there; without one where the horizons are too short to be
     divided, or the model cannot be simulated."""
-    found = over_shorter(base, split)
+    found = over_shorter(base, split.fitted_alone)
     if found is None or not _differ(base, found):
         return base
     begun = begun_at_the_record(base, found.values, split)
@@ -101,10 +101,13 @@ def from_shorter(
     ones, and where no fit over these succeeds. What a resonance does is lost over long ones whether the fit
     differs over these or not.
     """
-    poorer = over_shorter(base, split) if base.shorter is None and _resonates(candidate) else base.shorter
+    fitted, poorer = split.fitted_alone, base.shorter
+    if poorer is None and _resonates(candidate):
+        key = ("over shorter horizons", tuple(base.values.items()), base.numerics, fitted)
+        poorer = base.model.kept(key, lambda: over_shorter(base, fitted))
     if poorer is None:
         return None
-    shorter, numerics = split.shorter(split.horizon // SHARE), base.numerics
+    shorter, numerics = fitted.shorter(split.horizon // SHARE), base.numerics
     try:
         if seeks(candidate):
             starts = sought(candidate, model, poorer, shorter)

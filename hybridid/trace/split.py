@@ -49,16 +49,27 @@ class Split:
         origins = cut(self.records, self.horizon, 1).origin
         return [self.records[k] for k in sorted({origins[one][0] for one in self.fitted})]
 
+    @property
+    def fitted_alone(self) -> Split:
+        """The records of which a horizon is fitted, without the others: what is fitted judges, too. For fits
+        whose held-out error nobody reads."""
+        origins = cut(self.records, self.horizon, 1).origin
+        kept = {origins[one][0] for one in self.fitted}
+        now = [number for number, origin in enumerate(origins) if origin[0] in kept]
+        fitted = tuple(now.index(one) for one in self.fitted)
+        return replace(self, records=tuple(self.fitted_records), fitted=fitted, held_out=fitted)
+
     def shorter(self, samples: int) -> Split:
-        """The same records in horizons of ``samples``: fitted and held out are those within one that was."""
+        """The same records in horizons of ``samples``: fitted are those within what was fitted, held out
+        those within what was held out."""
         before, now = (cut(self.records, length, 1).origin for length in (self.horizon, samples))
 
         def within(chosen: Sequence[int]) -> tuple[int, ...]:
-            stretches = [before[k] for k in chosen]
+            stretches = _joined([before[k] for k in chosen], self.gap)
             return tuple(
                 number
                 for number, (record, start, stop) in enumerate(now)
-                if any(r == record and a <= start and stop <= b - self.gap for r, a, b in stretches)
+                if any(r == record and a <= start and stop <= b for r, a, b in stretches)
             )
 
         return replace(
@@ -143,6 +154,17 @@ def automatic_horizon(
     least = min(sum(fitted), sum(held_out)) if held_out else sum(fitted) / 2
     seconds = min(max(usual, 2 * slowest), max(least / ENOUGH, min(slowest, least / FEW)))
     return max(seconds, SAMPLES * step)
+
+
+def _joined(origins: Sequence[tuple[int, int, int]], gap: int) -> list[tuple[int, int, int]]:
+    """The stretches (record index, first sample, end sample) that horizons cover without the ``gap`` samples
+    at the end of each."""
+    joined: list[tuple[int, int, int]] = []
+    for record, start, stop in sorted(origins):
+        if joined and joined[-1][0] == record and joined[-1][2] == start:
+            start = joined.pop()[1]
+        joined.append((record, start, stop - gap))
+    return joined
 
 
 def by_record(fitted: Sequence[Record], held_out: Sequence[Record], horizon: int) -> Split:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from hybridid.effects.over import Over
+from hybridid.naming import counted
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.law_curve import LawOverLearned
 from hybridid.trace.pair import PairTrial
@@ -109,3 +110,21 @@ class Search:
         return replace(
             self, steps=(first,), final=first.base, accepted=(), withdrawn="", refused_laws=(), laws_formed=0
         )
+
+
+def said_of(step: Step) -> str:
+    """What a step decided, in one line."""
+    if step.minor:
+        return step.minor
+    if step.left_out:
+        return f"the time limit left out {counted(len(step.left_out), 'effect')}"
+    if step.accepted is None:
+        return f"none of {len(step.trials)} effects passes"
+    best = step.accepted
+    if step.together is not None:
+        names = [one.name for one in step.taken]
+        (gain,) = (pair.gain for pair in step.pairs if pair.name == " + ".join(names))
+        return f"{' and '.join(names)} take {gain:.1%} off the held-out error, only together"
+    others = [t.candidate.name for t in best.alike if t is not best.trial]
+    alike = f"; it cannot be told from {', '.join(others)}" if others else ""
+    return f"{best.name} takes {best.trial.gain:.1%} off the held-out error{alike}"

@@ -121,7 +121,7 @@ def accepted_effects(
 
     ``there`` is the last model, fitted to the held-out horizons alone.
     """
-    return tuple(_accepted(one, _step_of(search, one), estimate, there) for one in search.accepted)
+    return tuple(_accepted(one, search, estimate, there) for one in search.accepted)
 
 
 def rejected_effects(search: Search) -> tuple[TriedEffect, ...]:
@@ -206,18 +206,9 @@ def estimated_values(estimate: Estimate) -> dict[str, EstimatedValue]:
 def learned_gains(found: Sequence[Ceiling]) -> tuple[LearnedGain, ...]:
     """The ceilings without their curves and refits."""
     return tuple(
-        LearnedGain(
-            c.port,
-            str(c.over),
-            c.gain,
-            c.p_value,
-            c.unit,
-            c.over_unit,
-            c.failure,
-            c.refit.ended_early,
-            c.kind,
-        )
+        LearnedGain(c.port, str(c.over), c.gain, c.p_value, *units, c.failure, c.refit.ended_early, c.kind)
         for c in found
+        for units in [(c.unit, c.over_unit)]
     )
 
 
@@ -227,8 +218,9 @@ def used_records(fitted: Sequence[Record], held_out: Sequence[Record]) -> tuple[
     return tuple(UsedRecord(r.name, role, r.provenance, r.source, r.digest, r.n, r.dt) for r, role in roles)
 
 
-def _accepted(one: Accepted, number: int, estimate: Estimate, there: Refit | None) -> AcceptedEffect:
+def _accepted(one: Accepted, search: Search, estimate: Estimate, there: Refit | None) -> AcceptedEffect:
     trial, effect, prefix = one.trial, one.trial.candidate.effect, f"{one.name}."
+    number, left = _step_of(search, one), search.final.score.loss
     assert trial.refit is not None
     declared = {p.name: p for p in trial.refit.model.parameters}
     own = {
@@ -250,7 +242,7 @@ def _accepted(one: Accepted, number: int, estimate: Estimate, there: Refit | Non
             if name.startswith(prefix)
         },
         alike=tuple(dict.fromkeys(t.candidate.effect.id for t in one.alike)),
-        class_members=tuple(_tried(t, number) for t in one.alike),
+        class_members=tuple(replace(_tried(t, number), more=_more(t, left)) for t in one.alike),
         separating_experiments=_separating(one),
         p_value=trial.p_adjusted,
         gain=trial.gain,
@@ -263,6 +255,11 @@ def _accepted(one: Accepted, number: int, estimate: Estimate, there: Refit | Non
         together=one.together,
         by_held_out={} if there is None else {n: _value(there, declared[prefix + n]) for n in own},
     )
+
+
+def _more(member: Trial, left: float) -> float:
+    """The share of error that a member of a class leaves beyond ``left``."""
+    return member.refit.score.loss / left - 1.0 if member.refit and left > 0 else 0.0
 
 
 def _value(fitted: Refit, parameter: Parameter) -> Value:

@@ -1,29 +1,85 @@
-"""The members of a class with the standard errors that are told.
+"""The members of a class as they are told: with the values that they have in the last model.
 
-A trial is judged by the standard errors of the noise alone. The last fit, by which an accepted effect is
-told, has the share of the smoothing of sign(v) as well. A member of its class that is told beside it must not
-seem better known, so its standard errors get that share, too.
+A trial is judged in its step, by the standard errors of the noise alone. The last fit, by which an accepted
+effect is told, holds what was accepted later, and its standard errors have the share of the smoothing of
+sign(v) as well. So each other member takes the place of the accepted one in the last model, and gets that
+share, too: else their values could not be compared. What else is told then may depend on the member: the
+parameters that leave their intervals are told with it.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from hybridid.naming import listed
+from hybridid.quantities import Z95, estimated
 from hybridid.trace.constancy import with_smoothing
 from hybridid.trace.context import Context
-from hybridid.trace.steps import Accepted
+from hybridid.trace.exchange import exchanged
+from hybridid.trace.refit import Refit
+from hybridid.trace.result import Trace
+from hybridid.trace.split import Split
+from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import Trial
 
+FEW = 3
+"""Parameters that are told with a member, those that move most."""
 
-def with_told_errors(accepted: Sequence[Accepted], context: Context) -> tuple[Accepted, ...]:
-    """``accepted``, the members of whose classes have standard errors with the share of the smoothing."""
-    members = [(one.name, t) for one in accepted if len(one.alike) > 1 for t in one.alike]
-    known = {(name, t.candidate.name): t.refit for name, t in members if t.refit and t.refit.std}
-    given = [(one, context.split) for one in known.values()]
-    told = dict(zip(known, context.each("standard errors of a class", with_smoothing, given), strict=True))
 
-    def as_told(one: Accepted, member: Trial) -> Trial:
+def as_told(found: Search, context: Context) -> tuple[Accepted, ...]:
+    """What ``found`` accepted, the members of whose classes are as its last model has them."""
+    members = [(one, t) for one in found.accepted if len(one.alike) > 1 for t in one.alike]
+    known = {(one.name, t.candidate.name): (one, t) for one, t in members if t.refit and t.refit.std}
+    given = [(found.final, one, t, context.split) for one, t in known.values()]
+    told = dict(zip(known, context.each("members of a class", _in_the_last_model, given), strict=True))
+
+    def told_of(one: Accepted, member: Trial) -> Trial:
         return replace(member, refit=told.get((one.name, member.candidate.name), member.refit))
 
-    return tuple(replace(one, alike=tuple(as_told(one, t) for t in one.alike)) for one in accepted)
+    return tuple(replace(one, alike=tuple(told_of(one, t) for t in one.alike)) for one in found.accepted)
+
+
+def _in_the_last_model(final: Refit, one: Accepted, member: Trial, split: Split) -> Refit:
+    """``member`` in the place of ``one`` in the model ``final``, with the share of the smoothing in its
+    standard errors; as in its step where that model is the same, or cannot be simulated."""
+    assert member.refit is not None
+    assert one.trial.refit is not None
+    here = member.refit
+    if final.model != one.trial.refit.model:
+        its = member is one.trial
+        there = final if its else exchanged(final, one.name, member.candidate, split, here.values)
+        here = replace(there, std=here.std) if there is not None else here
+    return with_smoothing(here, split)
+
+
+def depends_on_the_member(accepted: Sequence[Accepted], traced: Trace) -> str:
+    """Which parameters leave their intervals with another member of a class, in words; else empty.
+    ``accepted`` are as told."""
+    return "".join(
+        f" Beware: what else is told depends on {one.name}: with {t.candidate.name} in its place {moved}."
+        for one in accepted
+        for t in one.alike
+        if t is not one.alike[0] and (moved := _moved(t, traced))
+    )
+
+
+def _moved(member: Trial, traced: Trace) -> str:
+    """The parameters that leave the intervals of the last fit with ``member``, those that move most, in
+    words."""
+    assert member.refit is not None
+    std = member.refit.std
+    last = {p.name: p for p in traced.estimate.parameters if p.name in std and p.identifiable}
+    far = {
+        name: abs(member.refit.values[name] - p.value) / p.std
+        for name, p in last.items()
+        if p.std > 0 and math.isfinite(p.std)
+    }
+    most = sorted((name for name in far if far[name] > Z95), key=lambda name: -far[name])[:FEW]
+    told = [
+        f"{name} is {estimated(member.refit.values[name], std[name], last[name].unit)} "
+        f"instead of {estimated(last[name].value, last[name].std, last[name].unit)}"
+        for name in most
+    ]
+    return listed(told) if told else ""

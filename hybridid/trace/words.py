@@ -281,7 +281,7 @@ def _members(entry: AcceptedEffect) -> str:
 
 
 def _member(member: TriedEffect, entry: AcceptedEffect, there: bool) -> str:
-    """A member of the class of ``entry``: as fitted in its step, the accepted one as in the last model."""
+    """A member of the class of ``entry``, with its parameters in the last model where these are few."""
     text = member.effect if there else f"{member.effect} at {member.port}"
     if len(entry.class_members) > FEW:
         return text

@@ -10,7 +10,7 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace.context import Context
 from hybridid.trace.longer import _begun_as, _bounded, more_over_longer, shows_little
-from hybridid.trace.refit import CONTINUATION, refit
+from hybridid.trace.refit import CONTINUATION, refit, refit_if_possible
 from hybridid.trace.run import trace
 from hybridid.trace.split import by_blocks, by_record
 from hybridid.trace.verdict import conclude
@@ -35,6 +35,18 @@ def test_nothing_is_missing_only_if_longer_horizons_agree(make_model, short, df_
     if found.longer:
         assert found.longer.seconds == pytest.approx(0.5)
         assert found.longer.times > 3.0
+
+
+def test_a_fit_over_longer_ones_that_has_not_converged_says_nothing(make_model, short, monkeypatch):
+    split, model = short[DF_V], make_model()
+    base = refit(model, split, factors=CONTINUATION)
+    assert more_over_longer(base, Context(split, TRIED)) is not None
+
+    def stopped(*given):
+        return replace(refit_if_possible(*given), converged=False)
+
+    monkeypatch.setattr("hybridid.trace.longer.refit_if_possible", stopped)
+    assert more_over_longer(base, Context(split, TRIED)) is None
 
 
 def test_what_cannot_be_asked_is_no_doubt(make_model, short):

@@ -51,6 +51,35 @@ def test_a_smoothing_that_leaves_nothing_stays(make_model, split):
     assert narrowed(base.model, base.model) == ()
 
 
+def test_a_width_between_two_halves_is_found(make_model, split):
+    """Half of it is too narrow, and no gauge with another range must stand for the rest."""
+    true = width_of(make_model())
+    wide = refit(smoothed(make_model(), guess=1.5 * true), split)
+    said = []
+    found = sharp_enough(wide, Context(split, say=said.append))
+    assert width_of(found.model) == pytest.approx(true, rel=0.02)
+    assert next(p for p in found.model.parameters if p.name == "carriage.epsilon").fixed
+    assert found.score.loss < 0.9 * wide.score.loss
+    assert len(said) == 2, "half, then between"
+
+
+@pytest.mark.parametrize(("times", "most"), [(0.9, 1.0), (0.3, 0.6), (4.0, 4.0)])
+def test_no_width_becomes_wider_than_that_of_the_port(make_model, split, monkeypatch, times, most):
+    """Where a machine creeps more than its port says, that is an effect to be found."""
+    model = make_model(("coulomb",))
+    (port,) = [port.epsilon for port in model.plant.ports if port.name == "carriage"]
+    base = refit(smoothed(model, guess=times * port), split)
+    asked = []
+
+    def bounds(model, *given):
+        asked.append(model.adjustments["carriage.epsilon"])
+
+    monkeypatch.setattr(sharper, "refit_if_possible", bounds)
+    assert sharp_enough(base, Context(split)) is base
+    expected = {"lower": times * port / 2, "guess": times * port, "upper": most * port}
+    assert asked[-1] == pytest.approx(expected)
+
+
 @pytest.mark.parametrize(
     ("errors", "kept"),
     [((1.1, 0.5, 0.49, 0.48), 1), ((1.1, 1.2, 0.1, 0.1), None), ((0.5, 0.6, 0.2, 0.195), 2)],

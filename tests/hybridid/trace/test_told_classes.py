@@ -1,6 +1,8 @@
-"""A member of a class is told with the share of the smoothing in its standard errors (simulated carriage)."""
+"""A member of a class is told as the last model has it (simulated carriage)."""
 
 from __future__ import annotations
+
+from types import SimpleNamespace
 
 import pytest
 
@@ -9,8 +11,8 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.constancy import with_smoothing
 from hybridid.trace.context import Context
 from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.steps import Accepted
-from hybridid.trace.told_classes import with_told_errors
+from hybridid.trace.steps import Accepted, Search
+from hybridid.trace.told_classes import as_told, depends_on_the_member
 from hybridid.trace.trial import attempt
 
 
@@ -23,9 +25,14 @@ def tried(make_model, split_of):
     return trials, Context(split, ())
 
 
+def search(final, *accepted):
+    return Search((), final, accepted, "")
+
+
 def test_each_member_is_told_with_the_share_of_the_smoothing(tried):
     (coulomb, stribeck), context = tried
-    (one,) = with_told_errors([Accepted(coulomb, (coulomb, stribeck), ())], context)
+    found = search(coulomb.refit, Accepted(coulomb, (coulomb, stribeck), ()))
+    (one,) = as_told(found, context)
     assert [t.candidate for t in one.alike] == [coulomb.candidate, stribeck.candidate]
     assert one.trial is coulomb
     for before, after in zip((coulomb, stribeck), one.alike, strict=True):
@@ -36,4 +43,51 @@ def test_each_member_is_told_with_the_share_of_the_smoothing(tried):
 def test_an_effect_that_is_alone_stays_as_it_is(tried):
     (coulomb, _), context = tried
     alone = Accepted(coulomb, (coulomb,), ())
-    assert with_told_errors([alone], context) == (alone,)
+    assert as_told(search(coulomb.refit, alone), context) == (alone,)
+
+
+@pytest.fixture(scope="module")
+def beside_more(tried):
+    """As if an asymmetry had been accepted after a class of Coulomb and Stribeck friction."""
+    (coulomb, stribeck), context = tried
+    later = attempt(Candidate(effect_named("asymmetric_viscous"), "carriage"), coulomb.refit, context.split)
+    first = Accepted(coulomb, (coulomb, stribeck), ())
+    return search(later.refit, first, Accepted(later, (later,), ())), context
+
+
+def test_a_member_has_the_values_of_the_last_model(beside_more):
+    found, context = beside_more
+    one, _ = as_told(found, context)
+    ours, theirs = one.alike
+    assert ours.refit.values["carriage.asymmetric_viscous.df_v"] == pytest.approx(
+        found.final.values["carriage.asymmetric_viscous.df_v"]
+    )
+    terms = {term.name for term in theirs.refit.model.terms}
+    assert {"carriage.stribeck", "carriage.asymmetric_viscous"} <= terms
+    assert "carriage.coulomb" not in terms
+    assert all(std > 0 for std in theirs.refit.std.values())
+    assert theirs.comparison is found.accepted[0].alike[1].comparison, "its gain is that of its step"
+
+
+def test_what_leaves_its_interval_with_another_member_is_told(beside_more):
+    found, context = beside_more
+    one, later = as_told(found, context)
+    theirs = one.alike[1]
+    known = [
+        SimpleNamespace(
+            name=p.name,
+            value=theirs.refit.values[p.name] + moved * theirs.refit.std[p.name],
+            std=theirs.refit.std[p.name],
+            unit=p.unit,
+            identifiable=True,
+        )
+        for p, moved in zip(theirs.refit.model.plant.parameters, (3.0,), strict=True)
+    ]
+    traced = SimpleNamespace(estimate=SimpleNamespace(parameters=known))
+    told = depends_on_the_member((one, later), traced)
+    assert told.startswith(
+        " Beware: what else is told depends on carriage.coulomb: with carriage.stribeck in its place M is "
+    )
+    (near,) = known
+    near.value = theirs.refit.values["M"] + 1.9 * near.std
+    assert depends_on_the_member((one, later), traced) == ""

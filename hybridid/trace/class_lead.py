@@ -1,0 +1,81 @@
+"""Which member of a class leads it, asked again where nothing more is sought, as at the noise.
+
+The members of a class cannot be told apart beside the model of their step. Beside what was accepted later
+they may: a complete model leaves the noise alone, and a wrong member leaves a misfit. It may be small, but
+the other parameters bend to it by many standard errors. So each other member takes the place of the accepted
+one in the last model. If one then leaves less error by ``Rules.tie``, significantly with all of them counted,
+and less on the fitted horizons as well, it leads its class, and the search goes on from there.
+
+Source: sequential replacement; Miller (2002), Subset Selection in Regression, 2nd ed., Chapman & Hall, ch. 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
+from hybridid.trace.exchange import exchanged
+from hybridid.trace.refit import Refit
+from hybridid.trace.robustness import objection, survivals_of
+from hybridid.trace.steps import Accepted, Step
+from hybridid.trace.trial import Trial
+
+Led = tuple[list[Step], Refit, list[Accepted]]
+
+
+def led_by_the_better(steps: Sequence[Step], last: Refit, asked: set[int], context: Context) -> Led | None:
+    """The steps up to one whose class another member leads in the model ``last``, with that one accepted, its
+    model there and what that holds; None if there is none. Each step is ``asked`` once, by its number."""
+    present = {term.name for term in last.model.terms}
+    rivals = [
+        (number, step.accepted, rival)
+        for number, step in enumerate(steps[:-1])
+        if number not in asked and step.accepted and not step.together and step.accepted.name in present
+        for rival in step.accepted.alike
+        if rival is not step.accepted.trial and rival.refit and rival.candidate.name not in present
+    ]
+    asked |= {number for number, _, _ in rivals}
+    given = [
+        (last, one.name, rival.candidate, context.split, rival.refit and rival.refit.values)
+        for _, one, rival in rivals
+    ]
+    others = context.each("another member of a class in its place", exchanged, given)
+    better = [
+        (other.cost, number, rival)
+        for (number, _, rival), other in zip(rivals, others, strict=True)
+        if other is not None and _leaves_less(other, last, len(rivals), context)
+    ]
+    for _, number, rival in sorted(better, key=lambda one: one[0]):
+        if (led := _led_by(rival, steps[number], context)) is not None:
+            context.say(f"with {rival.candidate.name} less error is left: back to step {number + 1}")
+            return _back_at(led, steps[:number])
+    return None
+
+
+def _leaves_less(other: Refit, last: Refit, counted: int, context: Context) -> bool:
+    """Whether ``other``, one of so many, explains more than ``last``, fitted and held out."""
+    advantage = compare(last.score, other.score)
+    significant = counted * advantage.p_value <= context.rules.alpha
+    return advantage.gain >= context.rules.tie and significant and other.cost < last.cost
+
+
+def _led_by(rival: Trial, step: Step, context: Context) -> Step | None:
+    """``step`` with ``rival`` leading the class that it accepted; None if another way to solve the equations
+    takes its gain away."""
+    assert step.accepted is not None
+    survivals = survivals_of(step.base, rival, context, {})
+    if objection(survivals):
+        return None
+    alike = (rival, *(t for t in step.accepted.alike if t is not rival))
+    return replace(step, accepted=Accepted(rival, alike, survivals))
+
+
+def _back_at(led: Step, before: Sequence[Step]) -> Led:
+    """A search whose last step is ``led``, after the steps ``before``."""
+    assert led.accepted is not None
+    assert led.accepted.trial.refit is not None
+    kept, there = [*before, led], led.accepted.trial.refit
+    present = {term.name for term in there.model.terms}
+    return kept, there, [one for each in kept for one in each.taken if one.name in present]
