@@ -293,7 +293,8 @@ def _epsilon(port: Port) -> Parameter:
 
 
 def _adjusted(parameter: Parameter, changes: Mapping[str, float]) -> Parameter:
-    """The declared parameter with a user's guess, bounds or fixed value; bounds make a fixed one free."""
+    """The declared parameter with a user's guess, bounds or fixed value; bounds make a fixed one free. The
+    guess is its scale, unless one of nothing was declared: then a small value is no scale."""
     changes = {key: float(value) for key, value in changes.items() if value is not None}
     if not changes:
         return parameter
@@ -307,6 +308,6 @@ def _adjusted(parameter: Parameter, changes: Mapping[str, float]) -> Parameter:
         guess = min(max(parameter.guess, lower), upper)
         if guess in (lower, upper) and math.isfinite(upper - lower):
             guess = 0.5 * (lower + upper)
-    scale = parameter.scale if guess == 0 else abs(guess)
+    scale = parameter.scale if guess == 0 or parameter.guess == 0 else abs(guess)
     known = parameter.fixed and "lower" not in changes and "upper" not in changes
     return replace(parameter, guess=guess, lower=lower, upper=upper, scale=scale, fixed=known)

@@ -243,6 +243,15 @@ def test_what_nobody_adjusts_stays_as_declared():
     assert (M.guess, M.lower, M.upper, M.scale) == (0.0, 0.0, 1.0, 0.25)
 
 
+def test_a_small_guess_is_no_scale_of_what_is_nothing_by_default():
+    """The records may determine an offset near nothing very well."""
+    declared = {p.name: p.scale for p in compose(EMPS(), ["offset", "viscous"]).parameters}
+    given = {"carriage.offset.offset": {"guess": -2e-5}, "carriage.viscous.f_v": {"guess": 100.0}}
+    scale = {p.name: p.scale for p in compose(EMPS(), ["offset", "viscous"], given).parameters}
+    assert scale["carriage.offset.offset"] == declared["carriage.offset.offset"]
+    assert scale["carriage.viscous.f_v"] == 100.0
+
+
 def test_nothing_between_equal_bounds_is_known():
     M = compose(EMPS(), [], {"M": {"lower": 70.0, "upper": 70.0}}).parameters[0]
     assert (M.fixed, M.guess) == (True, 70.0)
