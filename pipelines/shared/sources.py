@@ -115,7 +115,8 @@ class Sources:
 def sources_of(settings: Settings) -> Sources:
     """The case's records under ``data``: measured, simulated, or ``auto``.
 
-    ``auto`` takes the measured records that are found; if none is found, the rig simulates all.
+    ``auto`` takes the measured records that are found; if none is found, the rig simulates all. A case without
+    a rig needs them all.
 
     Raises:
         ConfigError: if the config of records, signals or rig is wrong.
@@ -137,7 +138,7 @@ def sources_of(settings: Settings) -> Sources:
             missing.append(f"record {name}: {error}")
     if not missing:
         return Sources(tuple(found))
-    if choice == "measured" or (not found and settings.get("rig") is None):
+    if choice == "measured" or settings.get("rig") is None:
         raise RecordNotFoundError(f"{missing[0]}{_fetch_hint(settings)}")
     if found:
         return Sources(tuple(found), tuple(missing))

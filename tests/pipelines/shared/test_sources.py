@@ -52,6 +52,13 @@ def test_no_record_and_no_rig(settings, own_folder):
         sources_of(settings({"rig": None, "data": "simulated"}))
 
 
+def test_a_case_without_a_rig_needs_all_its_records(settings, data):
+    """A name that is mistyped must not leave a record out unseen."""
+    (data / "second.csv").unlink()
+    with pytest.raises(RecordNotFoundError, match=r"^record second: .*second\.csv"):
+        sources_of(settings({"rig": None}))
+
+
 @pytest.mark.parametrize(
     ("change", "line"),
     [
