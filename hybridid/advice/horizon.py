@@ -24,7 +24,8 @@ LONG_STEP, STEPS = 0.05, 50
 SHORTEST = 2
 """Samples that a horizon needs at least."""
 SHARE = 0.1
-"""Of the shortest record, that a horizon should have at most: there are some to judge by."""
+"""Of all that is fitted, that a horizon should have at most: there are some to judge by. One that is proposed
+has no more of the shortest record."""
 FEW = 20
 """Samples below which a horizon shows little: its initial state is fitted to them. So it is longer then, up
 to half of the shortest record."""
@@ -58,13 +59,13 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
     if estimate.settings.horizon is None:
         return
     step = problem.windows.dt
-    shortest = min(float(record.time[-1] - record.time[0]) for record in problem.records)
-    seconds = estimate.settings.horizon * step
+    durations = [float(record.time[-1] - record.time[0]) for record in problem.records]
+    shortest, total, seconds = min(durations), sum(durations), estimate.settings.horizon * step
     slowest = slowest_time(problem.model, estimate.values, problem.records, RESOLVED * shortest)
     proposed = max(proposed_horizon(step, shortest), min(2 * slowest, SHARE * shortest))
-    longest = max(SHARE * shortest, proposed, min(2 * slowest, shortest / LEFT))
+    longest = max(SHARE * total, proposed, min(2 * slowest, shortest / LEFT))
     if seconds > TOLERATED * longest:
-        yield Advice("horizon", _said(problem, estimate, shortest, proposed))
+        yield Advice("horizon", _said(problem, estimate, total, proposed))
         return
     if seconds < slowest:
         yield Advice("horizon", _too_short(problem, estimate, shortest, slowest))
@@ -103,12 +104,12 @@ def _too_short(problem: Problem, estimate: Estimate, shortest: float, slowest: f
     )
 
 
-def _said(problem: Problem, estimate: Estimate, shortest: float, proposed: float) -> str:
+def _said(problem: Problem, estimate: Estimate, total: float, proposed: float) -> str:
     step, horizon = problem.windows.dt, estimate.settings.horizon or 0
     better = max(SHORTEST, round(proposed / step))
     return (
-        f"estimator.horizon={horizon} is {number(horizon * step, 3)} s, longer than a tenth of the shortest "
-        f"fitted record ({number(shortest, 3)} s): few horizons are left to judge by; "
+        f"estimator.horizon={horizon} is {number(horizon * step, 3)} s, longer than a tenth of all that is "
+        f"fitted ({number(total, 3)} s): few horizons are left to judge by; "
         f"estimator.horizon={better} ({number(better * step, 2)} s) is proposed, or null for the whole record"
     )
 

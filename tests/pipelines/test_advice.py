@@ -18,9 +18,7 @@ def test_advice_is_kept_and_printed_and_changes_no_verdict(settings, data, heard
     told = run_stages(settings({"estimator.horizon": 900}), "fit", heard)
     quality = fit_of(told.tree).quality
     (one,) = [advice for advice in quality.advice if advice.kind == "horizon"]
-    assert one.said.startswith(
-        "estimator.horizon=900 is 0.9 s, longer than a tenth of the shortest fitted record"
-    )
+    assert one.said.startswith("estimator.horizon=900 is 0.9 s, longer than a tenth of all that is fitted")
     assert summary(told, "fit").count(one.said) == 1
     assert [a.kind for a in fit_of(plain.tree).quality.advice if a.kind == "horizon"] == []
     assert quality.verdict == fit_of(plain.tree).quality.verdict

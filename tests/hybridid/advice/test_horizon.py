@@ -21,7 +21,7 @@ def told(model, record, samples):
         (30, "estimator.horizon=30 is 0.15 s, shorter than the slowest dynamics that the records resolve"),
         (200, None),
         (None, None),
-        (2000, "estimator.horizon=2000 is 10 s, longer than a tenth of the shortest fitted record (30 s)"),
+        (2000, "estimator.horizon=2000 is 10 s, longer than a tenth of all that is fitted (30 s)"),
     ],
 )
 def test_a_horizon_that_does_not_suit_its_records_is_told(make_model, carriage, samples, begins):
@@ -32,6 +32,14 @@ def test_a_horizon_that_does_not_suit_its_records_is_told(make_model, carriage, 
         assert "(0.47 s)" in said[0] or samples == 2000
         assert said[0].startswith(begins)
         assert "estimator.horizon=200 (1 s)" in said[0]
+
+
+def test_several_records_leave_enough_of_a_longer_horizon(make_model, carriage):
+    """Fifteen of 2 s are left of three records of 10 s; a tenth of one is 1 s."""
+    long = carriage.record(n=6000)
+    records = [long.part(k, k + 2000, name=f"part {k}") for k in (0, 2000, 4000)]
+    estimate = fit(make_model(), records, FitSettings(horizon=400))
+    assert [one for one in judge(make_model(), records, estimate).advice if one.kind == "horizon"] == []
 
 
 @pytest.mark.parametrize("samples", [200, 600, 1000, 2000])
