@@ -192,7 +192,7 @@ def _in_place(place: tuple[str, ...], freed: Sequence[Freed]) -> str:
     more = f"more ({share(freed[0].more)} less error)" if freed[0].more else "as much"
     return (
         f" Beware: in the place of {listed(place)} a constant that is declared as known explains {more}, if "
-        f"it is another one: {some}{each}."
+        f"it has another value: {some}{each}."
     )
 
 

@@ -40,7 +40,7 @@ def test_in_the_place_of_a_name_a_wrong_mass_explains_as_much(traced):
     (caution,) = [one for one in found.cautions if told in one]
     assert caution.startswith("Beware: ")
     assert caution not in found.sentence
-    said = caution.partition(", if it is another one: M = ")[2]
+    said = caution.partition(", if it has another value: M = ")[2]
     assert float(said.split()[0]) == pytest.approx(95.0, abs=0.5)
     assert found.verdict == "ambiguous"
 
@@ -57,7 +57,7 @@ def test_what_takes_the_place_of_all_is_not_told_of_each():
     assert said.count("Beware") == 1
     assert constants_in_words(WrongConstants()) == ""
     better = constants_in_words(WrongConstants((replace(both, more=0.55),)))
-    assert "declared as known explains more (55.0 % less error), if it is another one: r" in better.replace(
+    assert "declared as known explains more (55.0 % less error), if it has another value: r" in better.replace(
         "\N{NO-BREAK SPACE}", " "
     )
 
