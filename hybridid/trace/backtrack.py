@@ -26,11 +26,11 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.pair import attempt_pair, judge_pairs, values_of
 from hybridid.trace.pair_decision import pair_taken
 from hybridid.trace.promise import Promise, overlap
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import FAILURES, LEAST_DECREASE, Refit, refit_beside, refit_if_possible
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.steps import Step
-from hybridid.trace.trial import PASSED, REJECTED, Trial, attempt
+from hybridid.trace.trial import PASSED, REJECTED, Trial
 
 
 @dataclass(frozen=True)
@@ -122,11 +122,26 @@ def _rivals(steps: Sequence[Step], last: Refit, rules: Rules) -> Iterator[tuple[
 def _exchanged(
     number: int, rival: Trial, member: Trial, names: tuple[str, str], last: Refit, split: Split
 ) -> Exchange:
-    """``member`` tried beside ``rival``, both in the place of the effects ``names`` of the model ``last``: to
-    the end if that promises to explain more."""
+    """``member`` beside ``rival``, both in the place of the effects ``names`` of the model ``last``: to the
+    end if that promises to explain more. It begins where it ended in its own step, too: what it seeks was
+    found there."""
     beside = _in_place(rival, names, last, split)
-    tried = None if beside is None else attempt(member.candidate, beside, split, rival=last)
-    return Exchange(number, rival, member, tried.refit if tried else None)
+    return Exchange(number, rival, member, None if beside is None else _beside(beside, member, last, split))
+
+
+def _beside(beside: Refit, member: Trial, last: Refit, split: Split) -> Refit | None:
+    """The model ``beside`` with ``member``; None if it cannot be simulated."""
+    assert member.refit is not None
+    candidate, numerics = member.candidate, member.refit.numerics
+    model = candidate.added_to(beside.model)
+    starts = candidate.starts(model, beside.values)
+    own = values_of(member.refit, candidate)
+    try:
+        return refit_beside(
+            beside, model, split, [{**starts[0], **own}, *starts], numerics, last, LEAST_DECREASE
+        )
+    except (ValueError, *FAILURES):
+        return None
 
 
 def _in_place(rival: Trial, names: tuple[str, str], last: Refit, split: Split) -> Refit | None:

@@ -25,6 +25,7 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import still_alike
 from hybridid.trace.judgement import judge
 from hybridid.trace.refit import refit_if_possible, values_without
+from hybridid.trace.refuted import without_refuted
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import PASSED, Trial
 from hybridid.trace.tried import tried_in_place
@@ -36,7 +37,8 @@ NEARLY = 0.9
 def recheck(found: Search, context: Context) -> Search:
     """``found`` with the classes of its accepted effects as its last model shows them."""
     kept = _with_those_alike(found, context)
-    return replace(kept, accepted=tuple(_with_passed_before(kept, one, context) for one in kept.accepted))
+    every = replace(kept, accepted=tuple(_with_passed_before(kept, one, context) for one in kept.accepted))
+    return without_refuted(every, context)
 
 
 def _with_those_alike(found: Search, context: Context) -> Search:

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hybridid.naming import listed
-from hybridid.quantities import Z95, estimated
+from hybridid.quantities import Z95, quantity
 from hybridid.trace.constancy import with_smoothing
 from hybridid.trace.context import Context
 from hybridid.trace.exchange import exchanged
@@ -24,8 +24,8 @@ from hybridid.trace.split import Split
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import Trial
 
-FEW = 3
-"""Parameters that are told with a member, those that move most."""
+FEW, DIGITS = 3, 4
+"""Parameters that are told to depend on the member, those that move most, and their digits."""
 
 
 def as_told(found: Search, context: Context) -> tuple[Accepted, ...]:
@@ -58,28 +58,25 @@ def depends_on_the_member(accepted: Sequence[Accepted], traced: Trace) -> str:
     """Which parameters leave their intervals with another member of a class, in words; else empty.
     ``accepted`` are as told."""
     return "".join(
-        f" Beware: what else is told depends on {one.name}: with {t.candidate.name} in its place {moved}."
+        f" Beware: other parameters depend on which of the class of {one.name} it is: {moved}."
         for one in accepted
-        for t in one.alike
-        if t is not one.alike[0] and (moved := _moved(t, traced))
+        if (moved := _moved(one, traced))
     )
 
 
-def _moved(member: Trial, traced: Trace) -> str:
-    """The parameters that leave the intervals of the last fit with ``member``, those that move most, in
-    words."""
-    assert member.refit is not None
-    std = member.refit.std
-    last = {p.name: p for p in traced.estimate.parameters if p.name in std and p.identifiable}
-    far = {
-        name: abs(member.refit.values[name] - p.value) / p.std
-        for name, p in last.items()
-        if p.std > 0 and math.isfinite(p.std)
+def _moved(one: Accepted, traced: Trace) -> str:
+    """The parameters that leave the intervals of the last fit with a member of the class of ``one``, those
+    that move most, each from the least to the largest that it may be, in words."""
+    members = [t.refit for t in one.alike if t.refit is not None]
+    every = {
+        p.name: [m.values[p.name] for m in members if p.name in m.std] for p in traced.estimate.parameters
     }
-    most = sorted((name for name in far if far[name] > Z95), key=lambda name: -far[name])[:FEW]
+    known = [p for p in traced.estimate.parameters if p.identifiable and math.isfinite(p.std) and p.std > 0]
+    far = {p.name: max((abs(v - p.value) / p.std for v in every[p.name]), default=0.0) for p in known}
+    most = sorted((p for p in known if far[p.name] > Z95), key=lambda p: -far[p.name])[:FEW]
     told = [
-        f"{name} is {estimated(member.refit.values[name], std[name], last[name].unit)} "
-        f"instead of {estimated(last[name].value, last[name].std, last[name].unit)}"
-        for name in most
+        f"{p.name} is between {quantity(min(p.value, *every[p.name]), p.unit, DIGITS)} and "
+        f"{quantity(max(p.value, *every[p.name]), p.unit, DIGITS)}"
+        for p in most
     ]
     return listed(told) if told else ""

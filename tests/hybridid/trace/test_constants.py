@@ -57,8 +57,9 @@ def test_what_takes_the_place_of_all_is_not_told_of_each():
     assert said.count("Beware") == 1
     assert constants_in_words(WrongConstants()) == ""
     better = constants_in_words(WrongConstants((replace(both, more=0.55),)))
-    assert "declared as known explains more (55.0 % less error), if it has another value: r" in better.replace(
-        "\N{NO-BREAK SPACE}", " "
+    assert (
+        "declared as known explains more (55.0 % less error), if it has another value: r"
+        in better.replace("\N{NO-BREAK SPACE}", " ")
     )
 
 
