@@ -67,7 +67,7 @@ def depends_on_the_member(accepted: Sequence[Accepted], traced: Trace) -> str:
 def _moved(one: Accepted, traced: Trace) -> str:
     """The parameters that leave the intervals of the last fit with a member of the class of ``one``, those
     that move most, each from the least to the largest that it may be, in words."""
-    members = [t.refit for t in one.alike if t.refit is not None]
+    members = [t.refit for t in one.alike if t.candidate.name != one.name and t.refit is not None]
     every = {
         p.name: [m.values[p.name] for m in members if p.name in m.std] for p in traced.estimate.parameters
     }

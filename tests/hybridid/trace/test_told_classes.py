@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -88,6 +89,8 @@ def test_what_leaves_its_interval_with_another_member_is_told(beside_more):
     assert told.startswith(
         " Beware: other parameters depend on which of the class of carriage.coulomb it is: M is between "
     )
+    alone = replace(one, alike=one.alike[:1])
+    assert depends_on_the_member((alone, later), traced) == "", "it is in no class"
     (near,) = known
     near.value, near.std = theirs.refit.values["M"], 1.0
     assert depends_on_the_member((one, later), traced) == ""
