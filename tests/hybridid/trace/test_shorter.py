@@ -9,6 +9,7 @@ import pytest
 
 from hybridid.effects.library import effect_named
 from hybridid.simulation import simulate
+from hybridid.simulation.windows import cut
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.shorter import from_shorter, same_valley, strays, with_shorter
@@ -94,6 +95,26 @@ def test_short_horizons_lie_in_the_long_ones(two_records):
     assert not set(shorter.fitted) & set(shorter.held_out)
     assert shorter.fitted[:10] == (0, 1, 2, 3, 4, 5, 6, 7, 8, 20)  # the tenth holds the gap
     assert shorter.held_out[:9] == tuple(range(10, 19))
+
+
+def test_pieces_across_the_ends_of_fitted_horizons_are_fitted(two_records):
+    """Horizons of 45 samples, pieces of 4: no sample is left out, so inner states are handed on."""
+    first, second = two_records()
+    split = by_record([first], [second], 45)
+    shorter = split.shorter(4)
+    pieces = cut(split.records, 4, 1)
+    assert len(shorter.fitted) == sum(record == 0 for record, _, _ in pieces.origin)
+    assert pieces.select(shorter.fitted).complete
+
+
+def test_the_fitted_records_alone_keep_what_is_fitted(two_records):
+    first, second = two_records()
+    alone = by_record([first], [second], 40).swapped.fitted_alone  # the second record is fitted
+    assert alone.records == (second,)
+    assert alone.fitted == alone.held_out == tuple(range(len(cut([second], 40, 1).origin)))
+    blocks = by_blocks([first, second], 40)
+    assert blocks.fitted_alone.records == blocks.records
+    assert blocks.fitted_alone.fitted == blocks.fitted
 
 
 def test_over_short_horizons_another_fit_results_where_much_is_missing(strong):
