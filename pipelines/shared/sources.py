@@ -115,8 +115,8 @@ class Sources:
 def sources_of(settings: Settings) -> Sources:
     """The case's records under ``data``: measured, simulated, or ``auto``.
 
-    ``auto`` takes the measured records that are found; if none is found, the rig simulates all. A case without
-    a rig needs them all.
+    ``auto`` takes the measured records that are found; if none is found, the rig simulates all. A case
+    without a rig needs them all.
 
     Raises:
         ConfigError: if the config of records, signals or rig is wrong.
