@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from hybridid.records.sources import RecordNotFoundError
+from pipelines import fit
 from pipelines.runner import run_stages
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.predictions import predictions_in
@@ -50,6 +51,12 @@ def test_no_record_and_no_rig(settings, own_folder):
         sources_of(settings({"rig": None, "paths.data": None}))
     with pytest.raises(ConfigError, match="has no virtual rig"):
         sources_of(settings({"rig": None, "data": "simulated"}))
+
+
+def test_a_fitted_record_that_is_not_found_is_told_where_a_rig_would_stand_in(settings, data):
+    (data / "second.csv").unlink()
+    with pytest.raises(ConfigError, match=r"unknown record in fit\.records: 'second'.*second\.csv not found"):
+        fit.check(settings({"fit.records": ["second"]}))
 
 
 def test_a_case_without_a_rig_needs_all_its_records(settings, data):
