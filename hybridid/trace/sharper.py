@@ -89,7 +89,7 @@ def _between_halves(base: Refit, halved: bool, context: Context) -> Refit:
     if not free:
         return base
     fitted = _with_widths(base, free, context)
-    if fitted is None:
+    if fitted is None or not context.meets_noise(fitted.score):
         return base
     found = {name: {"guess": fitted.values[name]} for name in free}
     again = _with_widths(replace(base, values=fitted.values), found, context)
