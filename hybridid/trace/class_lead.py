@@ -19,13 +19,11 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import exchanged
 from hybridid.trace.refit import Refit
 from hybridid.trace.robustness import objection, survivals_of
-from hybridid.trace.steps import Accepted, Step
+from hybridid.trace.steps import Accepted, Back, Step, back_at
 from hybridid.trace.trial import Trial
 
-Led = tuple[list[Step], Refit, list[Accepted]]
 
-
-def led_by_the_better(steps: Sequence[Step], last: Refit, asked: set[int], context: Context) -> Led | None:
+def led_by_the_better(steps: Sequence[Step], last: Refit, asked: set[int], context: Context) -> Back | None:
     """The steps up to one whose class another member leads in the model ``last``, with that one accepted, its
     model there and what that holds; None if there is none. Each step is ``asked`` once, by its number."""
     present = {term.name for term in last.model.terms}
@@ -50,15 +48,17 @@ def led_by_the_better(steps: Sequence[Step], last: Refit, asked: set[int], conte
     for _, number, rival in sorted(better, key=lambda one: one[0]):
         if (led := _led_by(rival, steps[number], context)) is not None:
             context.say(f"with {rival.candidate.name} less error is left: back to step {number + 1}")
-            return _back_at(led, steps[:number])
+            return back_at([*steps[:number], led])
     return None
 
 
 def _leaves_less(other: Refit, last: Refit, counted: int, context: Context) -> bool:
-    """Whether ``other``, one of so many, explains more than ``last``, fitted and held out."""
+    """Whether ``other``, one of so many, explains more than ``last``, fitted and held out. That says nothing
+    if the fit of ``last`` has not converged."""
     advantage = compare(last.score, other.score)
     significant = counted * advantage.p_value <= context.rules.alpha
-    return advantage.gain >= context.rules.tie and significant and other.cost < last.cost
+    better = advantage.gain >= context.rules.tie and significant and other.cost < last.cost
+    return better and last.converged
 
 
 def _led_by(rival: Trial, step: Step, context: Context) -> Step | None:
@@ -70,12 +70,3 @@ def _led_by(rival: Trial, step: Step, context: Context) -> Step | None:
         return None
     alike = (rival, *(t for t in step.accepted.alike if t is not rival))
     return replace(step, accepted=Accepted(rival, alike, survivals))
-
-
-def _back_at(led: Step, before: Sequence[Step]) -> Led:
-    """A search whose last step is ``led``, after the steps ``before``."""
-    assert led.accepted is not None
-    assert led.accepted.trial.refit is not None
-    kept, there = [*before, led], led.accepted.trial.refit
-    present = {term.name for term in there.model.terms}
-    return kept, there, [one for each in kept for one in each.taken if one.name in present]

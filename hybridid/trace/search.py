@@ -37,8 +37,10 @@ from hybridid.trace.steps import (
     NONE_PASSES,
     OUT_OF_TIME,
     Accepted,
+    Back,
     Search,
     Step,
+    back_at,
     said_of,
 )
 from hybridid.trace.together import meets_noise_together
@@ -123,7 +125,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
 
 def _gone_back(
     steps: Sequence[Step], last: Refit, context: Context, gone_back: set[int], stopped: str
-) -> tuple[list[Step], Refit, list[Accepted]] | None:
+) -> Back | None:
     """The steps up to one that should have taken another effect, with that one, the model there and what it
     holds; None if there is no such step. A search goes back once to each step, noted in ``gone_back``; where
     it is ``stopped``, only to another member of a class."""
@@ -141,9 +143,7 @@ def _gone_back(
     if step.accepted is None or step.accepted.trial.refit is None:
         return None
     context.say(f"with {better} less error is left: back to step {better.number + 1}: {said_of(step)}")
-    kept, there = [*steps[: better.number], step], step.accepted.trial.refit
-    present = {term.name for term in there.model.terms}
-    return kept, there, [one for each in kept for one in each.taken if one.name in present]
+    return back_at([*steps[: better.number], step])
 
 
 def _outdone(sharp: Refit, steps: Sequence[Step], context: Context) -> bool:

@@ -112,6 +112,19 @@ class Search:
         )
 
 
+Back = tuple[list[Step], Refit, list[Accepted]]
+"""Where a search goes on that went back: its steps, the last model, and the effects that this holds."""
+
+
+def back_at(steps: list[Step]) -> Back:
+    """A search that goes on from what the last of ``steps`` accepted."""
+    last = steps[-1].accepted
+    assert last is not None
+    assert last.trial.refit is not None
+    present = {term.name for term in last.trial.refit.model.terms}
+    return steps, last.trial.refit, [one for each in steps for one in each.taken if one.name in present]
+
+
 def said_of(step: Step) -> str:
     """What a step decided, in one line."""
     if step.minor:

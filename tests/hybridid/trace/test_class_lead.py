@@ -79,6 +79,10 @@ def test_a_member_that_does_not_explain_more_leads_nothing(steps, last, context)
     )
 
 
+def test_a_last_model_that_has_not_converged_loses_to_nobody(steps, last, context):
+    assert led_by_the_better(steps, replace(last, converged=False), set(), context) is None
+
+
 def test_a_gain_that_other_numerics_take_away_leads_nothing(steps, last, context, monkeypatch):
     monkeypatch.setattr("hybridid.trace.class_lead.objection", lambda survivals: "not with half the step")
     assert led_by_the_better(steps, last, set(), context) is None
