@@ -140,7 +140,7 @@ def sentence(verdict: Verdict, estimate: Estimate, views: Sequence[View], astray
             "error a better model would leave is not known"
         )
     over = "" if views[0].horizon is None else f" {where(views[0])}"
-    but = _undetermined(estimate) + _in_free_run(astray, estimate.left)
+    but = _undetermined(estimate) + _at_bound(estimate) + _in_free_run(astray, estimate.left)
     return f"sound{over}: the model leaves {_within_the_limit(estimate.left)}{but}"
 
 
@@ -148,6 +148,13 @@ def _undetermined(estimate: Estimate) -> str:
     """Which parameters the records do not determine; else empty."""
     names = [one.name for one in estimate.parameters if not one.identifiable]
     return f"; but the records do not determine {listed(names)}" if names else ""
+
+
+def _at_bound(estimate: Estimate) -> str:
+    """Which parameters the fit could not take further; else empty. A bound of zero is physics: a friction
+    that is not there."""
+    names = [one.name for one in estimate.parameters if one.at_bound and one.identifiable and one.value != 0]
+    return f"; but {listed(names)} {'ends' if len(names) == 1 else 'end'} at a bound" if names else ""
 
 
 def _in_free_run(astray: Sequence[View], left: Sequence[Left]) -> str:

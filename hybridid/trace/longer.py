@@ -5,7 +5,8 @@ over a horizon of a few samples it may stay within the noise, whatever is missin
 noise over horizons of any length, if its parameters are fitted over these. So before nothing is said to be
 missing, the last model is fitted and judged over longer horizons, up to ten times as long, of which enough
 are left on either side. Where none are, it is fitted to the fitted records alone over horizons twice as long:
-what is left even then, parameters that noise has moved do not explain.
+what is left even then, parameters that noise has moved do not explain. An epsilon of sign(v) that was chosen
+over the short horizons is fitted as well, if that leaves no more than the noise.
 
 A model that is unstable lets any disturbance grow. So horizons over which it grows by more than e to the
 power of ``GROWS`` show the disturbance, and nothing else: they are not asked.
@@ -28,6 +29,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
 from hybridid.trace.rules import Rules
+from hybridid.trace.sharper import free_widths
 from hybridid.trace.split import FEW, FEWEST, Split
 from hybridid.validation.drift import growth
 
@@ -79,14 +81,33 @@ def _bounded(splits: Sequence[Split], final: Refit) -> list[Split]:
 
 
 def _more_over(split: Split, final: Refit, context: Context, above: float) -> Longer | None:
-    """What ``final`` leaves over the horizons of ``split``, if more than ``above`` times the noise. A fit
+    """What ``final`` leaves over the horizons of ``split``, if more than ``above`` times the noise."""
+    times = _left_over(split, final, context)
+    if times is None or times <= above or _left_by_the_smoothing(split, final, context, above):
+        return None
+    return Longer(split.horizon * split.records[0].dt, times)
+
+
+def _left_over(split: Split, final: Refit, context: Context) -> float | None:
+    """How many times the noise the model of ``final`` leaves, fitted over the horizons of ``split``. A fit
     that has not converged says nothing: over long horizons the cost of a machine that sticks may be rough."""
     there, begun = replace(context, split=split), _begun_as(final, context.split, split)
-    found = there.one(refit_if_possible, final.model, split, [final.values], begun, final.numerics)
+    found = there.one(refit_if_possible, begun.model, split, [begun.values], begun, begun.numerics)
     if found is None or not found.converged:
         return None
-    times = Accuracy.of(found, there).times(found.score.rmse)
-    return Longer(split.horizon * split.records[0].dt, times) if times > above else None
+    return Accuracy.of(found, there).times(found.score.rmse)
+
+
+def _left_by_the_smoothing(split: Split, final: Refit, context: Context, above: float) -> bool:
+    """Whether no more than ``above`` times the noise is left with the epsilons fitted as well. What a machine
+    that creeps shows of them over short horizons may be too inexact for longer ones: the moment at which it
+    breaks away decides where it is from then on."""
+    if not (free := free_widths(final.model)):
+        return False
+    model = replace(final.model, adjustments={**final.model.adjustments, **free})
+    values = {name: value for name, value in final.values.items() if name not in free}
+    times = _left_over(split, replace(final, model=model, values=values), context)
+    return times is not None and times <= above
 
 
 def _begun_as(final: Refit, split: Split, longer: Split) -> Refit:

@@ -80,12 +80,8 @@ def _halved(base: Refit, context: Context) -> Refit | None:
 
 def _between_halves(base: Refit, halved: bool, context: Context) -> Refit:
     """``base`` with the epsilons that the records show between half and twice those that it has, if it then
-    meets the noise. None becomes wider than that of its port, or than before it was ``halved``."""
-    ports = {f"{port.name}.epsilon": port.epsilon for port in base.model.plant.ports}
-    free = {}
-    for p in _widths(base.model):
-        widest = 2 * p.guess if halved else max(p.guess, ports[p.name])
-        free[p.name] = {"lower": p.guess / 2, "guess": p.guess, "upper": min(2 * p.guess, widest)}
+    meets the noise."""
+    free = free_widths(base.model, halved)
     if not free:
         return base
     fitted = _with_widths(base, free, context)
@@ -97,6 +93,17 @@ def _between_halves(base: Refit, halved: bool, context: Context) -> Refit:
         return base
     context.say(f"{_said(again.model)} from here on: that leaves the noise alone")
     return again
+
+
+def free_widths(model: Model, halved: bool = False) -> dict[str, dict[str, float]]:
+    """The epsilons of ``model`` as adjustments with which a refit fits them too, between half and twice what
+    they are. None becomes wider than that of its port, but for those that were ``halved``."""
+    ports = {f"{port.name}.epsilon": port.epsilon for port in model.plant.ports}
+    free = {}
+    for p in _widths(model):
+        widest = 2 * p.guess if halved else max(p.guess, ports[p.name])
+        free[p.name] = {"lower": p.guess / 2, "guess": p.guess, "upper": min(2 * p.guess, widest)}
+    return free
 
 
 def _with_widths(base: Refit, widths: Mapping[str, Mapping[str, float]], context: Context) -> Refit | None:

@@ -225,3 +225,10 @@ def test_a_sound_fit_says_over_which_horizons_and_what_it_does_not_determine(mod
     found = judge(model, [record], vague)
     assert found.said.startswith("sound over horizons of 0.25 s: the model leaves no more than noise and")
     assert f"; but the records do not determine {first.name}" in found.said
+
+    def ends_at(value):
+        ended = replace(first, at_bound=True, value=value)
+        return judge(model, [record], replace(given, left=(left,), parameters=(ended, *others))).said
+
+    assert f"; but {first.name} ends at a bound" in ends_at(first.upper)
+    assert "bound" not in ends_at(0.0), "a friction that is not there"

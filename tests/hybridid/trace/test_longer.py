@@ -15,6 +15,7 @@ from hybridid.trace.run import trace
 from hybridid.trace.split import by_blocks, by_record
 from hybridid.trace.verdict import conclude
 
+EPSILON = 3e-3  # m/s, with which the records are simulated
 SHORT = 10  # samples, 0.05 s
 LONGER = 25  # samples
 DF_V = 20.0
@@ -47,6 +48,27 @@ def test_a_fit_over_longer_ones_that_has_not_converged_says_nothing(make_model, 
 
     monkeypatch.setattr("hybridid.trace.longer.refit_if_possible", stopped)
     assert more_over_longer(base, Context(split, TRIED)) is None
+
+
+@pytest.mark.parametrize(("how", "doubt"), [("guess", False), ("fixed", True)])
+def test_what_an_inexact_smoothing_leaves_over_longer_ones_is_no_doubt(
+    make_model, short, monkeypatch, how, doubt
+):
+    """A machine that breaks away a little too early is elsewhere from then on, unless epsilon is fitted over
+    these horizons, too. One that the user has fixed stays."""
+    split, asked = short[0.0], []
+    base = refit(make_model(adjust={"carriage.epsilon": {how: EPSILON}}), split, factors=CONTINUATION)
+
+    def left(split, final, context):
+        (width,) = [p for p in final.model.parameters if p.name == "carriage.epsilon"]
+        asked.append(width)
+        return 50.0 if width.fixed else 1.0
+
+    monkeypatch.setattr("hybridid.trace.longer._left_over", left)
+    found = more_over_longer(base, Context(split, TRIED))
+    assert (found is not None) is doubt
+    assert all(width.fixed for width in asked) is doubt
+    assert doubt or (asked[-1].lower, asked[-1].upper) == (EPSILON / 2, EPSILON)
 
 
 def test_what_cannot_be_asked_is_no_doubt(make_model, short):
