@@ -6,7 +6,8 @@ A law that no effect of the library has is composed of one of them, times an amp
 Control Systems, ch. 3 (orifices); Johnson (1985), Contact Mechanics, ch. 4, and Palmgren (1959), Ball and
 Roller Bearing Engineering (powers: 3/2 of the depth of a contact, 2/3 of the speed of a bearing); Wouterse
 (1991), IEE Proc. B 138(4) (eddy-current brake); Isermann (2005), Mechatronic Systems, ch. 6 (limits,
-backlash, saturation).
+backlash, saturation); Fung (1993), Biomechanics, ch. 7 (a stiffness that grows with the force); Tustin
+(1947), J. IEE 94(2A), 143-151 (friction that falls with exp(-|v|/s)).
 """
 
 from __future__ import annotations
@@ -158,8 +159,19 @@ SHAPES = (
         lambda at, p: p.k * at.sign * ca.exp(-((at.x / p.s) ** 2)), ("velocity",),
     ),
     Shape(
+        "tustin", "k sign({x}) exp(-|{x}|/s)", 0, {"s": "width"},
+        lambda at, p: p.k * at.sign * ca.exp(-at.size / p.s), ("velocity",),
+    ),
+    Shape(
         "exponential", "k (1 - exp(-{x}/s))", 0, {"s": "width"},
         lambda at, p: p.k * (1 - ca.exp(-at.x / p.s)), ("time", RECENT),
+    ),
+    Shape(
+        "exponential_rise", "k exp({x}/s)", 0, {"s": "width"}, lambda at, p: p.k * ca.exp(at.x / p.s), PLACES
+    ),
+    Shape(
+        "exponential_decay", "k exp(-{x}/s)", 0, {"s": "width"}, lambda at, p: p.k * ca.exp(-at.x / p.s),
+        PLACES,
     ),
     Shape(
         "bump", "k exp(-(({x} - c)/s)²)", 0, {"c": "place", "s": "width"},
