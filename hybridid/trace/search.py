@@ -26,7 +26,7 @@ from hybridid.trace.numerics import DECLARED, Numerics
 from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
 from hybridid.trace.robustness import Otherwise, objection, survivals_of
 from hybridid.trace.rules import Rules
-from hybridid.trace.sharper import sharp_enough, sharper_for_an_effect
+from hybridid.trace.sharper import explains_more_wider, sharp_enough, sharper_for_an_effect
 from hybridid.trace.shorter import beside_shorter
 from hybridid.trace.smoothed_apart import rivals_smoothed_apart
 from hybridid.trace.solve import refit_declared
@@ -79,9 +79,9 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
     gone_back: set[int] = set()
     while True:
         began = time.monotonic()
-        base = in_short_steps(base, context)
-        sharp = sharp_enough(base, context)
-        again = anew and sharp is not base and context.has_time_for(time.monotonic() - first_began)
+        before = in_short_steps(base, context)
+        sharp = sharp_enough(before, context)
+        again = anew and sharp is not before and context.has_time_for(time.monotonic() - first_began)
         if again and _outdone(sharp, steps, context):
             return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
         base = sharp
@@ -96,7 +96,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
             continue
         if stopped:
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=stopped)
-        step = each_with_its_own(_unless_minor(_step(base, context, len(steps) + 1), context), context)
+        step = _step_as_smooth(base, context, len(steps) + 1, None if sharp is before else before)
         context.say(f"step {len(steps) + 1}: {said_of(step)}")
         if step.accepted is None or step.accepted.trial.refit is None:
             if wider is not None:
@@ -214,6 +214,20 @@ def _out_of_time(steps: Sequence[Step], took: float, context: Context) -> str:
     """Why no further step begins after ``steps``, where less time is left than the last one ``took`` [s];
     empty if one does. The first step always begins. A step under way ends with the effect that it tries."""
     return OUT_OF_TIME if steps and not context.has_time_for(took) else ""
+
+
+def _step_as_smooth(base: Refit, context: Context, number: int, wider: Refit | None) -> Step:
+    """The step beside ``base``, or beside ``wider``, whose sign(v) is smoothed more widely, if an effect
+    explains more there and one is accepted."""
+
+    def made(beside: Refit) -> Step:
+        return each_with_its_own(_unless_minor(_step(beside, context, number), context), context)
+
+    step = made(base)
+    if wider is None or not explains_more_wider(step, wider, context):
+        return step
+    again = made(wider)
+    return again if again.accepted else step
 
 
 def _step(base: Refit, context: Context, number: int) -> Step:

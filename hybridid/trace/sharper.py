@@ -71,6 +71,23 @@ def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:
     return sharp
 
 
+def explains_more_wider(step: Step, wider: Refit, context: Context) -> bool:
+    """Whether one of the effects of ``step`` that gain most leaves less than all of them do, by
+    ``Rules.worth``, with the epsilons of ``wider``."""
+    fitted = sorted((t.refit for t in step.trials if t.refit is not None), key=lambda one: one.score.loss)
+    if not fitted or context.out_of_time:
+        return False
+    widths = {p.name: {"guess": p.guess} for p in _widths(wider.model)}
+    again = [_with_widths(one, widths, context) for one in fitted[:RETRIED]]
+    least = min((one.score.loss for one in again if one is not None), default=math.inf)
+    if least > (1.0 - context.rules.worth) * fitted[0].score.loss:
+        return False
+    context.say(
+        f"beside an effect less error is left if {_said(wider.model)}: the step is made again with that"
+    )
+    return True
+
+
 def _halved(base: Refit, context: Context) -> Refit | None:
     """``base`` refitted with half of each epsilon that the user has not fixed; None if there is none, or it
     cannot be simulated."""
