@@ -28,7 +28,7 @@ def record(carriage, noise):
 def traced(record):
     def of(mass, declared, effects):
         model = compose(EMPS(), declared, {"M": {"fixed": mass}})
-        return trace(model, [record], effects=effects, laws=False, pairs=0)
+        return trace(model, [record], effects=effects, laws=False, pairs=0, variables=("velocity",))
 
     return of
 

@@ -49,7 +49,13 @@ def declared(record, noise):
 @pytest.fixture(scope="module")
 def traced(record):
     def of(one):
-        return trace(compose(TwoSensors(), ["viscous", "coulomb"]), [one], effects=["offset"], laws=False)
+        return trace(
+            compose(TwoSensors(), ["viscous", "coulomb"]),
+            [one],
+            effects=["offset"],
+            laws=False,
+            variables=("velocity",),
+        )
 
     return of
 
