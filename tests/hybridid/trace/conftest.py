@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from hybridid.effects.library import effect_named
+from hybridid.model import Model
 from hybridid.records.record import Channel, Record
+from hybridid.simulation.simulate import simulate
 from hybridid.trace.context import Context
 from hybridid.trace.entries import Floor, Level, TriedEffect
 from hybridid.trace.result import Estimates, LearnedGains, Trace
@@ -140,3 +142,18 @@ def nothing() -> Callable[..., Trace]:
         )
 
     return build
+
+
+@pytest.fixture(scope="session")
+def split_by_model(two_records, noise) -> Callable[[Model, Mapping[str, float]], Split]:
+    """Records that a model itself makes of the two inputs, fitted on the first and judged on the second."""
+
+    def make(model: Model, values: Mapping[str, float]) -> Split:
+        records = []
+        for seed, record in enumerate(two_records()):
+            run = simulate(model, values, record, substeps=10)
+            noisy = run.outputs + noise(len(record.time), NOISE, seed)[:, None]
+            records.append(replace(record, outputs=noisy))
+        return by_record(records[:1], records[1:], 2 * HORIZON)
+
+    return make

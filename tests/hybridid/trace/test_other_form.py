@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from hybridid.effects.composed import form_over
+from hybridid.effects.composed import form_over, law
 from hybridid.effects.library import effect_named
 from hybridid.effects.over import BRISTLE, Over
 from hybridid.trace.ceiling import ceiling
@@ -68,6 +68,18 @@ def test_a_true_form_keeps_its_name(named):
     found, context = named(f_v=203.0)
     assert [one.name for one in found.accepted] == ["carriage.viscous"]
     assert unless_another_form(found, context) is found
+
+
+def test_friction_that_falls_by_another_law_is_not_called_stribeck_s(make_model, split_by_model):
+    """Tustin's falls with exp(-|v|/s), the library's with exp(-(v/v_s)^2)."""
+    tustin = law("tustin_of_velocity", k=8.0, s=0.02)
+    true = {"M": 95.0, "carriage.viscous.f_v": 200.0, "carriage.coulomb.f_c": 20.0}
+    split = split_by_model(make_model(("viscous", "coulomb", "offset", tustin)), true)
+    context = Context(split, (effect_named("stribeck"),), laws=False)
+    found = search(make_model(), context, [{}], DECLARED)
+    assert [one.name for one in found.accepted] == ["carriage.stribeck"]
+    said = unless_another_form(found, context).withdrawn
+    assert "carriage.tustin_of_velocity in its place, with no more parameters, leaves" in said
 
 
 def test_what_does_not_survive_other_numerics_refutes_no_name(of_another_form, monkeypatch):

@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 
 from hybridid.effects.library import effect_named
-from hybridid.simulation import simulate
 from hybridid.trace import search as search_module
 from hybridid.trace import sharper
 from hybridid.trace.candidates import Candidate
@@ -15,7 +14,6 @@ from hybridid.trace.numerics import DECLARED
 from hybridid.trace.refit import refit
 from hybridid.trace.search import search
 from hybridid.trace.sharper import narrowed, sharp_enough, sharper_for_an_effect
-from hybridid.trace.split import by_record
 from hybridid.trace.steps import Accepted, Step
 from hybridid.trace.trial import attempt
 
@@ -195,21 +193,16 @@ def test_where_none_passes_the_best_are_tried_with_a_narrower_smoothing(make_mod
     assert sharper_for_an_effect(replace(step, trials=minor), context) is None, "it passed before"
 
 
-@pytest.fixture(scope="module")
-def creeping(make_model, two_records, noise):
-    """Friction that falls with the speed, of a machine that creeps as its model says: half of its epsilon
-    leaves less beside a model without that."""
-    true, records = make_model(("viscous", "coulomb", "offset", "stribeck")), []
-    values = {"M": 95.0, "carriage.viscous.f_v": 200.0, "carriage.coulomb.f_c": 20.0}
-    values |= {"carriage.offset.offset": -3.0, "carriage.stribeck.df_s": 8.0, "carriage.stribeck.v_s": 0.02}
-    for seed, record in enumerate(two_records()):
-        run = simulate(true, values, record, substeps=10)
-        noisy = run.outputs + noise(len(record.time), 2e-6, seed).reshape(-1, 1)
-        records.append(replace(record, outputs=noisy))
-    return by_record(records[:1], records[1:], 100)
+FALLING = {
+    "M": 95.0, "carriage.viscous.f_v": 200.0, "carriage.coulomb.f_c": 20.0, "carriage.offset.offset": -3.0,
+    "carriage.stribeck.df_s": 8.0, "carriage.stribeck.v_s": 0.02,
+}  # fmt: skip
 
 
-def test_a_half_that_paid_only_without_the_effect_is_taken_back(make_model, creeping):
+def test_a_half_that_paid_only_without_the_effect_is_taken_back(make_model, split_by_model):
+    """A machine that creeps as its model says, with friction that falls with the speed: beside a model that
+    lacks this, half of epsilon leaves less."""
+    creeping = split_by_model(make_model(("viscous", "coulomb", "offset", "stribeck")), FALLING)
     said, tried = [], tuple(map(effect_named, ("stribeck", "quadratic_drag")))
     context = Context(creeping, tried, say=said.append, laws=False)
     found = search(make_model(), context, [{}], DECLARED)
