@@ -23,6 +23,7 @@ from hybridid.estimators.jacobian import columns, products
 from hybridid.estimators.multiple_shooting import MultipleShooting, Program
 from hybridid.estimators.normal_equations import Normal
 from hybridid.estimators.problem import Problem
+from hybridid.estimators.wild import wild
 from hybridid.simulation.shooter import Shot
 
 Array = NDArray[np.float64]
@@ -77,7 +78,7 @@ class LeastSquares:
         if problem.couples:
             with np.errstate(over="ignore", invalid="ignore"):
                 return Coupled.of(problem, shot, self.p, self.x)
-        square, error = _products(problem, shot)
+        square, error = self._tamed(*_products(problem, shot))
         m, moving = len(self.x), problem.moving
         with np.errstate(over="ignore", invalid="ignore"):
             xx = square[:, :m, :m] * np.outer(self.x, self.x)
@@ -89,6 +90,13 @@ class LeastSquares:
                 gp=-error[:, m:].sum(axis=0) * self.p,
                 gx=-np.where(moving, error[:, :m], 0.0) * self.x,
             )
+
+    def _tamed(self, square: Array, error: Array) -> tuple[Array, Array]:
+        """J'J (w, q, q) and J'r (w, q), zero where a horizon's sensitivities are wild."""
+        diagonal = np.einsum("wqq->wq", square)
+        sizes = np.sqrt(np.maximum(diagonal, 0.0)) * np.concatenate([self.x, self.p])
+        tame = ~wild(sizes.max(axis=1, initial=0.0))
+        return (square, error) if tame.all() else (square * tame[:, None, None], error * tame[:, None])
 
     def inside(self, p: Array, x0: Array) -> tuple[Array, Array]:
         """``p`` (n_p,) and ``x0`` (w, n_x) clipped at the bounds."""

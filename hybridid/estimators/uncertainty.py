@@ -32,6 +32,7 @@ from hybridid.estimators.noise import autoregression
 from hybridid.estimators.noise_driven import of_noise
 from hybridid.estimators.normal_equations import small
 from hybridid.estimators.problem import Problem
+from hybridid.estimators.wild import wild
 from hybridid.simulation.shooter import Shot
 from hybridid.simulation.windows import PART, in_parts
 
@@ -153,9 +154,14 @@ def _projected(problem: Problem, shot: Shot) -> tuple[Array, Array]:
     """
     used = problem.windows.cells[..., None]
     by, per_scale = by_parameter(problem, shot), 1.0 / problem.scale[:, None]
+    scale = np.array([problem.model.parameters[k].scale for k in problem.positions])
     jp: Array = np.empty(by.shape)
+    sizes = np.empty(len(by))
     for part in in_parts(*by.shape[:2]):
         jp[part] = np.where(used[part], by[part] * per_scale, 0.0)
+        sizes[part] = (np.abs(jp[part]).max(axis=(1, 2)) * scale).max(axis=1, initial=0.0)
+    if (lost := wild(sizes)).any():
+        jp[lost], used = 0.0, used & ~lost[:, None, None, None]
     if not problem.moving.any():
         return np.empty((*jp.shape[:3], 0)), jp
     jx = np.where(used, shot.by_state / problem.scale[:, None], 0.0)
