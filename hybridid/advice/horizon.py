@@ -118,11 +118,14 @@ def slowest_time(
     model: Model, values: Mapping[str, float], records: Sequence[Record], longest: float
 ) -> float:
     """The slowest dynamics of ``model`` at the parameters ``values`` in s: a decay's time constant or an
-    oscillation's period, of those up to ``longest`` s, at the typical sample; 0 where there is none."""
-    times = [
-        float(_times(at.modes, longest).max(initial=0.0))
-        for at in linearised(model, model.values(values), records)
-    ]
+    oscillation's period, of those up to ``longest`` s, at the typical sample; 0 where there is none.
+
+    Samples at which a machine with dry friction rests are left out, if it ever moves: there the smoothed
+    sign(v) is a damper of F_c/epsilon, and the slow creep behind it is no dynamics of the machine.
+    """
+    every = list(linearised(model, model.values(values), records))
+    moving = [at for at in every if not at.creeps]
+    times = [float(_times(at.modes, longest).max(initial=0.0)) for at in moving or every]
     return float(np.median(times)) if times else 0.0
 
 

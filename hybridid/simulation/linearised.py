@@ -18,6 +18,8 @@ from hybridid.records.record import Record
 from hybridid.simulation.unobserved import filled_states
 
 Array = NDArray[np.float64]
+CREEPING = 5.0
+"""Times epsilon up to which the slope of tanh(v/epsilon) may be felt: there it is 2e-4 of that at rest."""
 PROBES = 50
 """Samples of each record at which a model is linearised."""
 
@@ -25,11 +27,13 @@ PROBES = 50
 @dataclass(frozen=True)
 class Linearised:
     """A model at one sample of a record of so many ``seconds``: slopes of the ``motion`` (n_x, n_x) [1/s] and
-    of the ``outputs`` (n_y, n_x) by the scaled states."""
+    of the ``outputs`` (n_y, n_x) by the scaled states. ``creeps``: a port is so slow that the smoothing of
+    sign(v) makes its slopes."""
 
     motion: Array
     outputs: Array
     seconds: float
+    creeps: bool = False
 
     @property
     def finite(self) -> bool:
@@ -46,12 +50,15 @@ def linearised(model: Model, p: Array, records: Sequence[Record]) -> Iterator[Li
     """``model`` at ``p`` (n_p,), linearised at up to ``PROBES`` samples of each record."""
     scale = np.array([one.scale for one in model.states])
     seen = model.kept("outputs by state", lambda: _by_state(model.h))
+    known = dict(zip([q.name for q in model.parameters], p, strict=True))
+    widths = np.array([known.get(f"{port.name}.epsilon", 0.0) for port in model.equation_ports])
     for record in records:
         path, seconds = filled_states(model, p, record), float(record.time[-1] - record.time[0])
         for k in np.unique(np.linspace(0, record.n - 1, PROBES).astype(int)):
             at = (record.time[k], path[k], record.inputs[k], p)
             motion, outputs = np.asarray(model.by_state(*at)), np.asarray(seen(*at))
-            yield Linearised(motion * scale / scale[:, None], outputs * scale, seconds)
+            creeps = bool((np.abs(np.asarray(model.motions(*at))[:, 1]) < CREEPING * widths).any())
+            yield Linearised(motion * scale / scale[:, None], outputs * scale, seconds, creeps)
 
 
 def _by_state(h: ca.Function) -> ca.Function:

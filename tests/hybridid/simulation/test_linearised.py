@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -52,3 +54,19 @@ def test_slopes_that_are_no_numbers_have_no_modes():
     at = next(linearised(MODEL, _values(mass=np.nan), [_resting()]))
     assert not at.finite
     assert at.modes.size == 0
+
+
+def test_where_friction_holds_a_machine_its_smoothed_sign_makes_the_slopes():
+    """At rest it seems to creep at k epsilon/f_c; at 40 times epsilon it swings at sqrt(k/m)."""
+    model = compose(Duffing(), ["coulomb"])
+    (port,) = model.equation_ports
+    still = _resting()
+    way = 40 * port.epsilon * np.maximum(still.time - still.time[STEPS // 2], 0.0)
+    known = {"m": MASS, "d": DAMPING, "k": STIFFNESS, "oscillator.coulomb.f_c": 0.3}
+    every = list(linearised(model, model.values(known), [replace(still, outputs=way[:, None])]))
+    resting, moving = ([at for at in every if at.creeps is creeps] for creeps in (True, False))
+    assert len(resting) > PROBES / 3
+    assert len(moving) > PROBES / 3
+    first, last = resting[0], moving[-1]
+    assert np.abs(first.modes).min() == pytest.approx(STIFFNESS * port.epsilon / 0.3, rel=0.01)
+    assert np.abs(last.modes).min() == pytest.approx(np.sqrt(STIFFNESS / MASS), rel=0.01)
