@@ -88,7 +88,8 @@ def judge(
         findings += _incomplete(estimate, views)
     findings += [Finding("valley", said) for said in several_valleys(estimate.starts)]
     verdict = _verdict(estimate, findings)
-    said = sentence(verdict, estimate, views, _astray(views, model, estimate, records))
+    steady, integrating = _astray([v for v in views if v not in drift], model, estimate, records)
+    said = sentence(verdict, estimate, views, steady, integrating)
     grows = growth(model, model.values(estimate.values), records) if drift else 0.0
     advice = [Advice("drift", drifts(drift, views[0], grows))] if drift and verdict != "wrong" else []
     advice += advise(problem, estimate, held_out)
@@ -103,16 +104,18 @@ def _verdict(estimate: Estimate, findings: Sequence[Finding]) -> Verdict:
     return "incomplete" if any(one.kind == "incomplete" for one in findings) else "sound"
 
 
-def _astray(views: Sequence[View], model: Model, estimate: Estimate, records: Sequence[Record]) -> list[View]:
-    """The free runs beside good horizons that leave far more than noise and simulation do, of outputs that do
-    not drift by nature."""
+def _astray(
+    views: Sequence[View], model: Model, estimate: Estimate, records: Sequence[Record]
+) -> tuple[list[View], list[View]]:
+    """The free runs beside good horizons that leave far more than noise and simulation do: of outputs that do
+    not drift by nature, and of the others."""
     limits = {one.output: FAR * one.rmse / one.times for one in estimate.left if one.times > 0}
     found = [v for v in views[1:] if v.horizon is None and v.rmse > limits.get(v.output, math.inf)]
     if not found:
-        return []
+        return [], []
     drifts = outputs_that_drift(model, model.values(estimate.values), records)
     steady = {y.name for y, drift in zip(model.outputs, drifts, strict=True) if not drift}
-    return [v for v in found if v.output in steady]
+    return [v for v in found if v.output in steady], [v for v in found if v.output not in steady]
 
 
 def _steps(estimate: Estimate, views: Sequence[View]) -> list[Finding]:

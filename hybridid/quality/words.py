@@ -120,9 +120,15 @@ def smoothing_decides(outputs: Sequence[Left], samples: int | None) -> str:
     )
 
 
-def sentence(verdict: Verdict, estimate: Estimate, views: Sequence[View], astray: Sequence[View] = ()) -> str:
-    """The verdict in one line: whether to trust the estimates, and why. Of ``views``, those ``astray`` are
-    free runs that leave far more than noise and simulation do."""
+def sentence(
+    verdict: Verdict,
+    estimate: Estimate,
+    views: Sequence[View],
+    astray: Sequence[View] = (),
+    integrating: Sequence[View] = (),
+) -> str:
+    """The verdict in one line: whether to trust the estimates, and why. Of ``views``, those ``astray`` and
+    ``integrating`` are free runs that leave far more than noise and simulation do, the latter by nature."""
     if verdict == "wrong":
         return "WRONG MODEL OR RECORD: the estimates are not to be trusted, and no standard error is stated"
     if verdict == "not_converged":
@@ -140,7 +146,9 @@ def sentence(verdict: Verdict, estimate: Estimate, views: Sequence[View], astray
             "error a better model would leave is not known"
         )
     over = "" if views[0].horizon is None else f" {where(views[0])}"
-    but = _undetermined(estimate) + _at_bound(estimate) + _in_free_run(astray, estimate.left)
+    but = _undetermined(estimate) + _at_bound(estimate)
+    but += _in_free_run("", astray, estimate.left)
+    but += _in_free_run(", where small errors add up,", integrating, estimate.left)
     return f"sound{over}: the model leaves {_within_the_limit(estimate.left)}{but}"
 
 
@@ -157,11 +165,11 @@ def _at_bound(estimate: Estimate) -> str:
     return f"; but {listed(names)} {'ends' if len(names) == 1 else 'end'} at a bound" if names else ""
 
 
-def _in_free_run(astray: Sequence[View], left: Sequence[Left]) -> str:
+def _in_free_run(where: str, astray: Sequence[View], left: Sequence[Left]) -> str:
     """How much the free runs ``astray`` leave; empty if there are none."""
     limits = {one.output: one.rmse / one.times for one in left}
     said = [f"{number(v.rmse / limits[v.output], 2)} times that of {v.output}" for v in astray]
-    return f"; but in free run it leaves {listed(said)}" if said else ""
+    return f"; but in free run{where} it leaves {listed(said)}" if said else ""
 
 
 def _within_the_limit(left: Sequence[Left]) -> str:
@@ -172,8 +180,8 @@ def _within_the_limit(left: Sequence[Left]) -> str:
         return "no more than noise and simulation do"
     worst = max(more, key=lambda one: one.times)
     said = f"{number(worst.times, 2)} times what noise and simulation leave of {worst.output}"
-    mostly = "; the errors ± do not count the rest" if worst.times > MISFIT else ""
-    return f"{said}, within the limit of {FAR:g}{mostly}"
+    rest = "; the errors ± do not count the rest, which hybridid trace looks for"
+    return f"{said}, within the limit of {FAR:g}{rest if worst.times > MISFIT else ''}"
 
 
 def _two_digits(share: float) -> float:

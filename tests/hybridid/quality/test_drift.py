@@ -86,6 +86,15 @@ def test_a_free_run_of_a_plant_that_integrates_is_no_accusation():
     assert said.endswith("small errors add up; its errors over horizons of 3 s judge it")
 
 
+def test_a_sound_fit_tells_what_adds_up_in_free_run():
+    """A beam askew by too little to show within one horizon."""
+    record, model = rolled(tilt=1e-5), compose(Position(), ["viscous"])
+    found = judge(model, [record], fit(model, [record], FitSettings(horizon=30)))
+    assert found.verdict == "sound"
+    assert not found.views[1].worse_than_nothing
+    assert "; but in free run, where small errors add up, it leaves " in found.said
+
+
 @pytest.mark.parametrize(("left", "told"), [(0.04, True), (0.8, False)])
 def test_a_free_run_that_diverges_beside_good_horizons_leads_to_trace(left, told):
     horizons = View("angle", "rad", 1.0, left, 1 - left**2, 0.9)

@@ -67,7 +67,7 @@ def test_the_noise_is_told(model, record):
         (
             2.58 * NOISE,
             "sound: the model leaves 2.6 times what noise and simulation leave of position, within the limit "
-            "of 3; the errors ± do not count the rest",
+            "of 3; the errors ± do not count the rest, which hybridid trace looks for",
         ),
         (
             1.3 * NOISE,
