@@ -6,7 +6,18 @@ from dataclasses import dataclass
 from typing import Literal
 
 Kind = Literal[
-    "bound", "scale", "decay", "range", "horizon", "weights", "stopped", "valley", "open", "same", "drift"
+    "bound",
+    "scale",
+    "decay",
+    "range",
+    "horizon",
+    "weights",
+    "stopped",
+    "valley",
+    "open",
+    "same",
+    "drift",
+    "recordings",
 ]
 
 
@@ -21,7 +32,7 @@ class Advice:
     more, or another tolerance. ``valley``: too few starts tell whether the valley that is kept is the lowest.
     ``open``: a standard error is larger than its parameter, which is positive. ``same``: a held-out record
     holds samples that were fitted. ``drift``: a free run is bad by nature, since the model integrates or is
-    unstable; horizons judge it.
+    unstable; horizons judge it. ``recordings``: values of its own explain each recording far better.
     """
 
     kind: Kind

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from hybridid.advice.advice import Advice
 from hybridid.advice.collinear import at_bound, shared_scale
 from hybridid.advice.decay import free_decay
+from hybridid.advice.disagreement import recordings_disagree
 from hybridid.advice.horizon import unsuitable_horizon
 from hybridid.advice.ranges import out_of_range
 from hybridid.advice.relaxation import relaxation
@@ -32,6 +33,7 @@ def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()
         *relaxation(problem.records),
         *unsuitable_horizon(problem, estimate),
         *unequal_outputs(problem.records),
+        *recordings_disagree(problem, estimate),
         *stopped(estimate),
         *few_starts(estimate),
         *left_open(estimate),

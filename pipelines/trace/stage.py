@@ -66,7 +66,10 @@ def run(job: Job) -> None:
     prepared = prepared_records(job.tree)
     asked = request_of(job.settings)
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
-    estimate, report = fit_of(job.tree).estimate, _Report(job)
+    fit, report = fit_of(job.tree), _Report(job)
+    estimate = fit.estimate
+    for line in (one.said for one in fit.quality.advice if one.kind == "recordings"):
+        job.watcher.warn(line)
     request, rate = asked, 0.0
     if is_automatic(job.settings):
         model = model_of(job.settings)

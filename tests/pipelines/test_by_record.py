@@ -90,6 +90,23 @@ def test_a_trace_takes_each_record_s_own(settings, two_masses, heard):
     assert [entry["effect"] for entry in found["accepted"]] == ["asymmetric_viscous"]
 
 
+def test_recordings_that_disagree_are_told_before_the_search(settings, two_masses, heard, monkeypatch):
+    class Begun(Exception):
+        pass
+
+    def begin(*given):
+        raise Begun
+
+    monkeypatch.setattr("pipelines.trace.stage.traced", begin)
+    records = {name: {"files": f"{name}.csv", "role": "identification"} for name in ("first", "second")}
+    one_mass = {"rig": None, "records": records, "parameters": {}, "fit.records": None}
+    with pytest.raises(Begun):
+        run_stages(settings(one_mass), "trace", heard)
+    (said,) = [line for line in heard.warned if line.startswith("the recordings disagree")]
+    assert "M is 60" in said
+    assert "parameters.M.by=record" in said
+
+
 def test_another_value_makes_the_results_stale(settings, two_masses, heard):
     same = {**BOTH, "out": "tree"}
     run_stages(settings(same), "fit", heard)

@@ -308,3 +308,41 @@ def test_what_only_cools_does_not_tell_temperature_from_time_and_from_two_temper
     assert not undriven(replace(turning, inputs=turning.inputs**2))
     assert list(relaxation([decaying(0.6, "swing")])) == []
     assert list(relaxation([decaying(0.6, "driven", torque=lambda t: 0.2 * np.sin(4 * t))])) == []
+
+
+@pytest.fixture(scope="module")
+def light(carriage_like, noise):
+    return carriage_like(M=95.0).record(noise=noise(600, NOISE, seed=4), name="light")
+
+
+@pytest.mark.parametrize(
+    ("truth", "expected"),
+    [
+        ({"M": 125.0}, "M is 94.98 kg in light and 125"),
+        ({"offset": 5.0}, "carriage.offset.offset is −3."),
+        ({"M": 95.0}, ""),
+    ],
+)
+def test_recordings_that_one_set_of_parameters_does_not_fit_are_told(
+    make_model, carriage_like, light, noise, truth, expected
+):
+    other = carriage_like(**truth).record(noise=noise(600, NOISE, seed=5), name="other")
+    lines = told("recordings", make_model(), [light, other], FitSettings(horizon=100))
+    assert len(lines) == bool(expected)
+    if lines:
+        (said,) = lines
+        assert said.startswith("the recordings disagree: fitted to each alone, the model leaves ")
+        assert expected in said
+        assert " in light and " in said
+        name = expected.split()[0]
+        assert f"give each recording its own (parameters.{name}.by=record)" in said
+
+
+def test_what_is_missing_in_both_recordings_alike_is_no_disagreement(make_model, carriage_like, noise):
+    both = [carriage_like(df_v=80.0).record(noise=noise(600, NOISE, seed=k), name=f"run {k}") for k in (4, 5)]
+    assert told("recordings", make_model(), both, FitSettings(horizon=100)) == []
+
+
+def test_one_recording_does_not_disagree(make_model, carriage_like):
+    lacks = carriage_like(df_v=80.0).record()
+    assert told("recordings", make_model(), [lacks], FitSettings(horizon=100)) == []
