@@ -1,8 +1,10 @@
-"""Recordings of which each is explained far better by parameters of its own.
+"""Recordings that one set of parameters does not fit, and few parameters of their own do.
 
 The load of a lift, the temperature of a bearing or the zero of a sensor may change between two recordings.
-One set of parameters then fits neither. So where a fit leaves more than noise and simulation, it is repeated
-on each recording alone, from where it ended.
+So where a fit leaves more than noise and simulation, it is repeated on each recording alone, from where it
+ended. If these fits leave far less, the one or two parameters that differ most between them, in standard
+errors, get a value for each recording, and all are fitted together once more. What a model lacks may bend all
+parameters of each recording: then these few do not suffice, and nothing is told.
 """
 
 from __future__ import annotations
@@ -14,18 +16,21 @@ from dataclasses import replace
 import numpy as np
 
 from hybridid.advice.advice import Advice
-from hybridid.estimators.estimate import Estimate, EstimatedParameter
+from hybridid.estimators.estimate import Estimate
 from hybridid.estimators.fit import fit
 from hybridid.estimators.problem import Problem
+from hybridid.model.groups import WEIGHT, of_group
 from hybridid.naming import listed
 from hybridid.quantities import percent, quantity
+from hybridid.records.record import Record
+from hybridid.settings.fit import FitSettings
 
 LEFT = 0.5
-"""Of the squared error, that fits to each recording alone leave at most if the recordings disagree."""
+"""Of the error, that a fit with more parameters leaves at most if they are needed."""
 APART = 4.0
 """Standard errors by which a parameter that is told differs between two recordings, at least."""
-TOLD = 2
-"""Parameters that are told, at most."""
+MOST = 2
+"""Parameters that are told."""
 
 
 def recordings_disagree(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
@@ -37,47 +42,68 @@ def recordings_disagree(problem: Problem, estimate: Estimate) -> Iterator[Advice
     settings = replace(estimate.settings, starts=1, substeps=estimate.substeps)
     try:
         alone = [fit(model, [one], settings, start_values=estimate.values) for one in records]
-    except ValueError:  # a recording that shows no output, or cannot be fitted alone
+        names = _differing(alone) if _share([*alone], records, estimate) <= LEFT else []
+        own = [_with_own(names[:k], problem, alone, settings) for k in range(1, len(names) + 1)]
+    except ValueError:  # a recording that shows no output, or cannot be fitted
         return
-    share = _left_by(alone, [one.n for one in records], estimate)
-    differ = _differing(alone, [one.name for one in records])
-    if share <= LEFT and differ and all(one.converged for one in alone):
-        names = listed([name for name, _ in differ])
-        yield Advice(
-            "recordings",
-            f"the recordings disagree: fitted to each alone, the model leaves {percent(_short(share))} of "
-            f"the squared error: {'; '.join(said for _, said in differ)}; if {names} may differ (a load, a "
-            "temperature, the zero of a sensor), give each recording its own "
-            f"({' '.join(f'parameters.{name}.by=record' for name, _ in differ)}); else the model lacks what "
-            "makes them differ",
-        )
+    shares = [_share([one], [], estimate) if one.converged else 1.0 for one in own]
+    needed = [k for k, share in enumerate(shares) if share <= LEFT * min([1.0, *shares[:k]])]
+    if needed:
+        told = needed[-1]
+        yield Advice("recordings", _said(names[: told + 1], own[told], shares[told], records))
 
 
-def _left_by(alone: Sequence[Estimate], samples: Sequence[int], together: Estimate) -> float:
-    """The squared error that the fits ``alone`` leave over that of all ``together``: of the output of which
-    they leave most."""
-    squares = np.array([[left.rmse**2 for left in one.left] for one in alone])
-    return max(np.average(squares, axis=0, weights=samples) / [left.rmse**2 for left in together.left])
+def _share(fits: Sequence[Estimate], records: Sequence[Record], together: Estimate) -> float:
+    """The RMS error that ``fits``, one for each of ``records``, leave over that of all ``together``: of the
+    output of which they leave most."""
+    squares = np.array([[left.rmse**2 for left in one.left] for one in fits])
+    mean = np.average(squares, axis=0, weights=[one.n for one in records] or None)
+    return float(np.sqrt(np.max(mean / [left.rmse**2 for left in together.left])))
 
 
-def _differing(alone: Sequence[Estimate], names: Sequence[str]) -> list[tuple[str, str]]:
-    """The parameters that differ most between the fits ``alone`` to the recordings ``names``, in standard
-    errors, and their lowest and highest values in words."""
-    found = []
+def _differing(alone: Sequence[Estimate]) -> list[str]:
+    """The parameters that differ most between the fits ``alone`` to each recording, in standard errors."""
+    apart = {}
     for own in zip(*(one.parameters for one in alone), strict=True):
-        low, high = (pick(range(len(own)), key=lambda k: own[k].value) for pick in (min, max))
-        error = math.hypot(own[low].std, own[high].std)
-        apart = (own[high].value - own[low].value) / error if error > 0 else 0.0
-        if math.isfinite(apart) and apart >= APART:
-            ends = [f"{_said(own[k])} in {names[k]}" for k in (low, high)]
-            found.append((apart, own[low].name, f"{own[low].name} is {listed(ends)}"))
-    found.sort(key=lambda one: -one[0])
-    return [(name, said) for _, name, said in found[:TOLD]]
+        low, high = (pick(own, key=lambda one: one.value) for pick in (min, max))
+        error = math.hypot(low.std, high.std)
+        apart[low.name] = (high.value - low.value) / error if error > 0 else 0.0
+    found = [name for name in sorted(apart, key=lambda name: -apart[name]) if apart[name] >= APART]
+    return found[:MOST]
 
 
-def _short(share: float) -> float:
-    return float(f"{share:.2g}")
+def _with_own(
+    names: Sequence[str], problem: Problem, alone: Sequence[Estimate], settings: FitSettings
+) -> Estimate:
+    """The fit with a value of each of the parameters ``names`` for each recording."""
+    recordings = tuple(one.name for one in problem.records)
+    start = {
+        of_group(name, own): fitted.values[name]
+        for name in names
+        for own, fitted in zip(recordings, alone, strict=True)
+    }
+    records = []
+    for record in problem.records:
+        weights = {of_group(name, own): float(own == record.name) for name in names for own in recordings}
+        records.append(record.with_constants(weights, dict.fromkeys(weights, WEIGHT)))
+    model = replace(problem.model, groups=dict.fromkeys(names, recordings))
+    common = [p.name for p in problem.model.free if p.name not in names]
+    start |= {name: float(np.mean([one.values[name] for one in alone])) for name in common}
+    return fit(model, records, settings, start_values=start)
 
 
-def _said(one: EstimatedParameter) -> str:
-    return quantity(one.value, one.unit, 4)
+def _said(names: Sequence[str], own: Estimate, share: float, records: Sequence[Record]) -> str:
+    known = {p.name: p for p in own.parameters}
+    told = []
+    for name in names:
+        each = {one.name: known[of_group(name, one.name)] for one in records}
+        ends = [pick(each, key=lambda one: each[one].value) for pick in (min, max)]
+        said = [f"{quantity(each[end].value, each[end].unit, 4)} in {end}" for end in ends]
+        told.append(f"{name} is {listed(said)}")
+    left = percent(float(f"{share:.2g}"))
+    words = " ".join(f"parameters.{name}.by=record" for name in names)
+    return (
+        f"the recordings disagree: if each has its own {listed(names)}, the model leaves {left} of the "
+        f"error: {'; '.join(told)}; if that may differ (a load, a temperature, the zero of a sensor), go on with "
+        f"{words}; else the model lacks what makes it differ"
+    )

@@ -331,11 +331,11 @@ def test_recordings_that_one_set_of_parameters_does_not_fit_are_told(
     assert len(lines) == bool(expected)
     if lines:
         (said,) = lines
-        assert said.startswith("the recordings disagree: fitted to each alone, the model leaves ")
+        assert said.startswith("the recordings disagree: if each has its own ")
         assert expected in said
         assert " in light and " in said
         name = expected.split()[0]
-        assert f"give each recording its own (parameters.{name}.by=record)" in said
+        assert f"go on with parameters.{name}.by=record; else" in said
 
 
 def test_what_is_missing_in_both_recordings_alike_is_no_disagreement(make_model, carriage_like, noise):
