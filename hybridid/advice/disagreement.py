@@ -104,6 +104,6 @@ def _said(names: Sequence[str], own: Estimate, share: float, records: Sequence[R
     words = " ".join(f"parameters.{name}.by=record" for name in names)
     return (
         f"the recordings disagree: if each has its own {listed(names)}, the model leaves {left} of the "
-        f"error: {'; '.join(told)}; if that may differ (a load, a temperature, the zero of a sensor), go on with "
-        f"{words}; else the model lacks what makes it differ"
+        f"error: {'; '.join(told)}; if that may differ (a load, a temperature, the zero of a sensor), go on "
+        f"with {words}; else the model lacks what makes it differ"
     )

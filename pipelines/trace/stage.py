@@ -57,6 +57,12 @@ from pipelines.trace.request import (
 
 FORMATS = ("svg",)
 """Formats of the figures. SVG is enough: the report embeds it, and a browser prints it."""
+PATIENCE = 300.0
+"""Seconds after which a trace says how it can be ended."""
+LONG = (
+    "5 minutes so far; trace.time_limit=SECONDS ends a search in time. Interrupted (Ctrl-C), the same "
+    "command goes on where it was"
+)
 FEWEST_FOR_PACE = 10
 """Results that tell how fast a stage is."""
 
@@ -66,7 +72,7 @@ def run(job: Job) -> None:
     prepared = prepared_records(job.tree)
     asked = request_of(job.settings)
     fitted, held_out = ([load_record(one.file) for one in part] for part in division(prepared, job.settings))
-    fit, report = fit_of(job.tree), _Report(job)
+    fit, report = fit_of(job.tree), _Report(job, limited=asked.time_limit is not None)
     estimate = fit.estimate
     for line in (one.said for one in fit.quality.advice if one.kind == "recordings"):
         job.watcher.warn(line)
@@ -170,15 +176,20 @@ def traced(
 class _Report:
     """Hands to the watcher how far a trace is, and what it says."""
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, limited: bool = False) -> None:
         self._watcher = job.watcher
-        self._began = time.monotonic()
+        self._first = self._began = time.monotonic()
+        self._patient = not limited
 
     def __call__(self, stage: str, done: int, of: int, what: str) -> None:
         if not done:
             self._began = time.monotonic()
         last = f", last {what}" if what else ""
-        left = _time_left(time.monotonic() - self._began, done, of)
+        now = time.monotonic()
+        if self._patient and now - self._first >= PATIENCE:
+            self._patient = False
+            self.say(LONG)
+        left = _time_left(now - self._began, done, of)
         self._watcher.progress(stage, f"{done} of {of} done{last}{left}", done / of)
 
     def say(self, line: str) -> None:
@@ -189,7 +200,7 @@ def _time_left(elapsed: float, done: int, of: int) -> str:
     """How long a stage still takes at its pace so far, where that is a minute or more. The slow ones begin
     first, so it is seldom longer and often less."""
     minutes = round(elapsed / done * (of - done) / 60) if done >= FEWEST_FOR_PACE else 0
-    return f", at most about {minutes} min left" if minutes else ""
+    return f", at most about {minutes} min left of these" if minutes else ""
 
 
 def _write(job: Job, found: Trace, processes: int) -> None:

@@ -64,7 +64,7 @@ def test_an_unstable_model_is_the_reason_for_a_shorter_horizon():
 @pytest.mark.parametrize(
     ("elapsed", "done", "of", "said"),
     [
-        (60.0, 10, 30, ", at most about 2 min left"),
+        (60.0, 10, 30, ", at most about 2 min left of these"),
         (10.0, 10, 30, ""),  # seconds need not be told
         (60.0, 9, 30, ""),  # too few tell how fast it is
         (60.0, 30, 30, ""),
@@ -78,15 +78,28 @@ def test_what_takes_minutes_says_how_long(elapsed, done, of, said):
 def test_progress_names_what_is_done_last(monkeypatch):
     told: list[str] = []
     watcher = SimpleNamespace(progress=lambda stage, state, share: told.append(f"{stage}: {state}"))
-    clock = iter((0.0, 5.0, 5.0, 300.0))
+    clock = iter((0.0, 5.0, 5.0, 299.0))
     monkeypatch.setattr("pipelines.trace.stage.time.monotonic", lambda: next(clock))
     report = _Report(SimpleNamespace(watcher=watcher))
     report("step 1", 0, 20, "")
     report("step 1", 10, 20, "carriage.dahl")
     assert told == [
         "step 1: 0 of 20 done",
-        "step 1: 10 of 20 done, last carriage.dahl, at most about 5 min left",
+        "step 1: 10 of 20 done, last carriage.dahl, at most about 5 min left of these",
     ]
+
+
+@pytest.mark.parametrize("limited", [False, True])
+def test_a_long_trace_says_once_how_it_can_be_ended(monkeypatch, limited):
+    said: list[str] = []
+    watcher = SimpleNamespace(progress=lambda *given: None, say=said.append)
+    clock = iter([0.0, *(100.0 * k for k in range(20))])
+    monkeypatch.setattr("pipelines.trace.stage.time.monotonic", lambda: next(clock))
+    report = _Report(SimpleNamespace(watcher=watcher), limited)
+    for done in range(1, 9):
+        report("step 1", done, 20, "carriage.dahl")
+    assert len(said) == (not limited)
+    assert limited or "trace.time_limit=SECONDS ends a search in time" in said[0]
 
 
 def recorded(seconds: float) -> Record:
