@@ -108,8 +108,7 @@ def _warnings(
             said = with_unit(f"{p.value:.6g}", p.unit)
             notes.append(f"{p.name} = {said} is at a bound [{p.lower:g}, {p.upper:g}]")
         if not p.identifiable:
-            said = with_unit(f"{p.std:.3g}", p.unit)
-            notes.append(f"{p.name} is not identifiable from these records: standard error {said}")
+            notes.append(f"{p.name} is not identifiable from these records")
     smeared = [p.name for p in parameters if np.isfinite(p.std) and abs(p.smoothing) > MOSTLY * p.std]
     if smeared:
         notes.append(
@@ -119,8 +118,14 @@ def _warnings(
     used, integrator = problem.windows.substeps, problem.shooter.integrator
     needed = substeps_wanted(problem.model, solution.p, problem.records, integrator=integrator)
     if needed > used:
-        wanted = f"{needed}" if needed <= MOST else f"more than {MOST}"
-        notes.append(f"the fitted model wants {wanted} steps of {integrator} a sample, {used} were used")
+        wanted, remedy = f"{needed}", f"try estimator.substeps={needed}"
+        if needed > MOST:
+            wanted = f"more than {MOST}"
+            remedy = "a larger epsilon of its port, or a lower upper bound of a friction or stiffness, helps"
+        notes.append(
+            f"the fitted model wants {wanted} steps of {integrator} a sample, {used} were used: what it "
+            f"leaves may be theirs; {remedy}"
+        )
     return (*notes, *several_valleys(starts))
 
 

@@ -30,7 +30,7 @@ from hybridid.quality.drift import drifting, explained_over_horizons
 from hybridid.quality.hypotheses import Hypothesis, hypotheses
 from hybridid.quality.smoothing import steady_horizon
 from hybridid.quality.trial import MOST_OF, Data, Trial, tried
-from hybridid.quality.verdict import WRONG, Finding, Quality, Verdict, View
+from hybridid.quality.verdict import TRUSTED, WRONG, Finding, Quality, Verdict, View
 from hybridid.quality.views import views_of
 from hybridid.quality.words import (
     drifts,
@@ -93,6 +93,8 @@ def judge(
     grows = growth(model, model.values(estimate.values), records) if drift else 0.0
     advice = [Advice("drift", drifts(drift, views[0], grows))] if drift and verdict != "wrong" else []
     advice += advise(problem, estimate, held_out)
+    if verdict not in TRUSTED:  # no standard error is stated
+        advice = [one for one in advice if one.kind != "open"]
     return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began, tuple(advice))
 
 

@@ -9,6 +9,8 @@ from hybridid.advice import Advice
 from hybridid.estimators.estimate import Estimate
 
 Verdict = Literal["sound", "incomplete", "wrong", "not_converged"]
+TRUSTED: tuple[Verdict, ...] = ("sound", "incomplete")
+"""Verdicts with which standard errors are stated."""
 Kind = Literal[
     "incomplete", "worse_than_nothing", "sign", "unit", "swapped", "bound", "step", "smoothing", "valley"
 ]
@@ -77,7 +79,7 @@ class Quality:
     @property
     def trusted(self) -> bool:
         """Whether the standard errors mean something."""
-        return self.verdict in ("sound", "incomplete")
+        return self.verdict in TRUSTED
 
     def withheld(self, estimate: Estimate) -> Estimate:
         """``estimate`` without its standard errors, unless they mean something: they are nan then."""

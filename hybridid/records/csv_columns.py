@@ -199,4 +199,4 @@ def numbers(series: Any) -> Array | Instants | str:
         said = " and ".join(shortened(repr(word), 30) for word in words)
         return f"it holds the words {said}, no numbers: write 0 and 1 in their place"
     row = int(np.flatnonzero(series.index == wrong.index[0])[0])
-    return f"it holds {shortened(repr(wrong.iloc[0]), 60)} at sample {row}, no number"
+    return f"it holds {shortened(repr(wrong.iloc[0]), 60)} at sample {row} (the first is 0), no number"

@@ -116,8 +116,14 @@ def test_missing_physics_is_told_and_the_fit_stays_trusted(verdict, record, make
 def test_no_error_is_stated_of_what_is_wrong_or_not_converged(model, record):
     wrong = changed(record, force=-1.0)
     estimate = fit(model, [wrong])
-    kept = judge(model, [wrong], estimate).withheld(estimate)
+    vague = replace(
+        estimate.parameters[0], lower=0.0, std=9 * estimate.parameters[0].value, identifiable=False
+    )
+    open_one = replace(estimate, parameters=(vague, *estimate.parameters[1:]))
+    found = judge(model, [wrong], open_one)
+    kept = found.withheld(open_one)
     assert all(math.isnan(p.std) for p in kept.parameters)
+    assert not any("standard error" in line for line in (*kept.warnings, *(a.said for a in found.advice)))
     cut = fit(model, [record], FitSettings(max_iterations=1))
     assert not cut.converged
     assert all(math.isnan(p.std) for p in cut.parameters)

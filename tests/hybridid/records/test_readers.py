@@ -172,7 +172,9 @@ def test_csv_gaps_stay_gaps_and_text_is_no_signal(tmp_path):
     (tmp_path / "run.csv").write_text("t,V1,state,empty\n0,1,3,\n1,,off,\n2,5,4,\n")
     columns = read_columns(tmp_path / "run.csv")
     assert np.isnan(columns["V1"]).tolist() == [False, True, False]
-    with pytest.raises(RecordError, match="'state' cannot be a signal: it holds 'off' at sample 1"):
+    with pytest.raises(
+        RecordError, match=r"'state' cannot be a signal: it holds 'off' at sample 1 \(the first is 0\)"
+    ):
         columns["state"]
     with pytest.raises(RecordError, match="'empty' cannot be a signal: it is empty"):
         columns["empty"]
