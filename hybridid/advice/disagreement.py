@@ -31,22 +31,25 @@ APART = 4.0
 """Standard errors by which a parameter that is told differs between two recordings, at least."""
 MOST = 2
 """Parameters that are told."""
+LONGEST = 30.0
+"""Seconds of a fit that is repeated on each recording, which takes about as long again."""
 
 
 def recordings_disagree(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
     """Which parameters differ between the recordings, where values of its own explain each far better."""
     model, records = problem.model, problem.records
-    asked = estimate.converged and any(one.exceeded or math.isnan(one.noise) for one in estimate.left)
-    if not asked or len(records) < 2 or model.by_record or model.groups:
+    poor = estimate.converged and any(one.exceeded or math.isnan(one.noise) for one in estimate.left)
+    long = estimate.seconds.get("solve", 0.0) > LONGEST
+    if not poor or long or len(records) < 2 or model.by_record or model.groups:
         return
-    settings = replace(estimate.settings, starts=1, substeps=estimate.substeps)
+    settings = replace(estimate.settings, method="gauss_newton", starts=1, substeps=estimate.substeps)
     try:
         alone = [fit(model, [one], settings, start_values=estimate.values) for one in records]
-        names = _differing(alone) if _share([*alone], records, estimate) <= LEFT else []
+        names = _differing(alone) if _share(alone, records, estimate) <= LEFT else []
         own = [_with_own(names[:k], problem, alone, settings) for k in range(1, len(names) + 1)]
     except ValueError:  # a recording that shows no output, or cannot be fitted
         return
-    shares = [_share([one], [], estimate) if one.converged else 1.0 for one in own]
+    shares = [_share([one], (), estimate) if one.converged else 1.0 for one in own]
     needed = [k for k, share in enumerate(shares) if share <= LEFT * min([1.0, *shares[:k]])]
     if needed:
         told = needed[-1]
@@ -54,8 +57,8 @@ def recordings_disagree(problem: Problem, estimate: Estimate) -> Iterator[Advice
 
 
 def _share(fits: Sequence[Estimate], records: Sequence[Record], together: Estimate) -> float:
-    """The RMS error that ``fits``, one for each of ``records``, leave over that of all ``together``: of the
-    output of which they leave most."""
+    """The RMS error that ``fits``, one for each of ``records`` (none: one for all), leave over that of all
+    ``together``: of the output of which they leave most."""
     squares = np.array([[left.rmse**2 for left in one.left] for one in fits])
     mean = np.average(squares, axis=0, weights=[one.n for one in records] or None)
     return float(np.sqrt(np.max(mean / [left.rmse**2 for left in together.left])))

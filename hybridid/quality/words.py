@@ -165,11 +165,11 @@ def _at_bound(estimate: Estimate) -> str:
     return f"; but {listed(names)} {'ends' if len(names) == 1 else 'end'} at a bound" if names else ""
 
 
-def _in_free_run(where: str, astray: Sequence[View], left: Sequence[Left]) -> str:
+def _in_free_run(how: str, astray: Sequence[View], left: Sequence[Left]) -> str:
     """How much the free runs ``astray`` leave; empty if there are none."""
     limits = {one.output: one.rmse / one.times for one in left}
     said = [f"{number(v.rmse / limits[v.output], 2)} times that of {v.output}" for v in astray]
-    return f"; but in free run{where} it leaves {listed(said)}" if said else ""
+    return f"; but in free run{how} it leaves {listed(said)}" if said else ""
 
 
 def _within_the_limit(left: Sequence[Left]) -> str:

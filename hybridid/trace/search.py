@@ -217,8 +217,8 @@ def _out_of_time(steps: Sequence[Step], took: float, context: Context) -> str:
 
 
 def _step_as_smooth(base: Refit, context: Context, number: int, wider: Refit | None) -> Step:
-    """The step beside ``base``, or beside ``wider``, whose sign(v) is smoothed more widely, if an effect
-    explains more there and one is accepted."""
+    """The step beside ``base``, or beside ``wider``, whose sign(v) is smoothed more widely, if what is
+    accepted there leaves less."""
 
     def made(beside: Refit) -> Step:
         return each_with_its_own(_unless_minor(_step(beside, context, number), context), context)
@@ -227,7 +227,7 @@ def _step_as_smooth(base: Refit, context: Context, number: int, wider: Refit | N
     if wider is None or not explains_more_wider(step, wider, context):
         return step
     again = made(wider)
-    return again if again.accepted else step
+    return again if again.loss < step.loss else step
 
 
 def _step(base: Refit, context: Context, number: int) -> Step:

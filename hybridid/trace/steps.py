@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from hybridid.effects.over import Over
@@ -67,6 +68,12 @@ class Step:
     def taken(self) -> tuple[Accepted, ...]:
         """What was accepted: nothing, an effect, or a pair."""
         return tuple(one for one in (self.accepted, self.together) if one is not None)
+
+    @property
+    def loss(self) -> float:
+        """The held-out loss with the effect that was accepted; infinite if none was."""
+        refitted = self.accepted.trial.refit if self.accepted else None
+        return refitted.score.loss if refitted else math.inf
 
 
 @dataclass(frozen=True)
