@@ -57,8 +57,13 @@ def linearised(model: Model, p: Array, records: Sequence[Record]) -> Iterator[Li
         for k in np.unique(np.linspace(0, record.n - 1, PROBES).astype(int)):
             at = (record.time[k], path[k], record.inputs[k], p)
             motion, outputs = np.asarray(model.by_state(*at)), np.asarray(seen(*at))
-            creeps = bool((np.abs(np.asarray(model.motions(*at))[:, 1]) < CREEPING * widths).any())
-            yield Linearised(motion * scale / scale[:, None], outputs * scale, seconds, creeps)
+            creeps = widths.any() and _is_below(CREEPING * widths, model.motions(*at))
+            yield Linearised(motion * scale / scale[:, None], outputs * scale, seconds, bool(creeps))
+
+
+def _is_below(limits: Array, motions: ca.DM) -> bool:
+    """Whether a port is slower than its limit, of ``limits`` (n_ports,), by its ``motions`` (n_ports, 2)."""
+    return bool((np.abs(np.asarray(motions)[:, 1]) < limits).any())
 
 
 def _by_state(h: ca.Function) -> ca.Function:
