@@ -48,6 +48,7 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.sampling import outputs_late, recorded_late, within_half_a_sample
 from hybridid.trace.shorter import seeks
 from hybridid.trace.shown import not_shown
+from hybridid.trace.smeared import smoothing_may_be_all
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.told_classes import depends_on_the_member
 from hybridid.trace.verdict import Conclusion
@@ -81,9 +82,9 @@ def cautions(
     told += [drive_changes_on_one_side(found.model, context.split)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]
     told += [recorded_late(found.accepted), outputs_late(found.accepted)]
-    told += [slower_dynamics(found.search.final, context.split)]
-    told += [few_samples(found.search.final, context.split)]
+    told += [told_of(found.search.final, context.split) for told_of in (slower_dynamics, few_samples)]
     if found.verdict == "unexplained":
+        told += [smoothing_may_be_all(found.search.final, context)]
         told += [other_horizons_advised(found.search.final, context.split, found.accuracy.noise)]
     unconfirmed = _only_fitted(found, context) if found.verdict == "unexplained" else ""
     if unconfirmed or (found.verdict == "unexplained" and refused_for_significance(traced)):
