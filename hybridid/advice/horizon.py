@@ -120,8 +120,9 @@ def slowest_time(
     """The slowest dynamics of ``model`` at the parameters ``values`` in s: a decay's time constant or an
     oscillation's period, of those up to ``longest`` s, at the typical sample; 0 where there is none.
 
-    Samples at which a machine with dry friction rests are left out, if it ever moves: there the smoothed
-    sign(v) is a damper of F_c/epsilon, and the slow creep behind it is no dynamics of the machine.
+    Samples at which a port with an effort hardly moves, beside its epsilon, are left out, if it ever moves
+    more: there a smoothed sign(v) is a damper of F_c/epsilon, and the slow creep behind it is no dynamics of
+    the machine.
     """
     every = list(linearised(model, model.values(values), records))
     moving = [at for at in every if not at.creeps]

@@ -92,9 +92,7 @@ def judge(
     said = sentence(verdict, estimate, views, steady, integrating)
     grows = growth(model, model.values(estimate.values), records) if drift else 0.0
     advice = [Advice("drift", drifts(drift, views[0], grows))] if drift and verdict != "wrong" else []
-    advice += advise(problem, estimate, held_out)
-    if verdict not in TRUSTED:  # no standard error is stated
-        advice = [one for one in advice if one.kind != "open"]
+    advice += advise(problem, estimate if verdict in TRUSTED else estimate.withheld(), held_out)
     return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began, tuple(advice))
 
 
