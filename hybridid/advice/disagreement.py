@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,28 +35,45 @@ LONGEST = 30.0
 """Seconds of a fit that is repeated on each recording, which takes about as long again."""
 
 
+@dataclass(frozen=True)
+class Disagreement:
+    """With values of its own for each recording, a few parameters leave the ``share`` of the RMS error that
+    is left with one for all; ``said`` tells which and with which values, in words."""
+
+    share: float
+    said: str
+
+
 def recordings_disagree(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
     """Which parameters differ between the recordings, where values of its own explain each far better."""
+    if found := disagreement(problem, estimate):
+        yield Advice("recordings", found.said)
+
+
+def disagreement(problem: Problem, estimate: Estimate) -> Disagreement | None:
+    """The parameters that differ between the recordings of ``problem``, where a fit, the ``estimate``, leaves
+    more than noise and simulation, and values of its own explain each recording far better; else None."""
     model, records = problem.model, problem.records
     poor = estimate.converged and any(one.exceeded or math.isnan(one.noise) for one in estimate.left)
     long = estimate.seconds.get("solve", 0.0) > LONGEST
     if not poor or long or len(records) < 2 or model.by_record or model.groups:
-        return
+        return None
     settings = replace(estimate.settings, method="gauss_newton", starts=1, substeps=estimate.substeps)
     try:
         alone = [fit(model, [one], settings, start_values=estimate.values) for one in records]
-        names = _differing(alone) if _share(alone, records, estimate) <= LEFT else []
+        names = _differing(alone) if share_left(alone, estimate, records) <= LEFT else []
         own = [_with_own(names[:k], problem, alone, settings) for k in range(1, len(names) + 1)]
     except ValueError:  # a recording that shows no output, or cannot be fitted
-        return
-    shares = [_share([one], (), estimate) if one.converged else 1.0 for one in own]
+        return None
+    shares = [share_left([one], estimate) if one.converged else 1.0 for one in own]
     needed = [k for k, share in enumerate(shares) if share <= LEFT * min([1.0, *shares[:k]])]
-    if needed:
-        told = needed[-1]
-        yield Advice("recordings", _said(names[: told + 1], own[told], shares[told], records))
+    if not needed:
+        return None
+    told = needed[-1]
+    return Disagreement(shares[told], _said(names[: told + 1], own[told], shares[told], records))
 
 
-def _share(fits: Sequence[Estimate], records: Sequence[Record], together: Estimate) -> float:
+def share_left(fits: Sequence[Estimate], together: Estimate, records: Sequence[Record] = ()) -> float:
     """The RMS error that ``fits``, one for each of ``records`` (none: one for all), leave over that of all
     ``together``: of the output of which they leave most."""
     squares = np.array([[left.rmse**2 for left in one.left] for one in fits])

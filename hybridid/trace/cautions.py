@@ -12,6 +12,7 @@ from scipy.stats import norm
 
 from hybridid.advice.advice import Advice
 from hybridid.advice.decay import free_decay
+from hybridid.advice.disagreement import Disagreement
 from hybridid.advice.relaxation import relaxation
 from hybridid.advice.unequal import unequal_outputs
 from hybridid.model import Model
@@ -19,7 +20,7 @@ from hybridid.naming import listed
 from hybridid.quantities import estimated, multiple, quantity, share
 from hybridid.records.record import Record
 from hybridid.trace.at_bound import ends_at_bound
-from hybridid.trace.constancy import NO_CONSTANT
+from hybridid.trace.between_recordings import between_recordings
 from hybridid.trace.constants import WrongConstants, constants_in_words
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
@@ -40,8 +41,6 @@ from hybridid.trace.idle import SURE, amplitudes_of, told_from_zero
 from hybridid.trace.longer import more_over_longer
 from hybridid.trace.memory_begins import memory_begins_empty
 from hybridid.trace.one_way import judged_the_other_way
-from hybridid.trace.other_parameters import ASK, other_parameters, recordings
-from hybridid.trace.recording_offset import offset_by_recording
 from hybridid.trace.refused_words import refused_for_significance
 from hybridid.trace.result import Trace
 from hybridid.trace.rules import Rules
@@ -71,11 +70,12 @@ def cautions(
     traced: Trace,
     records: Sequence[Record],
     constants: WrongConstants,
+    apart: Disagreement | None,
     context: Context,
 ) -> tuple[str, ...]:
     """What speaks against taking the trace of the fitted ``records`` at its word, one by one; ``constants``
-    are those that were declared and may be wrong."""
-    told = [] if traced.by_recording else _between_recordings(found, context)
+    are those that were declared and may be wrong, ``apart`` is what differs between the recordings."""
+    told = [] if traced.by_recording else between_recordings(found, apart, context)
     told += [constants_in_words(constants), ends_at_bound(traced.estimate)]
     told += [revision_advised(found, context), several_hystereses(found.accepted)]
     told += [judged_the_other_way(found.search.first, context)]
@@ -117,17 +117,6 @@ def cautions(
     return tuple(caution for one in told if one for caution in _EACH.split(one.strip()))
 
 
-def _between_recordings(found: Conclusion, context: Context) -> list[str]:
-    """What may differ between the recordings: where something is unexplained, or far more than the noise is
-    left beside what was accepted. If it is so, nothing else that is told counts as much."""
-    final = found.search.final
-    if found.verdict == "unexplained":
-        offset = offset_by_recording(final, context.split, context.rules)
-        return [_of_recordings(found.search, context), offset]
-    far = found.accepted and found.times > context.rules.far
-    return [other_parameters(final, context)] if far else []
-
-
 def _in_free_run(search: Search, traced: Trace, context: Context) -> str:
     """That the free runs become worse, or say nothing since the machine is unstable. Where only what was
     accepted makes it so, that is no excuse."""
@@ -136,20 +125,6 @@ def _in_free_run(search: Search, traced: Trace, context: Context) -> str:
         for one in (search.first, search.final)
     )
     return unstable(traced, last) if first > 0 and last > 0 else worse_in_free_run(traced)
-
-
-def _of_recordings(found: Search, context: Context) -> str:
-    """That a parameter may differ between the recordings, and how to ask which; empty if nothing says so."""
-    return other_parameters(found.final, context) or _may_differ_by_recording(found, context)
-
-
-def _may_differ_by_recording(found: Search, context: Context) -> str:
-    """How to ask what differs by recording, where an effect was refused as its amplitude is another one in
-    the held-out records; else empty. Parts of one file are one recording."""
-    reasons = [found.withdrawn, *(trial.reason for step in found.steps for trial in step.trials)]
-    if len(recordings(context.split.records)) < 2 or not any(NO_CONSTANT in reason for reason in reasons):
-        return ""
-    return ASK
 
 
 def _only_fitted(found: Conclusion, context: Context) -> str:

@@ -17,6 +17,7 @@ from hybridid.records.record import Record
 from hybridid.settings.choices import AskedIntegrator
 from hybridid.simulation.chosen import AUTO, EXPLICIT, as_integrator
 from hybridid.trace.before_after import Validation, before_and_after
+from hybridid.trace.between_recordings import disagreeing
 from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.cautions import cautions, marked_as_shown
 from hybridid.trace.completeness import ceilings_of_each, with_networks
@@ -133,6 +134,9 @@ def trace(
     settings = replace(settings, integrator=_solving(found.search.first.numerics.integrator))
     validation = Validation(fitted, others, settings, seconds, initial_state)
     models = before_and_after(found, validation, context)
+    apart = None if recordings else disagreeing(models, validation)
+    if apart:
+        found = replace(found, verdict="ambiguous" if found.accepted else "unexplained")
     ceilings = ceilings_of_each(found, context)
     networks = with_networks(models, ceilings, validation, context)
     missing, failures = missing_efforts(models, split.records, context)
@@ -143,7 +147,7 @@ def trace(
     traced = replace(traced, finer=found.search.final.numerics.finer, weights=weights)
     traced = marked_as_shown(found.accepted, traced)
     traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
-    beware = cautions(found, traced, fitted, constants, context)
+    beware = cautions(found, traced, fitted, constants, apart, context)
     return replace(traced, sentence=sentence(traced), cautions=beware)
 
 

@@ -39,9 +39,9 @@ def test_the_page_has_a_section_for_each_template():
 
 @pytest.mark.parametrize("kind", SECTIONS)
 def test_a_template_s_commands_find_what_was_simulated(kind, machine, say, own_folder, request):
-    """The fit finds the planted parameters; nothing is missing in the machine, and nothing is said to be. Here
-    the trace of some templates tries a few effects, and draws figures of the two tanks alone; the others are
-    fitted. ``make study-strangers`` traces all with all effects, and draws all."""
+    """The fit finds the planted parameters; nothing is missing in the machine, and nothing is said to be.
+    Here the trace of some templates tries a few effects, and draws figures of the two tanks alone; the others
+    are fitted. ``make study-strangers`` traces all with all effects, and draws all."""
     if kind != "two_tanks":
         request.getfixturevalue("no_figures")
     (own_folder / f"{kind}.csv").write_text(machine(kind).text, encoding="utf-8")

@@ -1,0 +1,71 @@
+"""What may differ between the recordings, told behind a verdict.
+
+A search gives all recordings the same parameters. Where these differ, in load or in friction, it may name
+effects for that. So where the declared model leaves more than noise and simulation, its fit is repeated with
+values of its own for each recording (``hybridid.advice.disagreement``). What that leaves is told if it is no
+more than the last model of the trace leaves of the same recordings. Then no name is sure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hybridid.advice.disagreement import Disagreement, disagreement, share_left
+from hybridid.estimators.problem import build_problem
+from hybridid.trace.before_after import FittedModel, Validation
+from hybridid.trace.constancy import NO_CONSTANT
+from hybridid.trace.context import Context
+from hybridid.trace.other_parameters import ASK, other_parameters, recordings
+from hybridid.trace.recording_offset import offset_by_recording
+from hybridid.trace.steps import Search
+from hybridid.trace.verdict import Conclusion
+
+
+def disagreeing(models: Sequence[FittedModel], validation: Validation) -> Disagreement | None:
+    """Which parameters differ between the fitted recordings, if values of their own leave no more than the
+    last of ``models`` does, which are those before and after the trace; else None."""
+    before, after = models[0], models[-1]
+    if len(validation.fitted) < 2:
+        return None
+    settings, estimate = validation.settings, before.estimate
+    problem = build_problem(
+        before.model,
+        validation.fitted,
+        settings.horizon,
+        estimate.substeps,
+        settings.initial_state == "estimated",
+        integrator=estimate.settings.integrator,
+    )
+    found = disagreement(problem, estimate)
+    return found if found and found.share <= share_left([after.estimate], estimate) else None
+
+
+def between_recordings(found: Conclusion, apart: Disagreement | None, context: Context) -> list[str]:
+    """What may differ between the recordings, ``apart`` first: else where something is unexplained, or far
+    more than the noise is left beside what was accepted. If it is so, nothing else that is told counts as
+    much."""
+    final = found.search.final
+    if apart:
+        more = ". That leaves no more than all that was found, which may only stand for it"
+        return [f" Beware: {apart.said}{more if found.accepted else ''}."]
+    if found.verdict == "unexplained":
+        return [
+            _of_recordings(found.search, context),
+            offset_by_recording(final, context.split, context.rules),
+        ]
+    far = found.accepted and found.times > context.rules.far
+    return [other_parameters(final, context)] if far else []
+
+
+def _of_recordings(found: Search, context: Context) -> str:
+    """That a parameter may differ between the recordings, and how to ask which; empty if nothing says so."""
+    return other_parameters(found.final, context) or _may_differ_by_recording(found, context)
+
+
+def _may_differ_by_recording(found: Search, context: Context) -> str:
+    """How to ask what differs by recording, where an effect was refused as its amplitude is another one in
+    the held-out records; else empty. Parts of one file are one recording."""
+    reasons = [found.withdrawn, *(trial.reason for step in found.steps for trial in step.trials)]
+    if len(recordings(context.split.records)) < 2 or not any(NO_CONSTANT in reason for reason in reasons):
+        return ""
+    return ASK

@@ -1,0 +1,48 @@
+"""Recordings that differ in a parameter, beside what the search finds in them. All are simulated."""
+
+from __future__ import annotations
+
+import pytest
+
+from hybridid.trace.run import trace
+
+NOISE = 2e-6  # m
+SAID = "Beware: the recordings disagree: if each has its own "
+
+
+@pytest.fixture(scope="module")
+def traced(make_model, carriage_like, noise):
+    """The trace of two runs, the second of a carriage with another ``truth`` than that of the first."""
+
+    def of(first, second, *effects):
+        runs = [
+            carriage_like(**truth).record(noise=noise(600, NOISE, seed=4 + k), name=f"run {k}")
+            for k, truth in enumerate((first, second))
+        ]
+        only = {"laws": False, "pairs": 0, "variables": ("velocity",)}
+        return trace(make_model(), runs, effects=effects, **only)
+
+    return of
+
+
+def test_a_load_that_differs_is_told_before_all_else(traced):
+    found = traced({"M": 95.0}, {"M": 125.0}, "quadratic_drag", "input_gain")
+    assert found.cautions[0].startswith(f"{SAID}M, the model leaves ")
+    assert "M is 95 kg in run 0 and 125" in found.cautions[0]
+    assert "parameters.M.by=record" in found.cautions[0]
+    assert found.verdict == ("ambiguous" if found.accepted else "unexplained")
+    assert bool(found.accepted) == ("which may only stand for it" in found.cautions[0])
+
+
+def test_what_is_missing_in_both_is_named_without_that(traced):
+    found = traced({"df_v": 80.0}, {"df_v": 80.0}, "asymmetric_viscous", "quadratic_drag")
+    assert found.verdict == "effect_found"
+    assert not any(SAID in one for one in found.cautions)
+
+
+def test_what_is_missing_in_one_alone_is_left_open(traced):
+    """It looks like another parameter there, and no effect has one amount in both."""
+    found = traced({}, {"df_v": 80.0}, "asymmetric_viscous")
+    assert found.cautions[0].startswith(SAID)
+    assert "else the model lacks what makes it differ" in found.cautions[0]
+    assert found.verdict == "unexplained"
