@@ -69,10 +69,14 @@ def _members(accepted: Sequence[Accepted], effect: Effect) -> list[str]:
 
 
 def _short_times(candidate: Candidate, found: Refit, half: float) -> Iterator[str]:
-    """The times of the effect's path that are not clearly longer than ``half`` [s], in words."""
+    """The times of the effect's path that are not clearly longer than ``half`` [s], in words. Of a long one
+    whose interval includes zero, the records say nothing, and that is told elsewhere."""
     if candidate.effect.kind not in PATHS:
         return
     for p in candidate.effect.parameters:
         name = f"{candidate.name}.{p.name}"
-        if p.nests and p.dimension == TIME and found.values[name] - 2 * found.std.get(name, 0.0) <= half:
+        if not (p.nests and p.dimension == TIME):
+            continue
+        value = found.values[name]
+        if value <= half or 0.0 < value - 2 * found.std.get(name, 0.0) <= half:
             yield f"the {p.name} of {candidate.name}"
