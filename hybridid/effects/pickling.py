@@ -10,9 +10,12 @@ from __future__ import annotations
 import importlib
 import pickle
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import ModuleType
 from typing import Any
+
+LIBRARY = f"{__package__}."
+"""How the modules of the library's effects begin."""
 
 
 class EffectNotSendable(pickle.PicklingError, ValueError):
@@ -26,16 +29,18 @@ def reduced(effect: Any) -> tuple[Callable[..., Any], tuple[str, str]] | None:
         EffectNotSendable: if neither is possible.
     """
     functions = [function for function in (effect.law, effect.dynamics) if function is not None]
-    where = _home(effect, functions)
-    if where is not None:
+    of_laws = [str(getattr(function, "__module__", None)) for function in functions]
+    library = [name for name in list(sys.modules) if name.startswith(LIBRARY)]
+    if where := _home(effect, [*of_laws, *library]):
         return imported, where
-    for function in functions:
-        if not _importable(function):
-            raise EffectNotSendable(
-                f"effect {effect.id} stands in no module and its law is a lambda or inner function: another "
-                f"process cannot find it; write NAME = Effect(...) at the top of a module"
-            )
-    return None
+    if all(map(_importable, functions)):
+        return None
+    if where := _home(effect, list(sys.modules)):  # slow: they hold some hundred thousand names
+        return imported, where
+    raise EffectNotSendable(
+        f"effect {effect.id} stands in no module and its law is a lambda or inner function: another "
+        f"process cannot find it; write NAME = Effect(...) at the top of a module"
+    )
 
 
 def imported(module: str, name: str) -> Any:
@@ -43,13 +48,12 @@ def imported(module: str, name: str) -> Any:
     return getattr(importlib.import_module(module), name)
 
 
-def _home(effect: Any, functions: list[Callable[..., Any]]) -> tuple[str, str] | None:
-    """Module and name under which ``effect`` stands: in the module of its law, else in any other."""
-    likely = [getattr(function, "__module__", None) for function in functions]
-    for module in [*likely, *list(sys.modules)]:
-        name = _name_in(sys.modules.get(str(module)), effect)
+def _home(effect: Any, modules: Sequence[str]) -> tuple[str, str] | None:
+    """The first of the ``modules`` in which ``effect`` stands, and under which name; None if in none."""
+    for module in modules:
+        name = _name_in(sys.modules.get(module), effect)
         if name is not None:
-            return str(module), name
+            return module, name
     return None
 
 
