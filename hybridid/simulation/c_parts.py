@@ -65,7 +65,7 @@ static void {name}_run({given}, long long columns) {{
     for (long long j = 0; j * BESIDE < columns; ++j) {{
       const Slope *own = j < {bare} ? none : (const Slope *)(d[a] + {first}) + (j - {bare}) * {own_rows};
       Slope *slope = at[a].slope + j * {rows};
-      {name}_column_run(d[a], at[a].s + j * {n_x}, own, h, at[a].u, p, known, slope, slope);
+      {name}_column_run(d[a], at[a].s + j * {n_x}, own, h, at[a].u, p, known, slope, (Lanes *)slope);
     }}
 }}
 static const Part {name} = {{{name}_forward_constants + {name}_column_constants, {name}_prepare, {name}_run}};

@@ -136,6 +136,20 @@ def test_a_compiler_that_fails_is_named_once(carriage, make_model, monkeypatch, 
         assert not shooter.code.worth_it
 
 
+@compiled
+@pytest.mark.parametrize("lanes", [1, 4])
+@pytest.mark.parametrize("integrator", ["rk4", "rodas3"])
+def test_what_is_written_gives_a_compiler_nothing_to_warn_of(
+    carriage, make_model, integrator, lanes, monkeypatch
+):
+    """What one compiler warns of, the next version of it refuses."""
+    strict = (*compiler._flags(), "-Wall", "-Wno-unused-function", "-Werror")
+    monkeypatch.setattr(compiler, "_flags", lambda: strict)
+    monkeypatch.setattr(compiler, "_LIBRARIES", {})
+    code = replace(shooter_of(carriage, make_model, integrator=integrator).code, lanes=lanes)
+    assert code.worth_it
+
+
 def test_on_a_full_disk_nothing_is_interpreted(carriage, make_model, monkeypatch, tmp_path):
     """It would have other last digits than the results that the same command kept before, and after."""
     full = tmp_path / "cc"
