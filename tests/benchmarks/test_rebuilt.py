@@ -107,6 +107,11 @@ def test_what_is_hidden_is_more_than_the_noise(row):
     draw = first_of(row)
     left = declared_score(declared(draw), records(row)).rmse / draw.noise
     assert (left > 3).all(), left
+
+
+@pytest.mark.parametrize("row", {first_of(row).machine: row for row in ROWS}.values())
+def test_a_machine_is_recorded_again_as_it_was(row):
+    draw = first_of(row)
     record, other = RECORDERS.get(draw.machine, benches.record), records(row)[1]
     again, quiet = (record(draw, RUNS[0], noise, draw.amounts) for noise in (draw.noise, 0.0))
     assert np.array_equal(again.outputs, records(row)[0].outputs)
