@@ -50,9 +50,10 @@ def recordings_disagree(problem: Problem, estimate: Estimate) -> Iterator[Advice
         yield Advice("recordings", found.said)
 
 
-def disagreement(problem: Problem, estimate: Estimate) -> Disagreement | None:
+def disagreement(problem: Problem, estimate: Estimate, most: float = LEFT) -> Disagreement | None:
     """The parameters that differ between the recordings of ``problem``, where a fit, the ``estimate``, leaves
-    more than noise and simulation, and values of its own explain each recording far better; else None."""
+    more than noise and simulation, and values of its own explain each recording far better: they leave the
+    share ``most`` of the error at most; else None. With all parameters its own, a recording leaves least."""
     model, records = problem.model, problem.records
     poor = estimate.converged and any(one.exceeded or math.isnan(one.noise) for one in estimate.left)
     long = estimate.seconds.get("solve", 0.0) > LONGEST
@@ -61,13 +62,13 @@ def disagreement(problem: Problem, estimate: Estimate) -> Disagreement | None:
     settings = replace(estimate.settings, method="gauss_newton", starts=1, substeps=estimate.substeps)
     try:
         alone = [fit(model, [one], settings, start_values=estimate.values) for one in records]
-        names = _differing(alone) if share_left(alone, estimate, records) <= LEFT else []
+        names = _differing(alone) if share_left(alone, estimate, records) <= most else []
         own = [_with_own(names[:k], problem, alone, settings) for k in range(1, len(names) + 1)]
     except ValueError:  # a recording that shows no output, or cannot be fitted
         return None
     shares = [share_left([one], estimate) if one.converged else 1.0 for one in own]
     needed = [k for k, share in enumerate(shares) if share <= LEFT * min([1.0, *shares[:k]])]
-    if not needed:
+    if not needed or shares[needed[-1]] > most:
         return None
     told = needed[-1]
     return Disagreement(shares[told], _said(names[: told + 1], own[told], shares[told], records))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hybridid.advice.disagreement import Disagreement, disagreement, share_left
+from hybridid.advice.disagreement import LEFT, Disagreement, disagreement, share_left
 from hybridid.estimators.problem import build_problem
 from hybridid.trace.before_after import FittedModel, Validation
 from hybridid.trace.constancy import NO_CONSTANT
@@ -36,8 +36,7 @@ def disagreeing(models: Sequence[FittedModel], validation: Validation) -> Disagr
         settings.initial_state == "estimated",
         integrator=estimate.settings.integrator,
     )
-    found = disagreement(problem, estimate)
-    return found if found and found.share <= share_left([after.estimate], estimate) else None
+    return disagreement(problem, estimate, min(LEFT, share_left([after.estimate], estimate)))
 
 
 def between_recordings(found: Conclusion, apart: Disagreement | None, context: Context) -> list[str]:
