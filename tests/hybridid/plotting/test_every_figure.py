@@ -33,9 +33,23 @@ def test_every_labelled_axis_carries_its_unit(make, figure_name):
     assert [label for label in labels if not UNIT.search(label.replace("\n", " "))] == []
 
 
+@pytest.fixture(scope="module")
+def laid_out(draw):
+    """``laid_out(name, width)``: a figure of simulated data whose layout is done, drawn once."""
+
+    @functools.cache
+    def lay_out(name: str, width: float) -> Figure:
+        figure = draw(name, simulated=True, width=width).figure
+        with context():
+            figure.draw_without_rendering()
+        return figure
+
+    return lay_out
+
+
 @pytest.mark.parametrize("width", WIDTHS)
-def test_every_word_has_room(make, figure_name, width):
-    figure = make(figure_name, simulated=True, width=width).figure
+def test_every_word_has_room(laid_out, figure_name, width):
+    figure = laid_out(figure_name, width)
     texts = _drawn_texts(figure)
     page = Bbox.from_bounds(0, 0, figure.bbox.width, figure.bbox.height).padded(0.5)
     assert len(texts) > 5
@@ -46,10 +60,8 @@ def test_every_word_has_room(make, figure_name, width):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_no_legend_covers_data(make, figure_name, width):
-    figure = make(figure_name, width=width).figure
-    with context():
-        figure.draw_without_rendering()
+def test_no_legend_covers_data(laid_out, figure_name, width):
+    figure = laid_out(figure_name, width)
     legends = [*figure.legends, *(a.get_legend() for a in figure.axes if a.get_legend())]
     panels = [axes.get_window_extent().padded(-1) for axes in figure.axes]
     boxes = [legend.get_window_extent() for legend in legends]
@@ -143,7 +155,6 @@ def _labels(axes: Axes) -> list[str]:
 def _drawn_texts(figure: Figure) -> list[tuple[str, Bbox]]:
     """Every word that is printed, with its place; ticks outside the limits are not printed."""
     with context():
-        figure.draw_without_rendering()
         renderer = figure.canvas.get_renderer()
         hidden = {id(label) for axis in figure.findobj(Axis) for label in _unprinted(axis)}
         texts = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip()]
