@@ -36,7 +36,7 @@ from hybridid.trace.horizon_advice import (
     parts_of_all_advised,
     slower_dynamics,
 )
-from hybridid.trace.hystereses import several_hystereses, spread_relaxation
+from hybridid.trace.hystereses import one_impedance, several_hystereses, spread_relaxation
 from hybridid.trace.idle import SURE, amplitudes_of, told_from_zero
 from hybridid.trace.longer import more_over_longer
 from hybridid.trace.memory_begins import memory_begins_empty
@@ -77,7 +77,8 @@ def cautions(
     are those that were declared and may be wrong, ``apart`` is what differs between the recordings."""
     told = [] if traced.by_recording else between_recordings(found, apart, context)
     told += [constants_in_words(constants), ends_at_bound(traced.estimate)]
-    told += [revision_advised(found, context), several_hystereses(found.accepted)]
+    told += [revision_advised(found, context)]
+    told += [several_hystereses(found.accepted), one_impedance(found.accepted)]
     told += [judged_the_other_way(found.search.first, context)]
     told += [drive_changes_on_one_side(found.model, context.split)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]

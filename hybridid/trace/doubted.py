@@ -18,6 +18,7 @@ from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
+from hybridid.trace.hystereses import one_impedance, several_hystereses
 from hybridid.trace.law_curve import is_curve_over
 from hybridid.trace.path import Path
 from hybridid.trace.refit import Refit
@@ -75,11 +76,13 @@ def refuted_form(found: Conclusion, context: Context) -> list[str]:
 
 
 def in_doubt(found: Conclusion, instead: Set[str], context: Context) -> bool:
-    """Whether a name is in doubt: it is one of those ``instead`` of which something else explains as much, or
-    the records refute its form. Proposed laws are in doubt if something else explains as much as each."""
+    """Whether a name is in doubt: it is one of those ``instead`` of which something else explains as much,
+    the records refute its form, or it stands for a part of a sum (``hybridid.trace.hystereses``). Proposed
+    laws are in doubt if something else explains as much as each."""
     if found.verdict == "law_proposed":
         return {one.name for one in found.accepted if is_composed(one.trial.candidate.effect)} <= instead
-    return found.verdict == "effect_found" and bool(instead or refuted_form(found, context))
+    a_sum = several_hystereses(found.accepted) or one_impedance(found.accepted)
+    return found.verdict == "effect_found" and bool(instead or a_sum or refuted_form(found, context))
 
 
 def other_law_possible(found: Conclusion, context: Context) -> str:

@@ -8,7 +8,7 @@ from hybridid.effects.library import effect_named
 from hybridid.model import compose
 from hybridid.plants.duffing import Duffing
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.hystereses import several_hystereses, spread_relaxation
+from hybridid.trace.hystereses import one_impedance, several_hystereses, spread_relaxation
 from hybridid.trace.steps import Accepted
 from hybridid.trace.trial import Trial
 
@@ -39,6 +39,27 @@ def test_look_alikes_with_states_at_one_port_are_a_sum():
 )
 def test_others_are_names(names):
     assert several_hystereses(accepted(*names)) == ""
+
+
+def test_a_load_behind_a_spring_and_a_relaxation_at_one_port_are_one_impedance():
+    assert one_impedance(accepted("spring.flexible_mode", "spring.cogging", "spring.maxwell")) == (
+        " Beware: spring.flexible_mode and spring.maxwell are together one mechanical impedance. Other "
+        "networks of masses, springs and dampers have the same, so no experiment there tells whether the "
+        "machine holds these."
+    )
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("motor.flexible_mode",),
+        ("motor.flexible_mode", "link.maxwell"),
+        ("motor.maxwell", "motor.second_maxwell"),  # branches of one relaxation
+        ("motor.flexible_mode", "motor.lugre"),
+    ],
+)
+def test_others_are_no_impedance_of_several_parts(names):
+    assert one_impedance(accepted(*names)) == ""
 
 
 def test_three_maxwell_branches_may_be_one_relaxation():
