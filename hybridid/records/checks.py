@@ -21,6 +21,8 @@ SHORTEST_STEP, LONGEST_STEP = 1e-12, 1e9
 STEP_TOLERANCE = 0.01  # of the sampling time
 # Small errors of the steps add up: beyond half a sample, a fit would take the sum for a delay.
 GRID_TOLERANCE = 0.5  # of the sampling time
+GAP = 3.0
+"""Times the usual step from which on a step is a gap: what is resampled into it was not measured."""
 ONE_STEP = 1e-6
 """Share of a step by which two are one, however long the records."""
 
@@ -140,6 +142,13 @@ def set_resample(name: str, time: Array) -> str:
     )
 
 
+def leave_out(name: str, start: float, stop: float) -> str:
+    """The step that leaves the samples of the record ``name`` from ``start`` to ``stop`` [s] out, for a
+    message."""
+    stretch = f"[[{start:.9g}, {stop:.9g}]]"
+    return f"'records.{name}.steps=[{{step: mask, stretches: {stretch}, through: false}}]'"
+
+
 def check_even(time: Array, where: str) -> None:
     """Raise if the increasing stamps ``time`` (n,) deviate from an even grid, naming the worst.
 
@@ -156,6 +165,9 @@ def check_even(time: Array, where: str) -> None:
     off = np.abs(steps - dt)
     if off.max() > STEP_TOLERANCE * dt:
         k = int(np.argmax(off))
+        if steps[k] > GAP * dt:
+            left_out = leave_out(where.removeprefix("record "), time[k], time[k + 1])
+            remedy += f"; nothing was measured in that step, so leave it out too, by {left_out}"
         raise RecordError(
             f"{where}: time is uneven: step {steps[k]:.6g} s from sample {k} (t = {time[k]:g} s) "
             f"where {dt:.6g} s is usual, {int((off > STEP_TOLERANCE * dt).sum())} of {len(steps)} steps are "

@@ -9,9 +9,8 @@ from typing import Literal
 import numpy as np
 
 from hybridid.records.channel import Array, Hold, RecordError
-from hybridid.records.checks import check_increasing
+from hybridid.records.checks import GAP, check_increasing, leave_out
 
-GAP = 3.0  # of the usual step; a longer gap is reported, because its samples are interpolated, not measured
 COARSER = 1.5  # of the usual step; a longer new step without a filter causes aliasing
 KEPT = (2.0 / 3.0) ** 0.5
 """Share of a white error that a line between two samples keeps, root mean square over its length."""
@@ -116,6 +115,7 @@ def _remarks(time: Array, plan: Resample, where: str) -> tuple[str, ...]:
     if steps[k] > GAP * usual:
         remarks.append(
             f"{where}: {steps[k]:.6g} s without a sample from t = {time[k]:g} s were filled by interpolation"
+            f"; {leave_out(where.removeprefix('record '), time[k], time[k + 1])} leaves them out"
         )
     if plan.dt > COARSER * usual:
         remarks.append(

@@ -25,7 +25,7 @@ from scipy.stats import norm
 from hybridid.declarations import Parameter
 from hybridid.model import Model
 from hybridid.naming import listed
-from hybridid.quantities import estimated, number, share
+from hybridid.quantities import Z95, estimated, number, quantity, share
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.alike import tells_apart
 from hybridid.trace.constancy import with_smoothing
@@ -39,8 +39,8 @@ from hybridid.trace.verdict import Conclusion
 
 FURTHEST = 2.0
 """Times its value, or its value over this, a constant may be: what differs more is other physics."""
-TOLD = 3
-"""Constants that are told in one place, at most."""
+TOLD, DIGITS = 3, 4
+"""Constants and other parameters that are told in one place, at most, and the digits of the latter."""
 BOUND = 1e-3
 """Share of a bound within which a constant ends there."""
 
@@ -49,12 +49,14 @@ BOUND = 1e-3
 class Freed:
     """A ``constant`` that was freed ``instead`` of accepted effects (none: beside all), and what came of it;
     None where the model could not be simulated. ``more`` is the share of the held-out error that it takes
-    beyond these, if that is worth having and significant."""
+    beyond these, if that is worth having and significant. ``others`` tells the parameters that are other ones
+    then."""
 
     constant: Parameter
     instead: tuple[str, ...]
     refit: Refit | None
     more: float = 0.0
+    others: str = ""
 
     @property
     def name(self) -> str:
@@ -173,7 +175,26 @@ def _worse(one: Freed, final: Refit, context: Context) -> bool:
 def _with_more(one: Freed, final: Refit, rules: Rules) -> Freed:
     assert one.refit is not None
     better = compare(final.score, one.refit.score)
-    return replace(one, more=better.gain) if rules.passes(better.gain, better.p_value) else one
+    more = better.gain if rules.passes(better.gain, better.p_value) else 0.0
+    return replace(one, more=more, others=_others(one.refit, final))
+
+
+def _others(freed: Refit, final: Refit) -> str:
+    """The parameters of ``final`` that certainly are other ones in the model ``freed``, those that move most,
+    in words."""
+    certain = [p for p in final.model.free if Z95 * freed.std.get(p.name, np.inf) < _moved(p, freed, final)]
+    most = sorted(certain, key=lambda p: -_moved(p, freed, final) / abs(freed.values[p.name] or 1.0))
+    return listed(
+        [
+            f"{p.name} is {quantity(freed.values[p.name], p.unit, DIGITS)} "
+            f"instead of {quantity(final.values[p.name], p.unit, DIGITS)}"
+            for p in most[:TOLD]
+        ]
+    )
+
+
+def _moved(p: Parameter, freed: Refit, final: Refit) -> float:
+    return abs(freed.values[p.name] - final.values[p.name]) if p.name in freed.values else 0.0
 
 
 def _taken(one: Freed, final: Refit, tests: int, rules: Rules) -> float:
@@ -189,10 +210,14 @@ def _in_place(place: tuple[str, ...], freed: Sequence[Freed]) -> str:
     """What explains as much in the place of the effects ``place``, in words."""
     some = listed([str(one) for one in freed[:TOLD]])
     each = ", each alone" if len(freed) > 1 else ""
-    more = f"more ({share(freed[0].more)} less error)" if freed[0].more else "as much"
+    first = freed[0]
+    more = f"more ({share(first.more)} less error)" if first.more else "as much"
+    others = f"; then {first.others}" if first.others else ""
+    assert first.refit is not None
+    setting = f"parameters.{first.constant.name}.fixed={first.refit.values[first.constant.name]:.5g}"
     return (
         f" Beware: in the place of {listed(place)} a constant that is declared as known explains {more}, if "
-        f"it has another value: {some}{each}."
+        f"it has another value: {some}{each}{others}. To go on with that instead: {setting}."
     )
 
 

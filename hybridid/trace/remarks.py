@@ -22,8 +22,9 @@ LOOK_ALIKES: Mapping[str, tuple[str, ...]] = {effect.id: effect.look_alikes for 
 
 
 def idle_in_words(found: Trace) -> str:
-    """Which declared effects the records show nothing of; empty if there is none."""
-    if not found.idle:
+    """Which declared effects the records show nothing of; empty if there is none. Where all is unexplained,
+    the standard errors are those of a wrong model, and nothing is told."""
+    if not found.idle or (found.verdict == "unexplained" and found.times > found.rules.far):
         return ""
     was = "were" if len(found.idle) > 1 else "was"
     where = "Beside what is missing" if found.times > found.rules.far else "Over these horizons"

@@ -143,9 +143,11 @@ def _not_simulated(numerics: Numerics, survives: bool) -> Survival:
 
 def objection(survivals: Sequence[Survival]) -> str:
     """Why these variations speak against an effect; empty if they do not."""
-    lost = [_lost(one) for one in survivals if not one.survives]
-    if lost:
+    failed = [one for one in survivals if not one.survives]
+    if lost := [_lost(one) for one in failed if not (one.simulated and one.kept >= Rules.kept)]:
         return f"the gain does not survive {', '.join(lost)}"
+    if failed:
+        return f"the gain stays, but an amplitude moves with {', '.join(map(_lost, failed))}"
     tried = sum(one.simulated for one in survivals)
     if 2 * tried < len(survivals):
         return f"too stiff to be solved in more than {tried} of {len(survivals)} other ways"

@@ -237,12 +237,15 @@ def test_an_uneven_record_passes_only_when_resampling_is_asked_for(tmp_path):
         "inputs": {"u": {"unit": "V", "column": "u"}},
         "outputs": {"y": {"unit": "m", "column": "y"}},
     }
-    with pytest.raises(RecordError, match=r"time is uneven: step 0\.021 s from sample 99"):
+    left_out = "'records.holed.steps=[{step: mask, stretches: [[0.099, 0.12]], through: false}]'"
+    with pytest.raises(RecordError, match=r"time is uneven: step 0\.021 s from sample 99") as raised:
         read_record("holed", record_map(plan), [])
+    assert str(raised.value).endswith(f"in that step, so leave it out too, by {left_out}")
     record = read_record("holed", record_map({**plan, "resample": 0.001}), [])
     assert record.n == N
     assert any("resampled onto an even grid of 0.001 s (pchip" in w for w in record.warnings)
-    assert any("0.021 s without a sample from t = 0.099 s" in w for w in record.warnings)
+    (told,) = [w for w in record.warnings if "0.021 s without a sample from t = 0.099 s" in w]
+    assert told.endswith(f"{left_out} leaves them out")
     assert np.abs(record.output("y") - np.sin(20 * T)).max() < 0.02
     linear = read_record("holed", record_map({**plan, "resample": {"dt": 0.001, "method": "linear"}}), [])
     assert any("(linear" in w for w in linear.warnings)

@@ -42,6 +42,9 @@ def test_in_the_place_of_a_name_a_wrong_mass_explains_as_much(traced):
     assert caution not in found.sentence
     said = caution.partition(", if it has another value: M = ")[2]
     assert float(said.split()[0]) == pytest.approx(95.0, abs=0.5)
+    assert float(said.partition("To go on with that instead: parameters.M.fixed=")[2][:-1]) == pytest.approx(
+        95.0, abs=0.5
+    )
     assert found.verdict == "ambiguous"
 
 
@@ -61,6 +64,25 @@ def test_what_takes_the_place_of_all_is_not_told_of_each():
         "declared as known explains more (55.0 % less error), if it has another value: r"
         in better.replace("\N{NO-BREAK SPACE}", " ")
     )
+
+
+def test_the_parameters_that_follow_a_constant_are_told_with_it():
+    """A gain that passes for a wrong weight scales all that the drive moves."""
+    free = [Parameter("J", "kg·m²", 1.0), Parameter("f_c", "N·m", 1.0), Parameter("q_0", "rad", 0.0)]
+    final = SimpleNamespace(
+        model=SimpleNamespace(free=free), values={"J": 1.3342, "f_c": 1.667, "q_0": 0.2501}
+    )
+    freed = SimpleNamespace(
+        values={"G": 10.8, "J": 1.6, "f_c": 2.0, "q_0": 0.25},
+        std={"G": 1e-3, "J": 1e-4, "f_c": 0.5, "q_0": 1e-3},
+    )
+    others = constants._others(freed, final)
+    assert others == "J is 1.6 kg·m² instead of 1.334 kg·m²"
+    told = constants_in_words(
+        WrongConstants((Freed(Parameter("G", "N·m", 9.0), ("p.a",), freed, 0.0, others),))
+    )
+    assert "instead of 9; then J is 1.6 kg·m² instead of 1.334 kg·m². To go on with that instead: " in told
+    assert told.endswith("parameters.G.fixed=10.8.")
 
 
 def test_in_the_place_of_all_it_begins_where_it_ended_beside_some(monkeypatch):
