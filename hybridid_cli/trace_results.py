@@ -14,6 +14,7 @@ from hybridid.trace.remarks import (
     completeness_in_words,
     idle_in_words,
     narrowed_in_words,
+    others_in_words,
     parameters_in_words,
     rivals,
     tried_in_words,
@@ -50,10 +51,10 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
     parts.append(Text(""))
     if found.accepted:
         parts.append(_accepted(found))
-        beside = (unsure_in_words(found), *rivals(found))
-        parts += [Text(said) for said in beside if said]
+        parts += [Text(said) for said in (unsure_in_words(found), *rivals(found)) if said]
     parts.append(_before_after(found))
-    parts += [Text(said) for said in (idle_in_words(found), narrowed_in_words(found)) if said]
+    beside = (others_in_words(found), idle_in_words(found), narrowed_in_words(found))
+    parts += [Text(said) for said in beside if said]
     if found.completeness:
         parts.append(Text(f"completeness: {completeness_in_words(found)}"))
     parts += [
@@ -63,7 +64,7 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
         ),
         Text(f"report: {(folder or tree / 'trace') / 'report.html'}"),
     ]
-    if found.accepted:
+    if found.accepted or found.narrowed:
         parts.append(Text(f"go on:  {said.commands[0]}"))
     return [*parts, *_advice_of_the_fit(tree, found)]
 

@@ -10,7 +10,7 @@ from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
 from hybridid.trace.constancy import NO_CONSTANT
-from hybridid.trace.entries import AcceptedEffect, TriedEffect, Value
+from hybridid.trace.entries import AcceptedEffect, EstimatedValue, TriedEffect, Value
 from hybridid.trace.refused_words import largest_refused
 from hybridid.trace.result import Trace
 from hybridid.trace.rules import Rules
@@ -40,6 +40,20 @@ def unsure_in_words(found: Trace) -> str:
         "± ?: no standard error. The value ends at its bound, the records do not determine it, or the "
         "sensitivities of a machine that sticks grow without end."
     )
+
+
+def others_in_words(found: Trace) -> str:
+    """The parameters of the last model beside those of accepted effects, where it is not the declared one;
+    else empty."""
+    if not (found.accepted or found.narrowed):
+        return ""
+    own = tuple(f"{entry.port}.{entry.effect}." for entry in found.accepted)
+    others = {name: value for name, value in found.estimates.after.items() if not name.startswith(own)}
+    if not others:
+        return ""
+    wrong = " (the errors ± do not count what is missing)" if found.times > found.rules.far else ""
+    which = "other parameters" if found.accepted else "parameters"
+    return f"{which} of the last model: {', '.join(parameters_in_words(others))}{wrong}"
 
 
 def narrowed_in_words(found: Trace) -> str:
@@ -232,7 +246,7 @@ def _what_the_network_finds(found: Trace, check: Completeness) -> str:
     return "It finds what none of the effects tried is shown to explain"
 
 
-def parameters_in_words(values: Mapping[str, Value]) -> list[str]:
+def parameters_in_words(values: Mapping[str, Value | EstimatedValue]) -> list[str]:
     """``df_v = 73.9 ± 8.9 N·s/m`` of each parameter: its value and half its 95 % interval."""
     return [f"{name} = {estimated(p.value, p.std, p.unit)}" for name, p in values.items()]
 

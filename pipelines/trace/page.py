@@ -316,10 +316,10 @@ def _taken(one: LearnedGain) -> str:
 
 
 def _use(traced: TraceFile) -> Section | None:
-    if not traced.found.accepted:
+    if not (traced.found.accepted or traced.found.narrowed):
         return None
     text = (
-        "fit, validate and plot work with the augmented model as with any other model. The first command "
+        "fit, validate and plot work with the last model as with any other model. The first command "
         "begins where this trace ended. The second needs no file of it and begins at the guesses: it may end "
         "elsewhere, so compare its errors with those above."
     )

@@ -6,9 +6,15 @@ from types import SimpleNamespace
 import pytest
 
 from hybridid.trace.completeness import Completeness
-from hybridid.trace.entries import LearnedGain, StepTaken, TriedEffect
-from hybridid.trace.remarks import completeness_in_words, mostly_unshown, rivals
-from hybridid.trace.result import LearnedGains
+from hybridid.trace.entries import EstimatedValue, LearnedGain, StepTaken, TriedEffect, Width
+from hybridid.trace.remarks import (
+    completeness_in_words,
+    idle_in_words,
+    mostly_unshown,
+    others_in_words,
+    rivals,
+)
+from hybridid.trace.result import Estimates, LearnedGains
 
 
 @pytest.mark.parametrize(
@@ -35,6 +41,22 @@ def test_a_gain_that_is_not_significant_is_no_proof_that_nothing_is_missing(
 ):
     network = Completeness("12 bumps over v at cart", gain, p_value, complete, gain, "")
     assert completeness_in_words(replace(nothing(), completeness=network)).endswith(said)
+
+
+def test_the_parameters_of_a_last_model_that_is_not_the_declared_one_are_told(nothing):
+    mass = EstimatedValue(93.2, 0.5, "kg", (92.2, 94.2), False, True, "moving mass")
+    found = replace(nothing(), estimates=Estimates({}, {"M": mass}))
+    assert others_in_words(found) == ""
+    narrower = replace(found, narrowed=(Width("cart.epsilon", "m/s", 1e-3, 1e-4),))
+    assert others_in_words(narrower) == "parameters of the last model: M = 93.20 ± 0.98 kg"
+    wrong = replace(narrower, times=9.0)
+    assert others_in_words(wrong).endswith("kg (the errors ± do not count what is missing)")
+
+
+def test_where_all_is_unexplained_no_declared_effect_is_called_zero(nothing):
+    found = replace(nothing(), idle=("cart.viscous",))
+    assert idle_in_words(found).startswith("Over these horizons, the records do not tell cart.viscous")
+    assert idle_in_words(replace(found, verdict="unexplained", times=9.0)) == ""
 
 
 def test_a_refused_gain_is_told_where_the_network_finds_nothing_more(nothing):
