@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from hybridid.naming import counted, listed
-from hybridid.quantities import multiple, percent, places_below_all, probability, quantity, share
+from hybridid.quantities import multiple, percent, places_below_all, quantity, share
 from hybridid.trace.cut_words import best_tried, cut_short, cut_step, passed_in
-from hybridid.trace.entries import AcceptedEffect, ReplacedEffect, TriedEffect
+from hybridid.trace.entries import AcceptedEffect, TriedEffect
 from hybridid.trace.input_noise import NoisyInputs
 from hybridid.trace.law_words import passed_before, proposed
 from hybridid.trace.recording_words import by_recording_in_words, comes_first
 from hybridid.trace.refused_words import more_than_possible, most_refused
 from hybridid.trace.remarks import mostly_unshown, named_effects, none_of, parameters_in_words, told_apart
+from hybridid.trace.replacement_words import revised_in_words
 from hybridid.trace.result import Trace
 from hybridid.trace.steps import AT_FLOOR_TOGETHER
 from hybridid.trace.trial import PASSED, UNTRIED
@@ -35,48 +36,10 @@ def sentence(found: Trace) -> str:
     """The verdict in words: what the time limit and failed fits left out, if anything; then what the model
     lacked and how far the error falls, or what is left. Where no effect was found, or each name is refuted, a
     parameter that differs by recording comes first: one value for all of them leaves what follows."""
-    said, differs = _concluded(found) + _revised(found), by_recording_in_words(found)
+    said, differs = _concluded(found) + revised_in_words(found), by_recording_in_words(found)
     first = comes_first(found)
     told = f"{differs.lstrip()} With one value for all recordings: {said}" if first else said + differs
     return cut_short(found) + _untried(found) + told
-
-
-def _revised(found: Trace) -> str:
-    """What explains more in the place of a declared effect, or as much with fewer parameters; empty unless
-    that was asked and found."""
-    if not found.replacements:
-        return ""
-    best = found.replacements[0]
-    alike = [
-        one.left_out
-        for one in found.replacements
-        if (one.kind, set(one.effects)) == (best.kind, set(best.effects))
-        and best.gain - one.gain < found.rules.tie
-    ]
-    in_place = f" The declared {' or '.join(alike)} may be wrong: {listed(best.effects)} in its place "
-    return in_place + (_as_good(best, found) if best.kind == "as_good" else _better(best))
-
-
-def gained(one: ReplacedEffect) -> str:
-    """What a replacement gains: less error, or as little with fewer parameters."""
-    if one.kind == "better":
-        return f"{share(one.gain)} less error"
-    return f"as good with {counted(one.fewer, 'parameter')} fewer"
-
-
-def _better(one: ReplacedEffect) -> str:
-    leave = "leave" if len(one.effects) > 1 else "leaves"
-    return f"{leave} {gained(one)} (p {probability(one.p_value, '= ')})."
-
-
-def _as_good(one: ReplacedEffect, found: Trace) -> str:
-    needless = [each.name for each in found.accepted if each.name not in one.effects]
-    without = f", without {listed(needless)}" if needless else ""
-    return (
-        f"{'explain' if len(one.effects) > 1 else 'explains'} the records as well with "
-        f"{counted(one.fewer, 'parameter')} fewer{without}. These records cannot tell the two models apart; "
-        "the simpler one is preferred."
-    )
 
 
 def _concluded(found: Trace) -> str:
@@ -101,7 +64,9 @@ def _concluded(found: Trace) -> str:
         return _best_so_far(found, fall)
     names = [one for one in named if not one.is_law]
     laws = [one for one in named if one.is_law]
-    lacked = f"The model lacked {listed([_named(entry, found) for entry in names])}"
+    doubted = found.verdict == "ambiguous" and all(len(one.alike) < 2 for one in found.accepted)
+    may_have = "may have lacked" if doubted else "lacked"
+    lacked = f"The model {may_have} {listed([_named(entry, found) for entry in names])}"
     if not laws:
         return f"{lacked}: {fall}.{_only_together(found)}{_rest(found)}"
     before, something = (f"{lacked}. ", "Something else") if names else ("", "Something")

@@ -29,9 +29,10 @@ from hybridid.trace.remarks import (
     structure_in_words,
     unsure_in_words,
 )
+from hybridid.trace.replacement_words import gained
 from hybridid.trace.result import Trace
 from hybridid.trace.robustness import Survival
-from hybridid.trace.words import VERDICTS, error_left, gained
+from hybridid.trace.words import VERDICTS, error_left
 from pipelines.shared.page import Page, Picture, Section, Table
 from pipelines.shared.traced import TraceFile
 from pipelines.trace.rules_table import rules_table

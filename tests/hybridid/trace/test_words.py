@@ -224,6 +224,15 @@ def test_names_are_told_before_a_law(nothing):
     assert "The law proposed at carriage is F = k v³ (k = −36.9 ± 4.4 N·s/m): with them the RMSE" in said
 
 
+def test_a_name_in_doubt_that_is_no_class_may_have_been_lacked(nothing):
+    path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
+    found = replace(nothing(), accepted=(accepted("stribeck", "F = k", False),), path=path)
+    assert sentence(replace(found, verdict="ambiguous")).startswith("The model may have lacked stribeck at")
+    assert sentence(replace(found, verdict="effect_found")).startswith(
+        "The model lacked stribeck at carriage"
+    )
+
+
 @pytest.mark.parametrize(("times", "said"), [(75.64, "75.6 times"), (14998.0, "more than a thousand times")])
 def test_a_name_far_above_the_noise_may_stand_for_a_part(nothing, times, said):
     path = (nothing().path[0], Level("", {"position": 1.5e-6}, {}, 0.5))
