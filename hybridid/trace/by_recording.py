@@ -33,6 +33,7 @@ from hybridid.trace.judgement import too_little
 from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit, values_without
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
+from hybridid.trace.sharper import sharp_enough
 from hybridid.trace.split import Split
 from hybridid.trace.steps import Search
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED
@@ -66,10 +67,10 @@ def by_recording(found: Search, context: Context) -> tuple[DifferingParameter, .
     """
     check_split(context.split)
     rules = context.rules
-    kept, left = _one_after_another(found, context)
-    named, told = [_entry(one, alike) for one, alike in kept], [one for one, _ in kept]
+    kept, left, sharp = _one_after_another(found, context)
+    named, told = [_entry(one, alike, sharp) for one, alike in kept], [one for one, _ in kept]
     gauge, alike, others = _of_gauges(found, context)
-    last = told[-1].refit if told else None
+    last = told[-1].refit if told else None  # by the numerics of the gauges
     as_good = gauge is not None and (last is None or _no_worse(gauge.refit, last, rules))
     one_for_one = gauge is not None and len(told) == 1 and _no_worse(last, gauge.refit, rules)
     if gauge and as_good and not one_for_one:
@@ -79,7 +80,7 @@ def by_recording(found: Search, context: Context) -> tuple[DifferingParameter, .
     elif gauge:
         others.append(gauge)
         if as_good:  # one parameter of the machine is told before a gauge that explains as much
-            named = [_entry(told[0], (*kept[0][1], gauge.parameter))]
+            named = [_entry(told[0], (*kept[0][1], gauge.parameter), sharp)]
     others = _outdone(others, "another one explains as much, or more")
     tried = sorted((*left, *others), key=lambda one: -one.gain)
     return (*named, *_in_place(found, context), *map(_entry, tried))
@@ -92,21 +93,23 @@ def _outdone(trials: Sequence[Differing], reason: str) -> list[Differing]:
 
 def _one_after_another(
     found: Search, context: Context
-) -> tuple[list[tuple[Differing, tuple[str, ...]]], list[Differing]]:
+) -> tuple[list[tuple[Differing, tuple[str, ...]]], list[Differing], Refit | None]:
     """The parameters of the last model of ``found`` that differ by recording, each beside those before it and
-    with what the records cannot tell from it; and what was tried beside all of them, and does not."""
+    with what the records cannot tell from it; what was tried beside all of them, and does not; and the model
+    with all of them, None if there are none. The smoothing of sign(v) is as narrow as pays beside them."""
     rules, base, split = context.rules, found.final, context.split
     kept: list[tuple[Differing, tuple[str, ...]]] = []
     while True:
         trials = _tried([(name, base, split) for name, base in _parameters(base)], base, context)
         passed = [one for one in trials if one.status == PASSED]
         if not passed or len(kept) >= rules.most_effects:
-            return kept, trials
+            return kept, trials, base if kept else None
         best = max(passed, key=lambda one: one.gain)
         assert best.refit is not None
         kept.append((best, _alike(best, passed, None if kept else found, rules)))
         context.say(f"{best.parameter} differs by recording: {best.gain:.1%} off the held-out error")
-        base, split = best.refit, best.split
+        split = best.split
+        base = sharp_enough(best.refit, replace(context, split=split))
 
 
 def _of_gauges(found: Search, context: Context) -> tuple[Differing | None, tuple[str, ...], list[Differing]]:
@@ -285,8 +288,9 @@ def _in_place(found: Search, context: Context) -> list[DifferingParameter]:
     return sorted(kept, key=lambda one: -one.gain)
 
 
-def _entry(one: Differing, alike: tuple[str, ...] = ()) -> DifferingParameter:
-    found = one.refit
+def _entry(one: Differing, alike: tuple[str, ...] = (), last: Refit | None = None) -> DifferingParameter:
+    """``one`` as it is told, with its values in the model ``last`` (None: in its own)."""
+    found = last or one.refit
     rmse = found.score.rmse.tolist() if found else ()
     outputs = [y.name for y in found.model.outputs] if found else ()
     units = {p.name: p.unit for p in found.model.parameters} if found else {}

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
+from hybridid.trace.between_recordings import _may_differ_by_recording
 from hybridid.trace.run import trace
 
 NOISE = 2e-6  # m
@@ -46,3 +49,16 @@ def test_what_is_missing_in_one_alone_is_left_open(traced):
     assert found.cautions[0].startswith(SAID)
     assert "else the model lacks what makes it differ" in found.cautions[0]
     assert found.verdict == "unexplained"
+
+
+def test_where_an_amplitude_is_no_constant_the_recordings_may_differ():
+    refused = "spring.offset may stand in for something else: its amplitude is no constant: 2 N, then 3 N"
+    named = [SimpleNamespace(name=name, digest="") for name in ("up", "down")]
+    parts = [SimpleNamespace(name=name, digest="1f0a") for name in ("fitted", "judging")]
+    two, one, of_one = (SimpleNamespace(split=SimpleNamespace(records=n)) for n in (named, named[:1], parts))
+    withdrawn, kept = (SimpleNamespace(withdrawn=why, steps=()) for why in (refused, ""))
+    assert _may_differ_by_recording(withdrawn, two).endswith("trace.held_out=null.")
+    assert _may_differ_by_recording(withdrawn, one) == _may_differ_by_recording(kept, two) == ""
+    assert _may_differ_by_recording(withdrawn, of_one) == "", "two parts of one file are one recording"
+    step = SimpleNamespace(trials=[SimpleNamespace(reason=refused)])
+    assert _may_differ_by_recording(SimpleNamespace(withdrawn="", steps=[step]), two)

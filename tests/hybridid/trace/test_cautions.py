@@ -18,7 +18,6 @@ from hybridid.trace.cautions import (
     _confounded,
     _grows,
     _hidden_by_the_simulation,
-    _may_differ_by_recording,
     _more_over_longer,
     _moved,
     _no_longer_shown,
@@ -33,19 +32,6 @@ from hybridid.trace.evidence import Comparison
 from hybridid.trace.longer import Longer
 from hybridid.trace.rules import Rules
 from hybridid.trace.trial import Trial
-
-
-def test_where_an_amplitude_is_no_constant_the_recordings_may_differ():
-    refused = "spring.offset may stand in for something else: its amplitude is no constant: 2 N, then 3 N"
-    named = [SimpleNamespace(name=name, digest="") for name in ("up", "down")]
-    parts = [SimpleNamespace(name=name, digest="1f0a") for name in ("fitted", "judging")]
-    two, one, of_one = (SimpleNamespace(split=SimpleNamespace(records=n)) for n in (named, named[:1], parts))
-    withdrawn, kept = (SimpleNamespace(withdrawn=why, steps=()) for why in (refused, ""))
-    assert _may_differ_by_recording(withdrawn, two).endswith("trace.held_out=null.")
-    assert _may_differ_by_recording(withdrawn, one) == _may_differ_by_recording(kept, two) == ""
-    assert _may_differ_by_recording(withdrawn, of_one) == "", "two parts of one file are one recording"
-    step = SimpleNamespace(trials=[SimpleNamespace(reason=refused)])
-    assert _may_differ_by_recording(SimpleNamespace(withdrawn="", steps=[step]), two)
 
 
 def test_what_grows_over_longer_horizons_is_told_beside_nothing():

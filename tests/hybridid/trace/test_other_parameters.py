@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hybridid.trace import cautions
+from hybridid.trace import between_recordings
 from hybridid.trace.context import Context
 from hybridid.trace.other_parameters import ASK, other_parameters
 from hybridid.trace.refit import WITHOUT_STD, refit
@@ -78,9 +78,9 @@ def test_one_gauge_that_reads_otherwise_where_it_is_judged_is_told(
 
 
 def test_it_is_told_once_how_to_ask(monkeypatch):
-    monkeypatch.setattr(cautions, "other_parameters", lambda final, context: f" Told.{ASK}")
-    monkeypatch.setattr(cautions, "_may_differ_by_recording", lambda found, context: ASK)
+    monkeypatch.setattr(between_recordings, "other_parameters", lambda final, context: f" Told.{ASK}")
+    monkeypatch.setattr(between_recordings, "_may_differ_by_recording", lambda found, context: ASK)
     found = SimpleNamespace(final=None)
-    assert cautions._of_recordings(found, SimpleNamespace()) == f" Told.{ASK}"
-    monkeypatch.setattr(cautions, "other_parameters", lambda final, context: "")
-    assert cautions._of_recordings(found, SimpleNamespace()) == ASK
+    assert between_recordings._of_recordings(found, SimpleNamespace()) == f" Told.{ASK}"
+    monkeypatch.setattr(between_recordings, "other_parameters", lambda final, context: "")
+    assert between_recordings._of_recordings(found, SimpleNamespace()) == ASK
