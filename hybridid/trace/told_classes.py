@@ -3,8 +3,9 @@
 A trial is judged in its step, by the standard errors of the noise alone. The last fit, by which an accepted
 effect is told, holds what was accepted later, and its standard errors have the share of the smoothing of
 sign(v) as well. So each other member takes the place of the accepted one in the last model, and gets that
-share, too: else their values could not be compared. What else is told then may depend on the member: the
-parameters that leave their intervals are told with it.
+share, too: else their values could not be compared. The last model holds all that the step's does; so where
+a refit there leaves more than the member did in its step, the descent went astray, and the step's counts.
+What else is told may depend on the member: the parameters that leave their intervals are told with it.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from hybridid.trace.split import Split
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import Trial
 
+SETTLED = 1e-3
+"""Share by which a cost may be larger, to be called no larger."""
 FEW, DIGITS = 3, 4
 """Parameters that are told to depend on the member, those that move most, and their digits."""
 
@@ -50,7 +53,8 @@ def _in_the_last_model(final: Refit, one: Accepted, member: Trial, split: Split)
     if final.model != one.trial.refit.model:
         its = member is one.trial
         there = final if its else exchanged(final, one.name, member.candidate, split, here.values)
-        here = replace(there, std=here.std) if there is not None else here
+        if there is not None and there.cost <= (1 + SETTLED) * here.cost:
+            here = replace(there, std=here.std)
     return with_smoothing(here, split)
 
 

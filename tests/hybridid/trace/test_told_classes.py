@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.trace import told_classes
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.constancy import with_smoothing
 from hybridid.trace.context import Context
@@ -68,6 +69,16 @@ def test_a_member_has_the_values_of_the_last_model(beside_more):
     assert "carriage.coulomb" not in terms
     assert all(std > 0 for std in theirs.refit.std.values())
     assert theirs.comparison is found.accepted[0].alike[1].comparison, "its gain is that of its step"
+
+
+def test_a_member_whose_refit_went_astray_is_told_as_in_its_step(beside_more, monkeypatch):
+    """Too stiff for the integrator at its own values, it may end in another valley."""
+    found, context = beside_more
+    step = found.accepted[0].alike[1].refit
+    astray = replace(step, cost=50 * step.cost, values=dict.fromkeys(step.values, 1.0))
+    monkeypatch.setattr(told_classes, "exchanged", lambda *_: astray)
+    one, _ = as_told(found, context)
+    assert one.alike[1].refit.values == step.values
 
 
 def test_what_leaves_its_interval_with_another_member_is_told(beside_more):
