@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 
 from hybridid.effects.library import EFFECTS
+from hybridid.estimators.floor import MISFIT
 from hybridid.naming import counted, listed
 from hybridid.quantities import estimated, percent, probability, quantity, share
 from hybridid.trace.completeness import Completeness
@@ -89,13 +90,13 @@ def rivals(found: Trace) -> tuple[str, ...]:
 
 def told_apart(entry: AcceptedEffect, rules: Rules) -> str:
     """How far the members of a class are alike: which of them leave more error than the accepted one in the
-    last model, by ``Rules.tie`` or more, and how much."""
-    told = [
-        f"{one.name} leaves {share(one.more)} more error"
-        for one in entry.class_members
-        if one.more >= rules.tie
-    ]
-    return f"nearly alike: {listed(told)}" if told else "these records cannot tell them apart"
+    last model, by ``Rules.tie`` or more, and how much. Where most of what one leaves is its own misfit, it is
+    not alike; but no test has excluded it."""
+    worse = [one for one in entry.class_members if one.more >= rules.tie]
+    if not worse:
+        return "these records cannot tell them apart"
+    how = "not excluded" if any(1.0 + one.more > MISFIT for one in worse) else "nearly alike"
+    return f"{how}: {listed([f'{one.name} leaves {share(one.more)} more error' for one in worse])}"
 
 
 def refused_rivals(found: Trace) -> tuple[str, ...]:

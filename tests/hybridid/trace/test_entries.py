@@ -49,6 +49,7 @@ def test_the_sentence_names_both_ports(nothing):
         (-0.001, "these records cannot tell them apart"),
         (0.019, "these records cannot tell them apart"),
         (0.06, "nearly alike: joint.coulomb leaves 6.0 % more error"),
+        (1.04, "not excluded: joint.coulomb leaves 104.0 % more error"),
     ],
 )
 def test_a_member_that_leaves_more_error_is_told_with_how_much(more, told):
