@@ -45,6 +45,8 @@ from hybridid.trace.verdict import Conclusion, conclude
 from hybridid.trace.weighed import hidden_by_noise, weights_in_words, with_noise
 from hybridid.trace.words import sentence
 
+NAMED = ("effect_found", "law_proposed")
+"""Verdicts that recordings which differ leave in doubt."""
 OPEN = ("nothing_missing", "undecided")
 """Verdicts that a parameter contradicts which differs by recording."""
 
@@ -135,8 +137,10 @@ def trace(
     validation = Validation(fitted, others, settings, seconds, initial_state)
     models = before_and_after(found, validation, context)
     apart = None if recordings else disagreeing(models, validation)
-    if apart:
-        found = replace(found, verdict="ambiguous" if found.accepted else "unexplained")
+    if apart and found.verdict in NAMED:
+        found = replace(found, verdict="ambiguous")
+    elif apart and found.verdict in OPEN and not found.accepted:
+        found = replace(found, verdict="unexplained")
     ceilings = ceilings_of_each(found, context)
     networks = with_networks(models, ceilings, validation, context)
     missing, failures = missing_efforts(models, split.records, context)

@@ -43,6 +43,18 @@ def test_what_is_missing_in_both_is_named_without_that(traced):
     assert not any(SAID in one for one in found.cautions)
 
 
+def test_a_search_that_a_time_limit_cut_stays_open(make_model, carriage_like, noise):
+    """Its names may change, whatever differs between the recordings."""
+    runs = [
+        carriage_like(M=mass).record(noise=noise(600, NOISE, seed=4 + k), name=f"run {k}")
+        for k, mass in enumerate((95.0, 125.0))
+    ]
+    only = {"laws": False, "pairs": 0, "variables": ("velocity",), "time_limit": 0.0}
+    found = trace(make_model(("viscous",)), runs, effects=["coulomb", "offset"], **only)
+    assert found.accepted
+    assert found.verdict == "undecided"
+
+
 def test_what_is_missing_in_one_alone_is_left_open(traced):
     """It looks like another parameter there, and no effect has one amount in both."""
     found = traced({}, {"df_v": 80.0}, "asymmetric_viscous")
