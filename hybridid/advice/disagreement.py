@@ -126,6 +126,6 @@ def _said(names: Sequence[str], own: Estimate, share: float, records: Sequence[R
     return (
         f"the recordings disagree: if each has its own {listed(names)}, the model leaves {left} of the "
         f"error: {'; '.join(told)}; if that may differ (a load, a temperature, the zero of a sensor), go on "
-        f"with {words} (a trace: and trace.held_out=null, as a recording that is held out has no value of "
+        f"with {words} (for a trace also trace.held_out=null: a recording that is held out has no value of "
         "its own); else the model lacks what makes it differ"
     )

@@ -48,7 +48,7 @@ def others_in_words(found: Trace) -> str:
     else empty."""
     if not (found.accepted or found.narrowed):
         return ""
-    own = tuple(f"{entry.port}.{entry.effect}." for entry in found.accepted)
+    own = tuple(f"{entry.name}." for entry in found.accepted)
     others = {name: value for name, value in found.estimates.after.items() if not name.startswith(own)}
     if not others:
         return ""

@@ -14,6 +14,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from hybridid.estimators.one_start import SETTLED
 from hybridid.naming import listed
 from hybridid.quantities import Z95, quantity
 from hybridid.trace.constancy import with_smoothing
@@ -25,8 +26,6 @@ from hybridid.trace.split import Split
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import Trial
 
-SETTLED = 1e-3
-"""Share by which a cost may be larger, to be called no larger."""
 FEW, DIGITS = 3, 4
 """Parameters that are told to depend on the member, those that move most, and their digits."""
 
@@ -46,7 +45,7 @@ def as_told(found: Search, context: Context) -> tuple[Accepted, ...]:
 
 def _in_the_last_model(final: Refit, one: Accepted, member: Trial, split: Split) -> Refit:
     """``member`` in the place of ``one`` in the model ``final``, with the share of the smoothing in its
-    standard errors; as in its step where that model is the same, or cannot be simulated."""
+    standard errors; as in its step where that model is the same, cannot be simulated, or leaves more."""
     assert member.refit is not None
     assert one.trial.refit is not None
     here = member.refit

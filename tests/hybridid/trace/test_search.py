@@ -159,6 +159,14 @@ def test_an_effect_that_hardly_can_be_tried_otherwise_is_not_believed(worn):
     assert "does not survive epsilon x 3 (it diverges)" in objection([diverging, *survived[1:]])
 
 
+def test_a_refusal_says_whether_the_gain_or_an_amplitude_is_lost(worn):
+    kept, *others = worn.accepted[0].survivals
+    moved, lost = (replace(kept, survives=False, kept=share) for share in (0.65, 0.2))
+    assert objection([moved, *others]).startswith("the gain stays, but an amplitude moves with ")
+    assert objection([lost, *others]).startswith("the gain does not survive ")
+    assert objection([moved, lost, *others]).startswith("the gain does not survive ")
+
+
 @pytest.mark.parametrize(("times", "ends"), [(1.04, True), (1.06, False)])
 def test_the_search_ends_at_the_error_of_the_simulation(worn, split_of, monkeypatch, times, ends):
     """As if noise and simulation left so much less than the last model does, far above the noise."""
