@@ -122,6 +122,12 @@ def quantity(value: float | None, unit: str, digits: int = 4, missing: str = DIV
     return with_unit(number(value * factor, digits), printed)
 
 
+def span(low: float, high: float, unit: str, digits: int = 4) -> str:
+    """``-0.809 to 1.5 m/s``: a range, with one unit for both of its ends."""
+    factor, printed = engineering(max(abs(low), abs(high)), unit)
+    return with_unit(f"{number(low * factor, digits)} to {number(high * factor, digits)}", printed)
+
+
 def mean_square(value: float | None, unit: str, missing: str = "") -> str:
     """``2.091·10⁻⁷ m²``: a mean squared error of a signal in ``unit``."""
     printed = power(value, 4)

@@ -20,7 +20,7 @@ from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.model.asked import loads_of
 from hybridid.model.groups import weighted
-from hybridid.quantities import quantity
+from hybridid.quantities import span
 from hybridid.records.record import Record
 from hybridid.simulation.initial import measured_states, observed
 
@@ -59,11 +59,7 @@ def _left(what: str, unit: str, fitted: Array, own: Array) -> str:
     widths = [width for width in (high - low, most - least) if width > 0]
     beside = max(map(abs, (low, high, least, most))) / min(widths) if widths else 1.0
     digits = 3 + max(0, int(np.log10(max(beside, 1.0))))  # enough to see how wide either range is
-    return f"{what} {_range(least, most, unit, digits)}, fitted {_range(low, high, unit, digits)}"
-
-
-def _range(low: float, high: float, unit: str, digits: int) -> str:
-    return f"{quantity(float(low), unit, digits)} to {quantity(float(high), unit, digits)}"
+    return f"{what} {span(least, most, unit, digits)}, fitted {span(low, high, unit, digits)}"
 
 
 def _quantities(model: Model, p: Array, records: Sequence[Record]) -> tuple[dict[str, str], dict[str, Array]]:

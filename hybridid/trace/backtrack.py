@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
 from hybridid.trace.cross_fitting import pairs_cross_fitted
 from hybridid.trace.evidence import compare
@@ -94,7 +93,7 @@ def both_taken(step: Step, exchange: Exchange, context: Context) -> Step:
     singles = alone.get(one.name), alone.get(other.name)
     least = min([base.cost, *(single.refit.cost for single in singles if single and single.refit)])
     promise = Promise(one, other, starts, 1.0 - fitted.cost / least)
-    candidates = sum(1 for _ in admissible(base.model, context.effects, context.ports))
+    candidates = len(context.candidates(base.model))
     family = candidates * (candidates - 1) // 2
     pair = context.one(attempt_pair, promise, singles, base, context.split, rules)
     judged = pairs_cross_fitted(judge_pairs([pair], family, rules), base, family, context)

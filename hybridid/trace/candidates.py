@@ -33,6 +33,11 @@ class Candidate:
         """States that the effect adds to a model: with them, a refit takes many times as long."""
         return len(self.effect.states)
 
+    @property
+    def free_parameters(self) -> int:
+        """How many parameters of the effect are estimated."""
+        return sum(not p.fixed for p in self.effect.parameters)
+
     def added_to(self, model: Model) -> Model:
         """``model`` with the effect at its port.
 

@@ -17,6 +17,7 @@ from hybridid.effects.library import EFFECTS
 from hybridid.effects.over import Over, overs_for
 from hybridid.effects.variable import Variable
 from hybridid.model import Model
+from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.noise import Noise
 from hybridid.trace.rules import PAIRS, Rules
@@ -46,7 +47,7 @@ class Context:
     effects are refitted where no single effect explains it. ``revise``: each declared effect is left out in
     turn, and others are sought in its place. Learned efforts, and the laws that follow them, depend on
     ``variables`` (None: all that a port has). From ``until`` on (s, as ``time.monotonic``) nothing further
-    begins.
+    begins. No model of more than ``most_free`` free parameters is tried.
     """
 
     split: Split
@@ -61,6 +62,7 @@ class Context:
     revise: bool = False
     variables: tuple[Variable, ...] | None = None
     until: float = math.inf
+    most_free: float = math.inf
 
     @property
     def out_of_time(self) -> bool:
@@ -80,6 +82,11 @@ class Context:
         """Whether the held-out error of a model is that of the sensors' noise, in each output: the noise of a
         poor sensor hides in the loss what a good one shows."""
         return bool(np.all(score.rmse <= self.rules.near_floor * self.noise.beside(score)))
+
+    def candidates(self, model: Model) -> list[Candidate]:
+        """The effects that this trace tries beside those of ``model``."""
+        possible, room = admissible(model, self.effects, self.ports), self.most_free - len(model.free)
+        return [one for one in possible if one.free_parameters <= room]
 
     def equation_ports(self, model: Model) -> list[Port]:
         """The effort and flow ports of ``model`` where this trace tries something."""

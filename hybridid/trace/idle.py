@@ -10,7 +10,8 @@ Source: Belsley, Kuh, Welsch (1980), Regression Diagnostics, ch. 3.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import combinations
 
 import numpy as np
 from scipy import stats
@@ -25,10 +26,28 @@ SURE = 2.0
 def idle_terms(model: Model, estimate: Estimate) -> tuple[str, ...]:
     """The effects of the declared ``model`` of which the ``estimate`` shows nothing: their amplitudes are not
     told from zero, and neither are those of all of them together."""
+    collinear = either_of(model, estimate)
+    return tuple(name for name in _alone_near_zero(model, estimate) if name not in collinear)
+
+
+def either_of(model: Model, estimate: Estimate) -> tuple[str, ...]:
+    """The effects of the declared ``model`` of which each alone may be zero, but not all of them: what they
+    do together is told from zero. Where two suffice for that, others are not among them."""
+    found = _alone_near_zero(model, estimate)
+
+    def told(names: Iterable[str]) -> bool:
+        return _together_told(estimate, [each for name in names for each in found[name]])
+
+    if len(found) < 2 or not told(found):
+        return ()
+    in_pairs = {name for pair in combinations(found, 2) if told(pair) for name in pair}
+    return tuple(name for name in found if name in in_pairs or not in_pairs)
+
+
+def _alone_near_zero(model: Model, estimate: Estimate) -> dict[str, list[str]]:
+    """The effects of ``model`` that are not told from zero, with their amplitudes."""
     every = {term.name: amplitudes_of(term, model, estimate) for term in model.terms}
-    found = {term: own for term, own in every.items() if own and not told_from_zero(estimate, own)}
-    several = [name for own in found.values() for name in own]
-    return () if len(found) > 1 and _together_told(estimate, several) else tuple(found)
+    return {term: own for term, own in every.items() if own and not told_from_zero(estimate, own)}
 
 
 def amplitudes_of(term: Term, model: Model, estimate: Estimate) -> list[str]:

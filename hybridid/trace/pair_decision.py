@@ -12,7 +12,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from hybridid.trace.alike import equivalents, related
-from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import judge
@@ -62,7 +61,7 @@ def _preferred(passed: Sequence[PairTrial], rules: Rules) -> PairTrial:
 
 
 def _free_parameters(pair: PairTrial) -> int:
-    return sum(not p.fixed for one in pair.candidates for p in one.effect.parameters)
+    return sum(one.free_parameters for one in pair.candidates)
 
 
 def _as_good(best: PairTrial, other: PairTrial, rules: Rules) -> bool:
@@ -125,8 +124,8 @@ def _class_of(
     """
     member, poorer, rules = best.members[k], best.alone[k], context.rules
     name = member.candidate.name
-    every = admissible(poorer.model, context.effects, context.ports)
-    rivals = [one for one in every if one.name != name and (among is None or one.effect.id in among)]
+    others = [one for one in context.candidates(poorer.model) if one.name != name]
+    rivals = [one for one in others if among is None or one.effect.id in among]
     assert best.refit is not None
     trials = tried_in_place(name, rivals, poorer, best.refit, context)
     at_noise = context.meets_noise(best.refit.score)

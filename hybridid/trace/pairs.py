@@ -20,7 +20,6 @@ from dataclasses import replace
 from typing import Any
 
 from hybridid.naming import counted, listed
-from hybridid.trace.candidates import admissible
 from hybridid.trace.context import Context
 from hybridid.trace.cross_fitting import pairs_cross_fitted
 from hybridid.trace.evidence import compare
@@ -48,7 +47,7 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     room = len(found.accepted) + 2 <= rules.most_effects
     if step is None or step.taken or step.pairs or not (context.pairs and room):
         return found
-    candidates = list(admissible(step.base.model, context.effects, context.ports))
+    candidates = context.candidates(step.base.model)
     singles = {trial.candidate.name: trial for trial in step.trials}
     given = [(one, singles.get(one.name), step.base, context.split) for one in candidates]
     shown = context.each("pairs, ranked", seen, given, lambda one: one.candidate.name)
@@ -56,7 +55,9 @@ def with_pair(found: Search, context: Context, accepted_before: Search | None = 
     if unseen:
         names = listed(unseen) if len(unseen) <= TOLD else counted(len(unseen), "effect")
         context.say(f"left out of all pairs, as the residual does not show what they would change: {names}")
-    ranked = most_promising(promises(shown, rules.collinear), 1.0 - (1.0 - rules.worth) ** 2)
+    free = context.most_free - len(step.base.model.free)
+    promised = [one for one in promises(shown, rules.collinear) if one.free_parameters <= free]
+    ranked = most_promising(promised, 1.0 - (1.0 - rules.worth) ** 2)
     if not ranked:
         return found
     hopeful = [one for one in ranked[: context.pairs] if one.share >= least_of(rules.worth)]

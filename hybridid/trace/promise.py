@@ -47,6 +47,11 @@ class Promise:
     together: float = 0.0
 
     @property
+    def free_parameters(self) -> int:
+        """How many parameters of the two are estimated."""
+        return self.first.free_parameters + self.second.free_parameters
+
+    @property
     def inner_states(self) -> int:
         """States that the two add to a model."""
         return self.first.inner_states + self.second.inner_states

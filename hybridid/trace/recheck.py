@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from hybridid.trace.alike import equivalents
-from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import still_alike
@@ -106,5 +106,5 @@ def _passed_before(found: Search, one: Accepted, context: Context) -> list[Candi
     """What passed in any step and could take the place of ``one``, each once."""
     passed = {t.candidate.name for step in found.steps for t in step.trials if t.status == PASSED}
     wanted = passed - {t.candidate.name for t in one.alike}
-    possible = admissible(found.final.model.without(one.name), context.effects, context.ports)
+    possible = context.candidates(found.final.model.without(one.name))
     return [candidate for candidate in possible if candidate.name in wanted]

@@ -23,13 +23,19 @@ LOOK_ALIKES: Mapping[str, tuple[str, ...]] = {effect.id: effect.look_alikes for 
 
 
 def idle_in_words(found: Trace) -> str:
-    """Which declared effects the records show nothing of; empty if there is none. Where all is unexplained,
-    the standard errors are those of a wrong model, and nothing is told."""
-    if not found.idle or (found.verdict == "unexplained" and found.times > found.rules.far):
+    """Which declared effects the records show nothing of, or do not tell apart; empty if there is none. Where
+    all is unexplained, the standard errors are those of a wrong model, and nothing is told."""
+    if found.verdict == "unexplained" and found.times > found.rules.far:
         return ""
     was = "were" if len(found.idle) > 1 else "was"
     where = "Beside what is missing" if found.times > found.rules.far else "Over these horizons"
-    return f"{where}, the records do not tell {listed(found.idle)}, which {was} declared, from zero."
+    nothing = f"the records do not tell {listed(found.idle)}, which {was} declared, from zero"
+    either = (
+        f"each of {listed(found.either)}, which were declared, may be zero, but not all of them: what they "
+        "do together is shown, which of them does it is not"
+    )
+    told = [words for words, names in ((nothing, found.idle), (either, found.either)) if names]
+    return f"{where}, {'. And '.join(told)}." if told else ""
 
 
 def unsure_in_words(found: Trace) -> str:

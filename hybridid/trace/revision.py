@@ -22,8 +22,9 @@ The model so found, the revised one, is held against the last one of the trace o
   model must be adequate itself, with at most ``Rules.far`` times the error of noise and simulation: two
   models that both lack something may be alike in that.
 
-Where the last model meets the noise, nothing better can be found. A declared effect of one parameter beside
-which nothing was accepted is not left out there: what takes its place has one parameter at least.
+Where the last model meets the noise, nothing better can be found. So only models with fewer free parameters
+are tried there. A declared effect of one parameter beside which nothing was accepted is not left out: what
+takes its place has one parameter at least.
 
 Of two models that the records cannot tell apart, the one with fewer parameters is preferred (parsimony).
 Source: Ljung (1999), System Identification, 2nd ed., sec. 16.4; Akaike (1974), IEEE Trans. Autom. Control
@@ -205,7 +206,8 @@ def _without(term: Term, found: Search, context: Context) -> Search:
     others = tuple(effect for effect in context.effects if effect.id != term.effect.id)
     rules = replace(context.rules, most_effects=len(found.accepted) + MORE)
     context.say(f"without {term.name}: the search is repeated")
-    elsewhere = replace(context, effects=others, rules=rules)
+    most_free = len(found.final.model.free) - 1 if found.at_noise else math.inf
+    elsewhere = replace(context, effects=others, rules=rules, most_free=most_free)
     base = context.one(refit, poorer, context.split, [values], None, first.numerics, CONTINUATION)
     again = continued(Search((), base, (), ""), elsewhere)
     if not context.meets_noise(again.final.score):

@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.refit import Refit, refit_if_possible, values_without
 from hybridid.trace.steps import Accepted, Search, Step
@@ -44,10 +44,10 @@ def _simpler(found: Search, one: Accepted, context: Context) -> list[Trial]:
     model, values = final.model.without(one.name), values_without(final, one.name)
 
     def is_simpler(other: Candidate) -> bool:
-        free = sum(not p.fixed for p in other.effect.parameters)
-        return other.port == one.trial.candidate.port and free < one.trial.free_parameters
+        at_its_port = other.port == one.trial.candidate.port
+        return at_its_port and other.free_parameters < one.trial.free_parameters
 
-    rivals = [other for other in admissible(model, context.effects, context.ports) if is_simpler(other)]
+    rivals = [other for other in context.candidates(model) if is_simpler(other)]
     poorer = context.one(refit_if_possible, model, context.split, [values], final, final.numerics, math.inf)
     return tried_in_place(one.name, rivals, poorer, final, context) if poorer is not None else []
 

@@ -28,7 +28,7 @@ from hybridid.trace.entries import (
     UsedRecord,
     Value,
 )
-from hybridid.trace.idle import idle_terms
+from hybridid.trace.idle import either_of, idle_terms
 from hybridid.trace.pair import PairTrial
 from hybridid.trace.refit import Refit
 from hybridid.trace.refused_words import why_passed_over
@@ -82,6 +82,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         records=used_records(validation.fitted, validation.others),
         steps=steps_taken(found.search),
         idle=idle_terms(evidence.models[0].model, last.estimate),
+        either=either_of(evidence.models[0].model, last.estimate),
         replacements=tuple(map(_replaced, found.replacements)),
         refused_laws=refused_laws(found.search),
         laws_formed=found.search.laws_formed,

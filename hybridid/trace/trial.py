@@ -78,7 +78,7 @@ class Trial:
     @property
     def free_parameters(self) -> int:
         """How many of the effect's own parameters are estimated."""
-        return sum(not p.fixed for p in self.candidate.effect.parameters)
+        return self.candidate.free_parameters
 
     def own(self, quantity: str) -> dict[str, float]:
         """The effect's own ``values`` or ``std`` by short name; a known constant has no std."""

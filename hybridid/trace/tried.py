@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.contained import begun_from_contained, is_the_contained_one
 from hybridid.trace.context import Context
 from hybridid.trace.promise import promised_alone
@@ -32,7 +32,7 @@ cost changes little, so what leaves far more error than the best trial will not 
 
 def trials_of(base: Refit, context: Context, stage: str) -> tuple[list[Trial], tuple[str, ...]]:
     """A trial of every candidate beside ``base``, and the names of those that the time limit left out."""
-    candidates = list(admissible(base.model, context.effects, context.ports))
+    candidates = context.candidates(base.model)
     if math.isinf(context.until):
         given = _given(candidates, base, context)
         trials = context.each(stage, attempt, given, _name, lambda candidate, *_: candidate.inner_states)

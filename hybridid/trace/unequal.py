@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from hybridid.trace.candidates import Candidate, admissible
+from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.cross_fitting import pairs_cross_fitted
 from hybridid.trace.evidence import compare
@@ -37,7 +37,7 @@ def each_with_its_own(step: Step, context: Context) -> Step:
     better = compare(one.trial.refit.score, pair.refit.score)
     if not rules.passes(better.gain, better.p_value):
         return step
-    family = len(list(admissible(base.model, context.effects, context.ports)))
+    family = len(context.candidates(base.model))
     judged = pairs_cross_fitted(judge_pairs([pair], family, rules), base, family, context)
     if judged[0].status != PASSED:
         return step

@@ -21,6 +21,7 @@ from hybridid.quantities import (
     quantity,
     r_squared,
     share,
+    span,
     squared,
     typeset,
     with_unit,
@@ -198,3 +199,11 @@ def test_zero_has_no_sign():
     assert share(-0.0004) == "0.0 %"
     assert share(-0.0006) == "−0.1 %"
     assert fixed(-0.004, 2) == "0.00"
+
+
+@pytest.mark.parametrize(
+    ("ends", "said"),
+    [((-0.809, 1.5), "−0.809 to 1.5 m/s"), ((-2e-6, 3e-3), "−0.002 to 3 mm/s"), ((0.0, 0.0), "0 to 0 m/s")],
+)
+def test_a_range_has_one_unit(ends, said):
+    assert span(*ends, "m/s", 3).replace("\N{NO-BREAK SPACE}", " ") == said

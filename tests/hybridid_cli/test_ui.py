@@ -75,7 +75,8 @@ subprocess.run([sys.executable, "-m", "http.server", port, "--bind", "127.0.0.1"
 def test_a_command_that_is_killed_leaves_no_server(environment, own_folder):
     """A server of Python's own, in a process below the one that is started, stands in for MLflow's."""
     (own_folder / "mlflow").mkdir()
-    (own_folder / "mlflow/__main__.py").write_text(SERVER)
+    for name, code in (("__init__", ""), ("__main__", SERVER)):
+        (own_folder / f"mlflow/{name}.py").write_text(code)
     port = free_port()
     environment["PYTHONPATH"] = os.pathsep.join([str(own_folder), environment["PYTHONPATH"]])
     words = [sys.executable, "-c", SERVE, str(port)]

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hybridid.trace.idle import idle_terms
+from hybridid.trace.idle import either_of, idle_terms
 
 VISCOUS, OFFSET = "carriage.viscous.f_v", "carriage.offset.offset"
 
@@ -32,5 +32,18 @@ def test_declared_effects_that_end_at_zero_are_told(model):
 
 def test_of_two_that_are_collinear_one_acts(model):
     """Each is 1.5 standard errors from zero, and their sum is known well."""
-    assert idle_terms(model, estimate((150.0, 100.0), (150.0, 100.0), correlation=-0.99)) == ()
-    assert len(idle_terms(model, estimate((150.0, 100.0), (-150.0, 100.0), correlation=-0.99))) == 2
+    one_of_two = estimate((150.0, 100.0), (150.0, 100.0), correlation=-0.99)
+    assert idle_terms(model, one_of_two) == ()
+    assert either_of(model, one_of_two) == ("carriage.viscous", "carriage.offset")
+    neither = estimate((150.0, 100.0), (-150.0, 100.0), correlation=-0.99)
+    assert len(idle_terms(model, neither)) == 2
+    assert either_of(model, neither) == ()
+
+
+def test_an_effect_that_is_zero_beside_two_that_are_collinear_is_told(make_model):
+    model = make_model(("viscous", "offset", "added_inertia"))
+    found = estimate((150.0, 100.0), (150.0, 100.0), correlation=-0.99)
+    found.parameters.append(SimpleNamespace(name="carriage.added_inertia.m_a", value=0.01, std=1.0))
+    found.correlation = np.pad(found.correlation, (0, 1)) + np.diag([0, 0, 1.0])
+    assert idle_terms(model, found) == ("carriage.added_inertia",)
+    assert either_of(model, found) == ("carriage.viscous", "carriage.offset")

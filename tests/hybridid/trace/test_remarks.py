@@ -57,6 +57,10 @@ def test_where_all_is_unexplained_no_declared_effect_is_called_zero(nothing):
     found = replace(nothing(), idle=("cart.viscous",))
     assert idle_in_words(found).startswith("Over these horizons, the records do not tell cart.viscous")
     assert idle_in_words(replace(found, verdict="unexplained", times=9.0)) == ""
+    assert idle_in_words(replace(found, idle=(), either=("cart.viscous", "cart.offset"))) == (
+        "Over these horizons, each of cart.viscous and cart.offset, which were declared, may be zero, but "
+        "not all of them: what they do together is shown, which of them does it is not."
+    )
 
 
 def test_a_refused_gain_is_told_where_the_network_finds_nothing_more(nothing):

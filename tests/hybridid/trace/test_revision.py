@@ -114,3 +114,18 @@ def test_a_sound_declaration_stays_though_the_search_added_too_much(mended):
     model, found, split = mended(("coulomb", "quadratic_drag", "cubic_stiffness"))
     library = tuple(map(effect_named, ("coulomb", "eddy_brake")))
     assert replacements(model, found, Context(split, library)) == ()
+
+
+def test_at_the_noise_only_models_with_fewer_parameters_are_tried(mended):
+    """Nothing better can be found there, so only what is as good with fewer parameters may replace."""
+    model, found, split = mended(("coulomb", "quadratic_drag"), f_v=0.0, drag=900.0)
+    library = tuple(map(effect_named, ("coulomb", "quadratic_drag", "eddy_brake", "lugre")))
+    anywhere, ended = (
+        _without(model.terms[0], search, Context(split, library))
+        for search in (found, replace(found, stopped=AT_FLOOR))
+    )
+    assert len(anywhere.steps[0].trials) == 4
+    tried = [(step.base.model.free, trial.candidate) for step in ended.steps for trial in step.trials]
+    assert {len(free) + one.free_parameters for free, one in tried} <= set(range(len(found.final.model.free)))
+    assert {one.effect.id for _, one in tried} == {"coulomb", "quadratic_drag", "eddy_brake"}
+    assert {one.name for one in ended.accepted} == {"carriage.coulomb", "carriage.quadratic_drag"}

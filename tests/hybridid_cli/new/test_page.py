@@ -17,7 +17,7 @@ from pipelines.new.template import kinds, template
 
 PAGE = (Path(__file__).parents[3] / "docs" / "your-machine.md").read_text()
 EFFORTS, FLOWS = "coulomb,quadratic_drag", "linear_leak,overflow"
-TRACED = ("carriage", "servo", "two_tanks", "vehicle", "heater", "dc_motor")
+TRACED = ("carriage", "two_tanks", "vehicle", "dc_motor")
 """Templates whose trace is run here, one of each kind of port and of those with constants given."""
 SECTIONS = dict(re.findall(r"(?ms)^### (\w+)\n(.*?)(?=^##|\Z)", PAGE))
 
