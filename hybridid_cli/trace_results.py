@@ -64,7 +64,7 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
         ),
         Text(f"report: {(folder or tree / 'trace') / 'report.html'}"),
     ]
-    if found.accepted or found.narrowed:
+    if found.accepted or found.narrowed or found.own_values:
         parts.append(Text(f"go on:  {said.commands[0]}"))
     return [*parts, *_advice_of_the_fit(tree, found)]
 

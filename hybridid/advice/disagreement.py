@@ -19,6 +19,7 @@ from hybridid.advice.advice import Advice
 from hybridid.estimators.estimate import Estimate
 from hybridid.estimators.fit import fit
 from hybridid.estimators.problem import Problem
+from hybridid.model import Model
 from hybridid.model.groups import WEIGHT, of_group
 from hybridid.naming import listed
 from hybridid.quantities import percent, quantity
@@ -38,23 +39,27 @@ LONGEST = 30.0
 @dataclass(frozen=True)
 class Disagreement:
     """With values of its own for each recording, a few parameters leave the ``share`` of the RMS error that
-    is left with one for all; ``said`` tells which and with which values, in words."""
+    is left with one for all; ``said`` tells which and with which values, in words. It ``suffices`` if no more
+    than noise and simulation is left. ``settings`` give each recording its own, in words of a command."""
 
     share: float
     said: str
+    suffices: bool
+    settings: tuple[str, ...]
 
 
 def recordings_disagree(problem: Problem, estimate: Estimate) -> Iterator[Advice]:
     """Which parameters differ between the recordings, where values of its own explain each far better."""
-    if found := disagreement(problem, estimate):
+    if found := disagreement(problem.model, problem.records, estimate):
         yield Advice("recordings", found.said)
 
 
-def disagreement(problem: Problem, estimate: Estimate, most: float = LEFT) -> Disagreement | None:
-    """The parameters that differ between the recordings of ``problem``, where a fit, the ``estimate``, leaves
+def disagreement(
+    model: Model, records: Sequence[Record], estimate: Estimate, most: float = LEFT
+) -> Disagreement | None:
+    """The parameters of ``model`` that differ between ``records``, where their fit, the ``estimate``, leaves
     more than noise and simulation, and values of its own explain each recording far better: they leave the
     share ``most`` of the error at most; else None. With all parameters its own, a recording leaves least."""
-    model, records = problem.model, problem.records
     poor = estimate.converged and any(one.exceeded or math.isnan(one.noise) for one in estimate.left)
     long = estimate.seconds.get("solve", 0.0) > LONGEST
     if not poor or long or len(records) < 2 or model.by_record or model.groups:
@@ -63,7 +68,7 @@ def disagreement(problem: Problem, estimate: Estimate, most: float = LEFT) -> Di
     try:
         alone = [fit(model, [one], settings, start_values=estimate.values) for one in records]
         names = _differing(alone) if share_left(alone, estimate, records) <= most else []
-        own = [_with_own(names[:k], problem, alone, settings) for k in range(1, len(names) + 1)]
+        own = [_with_own(names[:k], model, alone, records, settings) for k in range(1, len(names) + 1)]
     except ValueError:  # a recording that shows no output, or cannot be fitted
         return None
     shares = [share_left([one], estimate) if one.converged else 1.0 for one in own]
@@ -71,7 +76,10 @@ def disagreement(problem: Problem, estimate: Estimate, most: float = LEFT) -> Di
     if not needed or shares[needed[-1]] > most:
         return None
     told = needed[-1]
-    return Disagreement(shares[told], _said(names[: told + 1], own[told], shares[told], records))
+    suffices = not any(one.exceeded or math.isnan(one.noise) for one in own[told].left)
+    words = _settings(names[: told + 1])
+    said = _said(names[: told + 1], own[told], shares[told], records, words)
+    return Disagreement(shares[told], said, suffices, words)
 
 
 def share_left(fits: Sequence[Estimate], together: Estimate, records: Sequence[Record] = ()) -> float:
@@ -94,26 +102,41 @@ def _differing(alone: Sequence[Estimate]) -> list[str]:
 
 
 def _with_own(
-    names: Sequence[str], problem: Problem, alone: Sequence[Estimate], settings: FitSettings
+    names: Sequence[str],
+    model: Model,
+    alone: Sequence[Estimate],
+    records: Sequence[Record],
+    settings: FitSettings,
 ) -> Estimate:
-    """The fit with a value of each of the parameters ``names`` for each recording."""
-    recordings = tuple(one.name for one in problem.records)
+    """The fit with a value of each of the parameters ``names`` for each of ``records``."""
+    recordings = tuple(one.name for one in records)
     start = {
         of_group(name, own): fitted.values[name]
         for name in names
         for own, fitted in zip(recordings, alone, strict=True)
     }
-    records = []
-    for record in problem.records:
+    weighted = []
+    for record in records:
         weights = {of_group(name, own): float(own == record.name) for name in names for own in recordings}
-        records.append(record.with_constants(weights, dict.fromkeys(weights, WEIGHT)))
-    model = replace(problem.model, groups=dict.fromkeys(names, recordings))
-    common = [p.name for p in problem.model.free if p.name not in names]
+        weighted.append(record.with_constants(weights, dict.fromkeys(weights, WEIGHT)))
+    common = [p.name for p in model.free if p.name not in names]
     start |= {name: float(np.mean([one.values[name] for one in alone])) for name in common}
-    return fit(model, records, settings, start_values=start)
+    own = replace(model, groups=dict.fromkeys(names, recordings))
+    return fit(own, weighted, settings, start_values=start)
 
 
-def _said(names: Sequence[str], own: Estimate, share: float, records: Sequence[Record]) -> str:
+def _settings(names: Sequence[str]) -> tuple[str, ...]:
+    """What gives each recording values of its own. One that is held out would have none."""
+    return *(f"parameters.{name}.by=record" for name in names), "fit.records=null", "trace.held_out=null"
+
+
+def _said(
+    names: Sequence[str],
+    own: Estimate,
+    share: float,
+    records: Sequence[Record],
+    settings: Sequence[str],
+) -> str:
     known = {p.name: p for p in own.parameters}
     told = []
     for name in names:
@@ -122,10 +145,9 @@ def _said(names: Sequence[str], own: Estimate, share: float, records: Sequence[R
         said = [f"{quantity(each[end].value, each[end].unit, 4)} in {end}" for end in ends]
         told.append(f"{name} is {listed(said)}")
     left = percent(float(f"{share:.2g}"))
-    words = " ".join(f"parameters.{name}.by=record" for name in names)
     return (
         f"the recordings disagree: if each has its own {listed(names)}, the model leaves {left} of the "
         f"error: {'; '.join(told)}; if that may differ (a load, a temperature, the zero of a sensor), go on "
-        f"with {words} (for a trace also trace.held_out=null: a recording that is held out has no value of "
-        "its own); else the model lacks what makes it differ"
+        f"with {' '.join(settings)}, which fits every recording with a value of its own; else the model "
+        "lacks what makes it differ"
     )

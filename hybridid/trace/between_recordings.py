@@ -4,14 +4,21 @@ A search gives all recordings the same parameters. Where these differ, in load o
 effects for that. So where the declared model leaves more than noise and simulation, its fit is repeated with
 values of its own for each recording (``hybridid.advice.disagreement``). What that leaves is told if it is no
 more than the last model of the trace leaves of the same recordings. Then no name is sure.
+
+Where values of their own for one or two parameters ``suffice``, so that no more than noise and simulation is
+left, one effect is tried in their place. If none leaves as little, the search ends there: several effects
+together are more physics than one load that was changed. The user may say that nothing was changed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from hybridid.advice.disagreement import LEFT, Disagreement, disagreement, share_left
-from hybridid.estimators.problem import build_problem
+from hybridid.estimators.fit import fit
+from hybridid.model import Model
+from hybridid.records.record import Record
+from hybridid.settings.fit import FitSettings
 from hybridid.trace.before_after import FittedModel, Validation
 from hybridid.trace.constancy import NO_CONSTANT
 from hybridid.trace.context import Context
@@ -27,26 +34,29 @@ def disagreeing(models: Sequence[FittedModel], validation: Validation) -> Disagr
     before, after = models[0], models[-1]
     if len(validation.fitted) < 2:
         return None
-    settings, estimate = validation.settings, before.estimate
-    problem = build_problem(
-        before.model,
-        validation.fitted,
-        settings.horizon,
-        estimate.substeps,
-        settings.initial_state == "estimated",
-        integrator=estimate.settings.integrator,
-    )
-    return disagreement(problem, estimate, min(LEFT, share_left([after.estimate], estimate)))
+    most = min(LEFT, share_left([after.estimate], before.estimate))
+    return disagreement(before.model, validation.fitted, before.estimate, most)
 
 
-def between_recordings(found: Conclusion, apart: Disagreement | None, context: Context) -> list[str]:
-    """What may differ between the recordings, ``apart`` first: else where something is unexplained, or far
-    more than the noise is left beside what was accepted. If it is so, nothing else that is told counts as
-    much."""
+def own_values_suffice(
+    model: Model, records: Sequence[Record], settings: FitSettings, start: Mapping[str, float] | None
+) -> bool:
+    """Whether one or two parameters of ``model`` with a value for each of ``records`` leave no more than
+    noise and simulation, where one value for all leaves more."""
+    if len(records) < 2:
+        return False
+    try:
+        found = disagreement(model, records, fit(model, records, settings, start_values=start))
+    except ValueError:  # what cannot be fitted is told by the search
+        return False
+    return found is not None and found.suffices
+
+
+def between_recordings(found: Conclusion, context: Context) -> list[str]:
+    """What may differ between the recordings, where the sentence does not begin with it: something is
+    unexplained, or far more than the noise is left beside what was accepted. If it is so, nothing else that
+    is told counts as much."""
     final = found.search.final
-    if apart:
-        more = ". That leaves no more than all that was found, which may only stand for it"
-        return [f" Beware: {apart.said}{more if found.accepted else ''}."]
     if found.verdict == "unexplained":
         return [
             _of_recordings(found.search, context),

@@ -12,7 +12,6 @@ from scipy.stats import norm
 
 from hybridid.advice.advice import Advice
 from hybridid.advice.decay import free_decay
-from hybridid.advice.disagreement import Disagreement
 from hybridid.advice.relaxation import relaxation
 from hybridid.advice.unequal import unequal_outputs
 from hybridid.model import Model
@@ -70,12 +69,11 @@ def cautions(
     traced: Trace,
     records: Sequence[Record],
     constants: WrongConstants,
-    apart: Disagreement | None,
     context: Context,
 ) -> tuple[str, ...]:
     """What speaks against taking the trace of the fitted ``records`` at its word, one by one; ``constants``
-    are those that were declared and may be wrong, ``apart`` is what differs between the recordings."""
-    told = [] if traced.by_recording else between_recordings(found, apart, context)
+    are those that were declared and may be wrong."""
+    told = [] if traced.by_recording or traced.disagreement else between_recordings(found, context)
     told += [constants_in_words(constants), ends_at_bound(traced.estimate)]
     told += [revision_advised(found, context)]
     told += [several_hystereses(found.accepted), one_impedance(found.accepted)]

@@ -47,7 +47,8 @@ class Context:
     effects are refitted where no single effect explains it. ``revise``: each declared effect is left out in
     turn, and others are sought in its place. Learned efforts, and the laws that follow them, depend on
     ``variables`` (None: all that a port has). From ``until`` on (s, as ``time.monotonic``) nothing further
-    begins. No model of more than ``most_free`` free parameters is tried.
+    begins. No model of more than ``most_free`` free parameters is tried. Where parameters with values of
+    their own for each recording leave no more than noise (``own_values``), only one effect may do as well.
     """
 
     split: Split
@@ -63,6 +64,7 @@ class Context:
     variables: tuple[Variable, ...] | None = None
     until: float = math.inf
     most_free: float = math.inf
+    own_values: bool = False
 
     @property
     def out_of_time(self) -> bool:

@@ -9,6 +9,7 @@ from hybridid.quantities import estimated, multiple, probability, share
 from hybridid.trace.entries import DifferingParameter
 from hybridid.trace.gauges import is_error_of_gauge, put_right
 from hybridid.trace.result import Trace
+from hybridid.trace.steps import RECORDINGS_DIFFER
 from hybridid.trace.trial import PASSED
 
 
@@ -27,6 +28,16 @@ def by_recording_in_words(found: Trace) -> str:
         names = [one.parameter for one in instead]
         said += f" These records cannot tell {effect} from {' or '.join(names)} that differs by recording."
     return said or " No parameter differs by recording."
+
+
+def disagreement_in_words(found: Trace) -> str:
+    """What values of its own for each recording explain; empty where they explain less than was found."""
+    if not found.disagreement:
+        return ""
+    stands = " That leaves no more than all that was found, which may only stand for it."
+    ended = f" The search ended there: {RECORDINGS_DIFFER}. trace.by_recording=false seeks on all the same."
+    told = (stands if found.accepted else "") + (ended if found.stopped == RECORDINGS_DIFFER else "")
+    return f" {found.disagreement[:1].upper()}{found.disagreement[1:]}.{told}"
 
 
 def comes_first(found: Trace) -> bool:

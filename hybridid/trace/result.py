@@ -88,12 +88,14 @@ class Trace:
     ``weights`` are the outputs' noise by which their errors count, by name; none: by standard deviations.
     ``split`` says in words which of the ``horizons`` (numbers fitted and held out) of ``horizon`` s judged.
     ``idle`` names the declared effects of which the records show nothing, ``either`` those of which each
-    alone may be zero, but not all. ``replacements`` is what explains more in the place of one, where that was
-    asked. ``by_recording`` holds the parameters tried with a value for each record, where that was asked; the
-    last model has one value of each. ``narrowed`` are the smoothings of sign(v) that were made narrower, and
-    ``finer`` how many times shorter the steps are than stability and smooth motion ask for. ``refused_laws``
-    are the composed laws, of ``laws_formed``, that were tried beside the last model, none of which passed.
-    ``time_limit`` [s] is the one that ended the search, if one did.
+    alone may be zero, but not all. ``disagreement`` tells what differs between the recordings, if values of
+    its own for each leave no more than all that was found, ``own_values`` the settings of a command that
+    gives each its own. ``replacements`` is what explains more in the
+    place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for each
+    record, where that was asked; the last model has one value of each. ``narrowed`` are the smoothings of
+    sign(v) that were made narrower, and ``finer`` how many times shorter the steps are than stability and
+    smooth motion ask for. ``refused_laws`` are the composed laws, of ``laws_formed``, that were tried beside
+    the last model, none of which passed. ``time_limit`` [s] is the one that ended the search, if one did.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
     """
 
@@ -126,6 +128,8 @@ class Trace:
     steps: tuple[StepTaken, ...]
     idle: tuple[str, ...] = ()
     either: tuple[str, ...] = ()
+    disagreement: str = ""
+    own_values: tuple[str, ...] = ()
     replacements: tuple[ReplacedEffect, ...] = ()
     by_recording: tuple[DifferingParameter, ...] = ()
     narrowed: tuple[Width, ...] = ()

@@ -17,7 +17,7 @@ from hybridid.records.record import Record
 from hybridid.settings.choices import AskedIntegrator
 from hybridid.simulation.chosen import AUTO, EXPLICIT, as_integrator
 from hybridid.trace.before_after import Validation, before_and_after
-from hybridid.trace.between_recordings import disagreeing
+from hybridid.trace.between_recordings import disagreeing, own_values_suffice
 from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.cautions import cautions, marked_as_shown
 from hybridid.trace.completeness import ceilings_of_each, with_networks
@@ -68,7 +68,7 @@ def trace(
     laws: bool = True,
     pairs: int = PAIRS,
     revise: bool = False,
-    recordings: bool = False,
+    recordings: bool | None = None,
     time_limit: float | None = None,
     mapper: Mapper = serial,
     report: Report = silent,
@@ -86,7 +86,9 @@ def trace(
     model starts. ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect
     explains what is missing, ``pairs`` of effects are tried, the most promising ones (0: none); with
     ``laws``, a law is composed. With ``revise``, each declared effect is left out in turn, and others are
-    sought in its place. With ``recordings``, each parameter is tried with a value for each record. No
+    sought in its place. With ``recordings``, each parameter is tried with a value for each record. Where
+    values of their own for one or two parameters leave no more than noise (None; not if it is False), one
+    effect alone is sought that does as well. No
     step begins that would end after ``time_limit`` s (None: no limit), should it take as long as the one
     before, and after that no effect, pairs, laws or revision. At least five effects are tried; a step
     that leaves one out gives no name. What was accepted is doubted as always. Of a sample at which one
@@ -114,6 +116,9 @@ def trace(
     settings, samples = replace(settings or FitSettings(), method="gauss_newton"), split.horizon
     if recordings:
         check_split(split)
+    if recordings is None:
+        as_long = replace(settings, horizon=samples)
+        context = replace(context, own_values=own_values_suffice(model, fitted, as_long, start))
     may_lengthen = horizon is None if lengthen is None else lengthen
     begun = [start] if start else []
     weights = _weights(model, context, begun, settings.integrator)
@@ -148,10 +153,12 @@ def trace(
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
     limit = time_limit if found.out_of_time else None
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
+    if apart:
+        traced = replace(traced, disagreement=apart.said, own_values=apart.settings)
     traced = replace(traced, finer=found.search.final.numerics.finer, weights=weights)
     traced = marked_as_shown(found.accepted, traced)
     traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
-    beware = cautions(found, traced, fitted, constants, apart, context)
+    beware = cautions(found, traced, fitted, constants, context)
     return replace(traced, sentence=sentence(traced), cautions=beware)
 
 

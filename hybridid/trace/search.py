@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hybridid.model import Model
-from hybridid.trace.accuracy import Accuracy
-from hybridid.trace.alike import equivalents, indistinguishable, strangers
+from hybridid.trace.alike import equivalents, indistinguishable
 from hybridid.trace.backtrack import better_branch, both_taken, without_the_better
 from hybridid.trace.ceiling import ceilings
 from hybridid.trace.class_lead import led_by_the_better
@@ -17,7 +16,7 @@ from hybridid.trace.constancy import fitted_to_held_out, moved
 from hybridid.trace.context import Context
 from hybridid.trace.cross_fitting import cross_fitted
 from hybridid.trace.evidence import compare
-from hybridid.trace.exchange import exchanged, still_alike
+from hybridid.trace.exchange import exchanged
 from hybridid.trace.finer_steps import in_short_steps
 from hybridid.trace.judgement import judge
 from hybridid.trace.many_steps import many_steps
@@ -31,11 +30,9 @@ from hybridid.trace.shorter import beside_shorter
 from hybridid.trace.smoothed_apart import rivals_smoothed_apart
 from hybridid.trace.solve import refit_declared
 from hybridid.trace.steps import (
-    AT_FLOOR,
-    AT_FLOOR_TOGETHER,
-    AT_SIMULATION,
     NONE_PASSES,
     OUT_OF_TIME,
+    RECORDINGS_DIFFER,
     Accepted,
     Back,
     Search,
@@ -43,7 +40,7 @@ from hybridid.trace.steps import (
     back_at,
     said_of,
 )
-from hybridid.trace.together import meets_noise_together
+from hybridid.trace.stops import nothing_to_seek, out_of_time, two_mixed_classes
 from hybridid.trace.trial import PASSED, REJECTED, Trial
 from hybridid.trace.tried import trials_of
 from hybridid.trace.unequal import each_with_its_own
@@ -63,7 +60,11 @@ def search(
     if told := many_steps(base, context.split):
         context.say(told)
     base = beside_shorter(base, context)
-    return continued(Search((), base, (), ""), context, anew=True)
+    found = continued(Search((), base, (), ""), context, anew=True)
+    nothing = found.stopped == NONE_PASSES and not found.accepted
+    if found.stopped == RECORDINGS_DIFFER or (context.own_values and nothing):
+        return replace(found.before_any, stopped=RECORDINGS_DIFFER)
+    return found
 
 
 def continued(found: Search, context: Context, anew: bool = False) -> Search:
@@ -85,12 +86,12 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         if again and _outdone(sharp, steps, context):
             return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
         base = sharp
-        stopped = _nothing_to_seek(base, accepted, context)
+        stopped = nothing_to_seek(base, accepted, context)
         begun = base
         base = begun if stopped or context.out_of_time else beside_shorter(begun, context)
         if base.cost < begun.cost:
             continue
-        stopped = stopped or _out_of_time(steps, took, context)
+        stopped = stopped or out_of_time(steps, took, context)
         if back := _gone_back(steps, base, context, gone_back, stopped):
             steps, base, accepted = back
             continue
@@ -119,7 +120,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         steps.append(replace(step, dropped=dropped))
         wider = None
         took = time.monotonic() - began
-        if why := _two_mixed_classes(base, accepted, context):
+        if why := two_mixed_classes(base, accepted, context):
             return replace(found, steps=tuple(steps), final=base, accepted=tuple(accepted), stopped=why)
 
 
@@ -172,48 +173,6 @@ def _begun_anew(found: Search, sharp: Refit, context: Context) -> Search:
     numerics = replace(first.numerics, finer=sharp.numerics.finer)
     declared = context.one(refit, model, context.split, [values], None, numerics, CONTINUATION)
     return continued(Search((), declared, (), ""), context, anew=True)
-
-
-def _at_simulation_error(base: Refit, context: Context) -> bool:
-    """Whether noise and the error of the simulation are all that ``base`` leaves. Beside an effect that was
-    found, another one would take a part of the latter."""
-    return Accuracy.of(base, context).times(base.score.rmse) <= context.rules.near_floor
-
-
-def _two_mixed_classes(base: Refit, accepted: Sequence[Accepted], context: Context) -> str:
-    """Why no effect is sought after two whose classes are mixed in the last model ``base``; empty if one is.
-
-    Where a class shares nothing physical, chance chose the member that was accepted. The next effect may tell
-    it from the others. If it does not, and was chosen by chance itself, each further effect would be judged
-    beside a model that is one of many.
-    """
-    chosen = [(one, strangers(one.trial, one.alike)) for one in accepted]
-    if not chosen or not chosen[-1][1]:
-        return ""
-    split, rules = context.split, context.rules
-    for one, others in chosen[:-1]:
-        given = [(base, one.trial, other, split, rules) for other in others]
-        if any(context.mapper(still_alike, given)):
-            return f"neither {one.name} nor {chosen[-1][0].name} can be told from effects unrelated to it"
-    return ""
-
-
-def _nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context) -> str:
-    """Why no effect is sought beside ``base``; empty if one is."""
-    if context.meets_noise(base.score):
-        return AT_FLOOR
-    if meets_noise_together(base, context):
-        return AT_FLOOR_TOGETHER
-    if accepted and _at_simulation_error(base, context):
-        return AT_SIMULATION
-    most = context.rules.most_effects
-    return f"{most} effects accepted, the most allowed" if len(accepted) >= most else ""
-
-
-def _out_of_time(steps: Sequence[Step], took: float, context: Context) -> str:
-    """Why no further step begins after ``steps``, where less time is left than the last one ``took`` [s];
-    empty if one does. The first step always begins. A step under way ends with the effect that it tries."""
-    return OUT_OF_TIME if steps and not context.has_time_for(took) else ""
 
 
 def _step_as_smooth(base: Refit, context: Context, number: int, wider: Refit | None) -> Step:

@@ -18,6 +18,7 @@ WITHDRAWN = "may stand in for something else"
 """How the reason begins why an effect that had passed is no name."""
 AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
 OUT_OF_TIME = "the time limit was reached"
+RECORDINGS_DIFFER = "values of their own for each recording leave less than any effect alone"
 AT_SIMULATION = "the residual is no more than the sensors' noise and the error of the simulation"
 AT_FLOOR_TOGETHER = "fitted to all horizons together, the model leaves no more than the sensors' noise"
 

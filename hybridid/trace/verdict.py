@@ -155,6 +155,8 @@ def conclude(
 
 def _with_more(settled: Settled, context: Context) -> tuple[Settled, bool]:
     """``settled`` with pairs and laws, and whether the time limit left these or further steps out."""
+    if context.own_values:  # combinations are more physics than what differs between the recordings
+        return settled, False
     for seek in (_with_pairs, _with_laws) if context.laws else (_with_pairs,):
         cut = settled.found.stopped == OUT_OF_TIME
         if cut or context.out_of_time:

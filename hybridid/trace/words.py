@@ -8,7 +8,7 @@ from hybridid.trace.cut_words import best_tried, cut_short, cut_step, passed_in
 from hybridid.trace.entries import AcceptedEffect, TriedEffect
 from hybridid.trace.input_noise import NoisyInputs
 from hybridid.trace.law_words import passed_before, proposed
-from hybridid.trace.recording_words import by_recording_in_words, comes_first
+from hybridid.trace.recording_words import by_recording_in_words, comes_first, disagreement_in_words
 from hybridid.trace.refused_words import more_than_possible, most_refused
 from hybridid.trace.remarks import mostly_unshown, named_effects, none_of, parameters_in_words, told_apart
 from hybridid.trace.replacement_words import revised_in_words
@@ -35,9 +35,11 @@ NEGLIGIBLE = 0.01
 def sentence(found: Trace) -> str:
     """The verdict in words: what the time limit and failed fits left out, if anything; then what the model
     lacked and how far the error falls, or what is left. Where no effect was found, or each name is refuted, a
-    parameter that differs by recording comes first: one value for all of them leaves what follows."""
+    parameter that differs by recording comes first: one value for all of them leaves what follows. So does
+    what may differ between the recordings, where that leaves no more than all that was found."""
     said, differs = _concluded(found) + revised_in_words(found), by_recording_in_words(found)
-    first = comes_first(found)
+    first = comes_first(found) or bool(found.disagreement)
+    differs = differs or disagreement_in_words(found)
     told = f"{differs.lstrip()} With one value for all recordings: {said}" if first else said + differs
     return cut_short(found) + _untried(found) + told
 

@@ -103,6 +103,15 @@ def as_settings(widths: Sequence[Width]) -> list[str]:
     return [f"parameters.{width.name}.guess={width.used!r}" for width in widths]
 
 
+def by_recording(settings: Settings, own_values: Sequence[str]) -> tuple[str, ...]:
+    """A command that traces with what differs between the recordings, if anything does: the settings
+    ``own_values``. Results and runs go where those of the trace go."""
+    if not own_values:
+        return ()
+    words = " ".join(map(shlex.quote, own_values))
+    return (f"hybridid trace case={settings.case}{_folders(settings)}{_elsewhere(settings)} {words}",)
+
+
 def commands(
     settings: Settings,
     model: Path,
@@ -113,16 +122,20 @@ def commands(
     """Two commands that fit the augmented model: one names its file, and begins where the trace ended; the
     other its effects alone, with the ``widths`` of sign(v) that a trace made narrower. In both the outputs
     count by the ``weights`` of the trace. Results and runs go where those of the trace go."""
-    own = "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
     noise = {name: level.value for name, level in (weights or {}).items()}
     counted = "".join(f" {one}" for one in map(shlex.quote, noise_as_settings(noise)))
-    start = f"hybridid run case={settings.case}{own}{_elsewhere(settings)}{counted}"
+    start = f"hybridid run case={settings.case}{_folders(settings)}{_elsewhere(settings)}{counted}"
     named = [f"effects=[{','.join(effect_entries(settings))}]", *as_settings(widths)]
     effects = " ".join(map(shlex.quote, named))
     return (
         f"{start} model={shlex.quote(str(model))} estimator.horizon={samples} estimator.start=guess",
         f"{start} {effects} estimator.horizon={samples}",
     )
+
+
+def _folders(settings: Settings) -> str:
+    """The user's own folders of configs, in words of a command."""
+    return "".join(f" --config-dir {shlex.quote(str(folder))}" for folder in settings.folders)
 
 
 def _elsewhere(settings: Settings) -> str:

@@ -14,7 +14,8 @@ TRACE = "trace/trace.json"
 
 @dataclass(frozen=True)
 class TraceFile:
-    """A trace of a ``case`` in parallel ``processes``, and the ``commands`` that fit its model."""
+    """A trace of a ``case`` in parallel ``processes``, and the ``commands`` to go on with: one that gives
+    each recording values of its own, if they disagree, then two that fit the last model."""
 
     case: str
     processes: int

@@ -317,11 +317,16 @@ def _taken(one: LearnedGain) -> str:
 
 
 def _use(traced: TraceFile) -> Section | None:
-    if not (traced.found.accepted or traced.found.narrowed):
-        return None
-    text = (
-        "fit, validate and plot work with the last model as with any other model. The first command "
-        "begins where this trace ended. The second needs no file of it and begins at the guesses: it may end "
-        "elsewhere, so compare its errors with those above."
+    found, apart = (
+        traced.found,
+        "The recordings disagree: the command with by=record gives each its own values.",
     )
-    return Section("Next commands", (text,), commands=traced.commands)
+    onward = (
+        "fit, validate and plot work with the last model as with any other model. The command with model= "
+        "begins where this trace ended. The last one needs no file of it and begins at the guesses: it may "
+        "end elsewhere, so compare its errors with those above."
+    )
+    goes_on = found.accepted or found.narrowed
+    told = (*([apart] if found.own_values else []), *([onward] if goes_on else []))
+    commands = traced.commands if goes_on else traced.commands[:1]
+    return Section("Next commands", told, commands=commands) if told else None

@@ -39,7 +39,7 @@ class Request:
     laws: bool = True
     pairs: int = PAIRS
     revise: bool = False
-    by_recording: bool = False
+    by_recording: bool | None = None
     variables: tuple[Variable, ...] | None = None
     time_limit: float | None = None
 

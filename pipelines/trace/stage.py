@@ -25,7 +25,7 @@ from hybridid.trace.result import Trace
 from hybridid.trace.split import automatic_horizon, divided
 from hybridid.validation.drift import growth
 from pipelines.shared import modelling
-from pipelines.shared.augmented import augmented, commands
+from pipelines.shared.augmented import augmented, by_recording, commands
 from pipelines.shared.config import Settings
 from pipelines.shared.drawing import drawn, fresh_garbage_alone
 from pipelines.shared.errors import ConfigError
@@ -214,7 +214,10 @@ def _write(job: Job, found: Trace, processes: int) -> None:
         case=job.settings.case,
         processes=processes,
         fitted_records=found.fitted_records,
-        commands=commands(settings, job.results / "model.json", samples, found.narrowed, found.weights),
+        commands=(
+            *by_recording(job.settings, found.own_values),
+            *commands(settings, job.results / "model.json", samples, found.narrowed, found.weights),
+        ),
         found=found,
     )
     write_json(job.folder / "trace.json", traced)

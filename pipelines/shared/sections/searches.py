@@ -56,10 +56,11 @@ class TraceSection:
     revise: bool = setting(
         False, "leave out each declared effect in turn, and seek others in its place (as long again for each)"
     )
-    by_recording: bool = setting(
-        False,
-        "try each parameter with a value for each record; only alternate horizons of two records or more can "
-        "judge it (held_out: null)",
+    by_recording: bool | None = setting(
+        None,
+        "true: try each parameter with a value for each record; only alternate horizons of two records or "
+        "more can judge it (held_out: null); false: nothing differs, seek on whatever it would explain",
+        null="where values of its own for each record explain all, seek one effect that does so alone",
     )
     time_limit: float | None = setting(
         None,

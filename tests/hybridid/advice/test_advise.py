@@ -335,7 +335,7 @@ def test_recordings_that_one_set_of_parameters_does_not_fit_are_told(
         assert expected in said
         assert " in light and " in said
         name = expected.split()[0]
-        assert f"go on with parameters.{name}.by=record (for a trace also trace.held_out=null: " in said
+        assert f"go on with parameters.{name}.by=record fit.records=null trace.held_out=null, " in said
 
 
 def test_what_is_missing_in_both_recordings_alike_is_no_disagreement(make_model, carriage_like, noise):

@@ -59,7 +59,7 @@ def test_the_member_that_explains_more_in_the_last_model_leads(steps, last, cont
 def test_the_search_goes_on_beside_it(steps, last, context, monkeypatch):
     """As if the model with the brake met the noise, which ends a search."""
     monkeypatch.setattr(
-        "hybridid.trace.search._nothing_to_seek",
+        "hybridid.trace.search.nothing_to_seek",
         lambda base, accepted, context: AT_FLOOR if len(accepted) > 1 else "",
     )
     found = continued(Search(tuple(steps), last, tuple(one.accepted for one in steps), ""), context)

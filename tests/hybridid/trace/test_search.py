@@ -14,6 +14,7 @@ from hybridid.effects.over import OVERS, OVERS_OF_A_FLOW, Over
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace import ceiling as ceiling_module
 from hybridid.trace import search as searching
+from hybridid.trace import stops
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.ceiling import ceiling
 from hybridid.trace.context import Context
@@ -24,7 +25,7 @@ from hybridid.trace.refit import refit
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import search
-from hybridid.trace.steps import AT_SIMULATION
+from hybridid.trace.steps import AT_SIMULATION, RECORDINGS_DIFFER
 from hybridid.trace.trial import PASSED, Trial
 from hybridid.trace.verdict import conclude
 
@@ -171,12 +172,25 @@ def test_a_refusal_says_whether_the_gain_or_an_amplitude_is_lost(worn):
 def test_the_search_ends_at_the_error_of_the_simulation(worn, split_of, monkeypatch, times, ends):
     """As if noise and simulation left so much less than the last model does, far above the noise."""
     accuracy = SimpleNamespace(times=lambda rmse: times)
-    monkeypatch.setattr(searching.Accuracy, "of", lambda final, context: accuracy)
-    monkeypatch.setattr(searching, "meets_noise_together", lambda base, context: False)
+    monkeypatch.setattr(stops.Accuracy, "of", lambda final, context: accuracy)
+    monkeypatch.setattr(stops, "meets_noise_together", lambda base, context: False)
     far = worn.search.first
     context = Context(split_of(df_v=DF_V))
-    assert (searching._nothing_to_seek(far, worn.accepted, context) == AT_SIMULATION) is ends
-    assert searching._nothing_to_seek(far, (), context) == "", "the declared model may lack what hides there"
+    assert (stops.nothing_to_seek(far, worn.accepted, context) == AT_SIMULATION) is ends
+    assert stops.nothing_to_seek(far, (), context) == "", "the declared model may lack what hides there"
+
+
+@pytest.mark.parametrize(("times", "why"), [(2.9, ""), (3.1, RECORDINGS_DIFFER)])
+def test_beside_one_effect_that_leaves_more_than_own_values_no_other_is_sought(
+    worn, split_of, monkeypatch, times, why
+):
+    """As if values of its own for each recording left no more than noise, and the effect so much more."""
+    monkeypatch.setattr(stops.Accuracy, "of", lambda *_: SimpleNamespace(times=lambda rmse: times))
+    monkeypatch.setattr(stops, "meets_noise_together", lambda *_: False)
+    own_values = Context(split_of(df_v=DF_V), own_values=True)
+    assert stops.nothing_to_seek(worn.search.first, worn.accepted, own_values) == why
+    alike = replace(own_values, own_values=False)
+    assert stops.nothing_to_seek(worn.search.first, worn.accepted, alike) == ""
 
 
 def test_the_search_ends_at_two_classes_that_chance_decides(worn, split_of, monkeypatch):
@@ -187,10 +201,10 @@ def test_the_search_ends_at_two_classes_that_chance_decides(worn, split_of, monk
     first, second = replace(one, alike=(one.trial, spring)), replace(one, trial=drag, alike=(drag, spring))
 
     def why(*accepted):
-        return searching._two_mixed_classes(worn.search.final, accepted, context)
+        return stops.two_mixed_classes(worn.search.final, accepted, context)
 
     assert why(first, second) == ""  # in the last model the spring explains less than the first
-    monkeypatch.setattr(searching, "still_alike", lambda *_: True)
+    monkeypatch.setattr(stops, "still_alike", lambda *_: True)
     both = (
         "neither carriage.asymmetric_viscous nor carriage.quadratic_drag can be told from effects unrelated"
     )

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from hybridid.trace.entries import Width
 from hybridid.trace.input_noise import NoiseLevel
-from pipelines.shared.augmented import augmented, commands
+from pipelines.shared.augmented import augmented, by_recording, commands
 from pipelines.shared.modelling import model_of
 
 NARROWED = (Width("carriage.epsilon", "m/s", 1e-3, 8.5e-05),)
@@ -30,6 +30,14 @@ def test_the_commands_write_where_the_trace_wrote(settings):
     given = settings({"paths": {"outputs": "/tmp/my results"}, "mlflow": {"enabled": False}})
     for one in commands(given, Path("model.json"), 250):
         assert "'paths.outputs=/tmp/my results' mlflow.enabled=false" in one
+
+
+def test_recordings_that_disagree_get_values_of_their_own_by_a_trace(settings):
+    words = ("parameters.M.by=record", "fit.records=null", "trace.held_out=null")
+    given = settings({"mlflow": {"enabled": False}})
+    (command,) = by_recording(given, words)
+    assert command == f"hybridid trace case={given.case} mlflow.enabled=false {' '.join(words)}"
+    assert by_recording(given, ()) == ()
 
 
 def test_the_model_of_a_trace_begins_where_the_trace_ended(settings):

@@ -239,3 +239,19 @@ def test_what_speaks_against_the_declared_physics_has_a_section(section, stored)
     assert "do not tell cart.offset" in shown.paragraphs[0]
     titles = [one.title for one in trace_page(stored(), ()).sections]
     assert "The declared physics" not in titles
+
+
+def test_the_next_commands_begin_with_values_of_its_own_where_recordings_disagree(stored):
+    """Where nothing was accepted, no command fits the last model."""
+
+    def next_commands(**changes):
+        made = replace(stored(**changes), commands=("by=record", "model=", "effects="))
+        return [one for one in trace_page(made, ()).sections if one.title == "Next commands"]
+
+    (both,) = next_commands(own_values=("parameters.M.by=record",))
+    assert both.commands == ("by=record", "model=", "effects=")
+    assert both.paragraphs[0].startswith("The recordings disagree")
+    (alone,) = next_commands(own_values=("parameters.M.by=record",), accepted=())
+    assert alone.commands == ("by=record",)
+    assert len(alone.paragraphs) == 1
+    assert next_commands(accepted=()) == []
