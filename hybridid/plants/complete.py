@@ -49,7 +49,9 @@ def _unknown_signals(plant: Plant) -> Iterator[str]:
             yield unknown(f"output in observed_by of state {state.name}:", state.observed_by, names["output"])
     for port in plant.ports:
         if port.name not in names.get(port.kind, (port.name,)):
-            yield unknown(f"{port.kind} in the name of a port of that kind:", port.name, names[port.kind])
+            yield unknown(
+                f"{port.kind}, after which a port of that kind is named:", port.name, names[port.kind]
+            )
 
 
 def complaints(owner: object, what: str, kind: type) -> Iterator[str]:

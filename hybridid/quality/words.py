@@ -53,13 +53,17 @@ def _beside_nothing(view: View) -> str:
 
 
 def explained(named: Sequence[Hypothesis], best: Trial, given: Trial) -> str:
-    """What would explain most of what the fit leaves."""
+    """What would explain most of what the fit leaves. A value that physics forbids, as a negative friction,
+    stands for another law of the same variable."""
     what = ", or ".join(dict.fromkeys(one.said for one in named))
     windows = best.data.problem.windows
     seconds = number(max(windows.lengths) * windows.dt, 2)
     shares = f"{percent(_two_digits(best.share))} of the motion, not {percent(_two_digits(given.share))}"
     pieces = f"refitted over pieces of {seconds} s"
-    return f"the records say that {what}: the same model then leaves {shares} ({pieces})"
+    said = f"the records say that {what}: the same model then leaves {shares} ({pieces})"
+    if not any(one.released for one in named):
+        return said
+    return f"{said}. If the bound is physics, another law is there, which hybridid trace looks for"
 
 
 def incomplete(left: Sequence[Left]) -> str:

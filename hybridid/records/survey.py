@@ -13,7 +13,7 @@ import numpy as np
 from hybridid.records.channel import Array, RecordError
 from hybridid.records.checks import check_even, check_increasing
 from hybridid.records.columns import Columns
-from hybridid.records.mapping import SECONDS
+from hybridid.records.mapping import SECONDS, TimeMap
 from hybridid.records.units import factor, is_unit
 from hybridid.records.usual_step import UsualStep, usual_step
 
@@ -137,6 +137,16 @@ def time_found(
     except RecordError:
         even = False
     return TimeFound(name, unit, not told, usual_step(seconds), even, tuple(same))
+
+
+def other_unit_of_time(time: TimeMap) -> str:
+    """That the header of the column of ``time`` names another unit than it is read in; else empty."""
+    unit = labelled(time.column or "").unit
+    seconds = factor(unit, "s") if unit else None
+    if seconds is None or np.isclose(seconds, SECONDS[time.unit]):
+        return ""
+    column = f"its column {time.column!r} says {unit}"
+    return f"time is read in {time.unit}, but {column}: is signals.time.unit right?"
 
 
 def _looks_like_time(columns: Columns) -> list[str]:

@@ -13,6 +13,7 @@ together are more physics than one load that was changed. The user may say that 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from hybridid.advice.disagreement import LEFT, Disagreement, disagreement, share_left
 from hybridid.estimators.fit import fit
@@ -46,7 +47,8 @@ def own_values_suffice(
     if len(records) < 2:
         return False
     try:
-        found = disagreement(model, records, fit(model, records, settings, start_values=start))
+        estimate = fit(model, records, replace(settings, starts=1), start_values=start)
+        found = disagreement(model, records, estimate)
     except ValueError:  # what cannot be fitted is told by the search
         return False
     return found is not None and found.suffices

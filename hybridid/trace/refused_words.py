@@ -97,7 +97,7 @@ def more_than_possible(gain: float, times: float) -> str:
     noise and simulation; else empty."""
     if gain <= 1.0 - 1.0 / times:
         return ""
-    return " A complete model could not take as much: it fits the noise, or an error of the simulation."
+    return " No effect that is there could take as much: this one fits noise, or an error of the simulation."
 
 
 def why_passed_over(trial: Trial, taken: Sequence[Accepted]) -> str:

@@ -13,6 +13,7 @@ from hybridid.naming import listed, no_file_name, shortened
 from hybridid.records.mapping import RecordMap, planned_record, record_map
 from hybridid.records.record import Record, RecordError
 from hybridid.records.sources import DataRoot, RecordNotFoundError, data_roots, digest_of, locate
+from hybridid.records.survey import other_unit_of_time
 from hybridid.rigs.rig import Rig
 from hybridid.signals.step import StepError, as_steps
 from pipelines.shared.by_record import parameters_by_record
@@ -46,7 +47,8 @@ class Measured:
 
     def record(self) -> Record:
         """Read the record from its files."""
-        return planned_record(self.name, self.plan, self.files)
+        record, doubt = planned_record(self.name, self.plan, self.files), other_unit_of_time(self.plan.time)
+        return replace(record, warnings=(*record.warnings, doubt)) if doubt else record
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,7 @@ def test_good_code_makes_a_model(own_folder):
         ('Parameter("G"', 'Parameter("J"', "two of its parameters are called J"),
         ('Parameter("G"', 'Parameter("G h"', "'G h' among its parameters is no name"),
         ('observed_by="angle")', 'observed_by="angel")', "of state q: 'angel': did you mean 'angle'"),
-        ('"pivot", "effort"', '"angle_sensor", "output"', "output in the name of a port of that kind"),
+        ('"pivot", "effort"', '"angle_sensor", "output"', "output, after which a port of that kind is named"),
     ],
 )  # fmt: skip
 def test_fault_is_named_with_its_place(old, new, said, own_folder):

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from hybridid.records.columns import Columns
+from hybridid.records.mapping import TimeMap
 from hybridid.records.record import RecordError
-from hybridid.records.survey import columns_found, labelled, time_found, words_of
+from hybridid.records.survey import columns_found, labelled, other_unit_of_time, time_found, words_of
 
 T = 0.002 * np.arange(200)
 
@@ -120,3 +121,16 @@ def test_constants_and_held_signals_are_told_apart():
     assert set(found) == {"still", "held", "free"}
     assert [found[name].constant for name in ("still", "held", "free")] == [True, False, False]
     assert [found[name].held for name in ("still", "held", "free")] == [False, True, False]
+
+
+@pytest.mark.parametrize(
+    ("column", "unit", "says"),
+    [("t_ms", "s", "ms"), ("t [us]", "ms", "us"), ("t_ms", "ms", ""), ("time", "s", ""), ("ts_m", "s", "")],
+)
+def test_a_header_that_names_another_unit_of_time_is_told(column, unit, says):
+    said = other_unit_of_time(TimeMap(column, unit))
+    assert said == (
+        f"time is read in {unit}, but its column {column!r} says {says}: is signals.time.unit right?"
+        if says
+        else ""
+    )

@@ -62,7 +62,8 @@ def test_a_gain_that_was_refused_is_told(nothing):
     assert "none of the 2 effects tried" in said
     assert (
         "The largest gain, 12.0 % with cubic_stiffness at carriage, is refused: k_3 is not determined. "
-        "A complete model could not take as much: it fits the noise, or an error of the simulation." in said
+        "No effect that is there could take as much: this one fits noise, or an error of the simulation."
+        in said
     )
 
 
