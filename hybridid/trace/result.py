@@ -90,12 +90,12 @@ class Trace:
     ``idle`` names the declared effects of which the records show nothing, ``either`` those of which each
     alone may be zero, but not all. ``disagreement`` tells what differs between the recordings, if values of
     its own for each leave no more than all that was found, ``own_values`` the settings of a command that
-    gives each its own. ``replacements`` is what explains more in the
-    place of one, where that was asked. ``by_recording`` holds the parameters tried with a value for each
-    record, where that was asked; the last model has one value of each. ``narrowed`` are the smoothings of
-    sign(v) that were made narrower, and ``finer`` how many times shorter the steps are than stability and
-    smooth motion ask for. ``refused_laws`` are the composed laws, of ``laws_formed``, that were tried beside
-    the last model, none of which passed. ``time_limit`` [s] is the one that ended the search, if one did.
+    gives each its own. ``replacements`` is what explains more in the place of a declared one, if asked.
+    ``by_recording`` holds the parameters tried with a value for each record, where that was asked; the last
+    model has one value of each. ``narrowed`` are the smoothings of sign(v) that were made narrower, and
+    ``finer`` how many times shorter the steps are than stability and smooth motion ask for. ``refused_laws``
+    are the composed laws, of ``laws_formed``, that were tried beside the last model, none of which passed.
+    ``time_limit`` [s] is the one that ended the search, if one did.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
     """
 

@@ -86,13 +86,12 @@ def trace(
     model starts. ``initial_state`` ("estimated" or "measured") is that of free runs. Where no effect
     explains what is missing, ``pairs`` of effects are tried, the most promising ones (0: none); with
     ``laws``, a law is composed. With ``revise``, each declared effect is left out in turn, and others are
-    sought in its place. With ``recordings``, each parameter is tried with a value for each record. Where
-    values of their own for one or two parameters leave no more than noise (None; not if it is False), one
-    effect alone is sought that does as well. No
-    step begins that would end after ``time_limit`` s (None: no limit), should it take as long as the one
-    before, and after that no effect, pairs, laws or revision. At least five effects are tried; a step
-    that leaves one out gives no name. What was accepted is doubted as always. Of a sample at which one
-    output was not measured the others count.
+    sought in its place. With ``recordings``, each parameter is tried with a value for each record; if it
+    is None, and one or two parameters with values of their own leave no more than noise, one effect alone
+    is sought that does as well. No step begins that would end after ``time_limit`` s (None: no limit),
+    should it take as long as the one before, and after that no effect, pairs, laws or revision. At least
+    five effects are tried; a step that leaves one out gives no name. What was accepted is doubted as
+    always. Of a sample at which one output was not measured the others count.
     ``mapper`` runs the refits, one after another or side by side; ``report`` follows them. ``say`` is told
     what each step decides, as it falls.
 

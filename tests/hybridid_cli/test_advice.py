@@ -31,7 +31,7 @@ def test_emps_is_told_of_its_pulses_alone(advice, horizon):
     found = advice("emps", "emps", horizon)
     assert found.keys() == {"range"}
     assert found["range"].startswith(
-        "record validation leaves what was fitted: force −230 N to 217 N, fitted"
+        "record validation leaves what was fitted: force −230 to 217 N, fitted −151 to 145 N; "
     )
 
 
