@@ -13,7 +13,7 @@ TESTS ?= tests
 JOBS ?= $(shell expr 1 + $$(getconf _NPROCESSORS_ONLN || echo 1))
 
 .DEFAULT_GOAL := help
-.PHONY: help install test lint audit format docs check-docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-declarations study-blunders study-rebuilt study-servo study-strangers study-sweep study-slurm study-fleet league league-drawn league-measured torture clean distclean FORCE
+.PHONY: help install test rigs lint audit format docs check-docs schemas configuration readme-picture reproduce-thesis benchmark study-coverage study-evidence study-recovery study-laws study-declarations study-blunders study-rebuilt study-servo study-strangers study-sweep study-slurm study-fleet league league-drawn league-measured torture clean distclean FORCE
 
 help: ## say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -26,6 +26,10 @@ install: $(READY) ## set up .venv (the other targets do it by themselves)
 
 test: $(READY) ## run the tests
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --durations=15 --durations-min=1 $(TESTS)
+
+rigs: $(READY) ## compile the simulation of the virtual rigs ahead (half a minute, once)
+	@folder=$$(mktemp -d); $(abspath $(BIN))/hybridid fit case=emps data=simulated rig.duration=0.2 mlflow.enabled=false \
+		paths.outputs=$$folder > $$folder/said 2>&1 || { cat $$folder/said; exit 1; }; rm -r $$folder
 
 lint: $(READY) ## check style and types
 	$(BIN)/ruff check .
