@@ -32,7 +32,8 @@ class Advice:
     more, or another tolerance. ``valley``: too few starts tell whether the valley that is kept is the lowest.
     ``open``: a standard error is larger than its parameter, which is positive. ``same``: a held-out record
     holds samples that were fitted. ``drift``: a free run is bad by nature, since the model integrates or is
-    unstable; horizons judge it. ``recordings``: values of its own explain each recording far better.
+    unstable; horizons judge it. ``recordings``: values of its own explain each recording far better,
+    or a channel of some is otherwise than in the others.
     """
 
     kind: Kind

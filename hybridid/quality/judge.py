@@ -21,6 +21,7 @@ from hybridid.advice import Advice, advise
 from hybridid.advice.horizon import FEW, GROWN, GROWS
 from hybridid.estimators.estimate import Estimate, Left
 from hybridid.estimators.findings import several_valleys
+from hybridid.estimators.fit import fit
 from hybridid.estimators.floor import FAR
 from hybridid.estimators.pieces import pieces
 from hybridid.estimators.problem import Problem, build_problem
@@ -53,6 +54,8 @@ SAMPLES, FITS = 2000, 16
 """Samples of all pieces together, and how many fits they are used for."""
 ALIKE = 2.0
 """Ratio of what two hypotheses leave up to which the records do not tell them apart."""
+MUCH = 0.1
+"""Share of the squared motion that a fit leaves, above which each record is asked alone."""
 COARSE, MATTERS = 0.5, 0.01
 """Shares of what the fit and of what doing nothing leave, above which an error of the simulation is no
 detail."""
@@ -64,15 +67,7 @@ def judge(
     """The quality of ``estimate``, a fit of ``model`` to ``records``; there is advice about the range of the
     records ``held_out``, which it has not seen."""
     began = time.perf_counter()
-    settings = estimate.settings
-    problem = build_problem(
-        model,
-        records,
-        settings.horizon,
-        estimate.substeps,
-        settings.initial_state == "estimated",
-        integrator=settings.integrator,
-    )
+    problem = _problem_of(model, records, estimate)
     views = views_of(model, records, estimate, problem)
     more = any(one.exceeded for one in estimate.left)
     unknown = any(math.isnan(one.noise) for one in estimate.left)
@@ -92,8 +87,44 @@ def judge(
     said = sentence(verdict, estimate, views, steady, integrating)
     grows = growth(model, model.values(estimate.values), records) if drift else 0.0
     advice = [Advice("drift", drifts(drift, views[0], grows))] if drift and verdict != "wrong" else []
+    if bad or more:
+        advice += _otherwise_in_one(model, records, estimate, views)
     advice += advise(problem, estimate if verdict in TRUSTED else estimate.withheld(), held_out)
     return Quality(verdict, said, tuple(findings), views, time.perf_counter() - began, tuple(advice))
+
+
+def _problem_of(model: Model, records: Sequence[Record], estimate: Estimate) -> Problem:
+    """The problem of which ``estimate`` is the solution."""
+    settings = estimate.settings
+    return build_problem(
+        model,
+        records,
+        settings.horizon,
+        estimate.substeps,
+        settings.initial_state == "estimated",
+        integrator=settings.integrator,
+    )
+
+
+def _otherwise_in_one(
+    model: Model, records: Sequence[Record], estimate: Estimate, views: Sequence[View]
+) -> list[Advice]:
+    """Which records alone say that a sign, a unit or a column is otherwise than declared, if some do and
+    others do not: an amplifier that was plugged the other way round. Asked where much of the motion is left.
+    """
+    little = all(v.rmse**2 <= MUCH * v.nothing**2 for v in views)
+    if little or len(records) < 2 or model.by_record or model.groups:
+        return []
+    settings = replace(estimate.settings, method="gauss_newton", starts=1)
+    told = []
+    for record in records:
+        try:
+            alone = fit(model, [record], settings)
+        except ValueError:  # it shows no output, or cannot be fitted alone
+            continue
+        found = _explanations(model, _problem_of(model, [record], alone), alone, bounds=False)
+        told += [f"of record {record.name} alone, {one.said}" for one in found]
+    return [Advice("recordings", said) for said in told] if len(told) < len(records) else []
 
 
 def _verdict(estimate: Estimate, findings: Sequence[Finding]) -> Verdict:

@@ -238,3 +238,19 @@ def test_a_sound_fit_says_over_which_horizons_and_what_it_does_not_determine(mod
 
     assert f"; but {first.name} ends at a bound" in ends_at(first.upper)
     assert "bound" not in ends_at(0.0), "a friction that is not there"
+
+
+@pytest.mark.parametrize(
+    ("of_first", "of_second", "told"), [(1.0, -1.0, ["second"]), (1.0, 1.0, []), (-1.0, -1.0, [])]
+)
+def test_a_sign_that_is_reversed_in_one_recording_is_told_of_that_one(
+    verdict, record, of_first, of_second, told
+):
+    """In all of them it is a finding about the case, and no advice."""
+    first = changed(record, force=of_first)
+    second = replace(changed(record, force=of_second), name="second")
+    found = verdict(first, second, settings=FitSettings(horizon=50))
+    said = [one.said for one in found.advice if " alone, the records say that " in one.said]
+    assert len(said) == len(told)
+    assert all(line.startswith(f"of record {name} alone, ") for line, name in zip(said, told, strict=True))
+    assert all("the sign of input force is reversed" in line for line in said)
