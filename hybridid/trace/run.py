@@ -180,14 +180,15 @@ def _concluded(
     integrator: AskedIntegrator,
     may_lengthen: bool,
 ) -> tuple[Conclusion, Context]:
-    """What is found on the horizons of ``context``, or on longer ones if these show more and it may."""
+    """What is found on the horizons of ``context``, or on longer ones if these show more and it may. Where
+    noise of an input may make all that is left, more over longer horizons shows nothing: it adds up there."""
     if not may_lengthen:
         return conclude(model, context, start, integrator), context
     starts = declared_starts(model, context.split, start)
     numerics = numerics_for(model, context.split, starts, integrator)
     context = over_long_enough(model, context, starts, numerics)
     found = conclude(model, context, start, integrator)
-    if found.longer and found.longer.judged and not context.out_of_time:
+    if found.longer and found.longer.judged and not (found.noisy or context.out_of_time):
         context = lengthened(context, found.longer)
         found = conclude(model, context, start, integrator)
     return found, context

@@ -146,10 +146,12 @@ def _why_open(found: Trace, where: str) -> str:
                 f"{nothing} fitted over horizons of {seconds} s the model leaves {times} {alone}. Too few of "
                 "these are held out to judge: a longer record may show what is missing"
             )
-        return (
-            f"{nothing} over horizons of {seconds} s the model leaves {times} {alone}. "
-            f"trace.horizon={seconds} may show what is missing"
-        )
+        more = f"trace.horizon={seconds} may show what is missing"
+        if found.noisy:
+            more = (
+                "Noise of an input adds up over longer horizons, so that alone shows nothing that is missing"
+            )
+        return f"{nothing} over horizons of {seconds} s the model leaves {times} {alone}. {more}"
     return (
         f"the fitted horizons leave {multiple(found.times_fitted)} {alone}, but "
         f"{_unexplained(found, where)}, which may show too little of the machine"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from jsonschema import Draft202012Validator
 from hybridid.effects.library import effect_named
 from hybridid.plain import plain, schema
 from hybridid.trace import input_noise as module
+from hybridid.trace import run
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
 from hybridid.trace.input_noise import noisy_inputs
@@ -97,3 +99,18 @@ def test_where_little_is_left_it_is_told_beside_that(make_model, split_of):
     Draft202012Validator(schema(Trace)).validate(json.loads(json.dumps(plain(found))))
     assert "simulation alone leave. The records show white noise of at most" in found.sentence
     assert "If force is known exactly" not in found.sentence
+
+
+@pytest.mark.parametrize(("noisy", "lengthens"), [(None, 1), (object(), 0)])
+def test_noise_of_an_input_that_adds_up_over_longer_horizons_lengthens_none(monkeypatch, noisy, lengthens):
+    """Over longer horizons a complete model of a carriage whose force is measured leaves far more."""
+    found = SimpleNamespace(longer=SimpleNamespace(judged=True), noisy=noisy)
+    lengthened = []
+    monkeypatch.setattr(run, "declared_starts", lambda *_: [])
+    monkeypatch.setattr(run, "numerics_for", lambda *_: None)
+    monkeypatch.setattr(run, "over_long_enough", lambda model, context, *_: context)
+    monkeypatch.setattr(run, "conclude", lambda *_: found)
+    monkeypatch.setattr(run, "lengthened", lambda context, _: lengthened.append(context) or context)
+    context = SimpleNamespace(split=None, out_of_time=False)
+    assert run._concluded(None, context, [], "auto", may_lengthen=True) == (found, context)
+    assert len(lengthened) == lengthens

@@ -16,6 +16,7 @@ from hybridid.trace.entries import (
     Value,
     Width,
 )
+from hybridid.trace.input_noise import NoiseLevel, NoisyInputs
 from hybridid.trace.longer import Longer
 from hybridid.trace.remarks import (
     idle_in_words,
@@ -68,7 +69,7 @@ def test_a_gain_that_was_refused_is_told(nothing):
 
 
 def test_a_gain_that_a_complete_model_could_take_is_told_without_more(nothing):
-    assert "A complete model" not in sentence(replace(nothing(SPRING), times=1.2))
+    assert "No effect that is there" not in sentence(replace(nothing(SPRING), times=1.2))
 
 
 def test_longer_horizons_may_show_what_short_ones_do_not(nothing):
@@ -78,6 +79,10 @@ def test_longer_horizons_may_show_what_short_ones_do_not(nothing):
         "nothing that can be found is, but over horizons of 0.3 s the model leaves 7.1 times what noise and "
         "simulation alone leave. trace.horizon=0.3 may show what is missing. The error left is 3 µm"
     )
+    noisy = NoisyInputs({"force": NoiseLevel(3.0, "N")}, {"position": NoiseLevel(1e-6, "m")})
+    adds_up = sentence(replace(nothing(DRAG), verdict="undecided", longer=Longer(0.3, 7.12), noisy=noisy))
+    assert "Noise of an input adds up over longer horizons, so that alone shows nothing" in adds_up
+    assert "trace.horizon" not in adds_up
     fitted = sentence(replace(nothing(DRAG), verdict="undecided", longer=Longer(0.3, 7.12, judged=False)))
     assert "fitted over horizons of 0.3 s the model leaves 7.1 times what" in fitted
     assert "trace.horizon" not in fitted, "too few are held out"
