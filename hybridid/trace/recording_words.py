@@ -31,13 +31,14 @@ def by_recording_in_words(found: Trace) -> str:
 
 
 def disagreement_in_words(found: Trace) -> str:
-    """What values of its own for each recording explain; empty where they explain less than was found."""
-    if not found.disagreement:
-        return ""
-    stands = " That leaves no more than all that was found, which may only stand for it."
-    ended = f" The search ended there: {RECORDINGS_DIFFER}. trace.by_recording=false seeks on all the same."
-    told = (stands if found.accepted else "") + (ended if found.stopped == RECORDINGS_DIFFER else "")
-    return f" {found.disagreement[:1].upper()}{found.disagreement[1:]}.{told}"
+    """What values of its own for each recording explain, and whether the search ended for that; empty where
+    they explain less than was found."""
+    told = f" {found.disagreement[:1].upper()}{found.disagreement[1:]}." if found.disagreement else ""
+    if told and found.accepted:
+        told += " That leaves no more than all that was found, which may only stand for it."
+    if found.stopped == RECORDINGS_DIFFER:
+        told += f" The search ended early: {RECORDINGS_DIFFER}. trace.by_recording=false searches on."
+    return told
 
 
 def comes_first(found: Trace) -> bool:

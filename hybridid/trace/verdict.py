@@ -32,7 +32,7 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.search import continued, search
 from hybridid.trace.settled import Ceilings, Settled, learned_beside, settle, settle_below_noise
 from hybridid.trace.steady_error import steady_over
-from hybridid.trace.steps import OUT_OF_TIME, Accepted, Search
+from hybridid.trace.steps import OUT_OF_TIME, RECORDINGS_DIFFER, Accepted, Search
 
 Verdict = Literal["effect_found", "ambiguous", "law_proposed", "nothing_missing", "undecided", "unexplained"]
 
@@ -155,7 +155,7 @@ def conclude(
 
 def _with_more(settled: Settled, context: Context) -> tuple[Settled, bool]:
     """``settled`` with pairs and laws, and whether the time limit left these or further steps out."""
-    if context.own_values:  # combinations are more physics than what differs between the recordings
+    if settled.found.stopped == RECORDINGS_DIFFER:  # combinations are more physics than that
         return settled, False
     for seek in (_with_pairs, _with_laws) if context.laws else (_with_pairs,):
         cut = settled.found.stopped == OUT_OF_TIME

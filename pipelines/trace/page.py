@@ -317,10 +317,8 @@ def _taken(one: LearnedGain) -> str:
 
 
 def _use(traced: TraceFile) -> Section | None:
-    found, apart = (
-        traced.found,
-        "The recordings disagree: the command with by=record gives each its own values.",
-    )
+    found = traced.found
+    apart = "The recordings disagree: the command with by=record gives each its own values."
     onward = (
         "fit, validate and plot work with the last model as with any other model. The command with model= "
         "begins where this trace ended. The last one needs no file of it and begins at the guesses: it may "

@@ -59,8 +59,9 @@ class TraceSection:
     by_recording: bool | None = setting(
         None,
         "true: try each parameter with a value for each record; only alternate horizons of two records or "
-        "more can judge it (held_out: null); false: nothing differs, seek on whatever it would explain",
-        null="where values of its own for each record explain all, seek one effect that does so alone",
+        "more can judge it (held_out: null); false: search on although values of its own for each would "
+        "explain all",
+        null="where these explain all, one effect is sought that does so alone, and no combination",
     )
     time_limit: float | None = setting(
         None,

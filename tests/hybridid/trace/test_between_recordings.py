@@ -37,7 +37,7 @@ def test_a_load_that_differs_is_told_before_all_else_and_ends_the_search(traced)
     assert found.verdict == "unexplained"
     assert len(found.steps) == 1
     assert found.stopped == RECORDINGS_DIFFER
-    assert "trace.by_recording=false seeks on all the same" in found.sentence
+    assert "trace.by_recording=false searches on" in found.sentence
 
 
 def test_who_knows_that_nothing_differs_gets_the_whole_search(traced):

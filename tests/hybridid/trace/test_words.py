@@ -27,7 +27,7 @@ from hybridid.trace.remarks import (
     unsure_in_words,
 )
 from hybridid.trace.result import LearnedGains
-from hybridid.trace.steps import AT_FLOOR_TOGETHER
+from hybridid.trace.steps import AT_FLOOR_TOGETHER, RECORDINGS_DIFFER
 from hybridid.trace.words import _members, error_left, sentence
 
 
@@ -347,3 +347,9 @@ def test_a_narrower_smoothing_is_told(nothing):
     named = narrowed_in_words(replace(found, accepted=(accepted("stribeck", "F = k", False),)))
     assert named.endswith(" is that of its step, which may have had the wider one.")
     assert narrowed_in_words(nothing()) == ""
+
+
+def test_a_search_that_ended_early_says_so_though_nothing_else_tells_of_the_recordings(nothing):
+    said = sentence(replace(nothing(DRAG), stopped=RECORDINGS_DIFFER))
+    assert f"The search ended early: {RECORDINGS_DIFFER}. trace.by_recording=false searches on." in said
+    assert "ended early" not in sentence(nothing(DRAG))
