@@ -24,6 +24,7 @@ from hybridid.estimators.rough_horizons import POOR, has_own_states, mended
 from hybridid.estimators.secant import Secant
 from hybridid.estimators.separate import is_separate, solve_separately
 from hybridid.estimators.stop import SLOW_GAIN, SLOW_SHARE, SLOW_STEPS, Stop, Watch
+from hybridid.estimators.wide_steps import in_wide_steps
 
 Array = NDArray[np.float64]
 MOST_DAMPING = 1e12
@@ -76,7 +77,8 @@ class LevenbergMarquardt:
         begun = 0
         for factor in factors[:-1] if problem.widths else ():
             coarse, smoothed = replace(stop, tolerance=LOOSE), problem.smoothed(p, factor)
-            found = _descend(variables, smoothed, x0, coarse, _from(watch, begun), self.mends, self.learns)
+            wide = transcription.least_squares(in_wide_steps(problem, p, factor))
+            found = _descend(wide, smoothed, x0, coarse, _from(watch, begun), self.mends, self.learns)
             p, x0, begun = found.p, found.x0, begun + found.iterations
         smoothed = problem.smoothed(p, factors[-1])
         found = _descend(variables, smoothed, x0, stop, _from(watch, begun), self.mends, self.learns)

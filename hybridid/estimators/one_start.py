@@ -16,6 +16,7 @@ from hybridid.estimators.plan import Descent, Handover, Result, Start
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.start import best_initial_states
 from hybridid.estimators.stop import Stop
+from hybridid.estimators.wide_steps import in_wide_steps
 
 Array = NDArray[np.float64]
 SETTLED = 1e-3
@@ -56,6 +57,11 @@ class Task:
     def solve(self, p: Array, x0: Array, factors: Sequence[float], stop: Stop) -> Solution:
         """A descent on the horizons that count, from the initial states ``x0`` (w, n_x) of all."""
         return self.method.solve(self.counting, p, x0[self.ours], factors, stop, self.start.watch)
+
+    def solve_widely(self, p: Array, x0: Array, factors: Sequence[float], stop: Stop) -> Solution:
+        """As ``solve``, in the steps that the last of the smoothings ``factors`` needs."""
+        problem = in_wide_steps(self.counting, p, factors[-1])
+        return self.method.solve(problem, p, x0[self.ours], factors, stop, self.start.watch)
 
     def cost(self, p: Array, x0: Array, factor: float) -> float:
         """The cost on the horizons that count at ``p`` (n_p,) and the initial states ``x0`` (w, n_x) of all,

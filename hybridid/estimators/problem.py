@@ -176,6 +176,10 @@ class Problem:
         """The same problem with the last ``gap`` samples of each horizon left out."""
         return self._over(self.windows.without_ends(gap))
 
+    def in_steps(self, substeps: int) -> Problem:
+        """The same problem simulated in ``substeps`` steps a sample."""
+        return self._over(self.windows.in_steps(self.records, substeps))
+
     def _over(self, windows: Windows) -> Problem:
         return replace(self, windows=windows, shooter=self.shooter.over(windows))
 

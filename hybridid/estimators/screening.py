@@ -103,10 +103,11 @@ def _by_cost(looks: Mapping[int, Look]) -> dict[int, Look]:
     return dict(sorted(looks.items(), key=lambda item: item[1].seen.cost))
 
 
-def _look(task: Task, factors: Sequence[float], rest: tuple[float, ...], stop: Stop) -> Look:
+def _look(task: Task, factors: tuple[float, ...], rest: tuple[float, ...], stop: Stop) -> Look:
     """A short descent at the smoothing ``factors``, to go on by those of ``rest``."""
     start = task.start
-    seen = task.solve(start.p, start.x0, factors, stop)
+    solve = task.solve if factors == rest[-1:] else task.solve_widely
+    seen = solve(start.p, start.x0, factors, stop)
     return Look(replace(start, p=seen.p, x0=task.with_ours(start.x0, seen.x0)), seen, rest)
 
 

@@ -84,6 +84,13 @@ class Windows:
         inside = np.arange(self.length) < ends
         return replace(self, used=self.used & inside, cells=self.cells & inside[..., None])
 
+    def in_steps(self, records: Sequence[Record], substeps: int) -> Windows:
+        """The same horizons of ``records``, the ones that were cut, in ``substeps`` steps a sample."""
+        every = cut(records, self.horizon, substeps)
+        place = {origin: k for k, origin in enumerate(every.origin)}
+        same = every.select([place[origin] for origin in self.origin])
+        return replace(same, used=self.used, cells=self.cells)
+
     @cached_property
     def holes(self) -> NDArray[np.bool_]:
         """Samples not in use before the last one in use of their horizon: masked ones, (w, length)."""

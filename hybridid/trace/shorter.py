@@ -79,12 +79,16 @@ def over_shorter(base: Refit, split: Split) -> Refit | None:
     samples = split.horizon // SHARE
     if samples < LEAST:
         return None
-    try:
-        return refit(
-            base.model, split.shorter(samples), [base.values], numerics=base.numerics, std_up_to=WITHOUT_STD
-        )
-    except (ValueError, *FAILURES):
-        return None
+
+    def fitted() -> Refit | None:
+        shorter, begun = split.shorter(samples), [base.values]
+        try:
+            return refit(base.model, shorter, begun, numerics=base.numerics, std_up_to=WITHOUT_STD)
+        except (ValueError, *FAILURES):
+            return None
+
+    key = ("over shorter horizons", tuple(base.values.items()), base.numerics, split)
+    return base.model.kept(key, fitted)
 
 
 def _differ(base: Refit, found: Refit) -> bool:
@@ -103,8 +107,7 @@ def from_shorter(
     """
     fitted, poorer = split.fitted_alone, base.shorter
     if poorer is None and _resonates(candidate):
-        key = ("over shorter horizons", tuple(base.values.items()), base.numerics, fitted)
-        poorer = base.model.kept(key, lambda: over_shorter(base, fitted))
+        poorer = over_shorter(base, fitted)
     if poorer is None:
         return None
     shorter, numerics = fitted.shorter(split.horizon // SHARE), base.numerics

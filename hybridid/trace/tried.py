@@ -1,7 +1,8 @@
-"""All trials of a step; under a time limit the quickest and most promising ones first.
+"""All trials of a step, the quickest first; under a time limit the most promising ones of these.
 
 A trial takes seconds to minutes, the promise of an effect (``hybridid.trace.promise``) a few simulations. It
-only orders the trials. What is left out is told.
+only orders the trials. What is left out is told. What has taken most so far is reported with each result, so
+a trace that is interrupted has told it.
 
 Where several parameters change together and the cost hardly does, a refit goes on along that valley
 (``hybridid.trace.valley``), by up to two dozen more refits. That serves only a trial that its step may
@@ -25,6 +26,8 @@ from hybridid.trace.valley import has_valley
 
 ALWAYS = 5
 """Effects that are tried in any time: without a trial there is no answer."""
+LEAST_TOLD = 0.01
+"""Share of the held-out error from which on what an effect takes is told at once."""
 NEAR = 2.0
 """Times the held-out error of the best trial up to which another goes on along its valley. Along a valley the
 cost changes little, so what leaves far more error than the best trial will not be chosen."""
@@ -35,10 +38,10 @@ def trials_of(base: Refit, context: Context, stage: str) -> tuple[list[Trial], t
     candidates = context.candidates(base.model)
     if math.isinf(context.until):
         given = _given(candidates, base, context)
-        trials = context.each(stage, attempt, given, _name, lambda candidate, *_: candidate.inner_states)
+        trials = context.each(stage, attempt, given, MostSoFar(), lambda one, *_: -one.inner_states)
         return _from_other_starts(trials, base, context, stage), ()
     ordered = _most_promising_first(candidates, base, context)
-    trials = context.each(stage, attempt, _given(ordered, base, context), _name, always=ALWAYS)
+    trials = context.each(stage, attempt, _given(ordered, base, context), MostSoFar(), always=ALWAYS)
     trials = _from_other_starts(trials, base, context, stage)
     left_out = {one.name for one in ordered[len(trials) :]}
     by_name = {one.candidate.name: one for one in trials}
@@ -88,9 +91,27 @@ def _name(trial: Trial) -> str:
     return trial.candidate.name
 
 
+class MostSoFar:
+    """Labels the trials of a step in turn: by name, with the one that takes most of the held-out error of
+    those labelled so far. None of them is judged yet."""
+
+    def __init__(self) -> None:
+        self._most = ""
+        self._gain = LEAST_TOLD
+
+    def __call__(self, trial: Trial) -> str:
+        if trial.gain > self._gain:
+            self._gain = trial.gain
+            self._most = f", most so far {trial.candidate.name}: {trial.gain:.1%} off the held-out error"
+        return f"{trial.candidate.name}{self._most}"
+
+
 def _most_promising_first(candidates: Sequence[Candidate], base: Refit, context: Context) -> list[Candidate]:
-    """Those without inner states come first: their trials take a fraction of the time."""
-    given = [(one, None, base, context.split, True) for one in candidates]
-    shown = context.each("effects, ranked", seen, given, lambda one: one.candidate.name)
-    order = sorted(shown, key=lambda one: (one.candidate.inner_states, -promised_alone(one)))
-    return [one.candidate for one in order]
+    """Those without inner states come first: their trials take a fraction of the time. What no time was left
+    to rank promises nothing."""
+    quick_first = sorted(candidates, key=lambda one: one.inner_states)
+    given = [(one, None, base, context.split, True) for one in quick_first]
+    shown = context.each("effects, ranked", seen, given, lambda one: one.candidate.name, always=0)
+    promises = [promised_alone(one) for one in shown] + [0.0] * (len(given) - len(shown))
+    order = sorted(range(len(given)), key=lambda k: (quick_first[k].inner_states, -promises[k]))
+    return [quick_first[k] for k in order]

@@ -197,10 +197,10 @@ class _Report:
 
 
 def _time_left(elapsed: float, done: int, of: int) -> str:
-    """How long a stage still takes at its pace so far, where that is a minute or more. The slow ones begin
-    first, so it is seldom longer and often less."""
+    """How long a stage still takes at its pace so far, where that is a minute or more. Effects begin with
+    the quick ones, pairs with the slow ones, so it may be longer or shorter."""
     minutes = round(elapsed / done * (of - done) / 60) if done >= FEWEST_FOR_PACE else 0
-    return f", at most about {minutes} min left of these" if minutes else ""
+    return f", about {minutes} min left of these at this pace" if minutes else ""
 
 
 def _write(job: Job, found: Trace, processes: int) -> None:

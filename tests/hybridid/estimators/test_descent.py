@@ -134,6 +134,8 @@ class Scripted(SimpleNamespace):
         self.looks.append((self.number, tuple(factors)))
         return Solution(p, x0, self.sharp if factors == (1.0,) else self.wide, "short", False, 1)
 
+    solve_widely = solve
+
     def with_ours(self, x0, values):
         return values
 
