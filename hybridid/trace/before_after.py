@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from hybridid.estimators import Estimate, FitSettings, fit
 from hybridid.model import Model
 from hybridid.records.record import Record
+from hybridid.simulation.chosen import EXPLICIT
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import TooStiff
+from hybridid.simulation.stability import MOST, TooStiff
 from hybridid.trace.context import Context
 from hybridid.trace.refit import Refit
 from hybridid.trace.verdict import Conclusion
@@ -77,7 +78,7 @@ def before_and_after(found: Conclusion, validation: Validation, context: Context
     """
     bases = {BEFORE: found.search.first} | ({AFTER: found.search.final} if found.accepted else {})
     places = [
-        (name, base.model, base.values, validation, _states(base, validation, context))
+        (name, base.model, base.values, _solved_as(base, validation), _states(base, validation, context))
         for name, base in bases.items()
     ]
     models = context.each("before and after", refitted, places, lambda one: one.name)
@@ -93,6 +94,15 @@ def before_and_after(found: Conclusion, validation: Validation, context: Context
     start = {**after.estimate.values, **before.estimate.values, **nothing}
     again = context.one(refitted, AFTER, after.model, start, validation)
     return [before, min(after, again, key=lambda one: one.estimate.cost)]
+
+
+def _solved_as(base: Refit, validation: Validation) -> Validation:
+    """``validation`` in the steps of ``base`` where these are more than a fit chooses by itself."""
+    numerics = base.numerics
+    if numerics.integrator != EXPLICIT or base.substeps // numerics.finer <= MOST:
+        return validation
+    steps = replace(validation.settings, integrator=EXPLICIT, substeps=base.substeps)
+    return replace(validation, settings=steps)
 
 
 def _states(base: Refit, validation: Validation, context: Context) -> Array:

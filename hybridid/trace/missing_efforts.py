@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybridid.declarations import PortKind
+from hybridid.naming import listed
 from hybridid.records.record import Record
 from hybridid.trace.before_after import FittedModel
 from hybridid.trace.context import Context
@@ -25,8 +26,13 @@ class Failure:
     place: str
     what: str
 
-    def __str__(self) -> str:
-        return f"missing {self.kind} at {self.place}: {self.what}"
+
+def in_words(failures: Sequence[Failure]) -> tuple[str, ...]:
+    """What could not be estimated and why: the places that fail alike in one line."""
+    places: dict[tuple[PortKind, str], list[str]] = {}
+    for one in failures:
+        places.setdefault((one.kind, one.what), []).append(one.place)
+    return tuple(f"missing {kind} at {listed(at)}: {what}" for (kind, what), at in places.items())
 
 
 def missing_efforts(
@@ -40,7 +46,7 @@ def missing_efforts(
     for (one, record, port), result in zip(places, results, strict=True):
         if isinstance(result, MissingEffort):
             found.setdefault((record.name, port), {})[one.name] = result
-    return found, tuple(str(result) for result in results if isinstance(result, Failure))
+    return found, in_words([result for result in results if isinstance(result, Failure)])
 
 
 def _attempt(one: FittedModel, record: Record, port: str) -> MissingEffort | Failure:

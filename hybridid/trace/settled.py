@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from hybridid.naming import listed
+from hybridid.simulation.stability import MOST
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
@@ -135,12 +136,14 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     """The learned efforts beside ``model``, those of a step of ``found`` if it was held against them.
 
     None where the last model meets the noise on all horizons together: only its parameters are uncertain, and
-    a learned effort could take what they err by. None where the time limit ended the first step: there is no
-    name to be doubted.
+    a learned effort could take what they err by. None where it meets the noise in more steps a sample than a
+    trial is given: what it leaves is white, and each learned effort would take minutes to find nothing in it.
+    None where the time limit ended the first step: there is no name to be doubted.
     """
     if found.cut_within_a_step and not found.accepted:
         return ()
-    if model is found.final and found.stopped == AT_FLOOR_TOGETHER:
+    sharp_alone = found.at_noise and model.substeps // model.numerics.finer > MOST
+    if model is found.final and (sharp_alone or found.stopped == AT_FLOOR_TOGETHER):
         return ()
     known = (step.learned for step in found.steps if step.base is model and step.learned)
     return next(known, ()) or ceilings(model, context)

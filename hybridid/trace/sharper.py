@@ -6,7 +6,8 @@ beside a model, it is refitted with half of each epsilon, and again, as long as 
 held-out error as an effect must (``Rules.worth``). It is the simulation's error that goes: no law was added.
 What a machine that creeps shows may lie between two halves. A gauge with another range may then stand for
 the rest. So the epsilons are fitted in between as well, and kept if the model then meets the noise: beside a
-model that lacks something, they would bend to that.
+model that lacks something, they would bend to that. A half may also take more steps than a trial is given.
+The model alone is refitted with these all the same, and kept if it meets the noise: then no trial follows.
 
 Beside a model that lacks an effect, that error may hardly count, and beside the effect decide: a resonance
 that a machine excites as it sticks is not seen where it creeps instead. So where no effect passes, or only
@@ -27,8 +28,10 @@ from hybridid.declarations import Parameter
 from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.quantities import quantity
+from hybridid.simulation.stability import MOST
 from hybridid.trace.context import Context
 from hybridid.trace.entries import Width
+from hybridid.trace.evidence import compare
 from hybridid.trace.halving import halved_while_it_pays
 from hybridid.trace.judgement import judge
 from hybridid.trace.minor import MINOR
@@ -36,6 +39,8 @@ from hybridid.trace.refit import Refit, refit_if_possible
 from hybridid.trace.steps import Step
 from hybridid.trace.trial import PASSED, attempt
 
+MOST_BY_ITSELF = 16 * MOST
+"""Steps a sample of a model that is refitted by itself: a few refits, where beside it a hundred follow."""
 RETRIED = 3
 """Effects, those that gain most, that are tried with a narrower smoothing where none passes."""
 
@@ -49,7 +54,9 @@ def sharp_enough(base: Refit, context: Context) -> Refit:
     kept = halved_while_it_pays(
         base, lambda one: _halved(one, context), lambda one: _said(one.model), context
     )
-    return kept if context.meets_noise(kept.score) else _between_halves(kept, kept is not base, context)
+    if context.meets_noise(kept.score):
+        return kept
+    return _down_to_the_noise(kept, context) or _between_halves(kept, kept is not base, context)
 
 
 def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:
@@ -93,6 +100,24 @@ def _halved(base: Refit, context: Context) -> Refit | None:
     cannot be simulated."""
     halves = {p.name: {"guess": p.guess / 2} for p in _widths(base.model)}
     return _with_widths(base, halves, context) if halves else None
+
+
+def _down_to_the_noise(base: Refit, context: Context) -> Refit | None:
+    """``base`` with each epsilon halved as long as that pays for an output, in more steps than a trial is
+    given, if it then meets the noise: nothing else is tried beside it. None if it does not, or half of each
+    epsilon takes no more than ``MOST`` steps."""
+    one = base
+    while MOST < 2 * one.substeps <= MOST_BY_ITSELF:
+        again = _halved(replace(one, substeps=2 * one.substeps), context)
+        if again is None:
+            break
+        if context.meets_noise(again.score):
+            context.say(f"{_said(again.model)} from here on: that leaves the noise alone")
+            return again
+        if compare(one.score, again.score).largest < context.rules.worth:
+            break
+        one = again
+    return None
 
 
 def _between_halves(base: Refit, halved: bool, context: Context) -> Refit:

@@ -17,6 +17,8 @@ from hybridid.effects.library import effect_named
 from hybridid.quantities import quantity
 from hybridid.records.record import Record
 from hybridid.records.store import load_record
+from hybridid.simulation.chosen import EXPLICIT
+from hybridid.simulation.stability import MOST
 from hybridid.trace.candidates import admissible
 from hybridid.trace.horizon import horizon_for
 from hybridid.trace.mapper import Mapper, Report, unheard
@@ -209,14 +211,14 @@ def _write(job: Job, found: Trace, processes: int) -> None:
     described = describe_model(settings, model_of(settings), found.provenance)
     write_json(job.folder / "model.json", described)
     _write_missing(job.folder, found.shown.missing)
-    samples = found.shown.split.horizon
+    samples, model_file = found.shown.split.horizon, job.results / "model.json"
     traced = TraceFile(
         case=job.settings.case,
         processes=processes,
         fitted_records=found.fitted_records,
         commands=(
             *by_recording(job.settings, found.own_values),
-            *commands(settings, job.results / "model.json", samples, found.narrowed, found.weights),
+            *commands(settings, model_file, samples, found.narrowed, found.weights, _own_steps(found)),
         ),
         found=found,
     )
@@ -225,6 +227,12 @@ def _write(job: Job, found: Trace, processes: int) -> None:
         (job.folder / name).write_text(text, encoding="utf-8")
     job.watcher.progress("report", "figures and pages", None)
     trace_page(traced, _drawn(job, found)).write(job.folder, "report")
+
+
+def _own_steps(found: Trace) -> int | None:
+    """Steps a sample that RK4 takes for the last model, where a fit would not choose as many by itself."""
+    steps = found.estimate.substeps
+    return steps if steps > MOST and found.estimate.settings.integrator == EXPLICIT else None
 
 
 def _write_missing(folder: Path, missing: Missing) -> None:

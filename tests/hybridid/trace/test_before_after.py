@@ -12,10 +12,20 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.effects.over import Over
 from hybridid.estimators import FitSettings
-from hybridid.trace.before_after import AFTER, BEFORE, Validation, before_and_after, refitted, scored
+from hybridid.simulation.stability import MOST
+from hybridid.trace.before_after import (
+    AFTER,
+    BEFORE,
+    Validation,
+    _solved_as,
+    before_and_after,
+    refitted,
+    scored,
+)
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.completeness import WithNetwork, completeness
 from hybridid.trace.context import Context
+from hybridid.trace.numerics import DECLARED
 from hybridid.trace.rules import Rules
 from hybridid.trace.run import _solving
 from hybridid.trace.split import by_record
@@ -130,8 +140,25 @@ def test_an_augmented_model_that_fits_worse_begins_again_at_the_declared_one(mak
     )
     windows = SimpleNamespace(origin=[(0, 0, 10), (1, 0, 10)])  # of the fitted and of the held-out record
     shown = {"problem": lambda split: SimpleNamespace(windows=windows), "x0": np.array([[0.1], [0.2]])}
+    shown |= {"numerics": DECLARED, "substeps": 2}
     first, final = (SimpleNamespace(model=one, values=values, **shown) for one in (declared, augmented))
     search, validation = SimpleNamespace(first=first, final=final), SimpleNamespace(fitted=("first",))
     before, after = before_and_after(SimpleNamespace(search=search, accepted=True), validation, context)
     assert (before.estimate.cost, after.estimate.cost) == (2.0, 1.0)
     assert begun == [(BEFORE, 7.0, [[0.1]]), (AFTER, 7.0, [[0.1]]), (AFTER, 0.0, None)]
+
+
+@pytest.mark.parametrize(
+    ("steps", "numerics", "own"),
+    [
+        (MOST + 2, DECLARED, True),
+        (MOST, DECLARED, False),
+        (MOST + 2, replace(DECLARED, finer=2), False),  # twice the steps that it needs
+        (MOST + 2, replace(DECLARED, integrator="rodas3"), False),
+    ],
+)
+def test_more_steps_than_a_fit_chooses_are_those_of_the_search(found, validation, steps, numerics, own):
+    base = replace(found.search.first, substeps=steps, numerics=numerics)
+    settings = _solved_as(base, validation).settings
+    wanted = ("rk4", steps) if own else (validation.settings.integrator, None)
+    assert (settings.integrator, settings.substeps) == wanted

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hybridid.trace.missing_effort import SINCE_REVERSAL, missing_effort
+from hybridid.trace.missing_efforts import Failure, in_words
 
 N, NOISE = 800, 2e-6
 
@@ -85,3 +86,12 @@ def test_a_smoother_that_diverges_says_so(carriage, make_model, monkeypatch):
     monkeypatch.setattr("hybridid.trace.kalman.smooth", diverging)
     with pytest.raises(ArithmeticError, match="the smoother diverges"):
         missing_effort(make_model(), carriage.truth, carriage.record(200), "carriage")
+
+
+def test_places_that_fail_alike_are_told_in_one_line():
+    failures = [Failure("effort", place, "too stiff") for place in ("a on r, m", "b on r, m")]
+    failures.append(Failure("flow", "c on r, m", "too stiff"))
+    assert in_words(failures) == (
+        "missing effort at a on r, m and b on r, m: too stiff",
+        "missing flow at c on r, m: too stiff",
+    )

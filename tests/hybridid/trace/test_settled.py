@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.simulation.stability import MOST
 from hybridid.trace import settled
 from hybridid.trace.context import Context
 from hybridid.trace.rules import Rules
 from hybridid.trace.settled import Settled
-from hybridid.trace.steps import AT_FLOOR
+from hybridid.trace.steps import AT_FLOOR, NONE_PASSES
 from hybridid.trace.verdict import _verdict, conclude
 
 DF_V = 80.0
@@ -65,3 +66,14 @@ def test_names_that_are_left_are_doubted_again(monkeypatch):
     monkeypatch.setattr(settled, "_doubted", doubted)
     settled.settle(SimpleNamespace(accepted=[None] * 3), context=None)
     assert asked == [3, 2, 1]
+
+
+def test_a_model_at_the_noise_in_many_steps_is_not_held_against_learned_efforts(below, context, monkeypatch):
+    """Each would take minutes, and what such a model leaves is white."""
+    monkeypatch.setattr(settled, "ceilings", lambda model, context: ("asked",))
+    sharp = replace(below.search.final, substeps=MOST + 1)
+    ended = replace(below.search, final=sharp, stopped=AT_FLOOR)
+    assert settled.learned_beside(sharp, ended, context) == ()
+    assert settled.learned_beside(sharp, replace(ended, stopped=NONE_PASSES), context) == ("asked",)
+    usual = replace(sharp, substeps=MOST)
+    assert settled.learned_beside(usual, replace(ended, final=usual), context) == ("asked",)

@@ -220,3 +220,42 @@ def test_a_half_that_pays_beside_the_effect_too_stays(make_model, split_of):
     step = Step(base, tuple(attempt(one, base, split) for one in effects), None)
     assert not sharper.explains_more_wider(step, wider=wide, context=Context(split))
     assert not sharper.explains_more_wider(replace(step, trials=()), wide, Context(split))
+
+
+@pytest.fixture
+def in_many_steps(make_model, split, monkeypatch):
+    """A model with eight times the epsilon of the machine, in 60 steps a sample, of which each half takes
+    twice as many: more than is given to a trial."""
+
+    def chain(terms):
+        model = make_model(terms)
+        fitted = {}
+        for times in (8, 4, 2, 1):
+            one = refit(smoothed(model, guess=times * width_of(model)), split)
+            fitted[times] = replace(one, substeps=480 // times)
+
+        def halved(one, context):
+            times = round(width_of(one.model) / width_of(model))
+            half = fitted.get(times // 2)
+            return half if half and half.substeps <= 1.5 * one.substeps else None
+
+        monkeypatch.setattr(sharper, "_halved", halved)
+        return fitted
+
+    return chain
+
+
+def test_a_model_that_needs_more_steps_than_a_trial_is_made_sharp_by_itself(in_many_steps, split):
+    fitted, said = in_many_steps(("viscous", "coulomb", "offset")), []
+    assert sharp_enough(fitted[8], Context(split, say=said.append)) is fitted[1]
+    assert len(said) == 1
+    assert said[0].endswith("from here on: that leaves the noise alone")
+
+
+def test_it_stays_as_it_is_where_trials_follow(in_many_steps, split, monkeypatch):
+    monkeypatch.setattr(sharper, "_between_halves", lambda base, halved, context: base)
+    fitted = in_many_steps(("viscous", "offset"))
+    assert sharp_enough(fitted[8], Context(split)) is fitted[8]
+    monkeypatch.setattr(sharper, "MOST_BY_ITSELF", 240)
+    fitted = in_many_steps(("viscous", "coulomb", "offset"))
+    assert sharp_enough(fitted[8], Context(split)) is fitted[8], "that many steps take too long"

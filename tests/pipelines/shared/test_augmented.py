@@ -24,6 +24,12 @@ def test_the_command_by_effects_says_how_sign_v_is_smoothed(settings):
         assert " +signals.outputs.speed.noise=0.15 " in one
 
 
+def test_the_commands_take_the_steps_of_the_trace_where_a_fit_would_not(settings):
+    for one in commands(settings(), Path("model.json"), 250, steps=704):
+        assert one.endswith(" estimator.integrator=rk4 estimator.substeps=704")
+    assert all("substeps" not in one for one in commands(settings(), Path("model.json"), 250))
+
+
 def test_the_commands_write_where_the_trace_wrote(settings):
     usual = commands(settings(), Path("model.json"), 250)
     assert all("paths.outputs" not in one for one in usual)
