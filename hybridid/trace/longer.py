@@ -90,7 +90,13 @@ def _more_over(split: Split, final: Refit, context: Context, above: float) -> Lo
 
 def _left_over(split: Split, final: Refit, context: Context) -> float | None:
     """How many times the noise the model of ``final`` leaves, fitted over the horizons of ``split``. A fit
-    that has not converged says nothing: over long horizons the cost of a machine that sticks may be rough."""
+    that has not converged says nothing: over long horizons the cost of a machine that sticks may be rough.
+    It is asked twice of the last model, by two limits."""
+    key = ("left over", tuple(final.values.items()), final.numerics, final.substeps, split)
+    return final.model.kept(key, lambda: _left_anew(split, final, context))
+
+
+def _left_anew(split: Split, final: Refit, context: Context) -> float | None:
     there, begun = replace(context, split=split), _begun_as(final, context.split, split)
     found = there.one(refit_if_possible, begun.model, split, [begun.values], begun, begun.numerics)
     if found is None or not found.converged:

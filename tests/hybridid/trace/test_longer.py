@@ -47,7 +47,8 @@ def test_a_fit_over_longer_ones_that_has_not_converged_says_nothing(make_model, 
         return replace(refit_if_possible(*given), converged=False)
 
     monkeypatch.setattr("hybridid.trace.longer.refit_if_possible", stopped)
-    assert more_over_longer(base, Context(split, TRIED)) is None
+    unknown = replace(base, model=replace(model))  # what is left is kept with a model
+    assert more_over_longer(unknown, Context(split, TRIED)) is None
 
 
 @pytest.mark.parametrize(("how", "doubt"), [("guess", False), ("fixed", True)])
