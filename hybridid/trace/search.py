@@ -81,7 +81,7 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
     while True:
         began = time.monotonic()
         before = in_short_steps(base, context)
-        sharp = sharp_enough(before, context)
+        sharp = sharp_enough(before, context, declared=not accepted)
         again = anew and sharp is not before and context.has_time_for(time.monotonic() - first_began)
         if again and _outdone(sharp, steps, context):
             return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)

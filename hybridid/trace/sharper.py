@@ -7,7 +7,7 @@ held-out error as an effect must (``Rules.worth``). It is the simulation's error
 What a machine that creeps shows may lie between two halves. A gauge with another range may then stand for
 the rest. So the epsilons are fitted in between as well, and kept if the model then meets the noise: beside a
 model that lacks something, they would bend to that. A half may also take more steps than a trial is given.
-The model alone is refitted with these all the same, and kept if it meets the noise: then no trial follows.
+The declared model is refitted with these all the same, and kept if it meets the noise: then no trial follows.
 
 Beside a model that lacks an effect, that error may hardly count, and beside the effect decide: a resonance
 that a machine excites as it sticks is not seen where it creeps instead. So where no effect passes, or only
@@ -45,8 +45,9 @@ RETRIED = 3
 """Effects, those that gain most, that are tried with a narrower smoothing where none passes."""
 
 
-def sharp_enough(base: Refit, context: Context) -> Refit:
+def sharp_enough(base: Refit, context: Context, declared: bool = False) -> Refit:
     """``base``, or its refit over as narrow a smoothing as pays. An epsilon that the user has fixed stays.
+    ``declared``: it holds no effect that was found, so no refit follows where it meets the noise.
 
     Where a half does not pay, a quarter may: in the same steps, the narrower law is integrated less well, and
     that may take more than the smoothing left. Shorter steps come with the next half.
@@ -56,7 +57,8 @@ def sharp_enough(base: Refit, context: Context) -> Refit:
     )
     if context.meets_noise(kept.score):
         return kept
-    return _down_to_the_noise(kept, context) or _between_halves(kept, kept is not base, context)
+    sharp = _down_to_the_noise(kept, context) if declared else None
+    return sharp or _between_halves(kept, kept is not base, context)
 
 
 def sharper_for_an_effect(step: Step, context: Context) -> Refit | None:
@@ -104,7 +106,7 @@ def _halved(base: Refit, context: Context) -> Refit | None:
 
 def _down_to_the_noise(base: Refit, context: Context) -> Refit | None:
     """``base`` with each epsilon halved as long as that pays for an output, in more steps than a trial is
-    given, if it then meets the noise: nothing else is tried beside it. None if it does not, or half of each
+    given, if it then meets the noise: nothing is tried beside it. None if it does not, or half of each
     epsilon takes no more than ``MOST`` steps."""
     one = base
     while MOST < 2 * one.substeps <= MOST_BY_ITSELF:

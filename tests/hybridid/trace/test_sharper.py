@@ -247,7 +247,7 @@ def in_many_steps(make_model, split, monkeypatch):
 
 def test_a_model_that_needs_more_steps_than_a_trial_is_made_sharp_by_itself(in_many_steps, split):
     fitted, said = in_many_steps(("viscous", "coulomb", "offset")), []
-    assert sharp_enough(fitted[8], Context(split, say=said.append)) is fitted[1]
+    assert sharp_enough(fitted[8], Context(split, say=said.append), declared=True) is fitted[1]
     assert len(said) == 1
     assert said[0].endswith("from here on: that leaves the noise alone")
 
@@ -255,7 +255,9 @@ def test_a_model_that_needs_more_steps_than_a_trial_is_made_sharp_by_itself(in_m
 def test_it_stays_as_it_is_where_trials_follow(in_many_steps, split, monkeypatch):
     monkeypatch.setattr(sharper, "_between_halves", lambda base, halved, context: base)
     fitted = in_many_steps(("viscous", "offset"))
-    assert sharp_enough(fitted[8], Context(split)) is fitted[8]
+    assert sharp_enough(fitted[8], Context(split), declared=True) is fitted[8], "it lacks an effect"
     monkeypatch.setattr(sharper, "MOST_BY_ITSELF", 240)
     fitted = in_many_steps(("viscous", "coulomb", "offset"))
-    assert sharp_enough(fitted[8], Context(split)) is fitted[8], "that many steps take too long"
+    assert sharp_enough(fitted[8], Context(split), declared=True) is fitted[8], "that many take too long"
+    monkeypatch.setattr(sharper, "MOST_BY_ITSELF", 480)
+    assert sharp_enough(fitted[8], Context(split)) is fitted[8], "it holds effects, which are doubted"
