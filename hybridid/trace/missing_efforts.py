@@ -10,6 +10,7 @@ import numpy as np
 from hybridid.declarations import PortKind
 from hybridid.naming import listed
 from hybridid.records.record import Record
+from hybridid.simulation.stability import MOST, TooStiff
 from hybridid.trace.before_after import FittedModel
 from hybridid.trace.context import Context
 from hybridid.trace.missing_effort import MissingEffort, missing_effort
@@ -50,11 +51,15 @@ def missing_efforts(
 
 
 def _attempt(one: FittedModel, record: Record, port: str) -> MissingEffort | Failure:
+    kind, place = one.model.plant.port(port).kind, f"{port} on {record.name}, {one.name}"
     try:
         return missing_effort(one.model, one.estimate.values, record, port)
+    except TooStiff:  # another integrator does not help here
+        return Failure(
+            kind, place, f"it is estimated with RK4, and the model needs more than {MOST} steps a sample"
+        )
     except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
-        kind = one.model.plant.port(port).kind
-        return Failure(kind, f"{port} on {record.name}, {one.name}", str(error))
+        return Failure(kind, place, str(error))
 
 
 def _place(result: MissingEffort | Failure) -> str:

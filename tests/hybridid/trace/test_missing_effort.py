@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from hybridid.simulation.stability import TooStiff
+from hybridid.trace import missing_efforts
 from hybridid.trace.missing_effort import SINCE_REVERSAL, missing_effort
 from hybridid.trace.missing_efforts import Failure, in_words
 
@@ -94,4 +97,20 @@ def test_places_that_fail_alike_are_told_in_one_line():
     assert in_words(failures) == (
         "missing effort at a on r, m and b on r, m: too stiff",
         "missing flow at c on r, m: too stiff",
+    )
+
+
+def test_a_model_too_stiff_for_the_estimate_is_not_advised_another_integrator(monkeypatch):
+    def too_stiff(*given):
+        raise TooStiff("set estimator.integrator to rodas3")
+
+    monkeypatch.setattr(missing_efforts, "missing_effort", too_stiff)
+    plant = SimpleNamespace(port=lambda name: SimpleNamespace(kind="effort"))
+    fitted = SimpleNamespace(
+        name="gray box", model=SimpleNamespace(plant=plant), estimate=SimpleNamespace(values={})
+    )
+    (said,) = in_words([missing_efforts._attempt(fitted, SimpleNamespace(name="rec1"), "guide")])
+    assert said == (
+        "missing effort at guide on rec1, gray box: it is estimated with RK4, and the model needs more than 50 "
+        "steps a sample"
     )

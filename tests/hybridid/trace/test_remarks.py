@@ -1,4 +1,4 @@
-"""What a network finds beside the last model is told for what it is."""
+"""What is remarked beside the verdict: what a network still finds, rivals, declared physics, smoothings."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -11,6 +11,7 @@ from hybridid.trace.remarks import (
     completeness_in_words,
     idle_in_words,
     mostly_unshown,
+    narrowed_in_words,
     others_in_words,
     rivals,
 )
@@ -111,3 +112,12 @@ def test_a_rival_whose_parameters_the_records_do_not_tell_is_told(nothing):
     step = StepTaken(nothing().path[0], best.name, (), (best, lugre, replace(lugre, effect="dahl", gain=0.1)))
     said = f"drum.lugre explains as much as drum.eddy_brake (39.0 %), but {why}."
     assert rivals(replace(nothing(), accepted=(name,), steps=(step,))) == (said,)
+
+
+def test_a_narrower_smoothing_is_told(nothing):
+    found = replace(nothing(), narrowed=(Width("carriage.epsilon", "m/s", 1e-3, 2.5e-4),))
+    said = "sign(v) is smoothed over 250 µm/s instead of 1 mm/s (carriage.epsilon): the wider smoothing left "
+    assert narrowed_in_words(found) == f"{said}an error of its own."
+    named = narrowed_in_words(replace(found, accepted=(SimpleNamespace(name="carriage.stribeck"),)))
+    assert named.endswith(" is that of its step, which may have had the wider one.")
+    assert narrowed_in_words(nothing()) == ""

@@ -14,13 +14,11 @@ from hybridid.trace.entries import (
     StepTaken,
     TriedEffect,
     Value,
-    Width,
 )
 from hybridid.trace.input_noise import NoiseLevel, NoisyInputs
 from hybridid.trace.longer import Longer
 from hybridid.trace.remarks import (
     idle_in_words,
-    narrowed_in_words,
     refused_rivals,
     structure_in_words,
     tried_in_words,
@@ -338,15 +336,6 @@ def test_a_replacement_that_is_only_as_good_is_told_as_such(nothing):
     alone = replace(as_good, effects=pair[:1], fewer=1)
     said = sentence(replace(nothing(), replacements=(alone,)))
     assert " explains the records as well with 1 parameter fewer. These" in said
-
-
-def test_a_narrower_smoothing_is_told(nothing):
-    found = replace(nothing(), narrowed=(Width("carriage.epsilon", "m/s", 1e-3, 2.5e-4),))
-    said = "sign(v) is smoothed over 250 µm/s instead of 1 mm/s (carriage.epsilon): the wider smoothing left "
-    assert narrowed_in_words(found) == f"{said}an error of its own."
-    named = narrowed_in_words(replace(found, accepted=(accepted("stribeck", "F = k", False),)))
-    assert named.endswith(" is that of its step, which may have had the wider one.")
-    assert narrowed_in_words(nothing()) == ""
 
 
 def test_a_search_that_ended_early_says_so_though_nothing_else_tells_of_the_recordings(nothing):
