@@ -111,6 +111,6 @@ def test_a_model_too_stiff_for_the_estimate_is_not_advised_another_integrator(mo
     )
     (said,) = in_words([missing_efforts._attempt(fitted, SimpleNamespace(name="rec1"), "guide")])
     assert said == (
-        "missing effort at guide on rec1, gray box: it is estimated with RK4, and the model needs more than 50 "
-        "steps a sample"
+        "missing effort at guide on rec1, gray box: it is estimated with RK4, and the model needs more than "
+        "50 steps a sample"
     )
