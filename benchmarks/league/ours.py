@@ -21,7 +21,8 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.declared_starts import regressed
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import CONTINUATION, Refit, refit
+from hybridid.trace.refit import CONTINUATION, refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.score import Score
 from hybridid.trace.split import Split, by_record

@@ -26,7 +26,10 @@ IMPLICIT: Integrator = "rodas3"
 MOST = 50
 """Largest number of steps a sample; a stiffer model needs another integrator."""
 COMFORTABLE = 1.0
-"""|eigenvalue| times step that RK4 integrates, overdamped, with an error below 1 %; its limit is 2.78."""
+"""|eigenvalue| times step that RK4 integrates, overdamped, with an error below 1 %."""
+LIMIT = 2.78
+"""|eigenvalue| times step above which RK4 is unstable. Source: Hairer, Wanner (1996), Solving Ordinary
+Differential Equations II, sec. IV.2."""
 STABLE = 1.5
 """The same for a value at few samples only, such as the slope of a friction near rest: RK4 still damps the
 mode without oscillation, and its rate of decay at rest hardly matters."""

@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.uncertainty import jacobian_of, orthogonal
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.robustness import refitted_under
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from hybridid.effects.composed import is_composed
 from hybridid.estimators.floor import MISFIT
 from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.judgement import undetermined
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.trial import PASSED, REJECTED, Trial
 

@@ -25,7 +25,8 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.pair import attempt_pair, judge_pairs, values_of
 from hybridid.trace.pair_decision import pair_taken
 from hybridid.trace.promise import Promise, overlap
-from hybridid.trace.refit import FAILURES, LEAST_DECREASE, Refit, refit_beside, refit_if_possible
+from hybridid.trace.refit import FAILURES, LEAST_DECREASE, refit_beside, refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.steps import Step

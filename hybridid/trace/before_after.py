@@ -15,7 +15,7 @@ from hybridid.simulation.chosen import EXPLICIT
 from hybridid.simulation.simulate import Diverged
 from hybridid.simulation.stability import MOST, TooStiff
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.verdict import Conclusion
 from hybridid.validation import Metrics, Prediction, diverged, free_run, horizon_run, metrics
 
@@ -99,7 +99,7 @@ def before_and_after(found: Conclusion, validation: Validation, context: Context
 def _solved_as(base: Refit, validation: Validation) -> Validation:
     """``validation`` in the steps of ``base`` where these are more than a fit chooses by itself."""
     numerics = base.numerics
-    if numerics.integrator != EXPLICIT or base.substeps // numerics.finer <= MOST:
+    if numerics.integrator != EXPLICIT or base.steps <= MOST:
         return validation
     steps = replace(validation.settings, integrator=EXPLICIT, substeps=base.substeps)
     return replace(validation, settings=steps)

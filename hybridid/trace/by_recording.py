@@ -30,7 +30,8 @@ from hybridid.trace.entries import DifferingParameter, Value
 from hybridid.trace.evidence import Comparison, compare, holm
 from hybridid.trace.gauges import error_of, gauges, is_error_of_gauge
 from hybridid.trace.judgement import too_little
-from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit, values_without
+from hybridid.trace.refit import CONTINUATION, FAILURES, refit
+from hybridid.trace.refitted import Refit, values_without
 from hybridid.trace.robustness import objection, refitted_under, survival, variations
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import sharp_enough

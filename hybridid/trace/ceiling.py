@@ -23,14 +23,8 @@ from hybridid.trace.evidence import compare, holm
 from hybridid.trace.learned_effort import learned_effort
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.path import Path
-from hybridid.trace.refit import (
-    FAILURES,
-    LEAST_DECREASE,
-    WITHOUT_STD,
-    Refit,
-    least_of,
-    refit_if_hopeful,
-)
+from hybridid.trace.refit import FAILURES, LEAST_DECREASE, WITHOUT_STD, least_of, refit_if_hopeful
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.solve import Solved, by_either_integrator
 from hybridid.trace.split import Split

@@ -17,7 +17,7 @@ from dataclasses import replace
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import exchanged
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.robustness import objection, survivals_of
 from hybridid.trace.steps import Accepted, Back, Step, back_at
 from hybridid.trace.trial import Trial

@@ -34,7 +34,8 @@ from hybridid.estimators.uncertainty import uncertainty
 from hybridid.naming import listed
 from hybridid.quantities import estimated
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 

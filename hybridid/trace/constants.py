@@ -31,7 +31,8 @@ from hybridid.trace.alike import tells_apart
 from hybridid.trace.constancy import with_smoothing
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import CONTINUATION, FAILURES, Refit, refit
+from hybridid.trace.refit import CONTINUATION, FAILURES, refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.steps import Search

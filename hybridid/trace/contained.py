@@ -14,7 +14,8 @@ from collections.abc import Sequence
 
 from hybridid.trace.alike import look_alikes
 from hybridid.trace.context import Context
-from hybridid.trace.refit import LEAST_DECREASE, Refit, least_of
+from hybridid.trace.refit import LEAST_DECREASE, least_of
+from hybridid.trace.refitted import Refit
 from hybridid.trace.trial import Trial, begun_from
 
 

@@ -31,7 +31,8 @@ from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import decided_at
 from hybridid.trace.pair import PairTrial, decided_pair
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.score import Score
 from hybridid.trace.trial import Trial
 

@@ -21,7 +21,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.hystereses import one_impedance, several_hystereses
 from hybridid.trace.law_curve import is_curve_over
 from hybridid.trace.path import Path
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 from hybridid.trace.verdict import Conclusion
 

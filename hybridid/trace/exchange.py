@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from hybridid.trace.alike import leaves_little_more, look_alikes, tells_apart
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import Refit, refit_if_possible, values_without
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit, values_without
 from hybridid.trace.rules import Rules
 from hybridid.trace.smoothed_apart import smoothed_apart
 from hybridid.trace.split import Split

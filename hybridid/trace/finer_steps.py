@@ -23,7 +23,8 @@ from hybridid.naming import counted
 from hybridid.simulation.stability import MOST
 from hybridid.trace.context import Context
 from hybridid.trace.halving import halved_while_it_pays
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 
 
 def in_short_steps(base: Refit, context: Context) -> Refit:

@@ -14,7 +14,8 @@ from collections.abc import Mapping
 
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.refit import Refit, begun_at_the_record
+from hybridid.trace.refit_starts import begun_at_the_record
+from hybridid.trace.refitted import Refit
 from hybridid.trace.shorter import strays
 from hybridid.trace.split import Split
 

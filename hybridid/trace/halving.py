@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 
 MOST_HALVINGS = 4
 """Times that a width or a step is halved before one search for an effect: each costs a simulation twice."""

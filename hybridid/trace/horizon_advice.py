@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hybridid.advice.horizon import GROWS, RESOLVED, TOLERATED, slowest_time
 from hybridid.naming import counted, listed
 from hybridid.trace.longer import MOSTLY_NOISE
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.shorter import SHARE
 from hybridid.trace.split import FEWEST, Split
 from hybridid.validation.drift import growth

@@ -32,7 +32,8 @@ from hybridid.records.record import Record
 from hybridid.records.sensor_noise import input_noise
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 
 Array = NDArray[np.float64]
 DRAWS = 9

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hybridid.effects.over import MEMORIES, Over
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.path import Path
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]

@@ -31,7 +31,8 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import judge
 from hybridid.trace.level_starts import level_starts
 from hybridid.trace.path import Path
-from hybridid.trace.refit import Refit, least_of
+from hybridid.trace.refit import least_of
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.trial import PASSED, Trial, attempt

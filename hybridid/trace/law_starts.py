@@ -21,7 +21,7 @@ from hybridid.effects.composed import EXPONENTS, Bounded, composed
 from hybridid.effects.over import MEMORIES, Over
 from hybridid.effects.shapes import Role, Shape
 from hybridid.trace.path import Path
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]

@@ -48,7 +48,7 @@ from hybridid.trace.law_curve import LawOverLearned, law_over_learned
 from hybridid.trace.law_levels import WithLevel, products_over, with_levels
 from hybridid.trace.law_starts import law_starts
 from hybridid.trace.level_curve import level_over_freed
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import decided, without_needless
 from hybridid.trace.split import Split

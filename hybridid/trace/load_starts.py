@@ -28,7 +28,7 @@ from hybridid.effects.dimension import FREQUENCY
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate, each_once
 from hybridid.trace.path import Path
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 from hybridid.validation.port_efforts import PROBE
 

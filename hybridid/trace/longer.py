@@ -27,7 +27,8 @@ from hybridid.simulation.windows import cut
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible
+from hybridid.trace.refit import CONTINUATION, refit, refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import free_widths
 from hybridid.trace.split import FEW, FEWEST, Split

@@ -7,7 +7,7 @@ inverse of that. An epsilon far below the speeds that count makes every trial sl
 from __future__ import annotations
 
 from hybridid.naming import listed
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 MANY = 16
@@ -19,7 +19,7 @@ WIDER = 4.0
 def many_steps(base: Refit, split: Split) -> str:
     """That the model of ``base`` takes many steps a sample, and half of them at most with a wider smoothing
     of sign(v), in words; empty where either is not so."""
-    taken = base.substeps // base.numerics.finer
+    taken = base.steps
     problem = base.problem(split)
     if taken < MANY or not problem.widths:
         return ""

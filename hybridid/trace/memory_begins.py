@@ -16,7 +16,7 @@ from hybridid.effects.over import RECENT_LOAD
 from hybridid.naming import listed
 from hybridid.simulation.windows import cut
 from hybridid.trace.path import Path
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 from hybridid.trace.steps import Accepted
 

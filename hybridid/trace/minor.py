@@ -24,7 +24,7 @@ from functools import cache
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.law_curve import is_curve_over
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.robustness import surviving
 from hybridid.trace.trial import Trial
 

@@ -19,7 +19,8 @@ from hybridid.quantities import estimated, share
 from hybridid.trace.constancy import with_smoothing
 from hybridid.trace.context import Context
 from hybridid.trace.gauges import error_of, gauges, is_error_of_gauge, put_right
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from hybridid.naming import listed
 from hybridid.trace.context import Context
 from hybridid.trace.path import Path
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 
 HARDLY, MUCH = 0.01, 0.1
 """Shares of the way in one direction: so little of what was fitted, and so much of what judges."""

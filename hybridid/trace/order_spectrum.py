@@ -18,7 +18,8 @@ from scipy.ndimage import median_filter
 
 from hybridid.simulation.windows import cut
 from hybridid.trace.missing_effort import missing_effort
-from hybridid.trace.refit import FAILURES, Refit
+from hybridid.trace.refit import FAILURES
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]

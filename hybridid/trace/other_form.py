@@ -23,7 +23,8 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_starts import law_starts
-from hybridid.trace.refit import Refit, refit_if_possible, values_without
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit, values_without
 from hybridid.trace.robustness import surviving
 from hybridid.trace.split import Split
 from hybridid.trace.steps import Accepted, Search

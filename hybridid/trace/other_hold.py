@@ -11,7 +11,7 @@ from hybridid.naming import listed
 from hybridid.quantities import share
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.robustness import refitted_under, variations
 
 

@@ -25,7 +25,8 @@ from hybridid.records.record import Record
 from hybridid.trace.constancy import Amplitude, fitted_to_held_out
 from hybridid.trace.context import Context
 from hybridid.trace.one_alone import one_alone
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 TOLD = 3

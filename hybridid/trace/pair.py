@@ -23,13 +23,8 @@ from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.judgement import NOT_SIGNIFICANT, too_little, undetermined
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.promise import Promise
-from hybridid.trace.refit import (
-    Refit,
-    least_of,
-    refit_beside,
-    refit_if_possible,
-    values_without,
-)
+from hybridid.trace.refit import least_of, refit_beside, refit_if_possible
+from hybridid.trace.refitted import Refit, values_without
 from hybridid.trace.rules import Rules
 from hybridid.trace.shown import not_shown
 from hybridid.trace.solve import by_either_integrator

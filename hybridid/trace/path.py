@@ -18,7 +18,7 @@ from hybridid.effects.variable import Variable
 from hybridid.model import Model
 from hybridid.plants.plant import TOGETHER, Plant
 from hybridid.simulation.over_arrays import over_arrays
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]

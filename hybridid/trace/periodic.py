@@ -16,7 +16,7 @@ from hybridid.effects.effect import EffectParameter
 from hybridid.quantities import quantity
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.path import Path
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 LEAST = 3

@@ -24,7 +24,8 @@ from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import still_alike
 from hybridid.trace.judgement import judge
-from hybridid.trace.refit import refit_if_possible, values_without
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import values_without
 from hybridid.trace.refuted import without_refuted
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import PASSED, Trial

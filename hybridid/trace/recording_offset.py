@@ -27,7 +27,9 @@ from hybridid.effects.library import effect_named
 from hybridid.naming import listed
 from hybridid.quantities import quantity, share
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.refit import FAILURES, Refit, begin, problem_of
+from hybridid.trace.refit import FAILURES
+from hybridid.trace.refit_starts import begin, problem_of
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.sensitivity import linearised, without
 from hybridid.trace.split import Split

@@ -8,25 +8,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybridid.estimators.carried import carry
 from hybridid.estimators.descent import descend, go_on, refine
 from hybridid.estimators.estimate import Solution
 from hybridid.estimators.plan import Descent, Handover, Refinement, Result, Start
 from hybridid.estimators.problem import Problem, paths
-from hybridid.estimators.start import at_rest, best_initial_states, x0_candidates
 from hybridid.estimators.stop import Stop
 from hybridid.estimators.uncertainty import uncertainty
 from hybridid.model import Model
-from hybridid.simulation.initial import observed
 from hybridid.simulation.simulate import Diverged
-from hybridid.simulation.stability import IMPLICIT, MOST, TooStiff
+from hybridid.simulation.stability import TooStiff
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.score import Score
+from hybridid.trace.refit_starts import is_too_stiff, room_beside, starts_of
+from hybridid.trace.refitted import Refit
 from hybridid.trace.scored import scored
 from hybridid.trace.split import Split
 
@@ -43,47 +41,8 @@ LEAST_DECREASE = 0.02
 goes on after the short descents."""
 WITHOUT_STD = -np.inf
 """``std_up_to`` of a refit whose standard errors nothing reads."""
-STIFF = 8
-"""Steps a sample that are many for one more effect: see ``_room``."""
 FAILURES = (Diverged, ArithmeticError, np.linalg.LinAlgError)
 """Other errors of a model that cannot be simulated."""
-
-
-@dataclass(frozen=True)
-class Refit:
-    """A model fitted on the split's fitted horizons, and its score on the held-out ones.
-
-    ``x0`` (w, n_x) are the initial states of all horizons, fitted and held out; ``numerics`` say how its
-    equations were solved, in ``substeps`` a sample. ``std`` and ``correlation`` are those of the noise alone,
-    empty where they were not asked for.
-
-    ``unsolved`` are the numbers of the starts that were left out as too stiff, or that diverged with a new
-    inner state, whose stiffness no path of the poorer model shows. It is ``too_stiff`` if the end would need
-    more steps than there is room for (``_room``). In either case the integrator may have decided, not the
-    records. It ``ended_early`` if no start was hopeful. ``shorter``: over shorter horizons, if that differs.
-    """
-
-    model: Model
-    values: Mapping[str, float]
-    std: Mapping[str, float]
-    correlation: Array
-    x0: Array
-    fitted_rmse: Array
-    score: Score
-    cost: float
-    status: str
-    converged: bool
-    seconds: float
-    substeps: int
-    numerics: Numerics = DECLARED
-    unsolved: tuple[int, ...] = ()
-    too_stiff: bool = False
-    ended_early: bool = False
-    shorter: Refit | None = None
-
-    def problem(self, split: Split) -> Problem:
-        """Every horizon of ``split`` as the problem that was solved."""
-        return self.numerics.problem(self.model, split, self.substeps // self.numerics.finer)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a simulation that diverges has an infinite cost
@@ -124,9 +83,9 @@ def refit(
             return None
         return Start(numerics.problem(model, split, needed), found.solution.p, found.x0)
 
-    room = _room(before)
+    room = room_beside(before)
     remembers = before is not None and len(model.states) > len(before.model.states)
-    begun = _starts(model, split, starts, before, numerics)
+    begun = starts_of(model, split, starts, before, numerics)
     first = descend(list(begun.values()), plan, split.fitted)
     early = scored(first, split) if first.ended_early else None
     if early and early[0].loss < surprising:
@@ -157,7 +116,7 @@ def refit(
         substeps=found.problem.windows.substeps,
         numerics=numerics,
         unsolved=tuple(k for k in range(len(starts)) if k not in solved),
-        too_stiff=wanted > room,
+        too_stiff=is_too_stiff(wanted, before, numerics),
         ended_early=found.ended_early,
     )
 
@@ -223,28 +182,6 @@ def refit_if_possible(
         return None
 
 
-def values_without(refitted: Refit, name: str) -> dict[str, float]:
-    """The parameter values of ``refitted`` without those of the effect ``name``."""
-    kept = {p.name for p in refitted.model.without(name).parameters}
-    return {key: value for key, value in refitted.values.items() if key in kept}
-
-
-def problem_of(model: Model, split: Split, before: Refit, values: Mapping[str, float]) -> Problem:
-    """Every horizon of ``split`` as a problem of ``model``, solved as ``before`` was, in steps fit for
-    ``values``. The implicit integrator is stable in the steps that ``before`` took, where ``MOST`` do not
-    resolve it.
-
-    Raises:
-        TooStiff: if RK4 needs more than ``_most``.
-    """
-    steps = before.numerics.steps(model, model.values(values), split, _lent(before, model, split))
-    if steps > MOST and before.numerics.integrator == IMPLICIT:
-        steps = before.substeps // before.numerics.finer
-    if steps > _most(before):
-        raise TooStiff(f"needs more than {_most(before)} steps a sample")
-    return before.numerics.problem(model, split, steps)
-
-
 def _descent(
     numerics: Numerics, factors: Sequence[float], tolerance: float, screened: bool, cost_limit: float
 ) -> Descent:
@@ -259,83 +196,6 @@ def _descent(
         screening=SCREENING if screened else None,
         cost_limit=cost_limit,
     )
-
-
-def _lent(before: Refit, model: Model, split: Split) -> list[Array]:
-    """The paths of ``before`` as states of ``model``; a state that ``before`` lacks is zero."""
-    names = [state.name for state in before.model.states]
-    begun = paths(before.problem(split), before.model.values(before.values), before.x0)
-    known = {k: names.index(s.name) for k, s in enumerate(model.states) if s.name in names}
-    lent = [np.zeros((len(path), len(model.states))) for path in begun]
-    for own, path in zip(lent, begun, strict=True):
-        own[:, list(known)] = path[:, list(known.values())]
-    return lent
-
-
-def _room(before: Refit | None) -> int:
-    """Steps a sample up to which a refit is solved as the poorer model ``before`` was: half as many again as
-    that takes, and ``STIFF`` at least. What needs more is stiff by the effect that it adds."""
-    taken = 0 if before is None else before.substeps // before.numerics.finer
-    return max(STIFF, taken + taken // 2)
-
-
-def _most(before: Refit | None) -> int:
-    """Steps a sample above which nothing is solved: ``MOST``, or what an effect beside ``before`` gets."""
-    return max(MOST, _room(before))
-
-
-def _starts(
-    model: Model,
-    split: Split,
-    starts: Sequence[Mapping[str, float]],
-    before: Refit | None,
-    numerics: Numerics,
-) -> dict[int, Start]:
-    """The starts that are not too stiff by their numbers, each in steps of its own.
-
-    The implicit integrator is stable in any number of steps. Where ``MOST`` do not resolve a start, it begins
-    with ``STIFF``, which is what the end gets at most.
-
-    Raises:
-        TooStiff: if every start is.
-    """
-    about = None if before is None else _lent(before, model, split)
-    wanted = [numerics.steps(model, model.values(s), split, about) for s in starts]
-    if numerics.integrator == IMPLICIT:
-        wanted = [steps if steps <= MOST else STIFF for steps in wanted]
-    if min(wanted) > _most(before):
-        raise TooStiff(f"needs more than {_most(before)} steps a sample at every start")
-    limit = max(_room(before), min(wanted))
-    problems = {n: numerics.problem(model, split, n) for n in sorted(set(wanted)) if n <= limit}
-    return {
-        k: begin(problems[steps], model.values(start), before, numerics)
-        for k, (start, steps) in enumerate(zip(starts, wanted, strict=True))
-        if steps <= limit
-    }
-
-
-def begin(problem: Problem, values: Array, before: Refit | None, numerics: Numerics) -> Start:
-    """A start with the initial states of the poorer model, or without one the best at hand. A horizon that is
-    trapped there begins again with those that the record shows, or at rest."""
-    p = problem.smoothed(values, numerics.smoothing)
-    x0 = problem.measured_x0()
-    if before is None:
-        x0 = best_initial_states(problem, p, [x0, *x0_candidates(problem, p)])
-    else:
-        names = [s.name for s in problem.model.states]
-        for column, state in enumerate(before.model.states):
-            if state.name in names:
-                x0[:, names.index(state.name)] = before.x0[:, column]
-    x0, shown, measured = carry(problem, p, x0), observed(problem.model), problem.measured_x0()
-    candidates = (np.where(shown, one, x0) for one in (measured, at_rest(problem, measured)))
-    return Start(problem, p, x0, tuple(candidates))
-
-
-def begun_at_the_record(base: Refit, values: Mapping[str, float], split: Split) -> Refit:
-    """``base`` with the initial states that the record shows, or the best at hand, for its model at
-    ``values``: where it lends these, a refit does not begin where ``base`` ended."""
-    begun = begin(base.problem(split), base.model.values(values), None, base.numerics)
-    return replace(base, x0=begun.x0)
 
 
 def _standard_errors(fitted: Problem, solution: Solution) -> tuple[dict[str, float], Array]:

@@ -21,7 +21,7 @@ from hybridid.trace.accuracy import simulation_error
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.exchange import exchanged
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.smoothed_apart import smoothed_apart
 from hybridid.trace.steps import Accepted, Search
 from hybridid.trace.trial import Trial

@@ -55,7 +55,8 @@ from hybridid.trace.evidence import Comparison, compare
 from hybridid.trace.exchange import exchanged
 from hybridid.trace.judgement import differs_from_zero
 from hybridid.trace.pairs import in_place, with_pair
-from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
+from hybridid.trace.refit import CONTINUATION, refit, refit_if_possible
+from hybridid.trace.refitted import Refit, values_without
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import continued, without_needless
 from hybridid.trace.simpler import simplified

@@ -15,7 +15,8 @@ from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, refit, refit_if_possible
+from hybridid.trace.refit import FAILURES, WITHOUT_STD, refit, refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.trial import Trial

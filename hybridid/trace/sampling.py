@@ -21,7 +21,7 @@ from hybridid.effects.sampled import PATHS
 from hybridid.naming import listed
 from hybridid.quantities import quantity
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.steps import Accepted
 
 

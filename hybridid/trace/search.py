@@ -22,7 +22,8 @@ from hybridid.trace.judgement import judge
 from hybridid.trace.many_steps import many_steps
 from hybridid.trace.minor import MINOR, may_be_minor, minor_beside, said_of_minor
 from hybridid.trace.numerics import DECLARED, Numerics
-from hybridid.trace.refit import CONTINUATION, Refit, refit, refit_if_possible, values_without
+from hybridid.trace.refit import CONTINUATION, refit, refit_if_possible
+from hybridid.trace.refitted import Refit, values_without
 from hybridid.trace.robustness import Otherwise, objection, survivals_of
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import explains_more_wider, sharp_enough, sharper_for_an_effect

@@ -23,7 +23,9 @@ from hybridid.estimators.jacobian import columns
 from hybridid.estimators.problem import Problem
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate, each_once
-from hybridid.trace.refit import FAILURES, Refit, begin, problem_of
+from hybridid.trace.refit import FAILURES
+from hybridid.trace.refit_starts import begin, problem_of
+from hybridid.trace.refitted import Refit
 from hybridid.trace.sought import known_means, sought
 from hybridid.trace.split import Split
 from hybridid.trace.trial import Trial

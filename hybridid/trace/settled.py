@@ -15,7 +15,7 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.recheck import recheck
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import continued
@@ -142,7 +142,7 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     """
     if found.cut_within_a_step and not found.accepted:
         return ()
-    sharp_alone = found.at_noise and model.substeps // model.numerics.finer > MOST
+    sharp_alone = found.at_noise and model.steps > MOST
     if model is found.final and (sharp_alone or found.stopped == AT_FLOOR_TOGETHER):
         return ()
     known = (step.learned for step in found.steps if step.base is model and step.learned)

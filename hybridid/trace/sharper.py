@@ -35,7 +35,8 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.halving import halved_while_it_pays
 from hybridid.trace.judgement import judge
 from hybridid.trace.minor import MINOR
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.steps import Step
 from hybridid.trace.trial import PASSED, attempt
 

@@ -26,12 +26,12 @@ from hybridid.trace.refit import (
     FAILURES,
     LEAST_DECREASE,
     WITHOUT_STD,
-    Refit,
-    begun_at_the_record,
     refit,
     refit_if_hopeful,
     refit_if_possible,
 )
+from hybridid.trace.refit_starts import begun_at_the_record
+from hybridid.trace.refitted import Refit
 from hybridid.trace.sought import sought
 from hybridid.trace.split import Split
 

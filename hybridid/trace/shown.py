@@ -11,7 +11,7 @@ import numpy as np
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.path import Path
 from hybridid.trace.periodic import not_repeated
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 NOTHING = 1e-3

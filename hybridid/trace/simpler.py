@@ -16,7 +16,8 @@ from dataclasses import replace
 
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit, refit_if_possible, values_without
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit, values_without
 from hybridid.trace.steps import Accepted, Search, Step
 from hybridid.trace.trial import Trial
 from hybridid.trace.tried import tried_in_place

@@ -14,7 +14,7 @@ from hybridid.estimators.uncertainty import uncertainty
 from hybridid.naming import listed
 from hybridid.quantities import quantity
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 
 MOST = 0.5
 """Of the error left, that the smoothing makes at least where it may be all."""

@@ -15,7 +15,8 @@ from dataclasses import replace
 from hybridid.trace.alike import tells_apart
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare
-from hybridid.trace.refit import WITHOUT_STD, Refit, refit_if_possible
+from hybridid.trace.refit import WITHOUT_STD, refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.trial import PASSED, Trial

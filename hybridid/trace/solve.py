@@ -10,7 +10,8 @@ from hybridid.estimators.problem import paths
 from hybridid.model import Model
 from hybridid.simulation.stability import MOST, TooStiff
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import CONTINUATION, FAILURES, LEAST_DECREASE, Refit, refit
+from hybridid.trace.refit import CONTINUATION, FAILURES, LEAST_DECREASE, refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 OTHERWISE = "rodas3"

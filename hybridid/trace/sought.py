@@ -26,7 +26,8 @@ from hybridid.trace.limit_starts import with_limit_exceeded
 from hybridid.trace.load_starts import FASTEST, with_closed_contact, with_half_the_inertia
 from hybridid.trace.order_spectrum import pitches
 from hybridid.trace.path import Path
-from hybridid.trace.refit import Refit, begin, problem_of
+from hybridid.trace.refit_starts import begin, problem_of
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 Array = NDArray[np.float64]

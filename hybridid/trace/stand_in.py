@@ -57,7 +57,8 @@ from hybridid.trace.doing_nothing import no_better_than_nothing
 from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import ONE_CURVE, share_over
 from hybridid.trace.other_form import other_form
-from hybridid.trace.refit import Refit, refit_if_possible, values_without
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit, values_without
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split

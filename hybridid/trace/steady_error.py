@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.shorter import SHARE, over_shorter
 
 STEADY = 1.5

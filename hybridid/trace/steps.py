@@ -10,7 +10,7 @@ from hybridid.naming import counted
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.law_curve import LawOverLearned
 from hybridid.trace.pair import PairTrial
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.robustness import Survival
 from hybridid.trace.trial import Trial
 

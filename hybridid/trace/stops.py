@@ -8,7 +8,7 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.alike import strangers
 from hybridid.trace.context import Context
 from hybridid.trace.exchange import still_alike
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.steps import (
     AT_FLOOR,
     AT_FLOOR_TOGETHER,

@@ -30,7 +30,7 @@ from hybridid.trace.entries import (
 )
 from hybridid.trace.idle import either_of, idle_terms
 from hybridid.trace.pair import PairTrial
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.refused_words import why_passed_over
 from hybridid.trace.result import Estimates, Evidence, LearnedGains, Trace
 from hybridid.trace.revision import Replacement

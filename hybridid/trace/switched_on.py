@@ -12,7 +12,8 @@ import math
 from dataclasses import replace
 
 from hybridid.trace.candidates import Candidate
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 

@@ -20,7 +20,8 @@ from dataclasses import replace
 import numpy as np
 
 from hybridid.trace.context import Context
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 
 
 def meets_noise_together(base: Refit, context: Context) -> bool:

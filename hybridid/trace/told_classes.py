@@ -20,7 +20,7 @@ from hybridid.quantities import Z95, quantity
 from hybridid.trace.constancy import with_smoothing
 from hybridid.trace.context import Context
 from hybridid.trace.exchange import exchanged
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.result import Trace
 from hybridid.trace.split import Split
 from hybridid.trace.steps import Accepted, Search

@@ -16,14 +16,14 @@ from hybridid.trace.guess_starts import from_guesses
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import (
     LEAST_DECREASE,
-    Refit,
-    begun_at_the_record,
     judged_up_to,
     least_of,
     refit,
     refit_beside,
     refit_if_possible,
 )
+from hybridid.trace.refit_starts import begun_at_the_record
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.shorter import from_shorter, same_valley, seeks, strays
 from hybridid.trace.shown import not_shown

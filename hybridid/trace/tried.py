@@ -19,7 +19,8 @@ from hybridid.trace.candidates import Candidate
 from hybridid.trace.contained import begun_from_contained, is_the_contained_one
 from hybridid.trace.context import Context
 from hybridid.trace.promise import promised_alone
-from hybridid.trace.refit import Refit, least_of
+from hybridid.trace.refit import least_of
+from hybridid.trace.refitted import Refit
 from hybridid.trace.sensitivity import seen
 from hybridid.trace.trial import Trial, attempt, gone_on
 from hybridid.trace.valley import has_valley

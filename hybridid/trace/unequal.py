@@ -18,7 +18,7 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.pair import attempt_pair, judge_pairs, values_of
 from hybridid.trace.pair_decision import pair_taken
 from hybridid.trace.promise import Promise
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.steps import Step
 from hybridid.trace.trial import PASSED, Trial
 

@@ -26,7 +26,8 @@ from hybridid.estimators.levenberg_marquardt import CONVERGED
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.limit_starts import regressed_beside
 from hybridid.trace.load_starts import Giver, giver_of, sought_by
-from hybridid.trace.refit import Refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
+from hybridid.trace.refitted import Refit
 from hybridid.trace.split import Split
 
 OF_PLAY, OF_LIMIT = (1.25, 1.1, 1.04), (2.0, 1.4, 1.2, 1.1)

@@ -38,7 +38,8 @@ from hybridid.trace.evidence import compare
 from hybridid.trace.law_curve import is_curve_over
 from hybridid.trace.learned_effort import Bumps, learned_effort
 from hybridid.trace.path import Array, Path
-from hybridid.trace.refit import FAILURES, WITHOUT_STD, Refit, least_of, refit_if_hopeful
+from hybridid.trace.refit import FAILURES, WITHOUT_STD, least_of, refit_if_hopeful
+from hybridid.trace.refitted import Refit
 from hybridid.trace.robustness import surviving
 from hybridid.trace.separable import is_separable
 from hybridid.trace.split import Split

@@ -26,7 +26,7 @@ from hybridid.trace.longer import Longer, more_over_longer, shows_little, worth_
 from hybridid.trace.numerics import numerics_for
 from hybridid.trace.other_hold import better_hold
 from hybridid.trace.pairs import in_place, with_pair
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.revision import Replacement, replacements
 from hybridid.trace.rules import Rules
 from hybridid.trace.search import continued, search

@@ -23,7 +23,7 @@ from hybridid.quantities import quantity
 from hybridid.records.record import Record
 from hybridid.trace.context import Context
 from hybridid.trace.input_noise import NoiseLevel
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 
 
 def hidden_by_noise(base: Refit, context: Context) -> dict[str, NoiseLevel]:

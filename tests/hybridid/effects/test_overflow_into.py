@@ -17,7 +17,8 @@ from hybridid.effects.library import effect_named
 from hybridid.model import compose
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.judgement import undetermined
-from hybridid.trace.refit import Refit, refit
+from hybridid.trace.refit import refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.split import Split
 from hybridid.trace.trial import Trial, attempt

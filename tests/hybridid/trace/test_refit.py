@@ -10,10 +10,9 @@ from hybridid.effects.library import effect_named
 from hybridid.estimators.ipopt import Ipopt
 from hybridid.estimators.method import Method
 from hybridid.estimators.multiple_shooting import MultipleShooting
-from hybridid.simulation.stability import MOST
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import CONTINUATION, STIFF, _most, _room, refit, refit_beside
+from hybridid.trace.refit import CONTINUATION, refit, refit_beside
 
 
 def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
@@ -24,26 +23,6 @@ def test_multiple_shooting_refits_to_the_same_score(make_model, split_of):
     assert slow.cost == pytest.approx(fast.cost, rel=1e-5)
     assert slow.score.loss == pytest.approx(fast.score.loss, rel=1e-3)
     assert slow.cost != fast.cost, "another method was used"
-
-
-def test_a_start_that_is_left_out_as_too_stiff_is_told(make_model, split_of):
-    """Dahl friction over a nanometre: RK4 would need hundreds of steps a sample there."""
-    model, split = make_model(("viscous", "coulomb", "dahl")), split_of()
-    mild = {"carriage.dahl.f_c": 1.0, "carriage.dahl.s": 1e-2}
-    short = {"carriage.dahl.f_c": 20.0, "carriage.dahl.s": 1e-6}
-    assert Numerics().steps(model, model.values(short), split) > STIFF
-    assert refit(model, split, [mild]).unsolved == ()
-    assert refit(model, split, [mild, short]).unsolved == (1,)
-
-
-def test_only_what_an_effect_adds_to_the_steps_is_its_stiffness(make_model, split_of):
-    base = refit(make_model(), split_of())
-    assert _room(None) == _room(replace(base, substeps=2)) == STIFF
-    assert _room(replace(base, substeps=10)) == 15
-    finer = replace(base, substeps=20, numerics=replace(base.numerics, finer=2))
-    assert _room(finer) == 15
-    assert _most(None) == _most(base) == MOST
-    assert _most(replace(base, substeps=MOST)) == 75, "what takes as many steps as its base is not refused"
 
 
 def test_a_refit_that_promises_little_ends_early_without_standard_errors(make_model, split_of):

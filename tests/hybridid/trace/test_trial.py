@@ -18,7 +18,7 @@ from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.evidence import compare
 from hybridid.trace.judgement import is_nothing, judge
 from hybridid.trace.numerics import DECLARED
-from hybridid.trace.refit import Refit
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.score import Score
 from hybridid.trace.trial import PASSED, REJECTED, UNIDENTIFIABLE, UNTRIED, Trial
