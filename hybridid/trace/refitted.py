@@ -27,9 +27,9 @@ class Refit:
 
     ``unsolved`` are the numbers of the starts that were left out as too stiff, or that diverged with a new
     inner state, whose stiffness no path of the poorer model shows. It is ``too_stiff`` if it is not stable at
-    the end in as many steps as there is room for (``refit_starts.is_too_stiff``). In either case the integrator
-    may have decided, not the records. It ``ended_early`` if no start was hopeful. ``shorter``: over shorter
-    horizons, if that differs.
+    the end in as many steps as there is room for (``refit_starts.is_too_stiff``). In either case the
+    integrator may have decided, not the records. It ``ended_early`` if no start was hopeful. ``shorter``:
+    over shorter horizons, if that differs.
     """
 
     model: Model
