@@ -27,10 +27,11 @@ from hybridid.simulation.windows import cut
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
 from hybridid.trace.numerics import Numerics
-from hybridid.trace.refit import CONTINUATION, refit, refit_if_possible
+from hybridid.trace.refit import refit_if_possible
 from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import free_widths
+from hybridid.trace.solve import declared_refit
 from hybridid.trace.split import FEW, FEWEST, Split
 from hybridid.validation.drift import growth
 
@@ -142,7 +143,7 @@ def over_long_enough(
     """``context`` with longer horizons if what ``model`` leaves over its own is mostly noise, and over these
     is so far above the noise that a complete model could take what is worth having: a search over the short
     ones would see little of what is missing."""
-    base = context.one(refit, model, context.split, starts, None, numerics, CONTINUATION)
+    base = declared_refit(model, context, starts, numerics)
     if Accuracy.of(base, context).times(base.score.rmse) > MOSTLY_NOISE:
         return context
     longer = more_over_longer(base, context, worth_looking_for(context.rules))

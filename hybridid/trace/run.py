@@ -32,10 +32,10 @@ from hybridid.trace.longer import lengthened, over_long_enough
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_efforts import missing_efforts
 from hybridid.trace.numerics import numerics_for
-from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.sharper import narrowed
+from hybridid.trace.solve import declared_refit
 from hybridid.trace.split import check_measured, divided
 from hybridid.trace.steps import OUT_OF_TIME
 from hybridid.trace.summary import summary
@@ -169,8 +169,7 @@ def _weights(
         return {}
     starts = declared_starts(model, context.split, start)
     numerics = numerics_for(model, context.split, starts, integrator)
-    base = context.one(refit, model, context.split, starts, None, numerics, CONTINUATION)
-    return hidden_by_noise(base, context)
+    return hidden_by_noise(declared_refit(model, context, starts, numerics), context)
 
 
 def _concluded(

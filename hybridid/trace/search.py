@@ -29,7 +29,7 @@ from hybridid.trace.rules import Rules
 from hybridid.trace.sharper import explains_more_wider, sharp_enough, sharper_for_an_effect
 from hybridid.trace.shorter import beside_shorter
 from hybridid.trace.smoothed_apart import rivals_smoothed_apart
-from hybridid.trace.solve import refit_declared
+from hybridid.trace.solve import declared_refit
 from hybridid.trace.steps import (
     NONE_PASSES,
     OUT_OF_TIME,
@@ -57,7 +57,7 @@ def search(
 
     ``start`` holds parameter values to start the declared model from.
     """
-    base = context.one(refit_declared, model, context.split, start, numerics)
+    base = declared_refit(model, context, start, numerics)
     if told := many_steps(base, context.split):
         context.say(told)
     base = beside_shorter(base, context)

@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeVar, cast
 from hybridid.estimators.problem import paths
 from hybridid.model import Model
 from hybridid.simulation.stability import MOST, TooStiff
+from hybridid.trace.context import Context
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import CONTINUATION, FAILURES, LEAST_DECREASE, refit
 from hybridid.trace.refitted import Refit
@@ -92,6 +93,16 @@ def refit_declared(
         return found
     better = not _too_stiff(again, split) or _explains_more(Solved(again), Solved(found))
     return again if better else found
+
+
+def declared_refit(
+    model: Model, context: Context, starts: Sequence[Mapping[str, float]], numerics: Numerics
+) -> Refit:
+    """``refit_declared`` on the horizons of ``context``: the same refit is asked for several times, and made
+    once."""
+    key = ("declared", context.split, numerics, tuple(tuple(one.items()) for one in starts))
+    given = (model, context.split, starts, numerics)
+    return model.kept(key, lambda: context.one(refit_declared, *given))
 
 
 def _too_stiff(found: Refit, split: Split) -> bool:
