@@ -107,10 +107,10 @@ def _halved(base: Refit, context: Context) -> Refit | None:
 
 def _down_to_the_noise(base: Refit, context: Context) -> Refit | None:
     """``base`` with each epsilon halved as long as that pays for an output, in more steps than a trial is
-    given, if it then meets the noise: nothing is tried beside it. None if it does not, or half of each
-    epsilon takes no more than ``MOST`` steps."""
+    given, if it then meets the noise: nothing is tried beside it. None if it does not. What pays for one
+    output may be too little of the whole error to pay for a trial of each effect."""
     one = base
-    while MOST < 2 * one.substeps <= MOST_BY_ITSELF:
+    while 2 * one.substeps <= MOST_BY_ITSELF:
         again = _halved(replace(one, substeps=2 * one.substeps), context)
         if again is None:
             break

@@ -252,6 +252,15 @@ def test_a_model_that_needs_more_steps_than_a_trial_is_made_sharp_by_itself(in_m
     assert said[0].endswith("from here on: that leaves the noise alone")
 
 
+def test_halves_that_pay_for_one_output_lead_to_the_noise(in_many_steps, split, monkeypatch):
+    """As if they did not pay for a trial of each effect, though none takes too many steps for one."""
+    monkeypatch.setattr(sharper, "halved_while_it_pays", lambda base, *_: base)
+    fitted = in_many_steps(("viscous", "coulomb", "offset"))
+    for one in fitted.values():
+        object.__setattr__(one, "substeps", one.substeps // 20)
+    assert sharp_enough(fitted[8], Context(split), declared=True) is fitted[1]
+
+
 def test_it_stays_as_it_is_where_trials_follow(in_many_steps, split, monkeypatch):
     monkeypatch.setattr(sharper, "_between_halves", lambda base, halved, context: base)
     fitted = in_many_steps(("viscous", "offset"))
