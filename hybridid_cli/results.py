@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.console import RenderableType
 from rich.text import Text
 
-from hybridid.estimators.estimate import EstimatedParameter
+from hybridid.estimators.estimate import Estimate, EstimatedParameter
 from hybridid.estimators.words import differ_together, differs
 from hybridid.quantities import NONE, fixed, mean_square, number, quantity, r_squared
 from hybridid.validation.in_loop import Agreement
@@ -62,7 +62,7 @@ def _estimates(tree: Path) -> list[RenderableType]:
         made.add_row(p.name, number(p.value, 6), number(p.std, 2, NONE), p.unit, bounds, _flags(p))
     seconds = estimate.seconds
     line = (
-        f"{estimate.status} after {estimate.iterations} iterations on {found.provenance} data, "
+        f"{_ended(estimate)} on {found.provenance} data, "
         f"cost {number(estimate.cost, 6)}, build {seconds['build']:.2f} s, solve {seconds['solve']:.2f} s"
     )
     said = {finding.said for finding in found.quality.findings}
@@ -71,6 +71,12 @@ def _estimates(tree: Path) -> list[RenderableType]:
     if estimate.together is not None and not math.isnan(estimate.together.p_value):
         differ.append(Text(differ_together(estimate.together)))
     return [*_quality(found), made, *differ, Text(line), *warnings(rest)]
+
+
+def _ended(estimate: Estimate) -> str:
+    """How the fit ended and after how many iterations, which the status may say itself."""
+    status = estimate.status
+    return status if "iterations" in status else f"{status} after {estimate.iterations} iterations"
 
 
 def _quality(found: Fit) -> list[RenderableType]:

@@ -103,7 +103,7 @@ def _accepted(found: Trace) -> RenderableType:
             probability(entry.p_value),
             ", ".join(entry.others) or NONE,
             f"{sum(survived)} of {len(survived)} variations"
-            + (f", {refuted} more fit the records worse" if refuted else ""),
+            + (f"; {refuted} not counted: the records refute it" if refuted else ""),
         )
     return made
 

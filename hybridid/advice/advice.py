@@ -18,6 +18,7 @@ Kind = Literal[
     "same",
     "drift",
     "recordings",
+    "smoothing",
 ]
 
 
@@ -33,7 +34,8 @@ class Advice:
     ``open``: a standard error is larger than its parameter, which is positive. ``same``: a held-out record
     holds samples that were fitted. ``drift``: a free run is bad by nature, since the model integrates or is
     unstable; horizons judge it. ``recordings``: values of its own explain each recording far better,
-    or a channel of some is otherwise than in the others.
+    or a channel of some is otherwise than in the others. ``smoothing``: the smoothing of sign(v)
+    makes most of what the fit leaves.
     """
 
     kind: Kind

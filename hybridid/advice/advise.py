@@ -11,6 +11,7 @@ from hybridid.advice.disagreement import recordings_disagree
 from hybridid.advice.horizon import unsuitable_horizon
 from hybridid.advice.ranges import out_of_range
 from hybridid.advice.relaxation import relaxation
+from hybridid.advice.smoothing import wide_smoothing
 from hybridid.advice.unequal import unequal_outputs
 from hybridid.advice.unfinished import few_starts, stopped
 from hybridid.advice.untold import (
@@ -34,6 +35,7 @@ def advise(problem: Problem, estimate: Estimate, held_out: Sequence[Record] = ()
         *unsuitable_horizon(problem, estimate),
         *unequal_outputs(problem.records),
         *recordings_disagree(problem, estimate),
+        *wide_smoothing(problem, estimate),
         *stopped(estimate),
         *few_starts(estimate),
         *left_open(estimate),

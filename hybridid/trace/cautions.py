@@ -247,8 +247,9 @@ def _takes_little(search: Search) -> str:
     instead = {one.name for step in search.steps if step.dropped for one in step.taken}
     later = [one for one in search.accepted[1:] if not (one.together or one.name in instead)]
     return "".join(
-        f" Beware: {one.name} takes {share(taken)} of the squared error that all take: it may only mend the "
-        "form of what was found before it."
+        f" Beware: {one.name} takes {share(one.trial.gain)} off the error that its step began with, and "
+        f"{share(taken)} of the squared error that all take. If the law of what was found before it is off "
+        "by a tenth, that alone leaves as much."
         for one, taken in ((one, _share_taken(one, search)) for one in later)
         if taken < LITTLE
     )

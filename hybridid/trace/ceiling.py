@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybridid.declarations import PortKind
-from hybridid.effects.effect import Effect
 from hybridid.effects.over import MEMORIES, Over
 from hybridid.model import Model
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare, holm
-from hybridid.trace.learned_effort import learned_effort
+from hybridid.trace.learned_effort import with_learned_effort
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.path import Path
+from hybridid.trace.promising_efforts import promising
 from hybridid.trace.refit import FAILURES, LEAST_DECREASE, WITHOUT_STD, least_of, refit_if_hopeful
 from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
@@ -103,15 +103,21 @@ class Ceiling:
         return max(self.taken(base), within)
 
 
-def ceilings(base: Refit, context: Context, stage: str = "learned effort") -> tuple[Ceiling, ...]:
-    """The ceiling of every variable at every effort or flow port where the path of ``base`` shows it."""
+def ceilings(
+    base: Refit, context: Context, stage: str = "learned effort", at_noise: bool = False
+) -> tuple[Ceiling, ...]:
+    """The ceiling of every variable at every effort or flow port where the path of ``base`` shows it; where
+    that leaves the noise (``at_noise``), of those that promise something (``promising_efforts``)."""
     path = Path.of(base, context.split, context.split.fitted)
-    places = [
-        (base, context.split, port.name, over, least_of(context.rules.worth))
+    shown = [
+        (port.name, over)
         for port in context.equation_ports(base.model)
         for over in context.overs(port, base.model)
         if path.shows(port.name, over)
     ]
+    least = least_of(context.rules.worth)
+    chosen = promising(shown, base, context, least) if at_noise else shown
+    places = [(base, context.split, *place, least) for place in chosen]
     found = context.each(
         stage,
         ceiling,
@@ -131,10 +137,7 @@ def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEA
     where = base.model.plant.port(port)
     path = Path.of(base, split, (*split.fitted, *split.held_out))
     fitted = Path.of(base, split, split.fitted)
-    remembers = fitted.memory(port, over.variable)
-    effect = learned_effort(where.kind, over, fitted.covered(port, over), remembers=remembers)
-    model: Model = base.model.plus(effect, port)
-    starts = _starts(model, effect, port, base)
+    model, starts = with_learned_effort(base, fitted, port, over)
     over_unit = over.dimension.unit(where)
     solved = _solved(model, split, starts, base, least)
     found = solved.refit
@@ -142,7 +145,9 @@ def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEA
         return Ceiling(port, over, 0.0, 1.0, (), where.effort_unit, over_unit, base, failure=solved.failure)
     evidence = compare(base.score, found.score)
     shown = (
-        replace(path, states=np.column_stack([path.states, path.seen(port, over)])) if effect.states else path
+        replace(path, states=np.column_stack([path.states, path.seen(port, over)]))
+        if model.terms[-1].effect.states
+        else path
     )
     net = shown.effort(model, found.values, port) - path.effort(base.model, base.values, port)
     curve = _binned(path.seen(port, over), net)
@@ -195,14 +200,6 @@ def _taken_within(base: Refit, found: Refit, inside: NDArray[np.bool_]) -> float
         return 1.0 - found.cost / base.cost if base.cost > 0 else 0.0
     before, after = (float((one.score.squares[inside] / one.score.scale**2).sum()) for one in (base, found))
     return 1.0 - after / before if before > 0 else 0.0
-
-
-def _starts(model: Model, effect: Effect, port: str, base: Refit) -> list[dict[str, float]]:
-    """From zero effort, with every time constant that the learned effort may start with."""
-    at = model.plant.port(port)
-    name = model.terms[-1].name
-    others = [{f"{name}.{p.name}": v} for p in effect.parameters for v in p.starts_at(at)]
-    return [{**base.values, **one} for one in ({}, *others)]
 
 
 def _binned(s: Array, effort: Array) -> tuple[tuple[float, float, int], ...]:

@@ -85,6 +85,14 @@ class Context:
         poor sensor hides in the loss what a good one shows."""
         return bool(np.all(score.rmse <= self.rules.near_floor * self.noise.beside(score)))
 
+    def noise_leaves_no_room(self, score: Score) -> bool:
+        """Whether the sensors' noise, of all outputs together, makes so much of the held-out loss that no
+        effect can take ``Rules.worth`` from it, whatever is missing."""
+        noise = np.minimum(self.noise.beside(score), score.rmse)
+        of_noise = float(np.sqrt(np.mean((noise / score.scale) ** 2)))
+        most = min(self.rules.near_floor, 1.0 / (1.0 - self.rules.worth))
+        return score.loss <= most * of_noise
+
     def candidates(self, model: Model) -> list[Candidate]:
         """The effects that this trace tries beside those of ``model``."""
         possible, room = admissible(model, self.effects, self.ports), self.most_free - len(model.free)

@@ -25,6 +25,9 @@ from hybridid.declarations import PortKind
 from hybridid.effects.dimension import ONE, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.over import BRISTLE, MEMORIES, Over, effort_of, equation_of
+from hybridid.model import Model
+from hybridid.trace.path import Path
+from hybridid.trace.refitted import Refit
 
 Array = NDArray[np.float64]
 FAINT = 1e-4
@@ -130,6 +133,20 @@ def learned_effort(
         source="thesis Eqs. 6-4 to 6-6 with fixed centres",
         pattern=f"any function of {over}",
     )
+
+
+def with_learned_effort(
+    base: Refit, fitted: Path, port: str, over: Over
+) -> tuple[Model, list[dict[str, float]]]:
+    """The model of ``base`` with a learned effort (or flow) at ``port``, on what the path ``fitted`` covers,
+    and where its fit starts: from zero effort, with every time constant that it may have."""
+    where = base.model.plant.port(port)
+    remembers = fitted.memory(port, over.variable)
+    effect = learned_effort(where.kind, over, fitted.covered(port, over), remembers=remembers)
+    model = base.model.plus(effect, port)
+    name = model.terms[-1].name
+    others = [{f"{name}.{p.name}": v} for p in effect.parameters for v in p.starts_at(where)]
+    return model, [{**base.values, **one} for one in ({}, *others)]
 
 
 def _combined(over: Over, seen: Array, bumps: int) -> tuple[Bumps, Array]:

@@ -30,6 +30,6 @@ def many_steps(base: Refit, split: Split) -> str:
     own = {problem.model.parameters[k].name: wider[k] for k in problem.widths}
     settings = listed([f"+parameters.{name}.guess={value:.2g}" for name, value in own.items()])
     return (
-        f"a sample takes {taken} steps, as sign(v) is smoothed so narrowly: with {settings} it takes "
-        f"{needed}, and each trial is quicker. A trace narrows the smoothing where that leaves less error"
+        f"a sample takes {taken} steps, as sign(v) is smoothed so narrowly: with {settings} it "
+        f"takes {needed}, and each trial is quicker. Where that leaves more error, a trace narrows it again"
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from operator import attrgetter
 
 from hybridid.effects.library import EFFECTS
 from hybridid.estimators.floor import MISFIT
@@ -180,10 +181,11 @@ def structure_in_words(found: Trace) -> str:
             f"error by {worth} or more, and no effect in the library does."
         )
     if any(found.rules.passes(c.gain, c.p_value) for c in found.ceilings.after):
+        shows = "where something is missing" if found.times > found.rules.far else "that something is missing"
         return (
             f"A {learned(found)} still lowers the held-out error by {worth} or more, but the strongest do "
-            "not keep that gain when the equations are solved another way (epsilon, step, integrator): no "
-            "evidence that the machine lacks something."
+            "not keep that gain when the equations are solved another way (epsilon, step, integrator): they "
+            f"do not show {shows}."
         )
     if not found.ceilings.after:
         return f"No {learned(found)} was tried."
@@ -193,15 +195,15 @@ def structure_in_words(found: Trace) -> str:
 def mostly_unshown(found: Trace) -> str:
     """That most of what is left far above the noise is a function of none of the variables that learned
     efforts look at; empty where one takes most of it, or none was tried."""
-    solved = [one.gain for one in found.ceilings.after if not one.failure]
+    solved = [one for one in found.ceilings.after if not one.failure]
     if not solved or found.times <= found.rules.far:
         return ""
-    most = max(0.0, *solved)
-    if 1.0 - (1.0 - most) ** 2 >= found.rules.majority:
+    most = max(solved, key=attrgetter("gain"))
+    if most.gain > 0 and 1.0 - (1.0 - most.gain) ** 2 >= found.rules.majority:
         return ""
     takes = (
-        f"The strongest {learned(found)} takes {share(most)} of it"
-        if most > 0
+        f"The strongest {learned(found)} (at {most.port} over {most.over}) takes {share(most.gain)} of it"
+        if most.gain > 0
         else f"No {learned(found)} helps"
     )
     loop = " In a closed loop it goes with the motion, and may look like structure." if found.remains else ""

@@ -138,7 +138,8 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     None where the last model meets the noise on all horizons together: only its parameters are uncertain, and
     a learned effort could take what they err by. None where it meets the noise in more steps a sample than a
     trial is given: what it leaves is white, and each learned effort would take minutes to find nothing in it.
-    None where the time limit ended the first step: there is no name to be doubted.
+    None where the time limit ended the first step: there is no name to be doubted. Where the declared model
+    meets the noise, those that promise something.
     """
     if found.cut_within_a_step and not found.accepted:
         return ()
@@ -146,7 +147,8 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     if model is found.final and (sharp_alone or found.stopped == AT_FLOOR_TOGETHER):
         return ()
     known = (step.learned for step in found.steps if step.base is model and step.learned)
-    return next(known, ()) or ceilings(model, context)
+    alone = model is found.final and found.at_noise and not found.accepted
+    return next(known, ()) or ceilings(model, context, at_noise=alone)
 
 
 def _error_left(final: Refit, context: Context) -> tuple[Accuracy, float]:

@@ -107,20 +107,19 @@ def _halved(base: Refit, context: Context) -> Refit | None:
 
 def _down_to_the_noise(base: Refit, context: Context) -> Refit | None:
     """``base`` with each epsilon halved as long as that pays for an output, in more steps than a trial is
-    given, if it then meets the noise: nothing is tried beside it. None if it does not. What pays for one
-    output may be too little of the whole error to pay for a trial of each effect."""
+    given, if that leaves the noise, or so little more that no effect could take what is worth having: then
+    nothing is tried beside it. Else None. What pays for one output may be too little of the whole error to
+    pay for trials in as many steps."""
     one = base
-    while 2 * one.substeps <= MOST_BY_ITSELF:
+    while 2 * one.substeps <= MOST_BY_ITSELF and not context.meets_noise(one.score):
         again = _halved(replace(one, substeps=2 * one.substeps), context)
-        if again is None:
-            break
-        if context.meets_noise(again.score):
-            context.say(f"{_said(again.model)} from here on: that leaves the noise alone")
-            return again
-        if compare(one.score, again.score).largest < context.rules.worth:
+        if again is None or compare(one.score, again.score).largest < context.rules.worth:
             break
         one = again
-    return None
+    if one is base or not (context.meets_noise(one.score) or context.noise_leaves_no_room(one.score)):
+        return None
+    context.say(f"{_said(one.model)} from here on: that leaves hardly more than the noise")
+    return one
 
 
 def _between_halves(base: Refit, halved: bool, context: Context) -> Refit:

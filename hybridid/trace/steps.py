@@ -17,6 +17,7 @@ from hybridid.trace.trial import Trial
 WITHDRAWN = "may stand in for something else"
 """How the reason begins why an effect that had passed is no name."""
 AT_FLOOR, NONE_PASSES = "the residual meets the noise floor", "no further effect passes"
+NO_ROOM = "the residual is so near the sensors' noise that no effect could take what is worth having from it"
 OUT_OF_TIME = "the time limit was reached"
 RECORDINGS_DIFFER = "values of their own for each recording leave less than any effect alone"
 AT_SIMULATION = "the residual is no more than the sensors' noise and the error of the simulation"
@@ -104,7 +105,7 @@ class Search:
     @property
     def at_noise(self) -> bool:
         """Whether it ended at the sensors' noise."""
-        return self.stopped in (AT_FLOOR, AT_FLOOR_TOGETHER, AT_SIMULATION)
+        return self.stopped in (AT_FLOOR, AT_FLOOR_TOGETHER, AT_SIMULATION, NO_ROOM)
 
     @property
     def cut_within_a_step(self) -> bool:

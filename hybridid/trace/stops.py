@@ -13,6 +13,7 @@ from hybridid.trace.steps import (
     AT_FLOOR,
     AT_FLOOR_TOGETHER,
     AT_SIMULATION,
+    NO_ROOM,
     OUT_OF_TIME,
     RECORDINGS_DIFFER,
     Accepted,
@@ -27,6 +28,8 @@ def nothing_to_seek(base: Refit, accepted: Sequence[Accepted], context: Context)
         return AT_FLOOR
     if meets_noise_together(base, context):
         return AT_FLOOR_TOGETHER
+    if not accepted and context.noise_leaves_no_room(base.score):
+        return NO_ROOM
     if accepted and _at_simulation_error(base, context):
         return AT_SIMULATION
     if accepted and _recordings_differ(base, context):

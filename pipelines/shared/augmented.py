@@ -120,20 +120,24 @@ def commands(
     widths: Sequence[Width] = (),
     weights: Mapping[str, NoiseLevel] | None = None,
     steps: int | None = None,
+    seconds: float | None = None,
 ) -> tuple[str, ...]:
     """Two commands that fit the augmented model: one names its file, and begins where the trace ended; the
     other its effects alone, with the ``widths`` of sign(v) that a trace made narrower. In both the outputs
     count by the ``weights`` of the trace, and RK4 takes so many ``steps`` a sample (None: as many as a fit
-    chooses). Results and runs go where those of the trace go."""
+    chooses). The errors are those over horizons of so many ``seconds``, as in the trace. Results and runs go
+    where those of the trace go."""
     noise = {name: level.value for name, level in (weights or {}).items()}
     counted = "".join(f" {one}" for one in map(shlex.quote, noise_as_settings(noise)))
     start = f"hybridid run case={settings.case}{_folders(settings)}{_elsewhere(settings)}{counted}"
     named = [f"effects=[{','.join(effect_entries(settings))}]", *as_settings(widths)]
     effects = " ".join(map(shlex.quote, named))
     solved = f" estimator.integrator={EXPLICIT} estimator.substeps={steps}" if steps else ""
+    judged = "" if seconds in (None, settings["validate.horizon"]) else f" validate.horizon={seconds:.6g}"
+    over = f"estimator.horizon={samples}{judged}"
     return (
-        f"{start} model={shlex.quote(str(model))} estimator.horizon={samples} estimator.start=guess{solved}",
-        f"{start} {effects} estimator.horizon={samples}{solved}",
+        f"{start} model={shlex.quote(str(model))} {over} estimator.start=guess{solved}",
+        f"{start} {effects} {over}{solved}",
     )
 
 

@@ -218,7 +218,9 @@ def _write(job: Job, found: Trace, processes: int) -> None:
         fitted_records=found.fitted_records,
         commands=(
             *by_recording(job.settings, found.own_values),
-            *commands(settings, model_file, samples, found.narrowed, found.weights, _own_steps(found)),
+            *commands(
+                settings, model_file, samples, found.narrowed, found.weights, _own_steps(found), found.horizon
+            ),
         ),
         found=found,
     )

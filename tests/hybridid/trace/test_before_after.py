@@ -140,7 +140,7 @@ def test_an_augmented_model_that_fits_worse_begins_again_at_the_declared_one(mak
     )
     windows = SimpleNamespace(origin=[(0, 0, 10), (1, 0, 10)])  # of the fitted and of the held-out record
     shown = {"problem": lambda split: SimpleNamespace(windows=windows), "x0": np.array([[0.1], [0.2]])}
-    shown |= {"numerics": DECLARED, "substeps": 2}
+    shown |= {"numerics": DECLARED, "steps": 2}
     first, final = (SimpleNamespace(model=one, values=values, **shown) for one in (declared, augmented))
     search, validation = SimpleNamespace(first=first, final=final), SimpleNamespace(fitted=("first",))
     before, after = before_and_after(SimpleNamespace(search=search, accepted=True), validation, context)

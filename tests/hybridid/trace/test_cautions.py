@@ -173,7 +173,7 @@ def found(takes=((99.5,), (0.5,)), mass=(2.0, 1.9), dropped=()):
     beside = [left(100.0 - np.sum(takes[:k], axis=0)) for k in range(3)]
     names = ["cart.coulomb", "cart.detent"]
     accepted = [
-        SimpleNamespace(name=name, trial=SimpleNamespace(refit=refit), together="")
+        SimpleNamespace(name=name, trial=SimpleNamespace(refit=refit, gain=0.25), together="")
         for name, refit in zip(names, beside[1:], strict=True)
     ]
     plant = SimpleNamespace(parameters=(Parameter("M", "kg", 1.0, upper=9.0),))
@@ -192,8 +192,9 @@ def found(takes=((99.5,), (0.5,)), mass=(2.0, 1.9), dropped=()):
 
 def test_what_takes_less_than_a_hundredth_may_mend_what_came_before():
     assert _takes_little(found()) == (
-        " Beware: cart.detent takes 0.5 % of the squared error that all take: it may only mend the form of "
-        "what was found before it."
+        " Beware: cart.detent takes 25.0 % off the error that its step began with, and 0.5 % of the squared "
+        "error that all take. If the law of what was found before it is off by a tenth, that alone leaves as "
+        "much."
     )
     assert _takes_little(found(takes=((98.0,), (2.0,)))) == ""
     assert _takes_little(found(takes=((0.5,), (99.5,)))) == "", "what came first mends nothing"
@@ -202,7 +203,7 @@ def test_what_takes_less_than_a_hundredth_may_mend_what_came_before():
 
 def test_what_takes_much_of_one_output_mends_nothing():
     assert _takes_little(found(takes=((99.9, 60.0), (0.1, 40.0)))) == ""
-    assert "takes 0.4 %" in _takes_little(found(takes=((99.9, 99.6), (0.1, 0.4))))
+    assert "0.4 % of the squared error" in _takes_little(found(takes=((99.9, 99.6), (0.1, 0.4))))
 
 
 def test_a_form_that_the_last_model_does_not_show_is_doubted(monkeypatch):

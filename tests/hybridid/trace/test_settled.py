@@ -70,7 +70,7 @@ def test_names_that_are_left_are_doubted_again(monkeypatch):
 
 def test_a_model_at_the_noise_in_many_steps_is_not_held_against_learned_efforts(below, context, monkeypatch):
     """Each would take minutes, and what such a model leaves is white."""
-    monkeypatch.setattr(settled, "ceilings", lambda model, context: ("asked",))
+    monkeypatch.setattr(settled, "ceilings", lambda model, context, at_noise: ("asked",))
     sharp = replace(below.search.final, substeps=MOST + 1)
     ended = replace(below.search, final=sharp, stopped=AT_FLOOR)
     assert settled.learned_beside(sharp, ended, context) == ()

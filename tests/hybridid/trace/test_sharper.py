@@ -249,7 +249,7 @@ def test_a_model_that_needs_more_steps_than_a_trial_is_made_sharp_by_itself(in_m
     fitted, said = in_many_steps(("viscous", "coulomb", "offset")), []
     assert sharp_enough(fitted[8], Context(split, say=said.append), declared=True) is fitted[1]
     assert len(said) == 1
-    assert said[0].endswith("from here on: that leaves the noise alone")
+    assert said[0].endswith("from here on: that leaves hardly more than the noise")
 
 
 def test_halves_that_pay_for_one_output_lead_to_the_noise(in_many_steps, split, monkeypatch):

@@ -13,9 +13,12 @@ from hybridid.model import compose
 from hybridid.plants.emps import EMPS
 from hybridid.records.channel import Channel
 from hybridid.trace.context import Context
+from hybridid.trace.evidence import compare
 from hybridid.trace.refit import refit
 from hybridid.trace.run import trace
 from hybridid.trace.split import by_blocks
+from hybridid.trace.steps import NO_ROOM
+from hybridid.trace.stops import nothing_to_seek
 from hybridid.trace.weighed import hidden_by_noise
 
 NOISE = np.array([2e-5, 1e-2])
@@ -88,10 +91,36 @@ def test_noise_that_makes_little_of_the_loss_weighs_nothing(record):
     assert told.said.startswith("position is measured")
 
 
-def test_a_model_meets_the_noise_in_each_output_or_not_at_all(record):
-    """Over standard deviations, the loss is that of the laser's noise."""
+@pytest.fixture(scope="module")
+def hidden(record):
+    """Over standard deviations, the loss is that of the laser's noise; the encoder shows far more."""
     context = Context(by_blocks([record], 120), ())
-    base = refit(compose(TwoSensors(), ["viscous", "coulomb"]), context.split)
+    return context, refit(compose(TwoSensors(), ["viscous", "coulomb"]), context.split)
+
+
+def test_a_model_meets_the_noise_in_each_output_or_not_at_all(hidden):
+    context, base = hidden
     noise = context.noise.beside(base.score)
     assert base.score.loss <= context.rules.near_floor * np.sqrt(np.mean((noise / base.score.scale) ** 2))
     assert not context.meets_noise(base.score)
+
+
+def test_where_the_noise_leaves_no_room_no_effect_could_be_worth_it(hidden):
+    """The true effect takes what the encoder shows of it, and too little of the loss to pass."""
+    context, base = hidden
+    complete = refit(compose(TwoSensors(), ["viscous", "coulomb", "offset"]), context.split)
+    found = compare(base.score, complete.score)
+    assert found.largest > 2 * context.rules.worth
+    assert found.gain < context.rules.worth
+    assert context.noise_leaves_no_room(base.score)
+    assert nothing_to_seek(base, (), context) == NO_ROOM
+    assert nothing_to_seek(base, (object(),), context) != NO_ROOM, "what was accepted is judged as before"
+    noiseless = replace(context, rules=replace(context.rules, near_floor=0.0))
+    assert not noiseless.noise_leaves_no_room(base.score), "the noise is less than it seems"
+
+
+def test_a_larger_error_leaves_room(hidden):
+    context, base = hidden
+    room = 1.01 / (1.0 - context.rules.worth) ** 2
+    far = replace(base.score, squares=room * base.score.squares)
+    assert not context.noise_leaves_no_room(far)

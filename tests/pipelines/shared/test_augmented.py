@@ -30,6 +30,15 @@ def test_the_commands_take_the_steps_of_the_trace_where_a_fit_would_not(settings
     assert all("substeps" not in one for one in commands(settings(), Path("model.json"), 250))
 
 
+def test_the_commands_judge_over_the_horizons_of_the_trace(settings):
+    """So their errors are those that the trace has shown."""
+    for one in commands(settings(), Path("model.json"), 350, seconds=1.4):
+        assert " estimator.horizon=350 validate.horizon=1.4" in one
+    for seconds in (None, settings()["validate.horizon"]):
+        longer = commands(settings(), Path("model.json"), 250, seconds=seconds)
+        assert all("validate.horizon" not in one for one in longer)
+
+
 def test_the_commands_write_where_the_trace_wrote(settings):
     usual = commands(settings(), Path("model.json"), 250)
     assert all("paths.outputs" not in one for one in usual)

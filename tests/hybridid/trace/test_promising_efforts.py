@@ -1,0 +1,62 @@
+"""Beside a model that leaves the noise, a score test chooses the learned efforts. All records: simulated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from hybridid.effects.over import Over
+from hybridid.trace.ceiling import ceiling, ceilings
+from hybridid.trace.context import Context
+from hybridid.trace.promising_efforts import ALWAYS, promised, promising
+from hybridid.trace.refit import refit
+
+PLACES = [("carriage", Over(one)) for one in ("velocity", "position", "time")] + [
+    ("carriage", Over("position", "velocity"))
+]
+
+
+@pytest.fixture(scope="module")
+def slight(make_model, split_of):
+    """An asymmetric friction that takes hardly more than the noise."""
+    split = split_of(df_v=1.0)
+    return split, refit(make_model(), split)
+
+
+def test_one_step_promises_what_a_fit_takes_of_a_slight_effect(slight):
+    split, base = slight
+    place = PLACES[0]
+    found = ceiling(base, split, *place, 0.0).refit
+    amplitudes = len(found.model.free) - len(base.model.free)
+    by_chance = amplitudes / found.problem(split).on(split.fitted).windows.samples
+    taken = 1.0 - found.cost / base.cost
+    assert promised(base, split, *place) == pytest.approx(taken - by_chance, rel=0.2)
+    assert taken > 2 * by_chance
+
+
+def test_what_promises_little_is_not_fitted_but_for_the_best(make_model, split_of):
+    split = split_of()
+    base, context = refit(make_model(), split), Context(split)
+    shares = [promised(base, split, *place) for place in PLACES]
+    assert max(shares) < 0.01, "only noise is left"
+    chosen = promising(PLACES, base, context, 0.02)
+    least = min(range(len(PLACES)), key=lambda k: shares[k])
+    assert chosen == [place for k, place in enumerate(PLACES) if k != least]
+    assert len(chosen) == ALWAYS
+    assert promising(PLACES, base, context, -1.0) == PLACES
+    few = replace(context, variables=("velocity", "position"))
+    assert len(ceilings(base, few, at_noise=True)) == ALWAYS
+    assert len(ceilings(base, few)) > ALWAYS
+
+
+def test_what_cannot_be_simulated_is_fitted(slight, monkeypatch):
+    """Then the fit tells why."""
+    split, base = slight
+    begun = "hybridid.trace.promising_efforts.problem_of"
+
+    def too_stiff(*given):
+        raise ValueError
+
+    monkeypatch.setattr(begun, too_stiff)
+    assert promised(base, split, *PLACES[0]) == float("inf")
