@@ -85,7 +85,7 @@ def test_a_refused_gain_is_told_where_the_network_finds_nothing_more(nothing):
         (
             0.08,
             15.0,
-            " The strongest learned effort (at cart over position) takes 8.0 % of it: most of what is left is no function of ",
+            " The strongest learned effort (at cart over position) takes 8.0 % of it: most of what ",
         ),
         (-0.2, 15.0, " No learned effort helps: most of what is left is no function of a single variable "),
         (0.3, 15.0, ""),
