@@ -66,6 +66,7 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
     ]
     if found.accepted or found.narrowed or found.own_values:
         parts.append(Text(f"go on:  {said.commands[0]}"))
+    parts += [Text(f"ask further:  {command}") for command in said.further_traces]
     return [*parts, *_advice_of_the_fit(tree, found)]
 
 

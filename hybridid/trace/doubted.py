@@ -28,6 +28,8 @@ from hybridid.trace.verdict import Conclusion
 CONSTANT = 0.1
 """Share of its mean square below which the variance of an effort is that of a constant: no function of a
 variable."""
+REVISE = "trace.revise=true"
+"""Word of a command with which others are sought in the place of each declared effect."""
 
 
 def doubted(declared: Model, final: Refit, places: Sequence[Ceiling], split: Split) -> list[str]:
@@ -122,7 +124,7 @@ def simpler_possible(found: Conclusion, context: Context) -> str:
     declared = listed(list(dict.fromkeys(name for names in beside.values() for name in names)))
     return (
         f" {listed(list(beside))} and the declared {declared} are functions of one variable: whether others "
-        "with fewer parameters explain as much in their place, trace.revise=true asks."
+        f"with fewer parameters explain as much in their place, {REVISE} asks."
     )
 
 
@@ -141,13 +143,13 @@ def revision_advised(found: Conclusion, context: Context) -> str:
     if declared and not (found.remains or found.accepted):
         was = "were" if len(declared) > 1 else "was"
         return (
-            f" The declared {listed(declared)} {was} not questioned: trace.revise=true seeks others in the "
+            f" The declared {listed(declared)} {was} not questioned: {REVISE} seeks others in the "
             "place of each."
         )
     names = doubted(found.search.first.model, found.search.final, _remaining(found), context.split)
     if not names:
         return ""
     return (
-        f" What is declared over that variable ({listed(names)}) may be the wrong law: trace.revise=true "
+        f" What is declared over that variable ({listed(names)}) may be the wrong law: {REVISE} "
         "seeks others in its place."
     )

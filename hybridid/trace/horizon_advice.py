@@ -17,6 +17,8 @@ ABSORBED = 0.2
 """Initial states that a horizon estimates, over its measured values, from which these may hide an effect."""
 MANY_MORE = 1.5
 """Times the horizons that judge, from which as many more are worth another trace."""
+PARTS_OF_ALL = "trace.records=null trace.held_out=null"
+"""Words of a command with which parts of every record are fitted, and other parts judge."""
 
 
 def other_horizons_advised(final: Refit, split: Split, noise: NDArray[np.float64]) -> str:
@@ -90,7 +92,7 @@ def parts_of_all_advised(split: Split) -> str:
     if split.gap or every < MANY_MORE * 2 * judging:
         return ""
     return (
-        f" Only {counted(judging, 'horizon')} judge. With trace.records=null trace.held_out=null parts of "
+        f" Only {counted(judging, 'horizon')} judge. With {PARTS_OF_ALL} parts of "
         "every record do, more or longer ones, which may decide more."
     )
 
@@ -101,7 +103,7 @@ def determining_parts_advised(split: Split) -> str:
     if split.gap:
         return ""
     return (
-        " With trace.records=null trace.held_out=null parts of every record are fitted, which may determine "
+        f" With {PARTS_OF_ALL} parts of every record are fitted, which may determine "
         "them; a record that moves in more ways does."
     )
 

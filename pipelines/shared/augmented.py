@@ -14,7 +14,9 @@ from hybridid.effects.library import EFFECTS
 from hybridid.estimators import Estimate
 from hybridid.model import Term
 from hybridid.simulation.chosen import EXPLICIT
+from hybridid.trace.doubted import REVISE
 from hybridid.trace.entries import Width
+from hybridid.trace.horizon_advice import PARTS_OF_ALL
 from hybridid.trace.input_noise import NoiseLevel
 from pipelines.shared.config import Settings
 from pipelines.shared.errors import ConfigError
@@ -111,6 +113,14 @@ def by_recording(settings: Settings, own_values: Sequence[str]) -> tuple[str, ..
         return ()
     words = " ".join(map(shlex.quote, own_values))
     return (f"hybridid trace case={settings.case}{_folders(settings)}{_elsewhere(settings)} {words}",)
+
+
+def further_traces(settings: Settings, cautions: Sequence[str]) -> tuple[str, ...]:
+    """Commands that trace with what the ``cautions`` of a trace advise to ask: parts of every record, and
+    whether the declared effects are right. Results and runs go where those of the trace go."""
+    start = f"hybridid trace case={settings.case}{_folders(settings)}{_elsewhere(settings)}"
+    asked = [words for words in (PARTS_OF_ALL, REVISE) if any(words in caution for caution in cautions)]
+    return tuple(f"{start} {words}" for words in asked)
 
 
 def commands(

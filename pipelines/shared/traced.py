@@ -15,13 +15,15 @@ TRACE = "trace/trace.json"
 @dataclass(frozen=True)
 class TraceFile:
     """A trace of a ``case`` in parallel ``processes``, and the ``commands`` to go on with: one that gives
-    each recording values of its own, if they disagree, then two that fit the last model."""
+    each recording values of its own, if they disagree, then two that fit the last model. Of the
+    ``further_traces`` each asks what a caution advises."""
 
     case: str
     processes: int
     fitted_records: tuple[str, ...]
     commands: tuple[str, ...]
     found: Trace = field(metadata={"inline": True})
+    further_traces: tuple[str, ...] = ()
 
 
 def trace_of(tree: Path, folder: Path | None = None) -> TraceFile:

@@ -325,6 +325,9 @@ def _use(traced: TraceFile) -> Section | None:
         "end elsewhere, so compare its errors with those above."
     )
     goes_on = found.accepted or found.narrowed
-    told = (*([apart] if found.own_values else []), *([onward] if goes_on else []))
-    commands = traced.commands if goes_on else traced.commands[:1]
+    further = "The commands with trace ask what the cautions advise."
+    said = {apart: found.own_values, onward: goes_on, further: traced.further_traces}
+    told = tuple(words for words, due in said.items() if due)
+    given = traced.commands if goes_on else traced.commands[:1] if found.own_values else ()
+    commands = (*given, *traced.further_traces)
     return Section("Next commands", told, commands=commands) if told else None

@@ -27,7 +27,7 @@ from hybridid.trace.result import Trace
 from hybridid.trace.split import automatic_horizon, divided
 from hybridid.validation.drift import growth
 from pipelines.shared import modelling
-from pipelines.shared.augmented import augmented, by_recording, commands
+from pipelines.shared.augmented import augmented, by_recording, commands, further_traces
 from pipelines.shared.config import Settings
 from pipelines.shared.drawing import drawn, fresh_garbage_alone
 from pipelines.shared.errors import ConfigError
@@ -223,6 +223,7 @@ def _write(job: Job, found: Trace, processes: int) -> None:
             ),
         ),
         found=found,
+        further_traces=further_traces(job.settings, found.cautions),
     )
     write_json(job.folder / "trace.json", traced)
     for name, text in law_files(found, job.settings.case).items():

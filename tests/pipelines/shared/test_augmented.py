@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from hybridid.trace.entries import Width
 from hybridid.trace.input_noise import NoiseLevel
-from pipelines.shared.augmented import augmented, by_recording, commands
+from pipelines.shared.augmented import augmented, by_recording, commands, further_traces
 from pipelines.shared.modelling import model_of
 
 NARROWED = (Width("carriage.epsilon", "m/s", 1e-3, 8.5e-05),)
@@ -37,6 +37,17 @@ def test_the_commands_judge_over_the_horizons_of_the_trace(settings):
     for seconds in (None, settings()["validate.horizon"]):
         longer = commands(settings(), Path("model.json"), 250, seconds=seconds)
         assert all("validate.horizon" not in one for one in longer)
+
+
+def test_what_the_cautions_advise_is_a_command(settings):
+    given = settings({"mlflow": {"enabled": False}})
+    start = f"hybridid trace case={given.case} mlflow.enabled=false"
+    cautions = (
+        "Only 17 horizons judge. With trace.records=null trace.held_out=null parts of every record do.",
+    )
+    assert further_traces(given, cautions) == (f"{start} trace.records=null trace.held_out=null",)
+    assert further_traces(given, ("trace.revise=true seeks others.",)) == (f"{start} trace.revise=true",)
+    assert further_traces(given, ("Beware.",)) == ()
 
 
 def test_the_commands_write_where_the_trace_wrote(settings):

@@ -244,8 +244,9 @@ def test_what_speaks_against_the_declared_physics_has_a_section(section, stored)
 def test_the_next_commands_begin_with_values_of_its_own_where_recordings_disagree(stored):
     """Where nothing was accepted, no command fits the last model."""
 
-    def next_commands(**changes):
-        made = replace(stored(**changes), commands=("by=record", "model=", "effects="))
+    def next_commands(further_traces=(), **changes):
+        commands = ("by=record", "model=", "effects=")
+        made = replace(stored(**changes), commands=commands, further_traces=further_traces)
         return [one for one in trace_page(made, ()).sections if one.title == "Next commands"]
 
     (both,) = next_commands(own_values=("parameters.M.by=record",))
@@ -255,3 +256,5 @@ def test_the_next_commands_begin_with_values_of_its_own_where_recordings_disagre
     assert alone.commands == ("by=record",)
     assert len(alone.paragraphs) == 1
     assert next_commands(accepted=()) == []
+    (further,) = next_commands(("revise=true",), accepted=())
+    assert (further.commands, len(further.paragraphs)) == (("revise=true",), 1)
