@@ -26,6 +26,8 @@ from hybridid_cli.tables import provenance, table, view
 from pipelines.shared.fitted import ESTIMATE, fit_of
 from pipelines.shared.traced import trace_of
 
+BLURRED = ("smoothing", "stopped", "valley")
+"""Kinds of advice that a wide smoothing of sign(v) calls for, or the rough cost that it makes."""
 WRONG_READING = ("sign", "unit", "swapped", "bound")
 """Findings of a fit that are as true of a trace over the same records."""
 _COLOURS = {
@@ -73,11 +75,12 @@ def trace_results(tree: Path, folder: Path | None = None) -> list[RenderableType
 def _advice_of_the_fit(tree: Path, found: Trace) -> list[RenderableType]:
     """What the fit says of records and bounds that the trace stands on, and what it advises. The trace
     has horizons of its own, and warns where they are too short. Where it fits every record, none of them
-    leaves what was fitted."""
+    leaves what was fitted. What a wide smoothing of sign(v) did to the descent is past where it narrowed
+    that."""
     if not (tree / ESTIMATE).exists():
         return []
     fits_all = all(record.role == FITTED for record in found.records)
-    its_own = ("horizon", "range") if fits_all else ("horizon",)
+    its_own = {"horizon", *(("range",) if fits_all else ()), *(BLURRED if found.narrowed else ())}
     quality = fit_of(tree).quality
     whose = "the fit of the declared model" if found.accepted else "the fit"
     told = [(f"advice of {whose}", one.said) for one in quality.advice if one.kind not in its_own]

@@ -37,7 +37,7 @@ def smoothing_may_be_all(final: Refit, context: Context) -> str:
         return ""
     widths = listed([final.model.parameters[k].name for k in problem.widths])
     return (
-        f" Beware: on the fitted horizons the smoothing of sign(v) leaves to first order {listed(said)}: the "
-        f"machine may stick where the model creeps, and nothing else be missing. A smaller {widths} or "
-        "shorter horizons tell."
+        f" Beware: on the fitted horizons the smoothing of sign(v) leaves to first order {listed(said)}: "
+        "that the machine sticks where the model creeps may be a part of what is missing, or all. A smaller "
+        f"{widths} or shorter horizons tell."
     )

@@ -191,18 +191,19 @@ class _Report:
         if self._patient and now - self._first >= PATIENCE:
             self._patient = False
             self.say(LONG)
-        left = _time_left(now - self._began, done, of)
+        left = _time_left(stage, now - self._began, done, of)
         self._watcher.progress(stage, f"{done} of {of} done{last}{left}", done / of)
 
     def say(self, line: str) -> None:
         self._watcher.say(f"trace: {line}")
 
 
-def _time_left(elapsed: float, done: int, of: int) -> str:
-    """How long a stage still takes at its pace so far, where that is a minute or more. Effects begin with
-    the quick ones, pairs with the slow ones, so it may be longer or shorter."""
+def _time_left(stage: str, elapsed: float, done: int, of: int) -> str:
+    """How long a stage still takes at its pace so far, where that is a minute or more. The effects of a step
+    begin with the quick ones, so it will be longer; pairs with the slow ones."""
     minutes = round(elapsed / done * (of - done) / 60) if done >= FEWEST_FOR_PACE else 0
-    return f", about {minutes} min left of these at this pace" if minutes else ""
+    slower = ", more as the slow ones come last" if stage.startswith("step ") else ""
+    return f", about {minutes} min left at this pace{slower}" if minutes else ""
 
 
 def _write(job: Job, found: Trace, processes: int) -> None:

@@ -64,7 +64,7 @@ def test_an_unstable_model_is_the_reason_for_a_shorter_horizon():
 @pytest.mark.parametrize(
     ("elapsed", "done", "of", "said"),
     [
-        (60.0, 10, 30, ", about 2 min left of these at this pace"),
+        (60.0, 10, 30, ", about 2 min left at this pace"),
         (10.0, 10, 30, ""),  # seconds need not be told
         (60.0, 9, 30, ""),  # too few tell how fast it is
         (60.0, 30, 30, ""),
@@ -72,7 +72,7 @@ def test_an_unstable_model_is_the_reason_for_a_shorter_horizon():
     ],
 )
 def test_what_takes_minutes_says_how_long(elapsed, done, of, said):
-    assert _time_left(elapsed, done, of) == said
+    assert _time_left("pairs", elapsed, done, of) == said
 
 
 def test_progress_names_what_is_done_last(monkeypatch):
@@ -85,7 +85,8 @@ def test_progress_names_what_is_done_last(monkeypatch):
     report("step 1", 10, 20, "carriage.dahl")
     assert told == [
         "step 1: 0 of 20 done",
-        "step 1: 10 of 20 done, last carriage.dahl, about 5 min left of these at this pace",
+        "step 1: 10 of 20 done, last carriage.dahl, about 5 min left at this pace, more as the slow "
+        "ones come last",
     ]
 
 

@@ -57,12 +57,13 @@ def test_the_terminal_repeats_what_the_fit_advises(tree):
     nothing, advice = np.zeros((0, 0)), Advice("decay", "amplitude and time go hand in hand")
     beyond = Advice("range", "record b leaves what was fitted")
     horizon = Advice("horizon", "horizons of 12 s would show more")
+    blurred = Advice("smoothing", "sign(v) is smoothed so widely")
     estimate = Estimate(
         (), {}, nothing, nothing, (), 1.0, "converged", converged=True, iterations=3, seconds={},
         substeps=1, settings=FitSettings(),
     )  # fmt: skip
     findings = (Finding("bound", "k wants to leave its bounds"), Finding("step", "steps are too long"))
-    quality = Quality("wrong", "wrong", findings, (), 0.0, advice=(advice, beyond, horizon))
+    quality = Quality("wrong", "wrong", findings, (), 0.0, advice=(advice, beyond, horizon, blurred))
     (tree / ESTIMATE).parent.mkdir()
     write_json(tree / ESTIMATE, Fit("cart", "gray box", ("push",), "simulated", (), quality, estimate))
     said = rendered(trace_results(tree))
@@ -71,6 +72,10 @@ def test_the_terminal_repeats_what_the_fit_advises(tree):
     assert "steps are too long" not in said
     assert "b leaves what was fitted" in said
     assert "horizons of 12 s" not in said
+    assert "smoothed so widely" in said
     stored = read_json(tree / TRACE)
+    width = {"name": "cart.epsilon", "unit": "m/s", "usual": 1e-3, "used": 5e-4}
+    write_json(tree / TRACE, {**stored, "narrowed": [width]})
+    assert "smoothed so widely" not in rendered(trace_results(tree)), "the trace smoothed it less"
     write_json(tree / TRACE, {**stored, "records": [{**one, "role": "fitted"} for one in stored["records"]]})
     assert "leaves what was fitted" not in rendered(trace_results(tree)), "the trace fits them all"
