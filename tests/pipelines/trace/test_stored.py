@@ -74,7 +74,7 @@ def test_the_terminal_repeats_what_the_fit_advises(tree):
     assert "horizons of 12 s" not in said
     assert "smoothed so widely" in said
     stored = read_json(tree / TRACE)
-    width = {"name": "cart.epsilon", "unit": "m/s", "usual": 1e-3, "used": 5e-4}
+    width = {"name": "cart.epsilon", "unit": "m/s", "declared": 1e-3, "used": 5e-4}
     write_json(tree / TRACE, {**stored, "narrowed": [width]})
     assert "smoothed so widely" not in rendered(trace_results(tree)), "the trace smoothed it less"
     write_json(tree / TRACE, {**stored, "records": [{**one, "role": "fitted"} for one in stored["records"]]})
