@@ -25,6 +25,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _TINY = 1e-300  # below it a factor to 1 is no floating-point number
 _TINY_REST = 1e-8  # what is left of all, below it 100 %
 _SMALLEST_P = 1e-15  # below it the tests' normal theory says nothing
+_MOST_DIGITS = 12  # a number has hardly more
 _PLACES, _SMALL, _LARGEST = 5, 1e-3, 1e6  # decimals and magnitudes that need no power of ten
 
 
@@ -126,6 +127,14 @@ def span(low: float, high: float, unit: str, digits: int = 4) -> str:
     """``-0.809 to 1.5 m/s``: a range, with one unit for both of its ends."""
     factor, printed = engineering(max(abs(low), abs(high)), unit)
     return with_unit(f"{number(low * factor, digits)} to {number(high * factor, digits)}", printed)
+
+
+def digits_apart(low: float, high: float, least: int) -> int:
+    """Significant digits, ``least`` or more, that show two of the difference between two ends of a range."""
+    apart, larger = high - low, max(abs(low), abs(high))
+    if not 0 < apart < math.inf:
+        return least
+    return min(max(least, 2 + _decade(larger) - _decade(apart)), _MOST_DIGITS)
 
 
 def mean_square(value: float | None, unit: str, missing: str = "") -> str:

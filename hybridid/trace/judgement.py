@@ -165,7 +165,8 @@ def _strength(trial: Trial, amplitudes: Sequence[str]) -> float:
         return 0.0
     value = np.array([trial.refit.values[name] for name in names])
     covariance = trial.refit.correlation[np.ix_(rows, rows)] * np.outer(std, std)
-    return float(np.sqrt(value @ np.linalg.pinv(covariance) @ value))
+    square = float(value @ np.linalg.pinv(covariance) @ value)  # without the smoothing, maybe indefinite
+    return math.sqrt(max(0.0, square))
 
 
 def _collinear(trial: Trial, rules: Rules) -> str:

@@ -9,6 +9,7 @@ from hybridid.quantities import (
     DIVERGES,
     NONE,
     UNKNOWN,
+    digits_apart,
     estimated,
     number,
     percent,
@@ -236,10 +237,11 @@ def _parameters(found: Trace) -> Table:
 def _interval(parameter: EstimatedValue | None) -> tuple[str, str]:
     if parameter is None:
         return NONE, ""
-    low, high = (number(end, 5) for end in parameter.interval_95)
+    digits = digits_apart(*parameter.interval_95, least=5)
+    low, high = (number(end, digits) for end in parameter.interval_95)
     interval = UNKNOWN if UNKNOWN in (low, high) else f"{low} to {high}"
     flags = " (at bound)" if parameter.at_bound else "" if parameter.identifiable else " (not identifiable)"
-    return number(parameter.value, 5), interval + flags
+    return number(parameter.value, digits), interval + flags
 
 
 def _refused(found: Trace) -> tuple[Table, ...]:

@@ -8,6 +8,7 @@ import pytest
 
 from hybridid.quantities import (
     change,
+    digits_apart,
     engineering,
     estimated,
     fixed,
@@ -207,3 +208,18 @@ def test_zero_has_no_sign():
 )
 def test_a_range_has_one_unit(ends, said):
     assert span(*ends, "m/s", 3).replace("\N{NO-BREAK SPACE}", " ") == said
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "digits"),
+    [
+        (20000.13, 20001.13, 6),
+        (0.0999, 0.1001, 5),
+        (-1.0, 1.0, 5),
+        (1.0, 1.0, 5),
+        (1.0, float("nan"), 5),
+        (1.0, 1.0 + 1e-15, 12),
+    ],
+)
+def test_the_ends_of_an_interval_differ_in_print(low, high, digits):
+    assert digits_apart(low, high, least=5) == digits
