@@ -104,10 +104,11 @@ class Ceiling:
 
 
 def ceilings(
-    base: Refit, context: Context, stage: str = "learned effort", at_noise: bool = False
+    base: Refit, context: Context, stage: str = "learned effort", promised: float | None = None
 ) -> tuple[Ceiling, ...]:
-    """The ceiling of every variable at every effort or flow port where the path of ``base`` shows it; where
-    that leaves the noise (``at_noise``), of those that promise something (``promising_efforts``)."""
+    """The ceiling of every variable at every effort or flow port where the path of ``base`` shows it. Those
+    that promise less than this share of the fitted cost are not fitted (``promising_efforts``), and count as
+    ended early."""
     path = Path.of(base, context.split, context.split.fitted)
     shown = [
         (port.name, over)
@@ -116,7 +117,7 @@ def ceilings(
         if path.shows(port.name, over)
     ]
     least = least_of(context.rules.worth)
-    chosen = promising(shown, base, context, least) if at_noise else shown
+    chosen = shown if promised is None else promising(shown, base, context, promised)
     places = [(base, context.split, *place, least) for place in chosen]
     found = context.each(
         stage,
@@ -125,8 +126,16 @@ def ceilings(
         lambda found: found.place,
         lambda _base, _split, _port, over, _least: over.variable in MEMORIES,
     )
-    adjusted = holm([one.p_alone for one in found])
-    return tuple(replace(one, p_value=p) for one, p in zip(found, adjusted, strict=True))
+    fitted = {(one.port, one.over): one for one in found}
+    every = [fitted.get(place) or _not_fitted(base, *place) for place in shown]
+    adjusted = holm([one.p_alone for one in every])
+    return tuple(replace(one, p_value=p) for one, p in zip(every, adjusted, strict=True))
+
+
+def _not_fitted(base: Refit, port: str, over: Over) -> Ceiling:
+    """Of a learned effort that promises little beside ``base``."""
+    where, ended = base.model.plant.port(port), replace(base, ended_early=True)
+    return Ceiling(port, over, 0.0, 1.0, (), where.effort_unit, over.dimension.unit(where), ended)
 
 
 def ceiling(base: Refit, split: Split, port: str, over: Over, least: float = LEAST_DECREASE) -> Ceiling:
@@ -215,5 +224,5 @@ def _binned(s: Array, effort: Array) -> tuple[tuple[float, float, int], ...]:
 
 
 def strongest(found: Sequence[Ceiling]) -> Ceiling:
-    """The one with the largest gain."""
-    return max(found, key=lambda one: one.gain)
+    """The one with the largest gain, of those that were fitted."""
+    return max(found, key=lambda one: (bool(one.curve), one.gain))

@@ -1,9 +1,10 @@
-"""Which learned efforts are fitted beside a model that leaves the noise: those of which a score test says so.
+"""Which learned efforts are fitted beside a model that leaves the noise: those that a score test chooses.
 
 What an effort could add to such a model is less than the noise. So little is linear in its amplitudes: one
 Gauss-Newton step from zero effort, of all parameters and initial states together, lowers the fitted cost by
 as much as a fit would. That needs one simulation, and a fit some fifty. The most promising ones are fitted
-whatever they promise: what they take from the held-out error is told.
+whatever they promise: what they take from the held-out error is told. Where a time limit has passed and no
+name is to be doubted, these are all; far from the noise the order is a guess.
 
 Source: Rao (1948), Large sample tests of statistical hypotheses, Proc. Camb. Phil. Soc. 44(1), 50-57.
 """
@@ -29,12 +30,12 @@ Place = tuple[str, Over]
 
 
 def promising(places: Sequence[Place], base: Refit, context: Context, least: float) -> list[Place]:
-    """Those of ``places`` (port and variable) whose learned effort promises half of ``least``, a share of the
-    fitted cost of ``base``, and the ``ALWAYS`` most promising ones, in the order of ``places``."""
+    """Those of ``places`` (port and variable) whose learned effort promises ``least``, a share of the fitted
+    cost of ``base``, and the ``ALWAYS`` most promising ones, in the order of ``places``."""
     given = [(base, context.split, *place) for place in places]
     shares = context.each("learned effort, ranked", promised, given)
     ranked = sorted(range(len(places)), key=lambda k: -shares[k])
-    return [place for k, place in enumerate(places) if shares[k] >= least / 2 or k in ranked[:ALWAYS]]
+    return [place for k, place in enumerate(places) if shares[k] >= least or k in ranked[:ALWAYS]]
 
 
 def promised(base: Refit, split: Split, port: str, over: Over) -> float:

@@ -6,6 +6,7 @@ sought where a learned effort still finds something.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -15,6 +16,7 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.recheck import recheck
+from hybridid.trace.refit import least_of
 from hybridid.trace.refitted import Refit
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
@@ -138,8 +140,8 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     None where the last model meets the noise on all horizons together: only its parameters are uncertain, and
     a learned effort could take what they err by. None where it meets the noise in more steps a sample than a
     trial is given: what it leaves is white, and each learned effort would take minutes to find nothing in it.
-    None where the time limit ended the first step: there is no name to be doubted. Where the declared model
-    meets the noise, those that promise something.
+    None where the time limit ended the first step: there is no name to be doubted. Where nothing is accepted,
+    those that promise something at the noise, and the most promising ones after a time limit.
     """
     if found.cut_within_a_step and not found.accepted:
         return ()
@@ -147,8 +149,16 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     if model is found.final and (sharp_alone or found.stopped == AT_FLOOR_TOGETHER):
         return ()
     known = (step.learned for step in found.steps if step.base is model and step.learned)
-    alone = model is found.final and found.at_noise and not found.accepted
-    return next(known, ()) or ceilings(model, context, at_noise=alone)
+    return next(known, ()) or ceilings(model, context, promised=_to_promise(found, context))
+
+
+def _to_promise(found: Search, context: Context) -> float | None:
+    """The share of the fitted cost that a learned effort must promise to be fitted; None for any."""
+    if found.accepted:
+        return None
+    if context.out_of_time:
+        return math.inf
+    return least_of(context.rules.worth) / 2 if found.at_noise else None
 
 
 def _error_left(final: Refit, context: Context) -> tuple[Accuracy, float]:

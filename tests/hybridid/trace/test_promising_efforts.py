@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 
 from hybridid.effects.over import Over
-from hybridid.trace.ceiling import ceiling, ceilings
+from hybridid.trace.ceiling import ceiling, ceilings, strongest
 from hybridid.trace.context import Context
 from hybridid.trace.promising_efforts import ALWAYS, promised, promising
 from hybridid.trace.refit import refit
@@ -40,14 +41,18 @@ def test_what_promises_little_is_not_fitted_but_for_the_best(make_model, split_o
     base, context = refit(make_model(), split), Context(split)
     shares = [promised(base, split, *place) for place in PLACES]
     assert max(shares) < 0.01, "only noise is left"
-    chosen = promising(PLACES, base, context, 0.02)
+    chosen = promising(PLACES, base, context, 0.01)
     least = min(range(len(PLACES)), key=lambda k: shares[k])
     assert chosen == [place for k, place in enumerate(PLACES) if k != least]
     assert len(chosen) == ALWAYS
     assert promising(PLACES, base, context, -1.0) == PLACES
     few = replace(context, variables=("velocity", "position"))
-    assert len(ceilings(base, few, at_noise=True)) == ALWAYS
-    assert len(ceilings(base, few)) > ALWAYS
+    found = ceilings(base, few, promised=math.inf)
+    assert sum(bool(one.curve) for one in found) == ALWAYS
+    assert [one.place for one in found] == [one.place for one in ceilings(base, few)]
+    left_out = [one for one in found if not one.curve]
+    assert all(one.refit.ended_early and one.gain == 0.0 and one.p_value == 1.0 for one in left_out)
+    assert strongest(found).curve
 
 
 def test_what_cannot_be_simulated_is_fitted(slight, monkeypatch):

@@ -70,10 +70,20 @@ def test_names_that_are_left_are_doubted_again(monkeypatch):
 
 def test_a_model_at_the_noise_in_many_steps_is_not_held_against_learned_efforts(below, context, monkeypatch):
     """Each would take minutes, and what such a model leaves is white."""
-    monkeypatch.setattr(settled, "ceilings", lambda model, context, at_noise: ("asked",))
+    monkeypatch.setattr(settled, "ceilings", lambda model, context, promised: ("asked",))
     sharp = replace(below.search.final, substeps=MOST + 1)
     ended = replace(below.search, final=sharp, stopped=AT_FLOOR)
     assert settled.learned_beside(sharp, ended, context) == ()
     assert settled.learned_beside(sharp, replace(ended, stopped=NONE_PASSES), context) == ("asked",)
     usual = replace(sharp, substeps=MOST)
     assert settled.learned_beside(usual, replace(ended, final=usual), context) == ("asked",)
+
+
+def test_few_learned_efforts_are_fitted_where_no_name_is_to_be_doubted(below, context):
+    named, nothing = below.search, replace(below.search, accepted=())
+    late = replace(context, until=0.0)
+    at_noise, far = (replace(nothing, stopped=why) for why in (AT_FLOOR, NONE_PASSES))
+    assert settled._to_promise(named, late) is None, "a name is doubted as always"
+    assert settled._to_promise(far, context) is None
+    assert settled._to_promise(far, late) == np.inf
+    assert settled._to_promise(at_noise, context) == 0.01
