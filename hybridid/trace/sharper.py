@@ -113,13 +113,22 @@ def _down_to_the_noise(base: Refit, context: Context) -> Refit | None:
     one = base
     while 2 * one.substeps <= MOST_BY_ITSELF and not context.meets_noise(one.score):
         again = _halved(replace(one, substeps=2 * one.substeps), context)
-        if again is None or compare(one.score, again.score).largest < context.rules.worth:
+        if again is None:
             break
-        one = again
-    if one is base or not (context.meets_noise(one.score) or context.noise_leaves_no_room(one.score)):
+        pays = compare(one.score, again.score).largest >= context.rules.worth
+        if pays or (_is_enough(again, context) and not _is_enough(one, context)):
+            one = again
+        if not pays:
+            break
+    if one is base or not _is_enough(one, context):
         return None
     context.say(f"{_said(one.model)} from here on: that leaves hardly more than the noise")
     return one
+
+
+def _is_enough(one: Refit, context: Context) -> bool:
+    """Whether ``one`` leaves so little that no effect is sought beside it."""
+    return context.meets_noise(one.score) or context.noise_leaves_no_room(one.score)
 
 
 def _between_halves(base: Refit, halved: bool, context: Context) -> Refit:

@@ -1,6 +1,7 @@
 """A smoothing of sign(v) that leaves an error is made narrower before anything is named."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -259,6 +260,17 @@ def test_halves_that_pay_for_one_output_lead_to_the_noise(in_many_steps, split, 
     for one in fitted.values():
         object.__setattr__(one, "substeps", one.substeps // 20)
     assert sharp_enough(fitted[8], Context(split), declared=True) is fitted[1]
+
+
+def test_a_last_half_that_meets_the_noise_is_taken_though_it_pays_little(in_many_steps, split, monkeypatch):
+    """As if the half before it left hardly more than the noise."""
+    fitted = in_many_steps(("viscous", "coulomb", "offset"))
+    context = Context(split)
+    met = {id(fitted[k].score) for k in (2, 1)}
+    monkeypatch.setattr(Context, "meets_noise", lambda self, score: id(score) in met)
+    monkeypatch.setattr(Context, "noise_leaves_no_room", lambda self, score: False)
+    monkeypatch.setattr(sharper, "compare", lambda *_: SimpleNamespace(gain=0.0, largest=0.01))
+    assert sharp_enough(fitted[4], context, declared=True) is fitted[2]
 
 
 def test_it_stays_as_it_is_where_trials_follow(in_many_steps, split, monkeypatch):
