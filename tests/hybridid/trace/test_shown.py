@@ -75,3 +75,11 @@ def test_a_stop_that_is_never_left_is_a_spring(fitted, d, shown):
     why = not_shown(*fitted("end_stop", k=100.0, d=d))
     assert (why == "") is shown
     assert shown or why == "it acts in every fitted sample: the records do not show its edge"
+
+
+@pytest.mark.parametrize(("tau", "shown"), [(0.0, True), (0.05, True), (100.0, False)])
+def test_a_stop_that_damps_and_does_not_push_back_is_none(fitted, tau, shown):
+    """A contact of some seconds, whose spring needs ``tau`` to push the machine back."""
+    why = not_shown(*fitted("end_stop", k=1e-3, d=0.02, tau=tau))
+    assert (why == "") is shown
+    assert shown or why == "it damps and does not push back: the records show no stop"
