@@ -138,7 +138,7 @@ def missing_effort(model: Model, values: Mapping[str, float], record: Record, po
                 "the smoother diverges: the model cannot be linearised from sample to sample"
             )
         moved = np.abs(about[:, -1] - before[:, -1])
-        if np.median(moved) < STILL * np.sqrt(np.median(covariance)):
+        if np.median(moved) < STILL * np.sqrt(max(0.0, np.median(covariance))):  # by rounding below zero
             break
     found = _result(walking, record, port, p, about, covariance, float(INTENSITIES[best]))
     rests = _rests(found, walking, where, p)

@@ -16,7 +16,6 @@ from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.ceiling import Ceiling, ceilings
 from hybridid.trace.context import Context
 from hybridid.trace.recheck import recheck
-from hybridid.trace.refit import least_of
 from hybridid.trace.refitted import Refit
 from hybridid.trace.robustness import surviving
 from hybridid.trace.rules import Rules
@@ -153,12 +152,14 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
 
 
 def _to_promise(found: Search, context: Context) -> float | None:
-    """The share of the fitted cost that a learned effort must promise to be fitted; None for any."""
+    """The share of the fitted cost that a learned effort must promise to be fitted; None for any. At the noise
+    it is half of what it would have to take: an RMSE that is lower by ``worth`` is a square that is lower by
+    twice that."""
     if found.accepted:
         return None
     if context.out_of_time:
         return math.inf
-    return least_of(context.rules.worth) / 2 if found.at_noise else None
+    return context.rules.worth if found.at_noise else None
 
 
 def _error_left(final: Refit, context: Context) -> tuple[Accuracy, float]:

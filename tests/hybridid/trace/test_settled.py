@@ -86,4 +86,4 @@ def test_few_learned_efforts_are_fitted_where_no_name_is_to_be_doubted(below, co
     assert settled._to_promise(named, late) is None, "a name is doubted as always"
     assert settled._to_promise(far, context) is None
     assert settled._to_promise(far, late) == np.inf
-    assert settled._to_promise(at_noise, context) == 0.01
+    assert settled._to_promise(at_noise, context) == context.rules.worth
