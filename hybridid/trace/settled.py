@@ -152,9 +152,9 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
 
 
 def _to_promise(found: Search, context: Context) -> float | None:
-    """The share of the fitted cost that a learned effort must promise to be fitted; None for any. At the noise
-    it is half of what it would have to take: an RMSE that is lower by ``worth`` is a square that is lower by
-    twice that."""
+    """The share of the fitted cost that a learned effort must promise to be fitted; None for any. At the
+    noise it is half of what it would have to take: an RMSE that is lower by ``worth`` is a square that is
+    lower by twice that."""
     if found.accepted:
         return None
     if context.out_of_time:
