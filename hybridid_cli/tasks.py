@@ -49,7 +49,8 @@ def settings_from(cfg: DictConfig, hydra: Any, in_sweep: bool) -> Settings:
     plain = plain_config(cfg)
     if plain.get("model") is not None:
         plain = _taken_up(plain)
-    return Settings(case, plain, folders, in_sweep)
+    words = () if in_sweep else tuple(hydra.overrides.task)
+    return Settings(case, plain, folders, in_sweep, words)
 
 
 def _taken_up(config: dict[str, Any]) -> dict[str, Any]:

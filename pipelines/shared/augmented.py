@@ -27,6 +27,13 @@ from pipelines.shared.sections.stages import PathsSection
 from pipelines.shared.storage import read_as
 from pipelines.shared.trust import admit, paths_in
 
+OF_A_RUN = (
+    "archive", "controller", "estimator", "fit", "limits", "preprocess", "records", "rig", "signals",
+    "validate",
+)  # fmt: skip
+"""Roots of the keys that a run with another model needs as they were typed."""
+OF_A_TRACE = (*OF_A_RUN, *MAKES_A_MODEL, "model", "trace")
+"""The same of another trace."""
 NOTHING = 1e-6
 """Share of a parameter's scale below which its value counts as zero."""
 
@@ -108,19 +115,15 @@ def as_settings(widths: Sequence[Width]) -> list[str]:
 
 def by_recording(settings: Settings, own_values: Sequence[str]) -> tuple[str, ...]:
     """A command that traces with what differs between the recordings, if anything does: the settings
-    ``own_values``. Results and runs go where those of the trace go."""
-    if not own_values:
-        return ()
-    words = " ".join(map(shlex.quote, own_values))
-    return (f"hybridid trace case={settings.case}{_folders(settings)}{_elsewhere(settings)} {words}",)
+    ``own_values``."""
+    return (_command("trace", settings, OF_A_TRACE, *own_values),) if own_values else ()
 
 
 def further_traces(settings: Settings, cautions: Sequence[str]) -> tuple[str, ...]:
     """Commands that trace with what the ``cautions`` of a trace advise to ask: parts of every record, and
-    whether the declared effects are right. Results and runs go where those of the trace go."""
-    start = f"hybridid trace case={settings.case}{_folders(settings)}{_elsewhere(settings)}"
+    whether the declared effects are right."""
     asked = [words for words in (PARTS_OF_ALL, REVISE) if any(words in caution for caution in cautions)]
-    return tuple(f"{start} {words}" for words in asked)
+    return tuple(_command("trace", settings, OF_A_TRACE, *words.split()) for words in asked)
 
 
 def commands(
@@ -135,20 +138,32 @@ def commands(
     """Two commands that fit the augmented model: one names its file, and begins where the trace ended; the
     other its effects alone, with the ``widths`` of sign(v) that a trace made narrower. In both the outputs
     count by the ``weights`` of the trace, and RK4 takes so many ``steps`` a sample (None: as many as a fit
-    chooses). The errors are those over horizons of so many ``seconds``, as in the trace. Results and runs go
-    where those of the trace go."""
-    noise = {name: level.value for name, level in (weights or {}).items()}
-    counted = "".join(f" {one}" for one in map(shlex.quote, noise_as_settings(noise)))
-    start = f"hybridid run case={settings.case}{_folders(settings)}{_elsewhere(settings)}{counted}"
-    named = [f"effects=[{','.join(effect_entries(settings))}]", *as_settings(widths)]
-    effects = " ".join(map(shlex.quote, named))
-    solved = f" estimator.integrator={EXPLICIT} estimator.substeps={steps}" if steps else ""
-    judged = "" if seconds in (None, settings["validate.horizon"]) else f" validate.horizon={seconds:.6g}"
-    over = f"estimator.horizon={samples}{judged}"
+    chooses). The errors are those over horizons of so many ``seconds``, as in the trace."""
+    counted = noise_as_settings({name: level.value for name, level in (weights or {}).items()})
+    over = [f"estimator.horizon={samples}"]
+    if seconds not in (None, settings["validate.horizon"]):
+        over.append(f"validate.horizon={seconds:.6g}")
+    solved = [f"estimator.integrator={EXPLICIT}", f"estimator.substeps={steps}"] if steps else []
+    by_file = [*counted, f"model={model}", *over, "estimator.start=guess", *solved]
+    effects = f"effects=[{','.join(effect_entries(settings))}]"
+    by_effects = [*counted, effects, *as_settings(widths), *over, *solved]
     return (
-        f"{start} model={shlex.quote(str(model))} {over} estimator.start=guess{solved}",
-        f"{start} {effects} {over}{solved}",
+        _command("run", settings, OF_A_RUN, *by_file),
+        _command("run", settings, (*OF_A_RUN, *MAKES_A_MODEL), *by_effects),
     )
+
+
+def _command(name: str, settings: Settings, roots: Sequence[str], *own: str) -> str:
+    """A command with its ``own`` words, and with those that the user typed whose keys begin with one of
+    ``roots``. Results and runs go where those of the user's command go."""
+    taken = {_key(word) for word in own}
+    typed = [w for w in settings.words if _key(w).split(".")[0] in roots and _key(w) not in taken]
+    words = " ".join(map(shlex.quote, (*typed, *own)))
+    return f"hybridid {name} case={settings.case}{_folders(settings)}{_elsewhere(settings)} {words}"
+
+
+def _key(word: str) -> str:
+    return word.lstrip("+~").partition("=")[0]
 
 
 def _folders(settings: Settings) -> str:

@@ -28,7 +28,8 @@ MODELLING = (
 
 @dataclass(frozen=True)
 class Settings:
-    """A case's name, its resolved config as plain containers, and the user's own folders.
+    """A case's name, its resolved config as plain containers, the user's own folders, and the ``words`` of
+    the command as they were typed (empty in a sweep).
 
     The password of ``mlflow.tracking_uri`` goes to the environment: ``config`` never holds it.
 
@@ -41,6 +42,7 @@ class Settings:
     config: Mapping[str, Any]
     folders: tuple[Path, ...] = ()
     in_sweep: bool = False
+    words: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "config", _spelled_out(moved_to_environment(self.config)))

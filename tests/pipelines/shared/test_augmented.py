@@ -1,5 +1,6 @@
 """The commands that fit the model of a trace anew."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -37,6 +38,25 @@ def test_the_commands_judge_over_the_horizons_of_the_trace(settings):
     for seconds in (None, settings()["validate.horizon"]):
         longer = commands(settings(), Path("model.json"), 250, seconds=seconds)
         assert all("validate.horizon" not in one for one in longer)
+
+
+def test_what_was_typed_is_said_again_unless_the_command_says_it_otherwise(settings):
+    typed = (
+        "case=short", "trace.processes=1", "+signals.outputs.position.noise=3e-05", "estimator.horizon=100",
+        "parameters.M.guess=90", "mlflow.tracking_uri=http://me:secret@host", "force=true",
+    )  # fmt: skip
+    given = replace(settings(), words=typed)
+    by_file, by_effects = commands(given, Path("model.json"), 250)
+    start = f"hybridid run case={given.case} "
+    assert by_file == (
+        f"{start}+signals.outputs.position.noise=3e-05 model=model.json estimator.horizon=250 "
+        "estimator.start=guess"
+    )
+    assert by_effects.startswith(f"{start}+signals.outputs.position.noise=3e-05 parameters.M.guess=90 ")
+    (further,) = further_traces(given, ("trace.revise=true seeks others.",))
+    assert further.endswith("estimator.horizon=100 parameters.M.guess=90 trace.revise=true")
+    assert " trace.processes=1 " in further
+    assert "secret" not in by_file + by_effects + further
 
 
 def test_what_the_cautions_advise_is_a_command(settings):
