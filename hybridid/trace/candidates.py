@@ -51,7 +51,8 @@ class Candidate:
 
         First the effect starts at zero, where the fit of the poorer model ended: with its guessed shape, and
         with each declared value of one shape parameter. Then it starts at each declared value of an amplitude
-        (an input that is hardly clipped has no gradient at zero), and at its declared guess. None twice. What
+        (an input that is hardly clipped has no gradient at zero), and at its declared guess. Where the user
+        gives guesses of its own parameters, it starts at these, too, at zero and present. None twice. What
         the user has fixed stays so in each.
         """
         port = model.plant.port(self.port)
@@ -70,6 +71,9 @@ class Candidate:
         ]
         absent = [{**values, **nothing, **one} for one in (shape, *others)]
         begun = [*absent, *({**values, **one} for one in (*present, guessed))]
+        given = {name: one.get("guess") for name, one in model.adjustments.items() if name in guessed}
+        if told := {name: value for name, value in given.items() if value is not None}:
+            begun += [{**values, **guessed, **told}, {**values, **guessed, **told, **nothing}]
         asked = {name: one.get("fixed") for name, one in model.adjustments.items()}
         fixed = {name: value for name, value in asked.items() if value is not None}
         return each_once([{**one, **{name: fixed[name] for name in one if name in fixed}} for one in begun])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
@@ -20,6 +20,7 @@ from hybridid.model import Model
 from hybridid.trace.candidates import Candidate, admissible
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.noise import Noise
+from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.score import Score
 from hybridid.trace.split import Split
@@ -79,6 +80,11 @@ class Context:
     def noise(self) -> Noise:
         """The noise of the sensors."""
         return Noise.of(self.split.records)
+
+    @cached_property
+    def declared(self) -> dict[Hashable, Refit]:
+        """The refits of the declared model over these horizons, each by what it was made from."""
+        return {}
 
     def meets_noise(self, score: Score) -> bool:
         """Whether the held-out error of a model is that of the sensors' noise, in each output: the noise of a

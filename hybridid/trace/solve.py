@@ -98,11 +98,12 @@ def refit_declared(
 def declared_refit(
     model: Model, context: Context, starts: Sequence[Mapping[str, float]], numerics: Numerics
 ) -> Refit:
-    """``refit_declared`` on the horizons of ``context``: the same refit is asked for several times, and made
-    once."""
-    key = ("declared", context.split, numerics, tuple(tuple(one.items()) for one in starts))
-    given = (model, context.split, starts, numerics)
-    return model.kept(key, lambda: context.one(refit_declared, *given))
+    """``refit_declared`` on the horizons of ``context``: a trace asks for the same refit several times, and
+    makes it once."""
+    key = (id(model), numerics, tuple(tuple(one.items()) for one in starts))
+    if key not in context.declared:
+        context.declared[key] = context.one(refit_declared, model, context.split, starts, numerics)
+    return context.declared[key]
 
 
 def _too_stiff(found: Refit, split: Split) -> bool:

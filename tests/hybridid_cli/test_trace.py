@@ -19,7 +19,7 @@ FEW = (
     "trace.variables=[velocity]",
 )
 RECORDS = ("identification", "validation")
-OF_THE_COMMAND = ("case", "processes", "fitted_records", "commands")
+OF_THE_COMMAND = ("case", "processes", "fitted_records", "commands", "further_traces")
 KEYS = {"verdict", "accepted", "rejected", "before", "after", "noise_floor", "seconds"}
 
 

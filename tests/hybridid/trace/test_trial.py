@@ -273,6 +273,15 @@ def test_candidates_begin_where_the_poorer_model_ended(make_model):
     fixed = candidate.starts(candidate.added_to(known), base)
     assert {start["carriage.stribeck.v_s"] for start in fixed} == {0.02}
     assert 1 < len(fixed) < len(starts)
+    guess = {"carriage.stribeck.df_s": {"guess": 3.0}, "carriage.stribeck.v_s": {"guess": 0.033}}
+    told = candidate.starts(
+        candidate.added_to(replace(model, adjustments={**model.adjustments, **guess})), base
+    )
+    assert told[: len(starts)] == starts
+    assert [(one["carriage.stribeck.df_s"], one["carriage.stribeck.v_s"]) for one in told[len(starts) :]] == [
+        (3.0, 0.033),
+        (0.0, 0.033),
+    ]
     once = Candidate(effect_named("asymmetric_coulomb"), "carriage")  # its guess is zero
     assert once.starts(once.added_to(model), base) == [{**base, "carriage.asymmetric_coulomb.df_c": 0.0}]
 
