@@ -1,8 +1,7 @@
 """Whether the smoothing of sign(v) makes most of what a fit leaves, and how narrow an epsilon would do.
 
 What the smoothing leaves is about proportional to epsilon. So epsilon is halved as often as it takes for that
-error to be as small as the sensor's noise, but ``MOST_HALVINGS`` times at most: near rest the model becomes
-as much stiffer.
+error to be as small as the sensor's noise, ``MOST_HALVINGS`` times at most.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from hybridid.naming import listed
 from hybridid.quantities import quantity
 
 MOST_HALVINGS = 4
+"""Of each epsilon: a sixteenth takes up to sixteen times as many steps."""
 
 
 def wide_smoothing(problem: Problem, estimate: Estimate) -> Iterator[Advice]:

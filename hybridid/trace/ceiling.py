@@ -19,7 +19,7 @@ from hybridid.model import Model
 from hybridid.simulation.stability import TooStiff
 from hybridid.trace.context import Context
 from hybridid.trace.evidence import compare, holm
-from hybridid.trace.learned_effort import with_learned_effort
+from hybridid.trace.learned_effort import is_learned, with_learned_effort
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.path import Path
 from hybridid.trace.promising_efforts import promising
@@ -77,6 +77,11 @@ class Ceiling:
     def kind(self) -> PortKind:
         """Of the port: whether an effort or a flow was learned."""
         return self.refit.model.plant.port(self.port).kind
+
+    @property
+    def fitted(self) -> bool:
+        """Whether ``refit`` holds the learned effort: it was solved, and promised enough to be fitted."""
+        return any(is_learned(term.effect) for term in self.refit.model.terms)
 
     @property
     def described(self) -> str:
@@ -225,4 +230,4 @@ def _binned(s: Array, effort: Array) -> tuple[tuple[float, float, int], ...]:
 
 def strongest(found: Sequence[Ceiling]) -> Ceiling:
     """The one with the largest gain, of those that were fitted."""
-    return max(found, key=lambda one: (bool(one.curve), one.gain))
+    return max(found, key=lambda one: (one.fitted, one.gain))

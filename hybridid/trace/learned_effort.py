@@ -135,6 +135,11 @@ def learned_effort(
     )
 
 
+def is_learned(effect: Effect) -> bool:
+    """Whether the effect is a learned effort or flow."""
+    return isinstance(effect.law, Bumps)
+
+
 def with_learned_effort(
     base: Refit, fitted: Path, port: str, over: Over
 ) -> tuple[Model, list[dict[str, float]]]:

@@ -27,12 +27,8 @@ PUSHES = 0.01
 
 def not_shown(candidate: Candidate, found: Refit, split: Split) -> str:
     """Why the records do not show the form of the effect; empty if they do."""
-    contact = _is_contact(candidate) and _no_contact(candidate, found, split)
-    return not_repeated(candidate, found, split) or contact or ""
-
-
-def _is_contact(candidate: Candidate) -> bool:
-    return any(p.hard for p in candidate.effect.parameters)
+    contact = any(p.hard for p in candidate.effect.parameters)
+    return not_repeated(candidate, found, split) or (_no_contact(candidate, found, split) if contact else "")
 
 
 def _no_contact(candidate: Candidate, found: Refit, split: Split) -> str:

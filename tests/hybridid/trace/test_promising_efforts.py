@@ -50,9 +50,10 @@ def test_what_promises_little_is_not_fitted_but_for_the_best(make_model, split_o
     found = ceilings(base, few, promised=math.inf)
     assert sum(bool(one.curve) for one in found) == ALWAYS
     assert [one.place for one in found] == [one.place for one in ceilings(base, few)]
-    left_out = [one for one in found if not one.curve]
+    left_out = [one for one in found if not one.fitted]
+    assert len(left_out) == len(found) - ALWAYS
     assert all(one.refit.ended_early and one.gain == 0.0 and one.p_value == 1.0 for one in left_out)
-    assert strongest(found).curve
+    assert strongest(found).fitted
 
 
 def test_what_cannot_be_simulated_is_fitted(slight, monkeypatch):
