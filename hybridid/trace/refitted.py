@@ -29,7 +29,8 @@ class Refit:
     inner state, whose stiffness no path of the poorer model shows. It is ``too_stiff`` if it is not stable at
     the end in as many steps as there is room for (``refit_starts.is_too_stiff``). In either case the
     integrator may have decided, not the records. It ``ended_early`` if no start was hopeful. ``shorter``:
-    over shorter horizons, if that differs.
+    over shorter horizons, if that differs. It has ``two_minima`` if its fit that begins there ends in another
+    local minimum of the cost.
     """
 
     model: Model
@@ -49,6 +50,7 @@ class Refit:
     too_stiff: bool = False
     ended_early: bool = False
     shorter: Refit | None = None
+    two_minima: bool = False
 
     def problem(self, split: Split) -> Problem:
         """Every horizon of ``split`` as the problem that was solved."""

@@ -68,9 +68,10 @@ def with_shorter(base: Refit, split: Split) -> Refit:
         return base
     begun = begun_at_the_record(base, found.values, split)
     again = refit_if_possible(base.model, split, [found.values], begun, base.numerics, np.inf)
+    two_minima = again is not None and again.converged and _differ(base, again)
     if again is not None and again.cost < (1 - LEAST_DECREASE) * base.cost:
         base = again
-    return replace(base, shorter=found) if _differ(base, found) else base
+    return replace(base, shorter=found, two_minima=two_minima) if _differ(base, found) else base
 
 
 def over_shorter(base: Refit, split: Split) -> Refit | None:
@@ -127,6 +128,12 @@ def from_shorter(
     if found.ended_early:
         return None
     return found.values, begun_at_the_record(base, poorer.values, split)
+
+
+def hides(base: Refit) -> bool:
+    """Whether long horizons may hide any effect from a fit that begins where ``base`` ended: its path strays,
+    or its own cost has two local minima, of which the cost of a richer model has one as well."""
+    return strays(base) or base.two_minima
 
 
 def strays(base: Refit) -> bool:

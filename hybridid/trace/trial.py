@@ -25,7 +25,7 @@ from hybridid.trace.refit import (
 from hybridid.trace.refit_starts import begun_at_the_record
 from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.shorter import from_shorter, same_valley, seeks, strays
+from hybridid.trace.shorter import from_shorter, hides, same_valley, seeks
 from hybridid.trace.shown import not_shown
 from hybridid.trace.solve import by_either_integrator
 from hybridid.trace.sought import known_means, sought
@@ -147,10 +147,12 @@ def _attempt(
     model: Model = candidate.added_to(base.model)
     try:
         known = known_means(candidate, model, split)
-        starts = [*candidate.starts(model, base.values), *sought(candidate, model, base, split)]
+        places = sought(candidate, model, base, split)
+        starts = [*candidate.starts(model, base.values), *places]
         starts = [{**starts[k], **known} for k in (range(len(starts)) if chosen is None else chosen)]
         found = refit_beside(base, model, split, starts, numerics, to_beat, least)
         found = _begun_anew(found, base, split) if found.converged else found
+        found = _unless_better_where_sought(found, candidate, places, base, split, least)
         found = _unless_better_from_shorter(found, candidate, base, split, least)
         found = _unless_better_from_guesses(found, candidate, base, split, least)
         if _promises(found, base, least):
@@ -233,20 +235,41 @@ def _with_form_fitted(found: Refit, candidate: Candidate, split: Split) -> Refit
     return found if again is None or again.cost >= found.cost else again
 
 
+def _unless_better_where_sought(
+    found: Refit,
+    candidate: Candidate,
+    places: Sequence[Mapping[str, float]],
+    base: Refit,
+    split: Split,
+    least: float,
+) -> Refit:
+    """``found``, or the refit from the pitches or ``places`` that the record shows, if that explains more.
+
+    The record shows them at the smoothing of ``base``. A wider one may leave more than the effect does,
+    and the descent through it leads to a place where the effect mends that. So this one is as sharp as the
+    model is declared. An effect with inner states begins over shorter horizons (``from_shorter``).
+    """
+    arrived = any(same_valley(candidate, place, found.values) for place in places)
+    if not places or arrived or candidate.inner_states or not seeks(candidate):
+        return found
+    return _lower_from(places, base, found, base, split, least)
+
+
 def _unless_better_from_shorter(
     found: Refit, candidate: Candidate, base: Refit, split: Split, least: float
 ) -> Refit:
     """``found``, or the refit from where shorter horizons end, if that explains more. That start is fitted as
     sharply as the model is declared, so it is not led there through wider smoothings.
 
-    An effect that seeks neither a pitch nor a place starts there only where the path of ``base`` strays.
+    An effect that seeks neither a pitch nor a place starts there only where long horizons may hide it.
     """
-    if not (seeks(candidate) or strays(base)):
+    if not (seeks(candidate) or hides(base)):
         return found
     shorter = from_shorter(candidate, found.model, base, split)
     if shorter is None or same_valley(candidate, shorter[0], found.values):
         return found
-    return _lower_from(*shorter, found, base, split, least)
+    start, begun = shorter
+    return _lower_from([start], begun, found, base, split, least)
 
 
 def _unless_better_from_guesses(
@@ -254,14 +277,19 @@ def _unless_better_from_guesses(
 ) -> Refit:
     """``found``, or the refit from the guesses, where there is one and it explains more."""
     begun = from_guesses(candidate, found.model, base, split)
-    return found if begun is None else _lower_from(*begun, found, base, split, least)
+    return found if begun is None else _lower_from([begun[0]], begun[1], found, base, split, least)
 
 
 def _lower_from(
-    start: Mapping[str, float], begun: Refit, found: Refit, base: Refit, split: Split, least: float
+    starts: Sequence[Mapping[str, float]],
+    begun: Refit,
+    found: Refit,
+    base: Refit,
+    split: Split,
+    least: float,
 ) -> Refit:
-    """``found``, or the refit of its model from ``start``, with the initial states of ``begun``, if that is
-    lower."""
+    """``found``, or the refit of its model from the best of ``starts``, with the initial states of ``begun``,
+    if that is lower."""
     std_up_to, lower = judged_up_to(base, least), (1 - LEAST_DECREASE) * found.cost
-    again = refit_if_possible(found.model, split, [start], begun, found.numerics, std_up_to, lower)
+    again = refit_if_possible(found.model, split, starts, begun, found.numerics, std_up_to, lower)
     return found if again is None or again.cost >= lower else again

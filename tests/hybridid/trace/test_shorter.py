@@ -48,6 +48,18 @@ def test_a_poorer_model_in_a_false_minimum_is_fitted_anew_from_shorter_horizons(
     assert with_shorter(base, split) is base
 
 
+def test_a_fit_that_ends_elsewhere_from_shorter_horizons_has_two_minima(make_model, two_records):
+    """As if nine times the mass left even less over 1 s: the fit from shorter horizons does not go there."""
+    split = by_record(*([one] for one in two_records()), LONG)
+    base = refit(make_model(), split, factors=CONTINUATION)
+    lower = replace(base, values={**base.values, "M": 9 * base.values["M"]}, cost=base.cost / 10)
+    forked = with_shorter(lower, split)
+    assert forked.two_minima
+    assert forked.values == lower.values
+    assert forked.shorter.values["M"] == pytest.approx(base.values["M"], rel=1e-2)
+    assert not with_shorter(base, split).two_minima
+
+
 def test_what_takes_its_share_may_be_in_a_false_minimum_all_the_same(strong, monkeypatch):
     """Where the path strays, the start from shorter horizons is tried however much an effect takes."""
     split, base = strong
@@ -191,3 +203,6 @@ def test_an_effect_that_seeks_nothing_does_not_start_there_where_the_path_stays(
         attempt(Candidate(effect_named(name), "carriage"), replace(base, shorter=base), long)
     assert strays(base) is False
     assert asked == ["carriage.cogging"]
+    drift, forked = Candidate(effect_named("friction_drift"), "carriage"), replace(base, shorter=base)
+    attempt(drift, replace(forked, two_minima=True), long)
+    assert asked[1:] == ["carriage.friction_drift"]
