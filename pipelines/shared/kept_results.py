@@ -21,17 +21,33 @@ from hybridid.private import cache_folder, content_of_sealed, exposed, sealed
 from hybridid.trace.mapper import Mapper
 from pipelines.shared.tree import write_bytes
 
+CLOCK = ".seconds"
+"""The file that tells how long an interrupted computation took."""
 DAYS = 7
 """Results that were not used for so many days are removed."""
 
 
+@dataclass(frozen=True)
+class Unfinished:
+    """A computation whose results are stored in ``folder``; ``before`` are the seconds that it took until it
+    was interrupted."""
+
+    folder: Path
+    before: float
+
+    def __call__(self, mapper: Mapper) -> Mapper:
+        """A mapper that stores its results."""
+        return _Keeping(mapper, self.folder)
+
+
 @contextmanager
-def kept_results(key: str, anew: bool, say: Callable[[str], None]) -> Iterator[Callable[[Mapper], Mapper]]:
-    """Yields a function that makes a mapper store its results under ``key``.
+def kept_results(key: str, anew: bool, say: Callable[[str], None]) -> Iterator[Unfinished]:
+    """Yields the computation ``key``, which makes a mapper store its results.
 
     The results are removed at the end. After an exception they stay, and the next computation with this
     ``key`` uses them, unless ``anew`` is set.
     """
+    began = time.monotonic()
     home = cache_folder("unfinished")
     _prune(home)
     folder = home / key
@@ -40,8 +56,23 @@ def kept_results(key: str, anew: bool, say: Callable[[str], None]) -> Iterator[C
     folder.mkdir(mode=0o700, exist_ok=True)
     if found := sum(1 for file in folder.iterdir() if not file.name.startswith(".")):
         say(f"continues where it was interrupted: {found} results are kept")
-    yield lambda mapper: _Keeping(mapper, folder)
+    clock = folder / CLOCK
+    before = _seconds_in(clock)
+    try:
+        yield Unfinished(folder, before)
+    except BaseException:
+        with suppress(OSError):
+            write_bytes(clock, str(before + time.monotonic() - began).encode(), 0o600)
+        raise
     shutil.rmtree(folder, ignore_errors=True)
+
+
+def _seconds_in(file: Path) -> float:
+    """The number in the ``file``; 0 where there is none."""
+    try:
+        return float(file.read_text())
+    except (OSError, ValueError):
+        return 0.0
 
 
 class _Keeping:

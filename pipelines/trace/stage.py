@@ -92,6 +92,7 @@ def run(job: Job) -> None:
         # under a time limit the same command need not make the same calls again
         kept = keep if request.time_limit is None else _unkept
         found = traced(job.settings, request, fitted, held_out, report, estimate.values, kept, report.say)
+        found = replace(found, seconds=found.seconds + keep.before)
         for failure in found.shown.failures:
             job.watcher.warn(failure)
         _write(job, found, request.processes)

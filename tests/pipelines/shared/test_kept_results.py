@@ -9,7 +9,7 @@ import pytest
 
 from hybridid import private
 from hybridid.trace.mapper import serial
-from pipelines.shared.kept_results import DAYS, kept_results
+from pipelines.shared.kept_results import CLOCK, DAYS, kept_results
 from pipelines.shared.pool import mapper_of
 
 
@@ -52,6 +52,33 @@ def interrupted():
     return squares
 
 
+def test_the_time_before_the_interruption_is_told(home):
+    def run(seconds: float) -> None:
+        with kept_results("key", False, print) as keep:
+            told.append(keep.before)
+            time.sleep(seconds)
+            if len(told) < 3:
+                raise KeyboardInterrupt
+
+    told: list[float] = []
+    for seconds in (0.1, 0.05):
+        with pytest.raises(KeyboardInterrupt):
+            run(seconds)
+    run(0.0)
+    assert told[0] == 0.0
+    assert 0.1 <= told[1] <= told[2] - 0.05
+    run(0.0)
+    assert told[3] == 0.0
+
+
+def test_a_clock_that_nobody_can_read_is_no_time(home):
+    with pytest.raises(KeyboardInterrupt), kept_results("key", False, print) as keep:
+        raise KeyboardInterrupt
+    (keep.folder / CLOCK).write_text("later")
+    with kept_results("key", False, print) as keep:
+        assert keep.before == 0.0
+
+
 def test_it_goes_on_where_it_was_and_leaves_nothing(interrupted, home):
     assert interrupted(-1) == [0, 1, 4, 9, 16, 25]
     assert interrupted.computed == [4, 5]
@@ -67,7 +94,7 @@ def test_another_computation_takes_nothing(interrupted, changed):
 
 
 def test_only_what_is_whole_and_ones_own_is_taken(interrupted, home):
-    kept = sorted((home / "key").iterdir())
+    kept = sorted((home / "key").glob("[0-9]*"))
     assert [file.name for file in kept] == ["1-square-0", "1-square-1", "1-square-2", "2-square-0"]
     kept[0].write_bytes(kept[0].read_bytes()[:-1])
     kept[1].write_bytes(kept[2].read_bytes())
@@ -108,4 +135,4 @@ def test_processes_keep_their_results_themselves(home):
         kept_results("key", False, print) as keep,
     ):
         list(keep(mapper)(divmod, [(7, 2), (1, 0)]))
-    assert [file.name for file in (home / "key").iterdir()] == ["1-divmod-0"]
+    assert sorted(file.name for file in (home / "key").iterdir()) == [CLOCK, "1-divmod-0"]
