@@ -141,6 +141,7 @@ BACKLASH = Effect(
             lower=0.2,
             upper=200.0,
             minor=True,
+            sought="frequency",
         ),
         EffectParameter(
             "zeta", ONE, "damping ratio ζ of the contact", guess=0.3, lower=0.01, upper=3.0, minor=True

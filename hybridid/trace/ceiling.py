@@ -26,6 +26,7 @@ from hybridid.trace.promising_efforts import promising
 from hybridid.trace.refit import FAILURES, LEAST_DECREASE, WITHOUT_STD, least_of, refit_if_hopeful
 from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
+from hybridid.trace.shorter import learned_from_shorter
 from hybridid.trace.solve import Solved, by_either_integrator
 from hybridid.trace.split import Split
 
@@ -194,7 +195,28 @@ def _solved(
         except (TooStiff, *FAILURES) as error:
             return Solved(None, str(error))
 
-    return by_either_integrator(solve, base)
+    return _unless_lower_from_shorter(by_either_integrator(solve, base), model, starts, base, split, least)
+
+
+def _unless_lower_from_shorter(
+    solved: Solved,
+    model: Model,
+    starts: Sequence[Mapping[str, float]],
+    base: Refit,
+    split: Split,
+    least: float,
+) -> Solved:
+    """``solved``, or the fit from where shorter horizons end, if there is one and it is lower."""
+    found = learned_from_shorter(model, starts, base, split)
+    if found is None:
+        return solved
+    lowest, (start, begun) = min(filter(None, (solved.refit, base)), key=lambda one: one.cost), found
+    given = (model, split, [start], begun, base.numerics, lowest, least)
+    try:
+        again = refit_if_hopeful(*given, tolerance=TOLERANCE, std_up_to=WITHOUT_STD)
+    except (TooStiff, *FAILURES):
+        return solved
+    return solved if again.ended_early or again.cost >= lowest.cost else Solved(again)
 
 
 def _inside(base: Refit, split: Split, port: str, over: Over, fitted: Array) -> NDArray[np.bool_]:

@@ -80,18 +80,27 @@ def with_closed_contact(
     """Starts of a load behind a play in the augmented ``model``: with each of ``BEHIND_PLAY`` of the inertia
     and the contact closed. None where the effect has no play, no output shows the port's position or no
     parameter of the plant is that inertia."""
-    play, load = (sought_by(candidate, what) for what in ("play", "load"))
-    if not (play and load):
+    load, play = sought_by(candidate, "load"), narrow_play(candidate, model, base)
+    giver = giver_of(candidate.port, base, split) if load and play else None
+    if giver is None:
         return []
-    seen, giver = _least_error(candidate.port, base), giver_of(candidate.port, base, split)
-    if seen is None or giver is None:
-        return []
-    declared = {p.name: p for p in model.parameters}
-    stiff = [f"{candidate.name}.{p.name}" for p in candidate.effect.parameters if p.dimension == FREQUENCY]
-    wanted = {play: seen, **dict.fromkeys(stiff, FASTEST / split.records[0].dt)}
-    closed = {n: min(max(v, declared[n].lower), declared[n].upper) for n, v in wanted.items()}
-    start = candidate.starts(model, base.values)[0]
-    return [{**start, **closed, **_given(giver, part, load)} for part in BEHIND_PLAY]
+    frequencies = [p.name for p in candidate.effect.parameters if p.dimension == FREQUENCY]
+    stiff = dict.fromkeys((f"{candidate.name}.{name}" for name in frequencies), FASTEST / split.records[0].dt)
+    start = {**candidate.starts(model, base.values)[0], **play, **_within(stiff, model)}
+    return [{**start, **_given(giver, part, load)} for part in BEHIND_PLAY]
+
+
+def narrow_play(candidate: Candidate, model: Model, base: Refit) -> dict[str, float]:
+    """The play of the effect, by its name in the augmented ``model``, as wide as the error that ``base``
+    leaves at the port; empty if the effect has no play, or no output shows the port's position."""
+    play, seen = sought_by(candidate, "play"), _least_error(candidate.port, base)
+    return _within({play: seen}, model) if play and seen is not None else {}
+
+
+def _within(values: Mapping[str, float], model: Model) -> dict[str, float]:
+    """``values``, by name, within the bounds of the parameters of ``model``."""
+    bounds = {p.name: (p.lower, p.upper) for p in model.parameters}
+    return {name: min(max(value, bounds[name][0]), bounds[name][1]) for name, value in values.items()}
 
 
 def sought_by(candidate: Candidate, what: str) -> str:

@@ -14,8 +14,9 @@ identification, Automatica 121, 109158.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -111,23 +112,45 @@ def from_shorter(
         poorer = over_shorter(base, fitted)
     if poorer is None:
         return None
-    shorter, numerics = fitted.shorter(split.horizon // SHARE), base.numerics
+    shorter = fitted.shorter(split.horizon // SHARE)
     try:
-        if seeks(candidate):
-            starts = sought(candidate, model, poorer, shorter)
-            if not starts:
-                return None
-            found = refit(model, shorter, starts, poorer, numerics, tolerance=ROUGHLY, std_up_to=WITHOUT_STD)
-        else:
-            starts = candidate.starts(model, poorer.values)
-            found = refit_if_hopeful(
-                model, shorter, starts, poorer, numerics, poorer, tolerance=ROUGHLY, std_up_to=WITHOUT_STD
-            )
+        starts = sought(candidate, model, poorer, shorter) if seeks(candidate) else None
     except (ValueError, *FAILURES):
         return None
-    if found.ended_early:
+    if starts is None:
+        return _begun(model, candidate.starts(model, poorer.values), poorer, base, split, hopeful=True)
+    return _begun(model, starts, poorer, base, split, hopeful=False) if starts else None
+
+
+def learned_from_shorter(
+    model: Model, starts: Sequence[Mapping[str, float]], base: Refit, split: Split
+) -> tuple[Mapping[str, float], Refit] | None:
+    """As ``from_shorter``, of the ``model`` of ``base`` with a learned effort, whose ``starts`` are those of
+    long horizons. None as well where the cost of ``base`` has not ``two_minima``: a learned effort seeks no
+    place, and takes what it can of a path that strays."""
+    if base.shorter is None or not base.two_minima:
         return None
-    return found.values, begun_at_the_record(base, poorer.values, split)
+    moved = [{**start, **base.shorter.values} for start in starts]
+    return _begun(model, moved, base.shorter, base, split, hopeful=True)
+
+
+def _begun(
+    model: Model,
+    starts: Sequence[Mapping[str, float]],
+    poorer: Refit,
+    base: Refit,
+    split: Split,
+    hopeful: bool,
+) -> tuple[Mapping[str, float], Refit] | None:
+    """Where ``model`` ends over shorter horizons, beside ``poorer``, and ``base`` as it begins there; None if
+    it cannot be fitted, or if it is to be ``hopeful`` and promises little."""
+    shorter = split.fitted_alone.shorter(split.horizon // SHARE)
+    fit = partial(refit_if_hopeful, to_beat=poorer) if hopeful else refit
+    try:
+        found = fit(model, shorter, starts, poorer, base.numerics, tolerance=ROUGHLY, std_up_to=WITHOUT_STD)
+    except (ValueError, *FAILURES):
+        return None
+    return None if found.ended_early else (found.values, begun_at_the_record(base, poorer.values, split))
 
 
 def hides(base: Refit) -> bool:

@@ -5,7 +5,8 @@ effect is set to zero at each value of a grid, and the decrease of the cost that
 predicts there (a score test) shows where the effect would help. The highest peaks of the grid become starts.
 This only chooses where refits begin; the refits decide. The frequency of a disturbance is read from the
 spectrum of the residual; that of a resonance is sought on a grid, as what a load does to the motion need not
-be the strongest line there.
+be the strongest line there. A load behind a play resonates too, while its contact is closed: so its frequency
+is sought with a play no wider than the error that is left.
 """
 
 from __future__ import annotations
@@ -23,7 +24,13 @@ from hybridid.estimators.reduced import promise
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.limit_starts import with_limit_exceeded
-from hybridid.trace.load_starts import FASTEST, with_closed_contact, with_half_the_inertia
+from hybridid.trace.load_starts import (
+    FASTEST,
+    narrow_play,
+    sought_by,
+    with_closed_contact,
+    with_half_the_inertia,
+)
 from hybridid.trace.order_spectrum import pitches
 from hybridid.trace.path import Path
 from hybridid.trace.refit_starts import begin, problem_of
@@ -52,7 +59,8 @@ def sought(candidate: Candidate, model: Model, base: Refit, split: Split) -> lis
         if parameter.sought in GRIDS
         for start in _starts(candidate, parameter, model, base, split)
     ]
-    without_load = found or candidate.starts(model, base.values)
+    resonant = found and not sought_by(candidate, "play")
+    without_load = found if resonant else candidate.starts(model, base.values)
     loaded = with_half_the_inertia(candidate, without_load, base, split)
     closed = with_closed_contact(candidate, model, base, split)
     return [*found, *loaded, *closed, *with_limit_exceeded(candidate, model, split)]
@@ -73,7 +81,7 @@ def _starts(
 ) -> Iterator[dict[str, float]]:
     name = f"{candidate.name}.{parameter.name}"
     declared = parameter.at(model.plant.port(candidate.port))
-    at_nothing = candidate.starts(model, base.values)[0]
+    at_nothing = {**candidate.starts(model, base.values)[0], **narrow_play(candidate, model, base)}
     path = Path.of(base, split, split.fitted)
     if parameter.sought == "frequency" and not candidate.effect.states:
         for value in _spectral_peaks(base, split, path):

@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 
 from hybridid.effects.library import effect_named
+from hybridid.effects.over import Over
 from hybridid.simulation import simulate
 from hybridid.simulation.windows import cut
 from hybridid.trace.candidates import Candidate
+from hybridid.trace.ceiling import ceiling
+from hybridid.trace.learned_effort import with_learned_effort
+from hybridid.trace.path import Path
 from hybridid.trace.refit import CONTINUATION, refit
-from hybridid.trace.shorter import from_shorter, same_valley, strays, with_shorter
+from hybridid.trace.shorter import from_shorter, learned_from_shorter, same_valley, strays, with_shorter
 from hybridid.trace.split import Split, by_blocks, by_record
 from hybridid.trace.trial import _begun_anew, _unless_better_from_shorter, attempt
 
@@ -58,6 +62,26 @@ def test_a_fit_that_ends_elsewhere_from_shorter_horizons_has_two_minima(make_mod
     assert forked.values == lower.values
     assert forked.shorter.values["M"] == pytest.approx(base.values["M"], rel=1e-2)
     assert not with_shorter(base, split).two_minima
+
+
+def test_a_learned_effort_begins_there_too(make_model, two_records):
+    """Friction that differs by direction, seen from nine times the mass, as if that left less."""
+    split = by_record(*([one] for one in two_records(df_v=80.0)), LONG)
+    base = refit(make_model(), split, factors=CONTINUATION)
+    lower = replace(base, values={**base.values, "M": 9 * base.values["M"]}, cost=base.cost / 1.1)
+    forked = with_shorter(lower, split)
+    model, starts = with_learned_effort(
+        forked, Path.of(base, split, split.fitted), "carriage", Over("velocity")
+    )
+    values, _ = learned_from_shorter(model, starts, forked, split)
+    assert values["M"] == pytest.approx(95.0, rel=0.05)
+    assert learned_from_shorter(model, starts, replace(forked, two_minima=False), split) is None
+    with_it, without = (
+        ceiling(one, split, "carriage", Over("velocity")).refit
+        for one in (forked, replace(forked, two_minima=False))
+    )
+    assert with_it.values["M"] == pytest.approx(95.0, rel=0.01)
+    assert with_it.cost < without.cost / 1000
 
 
 def test_what_takes_its_share_may_be_in_a_false_minimum_all_the_same(strong, monkeypatch):
