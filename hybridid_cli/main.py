@@ -38,7 +38,7 @@ def main() -> None:
         asked = interrupt.last()
         code = asked.code
         with _terminal_may_be_gone():
-            complain(f"{asked}; what was unfinished is discarded, what was finished is kept")
+            complain(f"{asked}; what was unfinished is discarded; the same command goes on from the rest")
     except BrokenPipeError:  # `hybridid effects | head`
         _silence(sys.stdout)
         code = 0

@@ -28,7 +28,7 @@ def table(title: str, columns: Sequence[str], words: Sequence[int] = (0,)) -> Ta
     """An empty table; ``words`` are the columns that hold words, which stand left; numbers stand right."""
     made = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for column, name in enumerate(columns):
-        made.add_column(name, justify="left" if column in words else "right")
+        made.add_column(name, justify="left" if column in words else "right", overflow="fold")
     return made
 
 

@@ -95,7 +95,9 @@ def cautions(
     if found.verdict in ("undecided", "nothing_missing") and not (cut or traced.longer):
         told += [far_in_free_run(traced, _drifting(found, context))]
     if found.verdict == "nothing_missing":
-        told += [_hidden_by_the_simulation(traced, found.model), _grows(found)]
+        told += [_hidden_by_the_simulation(traced, found.model)]
+    if found.verdict == "nothing_missing" or found.accepted:
+        told += [_grows(found, context.rules)]
     if traced.accepted:
         told += [other_law_possible(found, context), simpler_possible(found, context)]
         told += [_no_longer_shown(found.search, context)]
@@ -149,10 +151,10 @@ def _only_fitted(found: Conclusion, context: Context) -> str:
     )
 
 
-def _grows(found: Conclusion) -> str:
-    """That longer horizons leave more than noise, though less than ``Rules.far``; else empty. Noise of the
+def _grows(found: Conclusion, rules: Rules) -> str:
+    """That longer horizons leave more than noise, though no more than ``Rules.far``; else empty. Noise of the
     inputs, where that is told, does that too."""
-    if found.grows is None or found.noisy:
+    if found.grows is None or found.noisy or found.grows.times > rules.far:
         return ""
     fitted = "" if found.grows.judged else "fitted "
     return (
@@ -166,6 +168,8 @@ def _more_over_longer(found: Conclusion, context: Context) -> str:
     """That what was accepted meets the noise here, and leaves far more over longer horizons; else empty. A
     fitted initial state may hide over a short horizon what a law of another form leaves."""
     if found.times > context.rules.far or context.out_of_time:
+        return ""
+    if found.grows is not None and found.grows.times <= context.rules.far:  # told already
         return ""
     longer = more_over_longer(found.search.final, context)
     if longer is None:

@@ -232,7 +232,7 @@ def completeness_in_words(found: Trace) -> str:
     other = "" if check.network_before == check.network else f"another one ({check.network}) takes "
     return (
         f"a network ({check.network_before}) takes {before} from the held-out error of the "
-        f"declared model, and {other}{left} from that of the last one{p}. {finds}"
+        f"declared model, and {other}{left} from the held-out error of the last one{p}. {finds}"
     )
 
 

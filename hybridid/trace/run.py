@@ -28,10 +28,10 @@ from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.doubted import in_doubt
 from hybridid.trace.horizon import horizon_for
 from hybridid.trace.input_noise import NoiseLevel
-from hybridid.trace.longer import lengthened, over_long_enough
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.missing_efforts import missing_efforts
 from hybridid.trace.numerics import numerics_for
+from hybridid.trace.over_longer import concluded
 from hybridid.trace.result import Evidence, Trace
 from hybridid.trace.rules import PAIRS, Rules
 from hybridid.trace.sharper import narrowed
@@ -41,7 +41,7 @@ from hybridid.trace.steps import OUT_OF_TIME
 from hybridid.trace.summary import summary
 from hybridid.trace.told_classes import as_told
 from hybridid.trace.trial import PASSED
-from hybridid.trace.verdict import Conclusion, conclude
+from hybridid.trace.verdict import Conclusion
 from hybridid.trace.weighed import hidden_by_noise, weights_in_words, with_noise
 from hybridid.trace.words import sentence
 
@@ -125,7 +125,7 @@ def trace(
         fitted, others = with_noise(fitted, weights), with_noise(others, weights)
         context = replace(context, split=divided(fitted, others, seconds))
         context.say(weights_in_words(weights).strip())
-    found, context = _concluded(model, context, begun, settings.integrator, may_lengthen)
+    found, context = concluded(model, context, begun, settings.integrator, may_lengthen)
     split, settings = context.split, replace(settings, horizon=context.split.horizon)
     seconds = seconds if split.horizon == samples else split.horizon * fitted[0].dt
     found = _of_one_decay(found, fitted, context)
@@ -170,27 +170,6 @@ def _weights(
     starts = declared_starts(model, context.split, start)
     numerics = numerics_for(model, context.split, starts, integrator)
     return hidden_by_noise(declared_refit(model, context, starts, numerics), context)
-
-
-def _concluded(
-    model: Model,
-    context: Context,
-    start: Sequence[Mapping[str, float]],
-    integrator: AskedIntegrator,
-    may_lengthen: bool,
-) -> tuple[Conclusion, Context]:
-    """What is found on the horizons of ``context``, or on longer ones if these show more and it may. Where
-    noise of an input may make all that is left, more over longer horizons shows nothing: it adds up there."""
-    if not may_lengthen:
-        return conclude(model, context, start, integrator), context
-    starts = declared_starts(model, context.split, start)
-    numerics = numerics_for(model, context.split, starts, integrator)
-    context = over_long_enough(model, context, starts, numerics)
-    found = conclude(model, context, start, integrator)
-    if found.longer and found.longer.judged and not (found.noisy or context.out_of_time):
-        context = lengthened(context, found.longer)
-        found = conclude(model, context, start, integrator)
-    return found, context
 
 
 def _solving(searched_with: str) -> AskedIntegrator:

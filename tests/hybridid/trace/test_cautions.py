@@ -35,16 +35,18 @@ from hybridid.trace.trial import Trial
 
 
 def test_what_grows_over_longer_horizons_is_told_beside_nothing():
-    assert _grows(SimpleNamespace(grows=None)) == ""
+    assert _grows(SimpleNamespace(grows=None), Rules()) == ""
     grown = [SimpleNamespace(grows=Longer(7.2, 1.43, judged=one), noisy=None) for one in (True, False)]
-    judged, fitted = map(_grows, grown)
+    judged, fitted = (_grows(one, Rules()) for one in grown)
     assert judged == (
         " Beware: over horizons of 7.2 s the model leaves 1.4 times what noise and simulation leave: an "
         "effect that adds up slowly may be missing."
     )
     assert fitted.startswith(" Beware: fitted over horizons of 7.2 s the model")
     grown[0].noisy = object()
-    assert _grows(grown[0]) == "", "noise of the inputs does that"
+    assert _grows(grown[0], Rules()) == "", "noise of the inputs does that"
+    far = SimpleNamespace(grows=Longer(7.2, 3.1), noisy=None)
+    assert _grows(far, Rules()) == "", "told of what was accepted in other words"
 
 
 def test_what_only_the_fitted_horizons_show_is_told():
@@ -247,7 +249,7 @@ def test_what_is_named_at_the_noise_is_doubted_where_longer_horizons_leave_more(
 ):
     seen = longer and Longer(4.0, longer)
     monkeypatch.setattr(cautions, "more_over_longer", lambda final, context: seen)
-    named = SimpleNamespace(times=times, search=SimpleNamespace(final=None))
+    named = SimpleNamespace(times=times, search=SimpleNamespace(final=None), grows=None)
     said = _more_over_longer(named, SimpleNamespace(rules=Rules(), out_of_time=False))
     assert bool(said) is told
     if told:

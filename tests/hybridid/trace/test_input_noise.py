@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 from hybridid.effects.library import effect_named
 from hybridid.plain import plain, schema
 from hybridid.trace import input_noise as module
-from hybridid.trace import run
+from hybridid.trace import over_longer
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
 from hybridid.trace.input_noise import noisy_inputs
@@ -104,13 +104,13 @@ def test_where_little_is_left_it_is_told_beside_that(make_model, split_of):
 @pytest.mark.parametrize(("noisy", "lengthens"), [(None, 1), (object(), 0)])
 def test_noise_of_an_input_that_adds_up_over_longer_horizons_lengthens_none(monkeypatch, noisy, lengthens):
     """Over longer horizons a complete model of a carriage whose force is measured leaves far more."""
-    found = SimpleNamespace(longer=SimpleNamespace(judged=True), noisy=noisy)
+    found = SimpleNamespace(longer=SimpleNamespace(judged=True), noisy=noisy, accepted=())
     lengthened = []
-    monkeypatch.setattr(run, "declared_starts", lambda *_: [])
-    monkeypatch.setattr(run, "numerics_for", lambda *_: None)
-    monkeypatch.setattr(run, "over_long_enough", lambda model, context, *_: context)
-    monkeypatch.setattr(run, "conclude", lambda *_: found)
-    monkeypatch.setattr(run, "lengthened", lambda context, _: lengthened.append(context) or context)
+    monkeypatch.setattr(over_longer, "declared_starts", lambda *_: [])
+    monkeypatch.setattr(over_longer, "numerics_for", lambda *_: None)
+    monkeypatch.setattr(over_longer, "over_long_enough", lambda model, context, *_: context)
+    monkeypatch.setattr(over_longer, "conclude", lambda *_: found)
+    monkeypatch.setattr(over_longer, "lengthened", lambda context, _: lengthened.append(context) or context)
     context = SimpleNamespace(split=None, out_of_time=False)
-    assert run._concluded(None, context, [], "auto", may_lengthen=True) == (found, context)
+    assert over_longer.concluded(None, context, [], "auto", may_lengthen=True) == (found, context)
     assert len(lengthened) == lengthens
