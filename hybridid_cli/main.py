@@ -38,7 +38,8 @@ def main() -> None:
         asked = interrupt.last()
         code = asked.code
         with _terminal_may_be_gone():
-            complain(f"{asked}; what was unfinished is discarded; the same command goes on from the rest")
+            kept = "what was unfinished is discarded, the rest is kept: the same command goes on"
+            complain(f"{asked}; {kept}")
     except BrokenPipeError:  # `hybridid effects | head`
         _silence(sys.stdout)
         code = 0
