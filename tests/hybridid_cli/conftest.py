@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from hydra._internal.hydra import Hydra
+from omegaconf import OmegaConf
 
 from hybridid_cli.main import dispatch
 
@@ -28,6 +30,31 @@ class Said:
     def complaint(self) -> str:
         """The last line on stderr: what went wrong."""
         return self.err.strip().splitlines()[-1] if self.err.strip() else ""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def composed_once() -> Iterator[None]:
+    """Hydra composes each config twice, the first time only to ask for ``hydra.mode``, which is null unless a
+    word sets it, and parses the same files for each. In this process no config is composed for that, and a
+    text is parsed once: half of what a refused request takes. Processes of their own do all of it."""
+    asked, read, parsed = Hydra.get_mode, OmegaConf.load, dict[str, object]()
+
+    def mode(hydra, config_name, overrides):
+        return asked(hydra, config_name, overrides) if any("hydra" in word for word in overrides) else None
+
+    def load(file):
+        if not hasattr(file, "read"):
+            return read(file)
+        text = file.read()
+        if text not in parsed:
+            file.seek(0)
+            parsed[text] = OmegaConf.to_container(read(file))
+        return OmegaConf.create(parsed[text])
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Hydra, "get_mode", mode)
+        patch.setattr(OmegaConf, "load", staticmethod(load))
+        yield
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ FEW = (
     "trace.effects=[asymmetric_viscous]",
     "trace.horizon=0.5",
     "trace.laws=false",
-    "rig.duration=6",
+    "rig.duration=2.4",
     "trace.variables=[velocity]",
 )
 
