@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -41,15 +42,24 @@ def by(setting, **more):
     return {**changes, **{key.replace("__", "."): value for key, value in more.items()}}
 
 
-@pytest.fixture
-def cold_and_warm(data):
-    """The data root with four recordings, two of them of a carriage with more friction."""
+@cache
+def texts():
+    """The files of four recordings, two of them of a carriage with more friction; simulated once."""
+    made = {}
     for seed, (name, (run, f_c)) in enumerate(RUNS.items()):
         rig = EMPSRig(replace(DEFAULT, truth=replace(DEFAULT.truth, f_c=f_c)))
         record = rig.record(run, seed=seed, duration=1.2)
         columns = np.column_stack([record.time, record.inputs[:, 0], 1e3 * record.outputs[:, 0]])
         rows = "\n".join(",".join(f"{value:.12g}" for value in row) for row in columns)
-        (data / f"{name}.csv").write_text(f"t,force,mm\n{rows}\n")
+        made[f"{name}.csv"] = f"t,force,mm\n{rows}\n"
+    return made
+
+
+@pytest.fixture
+def cold_and_warm(data):
+    """The data root with these recordings."""
+    for name, text in texts().items():
+        (data / name).write_text(text)
     return data
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,16 +27,24 @@ BOTH = {
 }
 
 
-@pytest.fixture
-def two_masses(data):
-    """The data root; the first recording is of a light carriage, the second of a heavy one."""
-    runs = (("first.csv", "identification", LIGHT), ("second.csv", "validation", HEAVY))
-    for name, run, mass in runs:
+@cache
+def texts():
+    """The files of both, simulated once."""
+    made = {}
+    for name, run, mass in (("first.csv", "identification", LIGHT), ("second.csv", "validation", HEAVY)):
         rig = EMPSRig(replace(DEFAULT, truth=replace(DEFAULT.truth, M=mass)))
         record = rig.record(run, duration=1.2)
         columns = np.column_stack([record.time, record.inputs[:, 0], 1e3 * record.outputs[:, 0]])
         rows = "\n".join(",".join(f"{value:.12g}" for value in row) for row in columns)
-        (data / name).write_text(f"t,force,mm\n{rows}\n")
+        made[name] = f"t,force,mm\n{rows}\n"
+    return made
+
+
+@pytest.fixture
+def two_masses(data):
+    """The data root; the first recording is of a light carriage, the second of a heavy one."""
+    for name, text in texts().items():
+        (data / name).write_text(text)
     return data
 
 
