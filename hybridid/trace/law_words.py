@@ -37,6 +37,14 @@ def _law(entry: AcceptedEffect) -> str:
     return f"{text}; these records cannot tell it from {listed(told)}"
 
 
+def in_place_of(found: Trace) -> str:
+    """Which effects were accepted before a law took their place; empty if none did."""
+    if not found.in_place_of:
+        return ""
+    first = listed(found.in_place_of)
+    return f" {first} passed first; the law alone explains more, or as much with fewer parameters."
+
+
 def passed_before(laws: Sequence[AcceptedEffect], found: Trace) -> str:
     """Which effect of the library with the form of a proposed law, or of one that does as well, passed before
     it was withdrawn, and why; empty if none did."""

@@ -186,7 +186,7 @@ def law_in_place(found: Search, before: Sequence[Ceiling], context: Context) -> 
     family = family_of(before) + products_over(before, context)
     explains_more = better.gain >= rules.tie and family * better.p_value <= rules.alpha
     if explains_more or _is_simpler(lawful, found, rules):
-        return lawful
+        return replace(lawful, in_place_of=tuple(one.name for one in found.accepted))
     if lawful.accepted:
         context.say(f"the law does not explain more than {names}: no law takes that place")
     return found

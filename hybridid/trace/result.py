@@ -95,6 +95,7 @@ class Trace:
     model has one value of each. ``narrowed`` are the smoothings of sign(v) that were made narrower, and
     ``finer`` how many times shorter the steps are than stability and smooth motion ask for. ``refused_laws``
     are the composed laws, of ``laws_formed``, that were tried beside the last model, none of which passed.
+    ``in_place_of`` are the effects that were accepted first, and whose place a law has taken.
     ``time_limit`` [s] is the one that ended the search, if one did.
     ``evidence`` holds the models themselves; it is None in a trace that was read from a file.
     """
@@ -136,6 +137,7 @@ class Trace:
     finer: int = 1
     refused_laws: tuple[TriedEffect, ...] = ()
     laws_formed: int = 0
+    in_place_of: tuple[str, ...] = ()
     time_limit: float | None = None
     steady: float | None = None
     longer: Longer | None = None

@@ -85,7 +85,7 @@ class Search:
     ``withdrawn`` says why an effect that had passed was withdrawn afterwards, if one was. ``refused_laws``
     are the composed laws, of ``laws_formed``, that were tried beside the last model; none of them passed.
     ``other_laws`` are the ports and variables of which another law than a name withdrawn is known to explain
-    more.
+    more; ``in_place_of`` are the effects that were accepted first, and whose place a law has taken.
     """
 
     steps: tuple[Step, ...]
@@ -96,6 +96,7 @@ class Search:
     refused_laws: tuple[Trial, ...] = ()
     laws_formed: int = 0
     other_laws: tuple[tuple[str, Over], ...] = ()
+    in_place_of: tuple[str, ...] = ()
 
     @property
     def first(self) -> Refit:

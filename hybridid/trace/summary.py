@@ -86,6 +86,7 @@ def summary(evidence: Evidence, rules: Rules, validation: Validation, seconds: f
         replacements=tuple(map(_replaced, found.replacements)),
         refused_laws=refused_laws(found.search),
         laws_formed=found.search.laws_formed,
+        in_place_of=found.search.in_place_of,
         evidence=evidence,
     )
 

@@ -7,7 +7,7 @@ from hybridid.quantities import multiple, percent, places_below_all, quantity, s
 from hybridid.trace.cut_words import best_tried, cut_short, cut_step, passed_in
 from hybridid.trace.entries import AcceptedEffect, TriedEffect
 from hybridid.trace.input_noise import NoisyInputs
-from hybridid.trace.law_words import passed_before, proposed
+from hybridid.trace.law_words import in_place_of, passed_before, proposed
 from hybridid.trace.recording_words import by_recording_in_words, comes_first, disagreement_in_words
 from hybridid.trace.refused_words import more_than_possible, most_refused
 from hybridid.trace.remarks import mostly_unshown, named_effects, none_of, parameters_in_words, told_apart
@@ -75,7 +75,7 @@ def _concluded(found: Trace) -> str:
     rest = _only_together(found) + _rest(found)
     unsure = passed_before(laws, found)
     why = f".{unsure}" if unsure else f" that {_unnamed(found)}."
-    return f"{before}{something} is missing{why} {proposed(laws)}: {fall}.{rest}"
+    return f"{before}{something} is missing{why} {proposed(laws)}: {fall}.{in_place_of(found)}{rest}"
 
 
 def _unshown(found: Trace) -> str:

@@ -168,6 +168,7 @@ def test_a_law_takes_the_place_of_effects_that_together_explain_less(proposed, i
     found, lawful, said = in_place(poorer, ("asymmetric_coulomb", "maxwell"))
     assert [one.name for one in lawful.accepted] == ["carriage.modulus_of_velocity"]
     assert lawful.first is found.first
+    assert lawful.in_place_of == ("carriage.asymmetric_coulomb", "carriage.maxwell")
     assert said[0] == "laws in place of carriage.asymmetric_coulomb and carriage.maxwell"
 
 

@@ -214,6 +214,7 @@ def test_an_effect_with_the_form_of_the_law_that_was_withdrawn_is_told(nothing):
     said = sentence(replace(nothing(drag), verdict="law_proposed", accepted=(law,), path=path))
     assert "cannot tell it from signed_square_of_velocity (the form of quadratic_drag), law_0, law_1" in said
     assert "law_3 and 2 others: with it" in said
+    assert "passed first" not in said
     assert said.startswith(
         "Something is missing. carriage.quadratic_drag passed, but is no sure name: these records cannot "
         "tell it from a spring. The law proposed at carriage is F = k v²"
@@ -226,6 +227,8 @@ def test_names_are_told_before_a_law(nothing):
     said = sentence(replace(nothing(DRAG), verdict="law_proposed", accepted=(law, name), path=path))
     assert said.startswith("The model lacked stribeck at carriage (k = −36.9 ± 4.4 N·s/m). Something else is")
     assert "The law proposed at carriage is F = k v³ (k = −36.9 ± 4.4 N·s/m): with them the RMSE" in said
+    found = replace(nothing(DRAG), verdict="law_proposed", accepted=(law,), path=path, in_place_of=("a", "b"))
+    assert ". a and b passed first; the law alone explains more, or as much with fewer" in sentence(found)
 
 
 def test_a_name_in_doubt_that_is_no_class_may_have_been_lacked(nothing):
