@@ -26,6 +26,7 @@ from hybridid.model import Model
 from hybridid.simulation.windows import cut
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
+from hybridid.trace.input_noise import noisy_inputs
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.refit import refit_if_possible
 from hybridid.trace.refitted import Refit
@@ -92,18 +93,28 @@ def _more_over(split: Split, final: Refit, context: Context, above: float) -> Lo
 
 def _left_over(split: Split, final: Refit, context: Context) -> float | None:
     """How many times the noise the model of ``final`` leaves, fitted over the horizons of ``split``. A fit
-    that has not converged says nothing: over long horizons the cost of a machine that sticks may be rough.
-    It is asked twice of the last model, by two limits."""
-    key = ("left over", tuple(final.values.items()), final.numerics, final.substeps, split)
-    return final.model.kept(key, lambda: _left_anew(split, final, context))
-
-
-def _left_anew(split: Split, final: Refit, context: Context) -> float | None:
-    there, begun = replace(context, split=split), _begun_as(final, context.split, split)
-    found = there.one(refit_if_possible, begun.model, split, [begun.values], begun, begun.numerics)
+    that has not converged says nothing: over long horizons the cost of a machine that sticks may be rough."""
+    found = _fitted_over(split, final, context)
     if found is None or not found.converged:
         return None
-    return Accuracy.of(found, there).times(found.score.rmse)
+    return Accuracy.of(found, replace(context, split=split)).times(found.score.rmse)
+
+
+def _fitted_over(split: Split, final: Refit, context: Context) -> Refit | None:
+    """The model of ``final`` fitted over the horizons of ``split``. It is asked twice of the last model, by
+    two limits."""
+    key = ("left over", tuple(final.values.items()), final.numerics, final.substeps, split)
+    begun = _begun_as(final, context.split, split)
+    given = (begun.model, split, [begun.values], begun, begun.numerics)
+    return final.model.kept(key, lambda: context.one(refit_if_possible, *given))
+
+
+def made_by_noise(longer: Longer, final: Refit, context: Context) -> bool:
+    """Whether noise of an input may make all that the model of ``final`` leaves over the ``longer`` horizons.
+    In a machine that integrates such noise adds up over them by itself, and a disturbance likewise."""
+    split = over(longer, context.split)
+    found, there = _fitted_over(split, final, context), replace(context, split=split)
+    return found is not None and noisy_inputs(found, Accuracy.of(found, there), there) is not None
 
 
 def _left_by_the_smoothing(split: Split, final: Refit, context: Context, above: float) -> bool:
@@ -147,7 +158,9 @@ def over_long_enough(
     if Accuracy.of(base, context).times(base.score.rmse) > MOSTLY_NOISE:
         return context
     longer = more_over_longer(base, context, worth_looking_for(context.rules))
-    return lengthened(context, longer) if longer and longer.judged else context
+    if longer is None or not longer.judged or made_by_noise(longer, base, context):
+        return context
+    return lengthened(context, longer)
 
 
 def worth_looking_for(rules: Rules) -> float:
@@ -157,12 +170,16 @@ def worth_looking_for(rules: Rules) -> float:
 
 def lengthened(context: Context, longer: Longer) -> Context:
     """``context`` with horizons as long as those of ``longer``, which is said."""
-    split = context.split
     context.say(
         f"over horizons of {longer.seconds:.2g} s the model leaves {longer.times:.1f} times what noise and "
         "simulation leave: the search goes on over these"
     )
-    return replace(context, split=split.longer(round(longer.seconds / split.records[0].dt)))
+    return replace(context, split=over(longer, context.split))
+
+
+def over(longer: Longer, split: Split) -> Split:
+    """``split`` in horizons as long as those of ``longer``."""
+    return split.longer(round(longer.seconds / split.records[0].dt))
 
 
 def shows_little(split: Split) -> bool:

@@ -21,6 +21,7 @@ from hybridid.trace.longer import (
     MOSTLY_NOISE,
     Longer,
     lengthened,
+    made_by_noise,
     more_over_longer,
     over_long_enough,
     worth_looking_for,
@@ -63,7 +64,11 @@ def _beside_accepted(found: Conclusion, context: Context) -> Longer | None:
     complete model could take what is worth having there."""
     if not found.accepted or found.times > MOSTLY_NOISE:
         return None
-    return more_over_longer(found.search.final, context, worth_looking_for(context.rules))
+    final = found.search.final
+    longer = more_over_longer(final, context, worth_looking_for(context.rules))
+    if longer and longer.judged and made_by_noise(longer, final, context):
+        return None
+    return longer
 
 
 def _holds_more(found: Sequence[Accepted], before: Sequence[Accepted]) -> bool:

@@ -13,13 +13,16 @@ from jsonschema import Draft202012Validator
 from hybridid.effects.library import effect_named
 from hybridid.plain import plain, schema
 from hybridid.trace import input_noise as module
-from hybridid.trace import over_longer
+from hybridid.trace import longer, over_longer
 from hybridid.trace.accuracy import Accuracy
 from hybridid.trace.context import Context
+from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.input_noise import noisy_inputs
+from hybridid.trace.numerics import DECLARED
 from hybridid.trace.refit import CONTINUATION, refit
 from hybridid.trace.result import Trace
 from hybridid.trace.run import trace
+from hybridid.trace.split import by_record
 from hybridid.trace.verdict import conclude
 
 NOISY = 3.0  # N
@@ -114,3 +117,22 @@ def test_noise_of_an_input_that_adds_up_over_longer_horizons_lengthens_none(monk
     context = SimpleNamespace(split=None, out_of_time=False)
     assert over_longer.concluded(None, context, [], "auto", may_lengthen=True) == (found, context)
     assert len(lengthened) == lengthens
+
+
+def test_a_search_does_not_begin_over_longer_horizons_that_show_such_noise_alone(
+    make_model, two_records, monkeypatch
+):
+    """Over horizons of 0.125 s the noise of the force stays within that of the encoder, over 0.6 s not."""
+    split = measured(by_record(*([one] for one in two_records(std=1e-5)), 25), 1.0)
+    context, model = Context(split, TRIED, **ALONE), make_model()
+    begun = (model, context, declared_starts(model, split, []), DECLARED)
+    assert longer.over_long_enough(*begun).split.horizon == 25
+    monkeypatch.setattr(longer, "made_by_noise", lambda *_: False)
+    assert longer.over_long_enough(*begun).split.horizon == 125
+
+
+def test_what_the_noise_of_an_input_cannot_make_is_sought_over_longer_horizons(make_model, two_records):
+    split = by_record(*([one] for one in two_records(std=1e-5, df_v=4.0)), 25)
+    context, model = Context(split, TRIED, **ALONE), make_model()
+    starts = declared_starts(model, split, [])
+    assert longer.over_long_enough(model, context, starts, DECLARED).split.horizon > 25

@@ -46,7 +46,7 @@ LAG, ALIKE, SLOW = ("torque.input_lag",), ("angle.sensor_lag", "torque.input_lag
 def conclusions(monkeypatch):
     """``conclusions(first, second, longer)``: those over the short and the long horizons."""
 
-    def concluding(first, second=None, longer=None, out_of_time=False):
+    def concluding(first, second=None, longer=None, out_of_time=False, noise=False):
         context = SimpleNamespace(split=SHORT, rules=Rules(), out_of_time=out_of_time, say=lambda text: None)
         there = SimpleNamespace(split=LONG)
         by_split = {SHORT: first, LONG: second}
@@ -56,6 +56,7 @@ def conclusions(monkeypatch):
         monkeypatch.setattr(over_longer, "conclude", lambda model, context, *_: by_split[context.split])
         monkeypatch.setattr(over_longer, "lengthened", lambda *_: there)
         monkeypatch.setattr(over_longer, "more_over_longer", lambda final, context, above: longer)
+        monkeypatch.setattr(over_longer, "made_by_noise", lambda *_: noise)
         found, context = concluded(None, context, [], "auto", may_lengthen=True)
         return found, context.split
 
@@ -85,6 +86,10 @@ def test_none_is_asked_where_noise_of_an_input_or_more_than_the_noise_is_left_or
 @pytest.mark.parametrize("longer", [None, Longer(2.0, 1.3, judged=False)])
 def test_none_is_asked_where_they_show_no_more_or_cannot_judge(conclusions, longer):
     assert conclusions(Found((LAG,)), longer=longer) == (Found((LAG,)), SHORT)
+
+
+def test_none_is_asked_where_noise_of_an_input_makes_what_they_leave(conclusions):
+    assert conclusions(Found((LAG,)), longer=MORE, noise=True) == (Found((LAG,)), SHORT)
 
 
 def test_none_is_asked_after_the_time_limit(conclusions):
