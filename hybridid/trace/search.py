@@ -84,8 +84,8 @@ def continued(found: Search, context: Context, anew: bool = False) -> Search:
         before = in_short_steps(base, context)
         sharp = sharp_enough(before, context, declared=not accepted)
         again = anew and sharp is not before and context.has_time_for(time.monotonic() - first_began)
-        if again and _outdone(sharp, steps, context):
-            return _begun_anew(replace(found, steps=tuple(steps)), sharp, context)
+        if again and (better := _outdone(sharp, steps, context)):
+            return _begun_anew(replace(found, steps=tuple(steps)), sharp, better, context)
         base = sharp
         stopped = nothing_to_seek(base, accepted, context)
         begun = base
@@ -148,9 +148,10 @@ def _gone_back(
     return back_at([*steps[: better.number], step])
 
 
-def _outdone(sharp: Refit, steps: Sequence[Step], context: Context) -> bool:
-    """Whether an effect explains more in the place of an accepted one with sign(v) smoothed as in ``sharp``,
-    of those that took at least half as much in its step. What was taken out again has no place."""
+def _outdone(sharp: Refit, steps: Sequence[Step], context: Context) -> str:
+    """Which effect explains more in the place of an accepted one with sign(v) smoothed as in ``sharp``, of
+    those that took at least half as much in its step: ``one than the other``; empty if none does. What was
+    taken out again has no place."""
     rules, present = context.rules, {term.name for term in sharp.model.terms}
     given = [
         (sharp, one.name, rival.candidate, context.split, rival.refit.values)
@@ -160,14 +161,18 @@ def _outdone(sharp: Refit, steps: Sequence[Step], context: Context) -> bool:
         for rival in step.trials
         if rival.refit and rival not in one.alike and rival.taken >= rules.majority * one.trial.taken
     ]
-    others = [other for other in context.mapper(exchanged, given) if other is not None]
-    better = [compare(sharp.score, other.score) for other in others]
-    return any(one.gain >= rules.tie and one.p_value <= rules.alpha for one in better)
+    others = list(context.mapper(exchanged, given))
+    for (_, name, rival, *_), other in zip(given, others, strict=True):
+        better = compare(sharp.score, other.score) if other is not None else None
+        if better and better.gain >= rules.tie and better.p_value <= rules.alpha:
+            return f"{rival.name} than {name}"
+    return ""
 
 
-def _begun_anew(found: Search, sharp: Refit, context: Context) -> Search:
-    """The search from the declared model of ``found``, with sign(v) smoothed as narrowly as in ``sharp``."""
-    context.say("the search begins anew with that: another effect now explains more than what was accepted")
+def _begun_anew(found: Search, sharp: Refit, better: str, context: Context) -> Search:
+    """The search from the declared model of ``found``, with sign(v) smoothed as narrowly as in ``sharp``,
+    where ``better`` explains more."""
+    context.say(f"the search begins anew with that, as less error is left with {better}")
     first = found.first
     model = replace(first.model, adjustments=sharp.model.adjustments)
     values = {p.name: first.values[p.name] for p in model.parameters if not p.fixed}

@@ -123,7 +123,7 @@ def test_a_smoothing_that_pays_only_beside_an_effect_leaves_it_if_it_stays_the_b
 
 def test_where_another_effect_then_explains_more_the_search_begins_anew(too_wide, split_of, monkeypatch):
     said = []
-    monkeypatch.setattr(search_module, "_outdone", lambda sharp, steps, context: bool(steps))
+    monkeypatch.setattr(search_module, "_outdone", lambda sharp, steps, context: "b than a" if steps else "")
     found = search(
         too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append, variables=("velocity",)), [{}]
     )
@@ -134,7 +134,7 @@ def test_where_another_effect_then_explains_more_the_search_begins_anew(too_wide
 
 def test_the_search_begins_anew_only_if_time_is_left_for_as_much_again(too_wide, split_of, monkeypatch):
     said = []
-    monkeypatch.setattr(search_module, "_outdone", lambda sharp, steps, context: bool(steps))
+    monkeypatch.setattr(search_module, "_outdone", lambda sharp, steps, context: "b than a" if steps else "")
     monkeypatch.setattr(Context, "has_time_for", lambda self, seconds: seconds < 1e-6)
     found = search(
         too_wide, Context(split_of(df_v=75.0), TRIED, say=said.append, variables=("velocity",)), [{}]
@@ -168,7 +168,7 @@ def test_an_effect_that_explains_more_in_the_place_of_another_outdoes_it(make_mo
         for name in ("asymmetric_coulomb", "asymmetric_viscous")
     )
     step = Step(base, (poor, good), Accepted(poor, (poor,), ()))
-    assert search_module._outdone(poor.refit, [step], context)
+    assert search_module._outdone(poor.refit, [step], context).endswith(f" than {poor.candidate.name}")
     assert not search_module._outdone(good.refit, [step], context), "what was taken out has no place"
     assert not search_module._outdone(poor.refit, [replace(step, trials=(poor,))], context)
     assert not search_module._outdone(
