@@ -101,12 +101,14 @@ def _left_over(split: Split, final: Refit, context: Context) -> float | None:
 
 
 def _fitted_over(split: Split, final: Refit, context: Context) -> Refit | None:
-    """The model of ``final`` fitted over the horizons of ``split``. It is asked twice of the last model, by
-    two limits."""
+    """The model of ``final`` fitted over the horizons of ``split``; kept, as several questions ask for it."""
+
+    def fitted() -> Refit | None:
+        begun = _begun_as(final, context.split, split)
+        return context.one(refit_if_possible, begun.model, split, [begun.values], begun, begun.numerics)
+
     key = ("left over", tuple(final.values.items()), final.numerics, final.substeps, split)
-    begun = _begun_as(final, context.split, split)
-    given = (begun.model, split, [begun.values], begun, begun.numerics)
-    return final.model.kept(key, lambda: context.one(refit_if_possible, *given))
+    return final.model.kept(key, fitted)
 
 
 def made_by_noise(longer: Longer, final: Refit, context: Context) -> bool:

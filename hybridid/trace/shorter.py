@@ -5,8 +5,9 @@ model bends its parameters to that. What is sought along that path (``hybridid.t
 the wrong places. The cost over a long horizon has many local minima. The poorer model may stay in one, and
 so may the trial of the true effect. Over horizons ``SHARE`` times as short, each of which begins where the
 record is, the path stays near the measured one. So the poorer model is fitted over such horizons as well. If
-a parameter then differs, it is fitted anew from there. The augmented model is fitted over them, too, and
-where that ends is one more start over the long ones, with the initial states that the record shows.
+a parameter then differs, it is fitted anew from there: if that ends elsewhere, its cost over long horizons
+has two local minima (``Refit.two_minima``). The augmented model is fitted over short horizons, too, and where
+that ends is one more start over the long ones, with the initial states that the record shows.
 
 Source: Ribeiro, Tiels, Umenberger, Schön, Aguirre (2020), On the smoothness of nonlinear system
 identification, Automatica 121, 109158.
@@ -155,7 +156,7 @@ def _begun(
 
 def hides(base: Refit) -> bool:
     """Whether long horizons may hide any effect from a fit that begins where ``base`` ended: its path strays,
-    or its own cost has two local minima, of which the cost of a richer model has one as well."""
+    or its cost has two local minima, so that of a richer model may have them, too."""
     return strays(base) or base.two_minima
 
 
