@@ -114,7 +114,7 @@ def _fitted_over(split: Split, final: Refit, context: Context) -> Refit | None:
 def made_by_noise(longer: Longer, final: Refit, context: Context) -> bool:
     """Whether noise of an input may make all that the model of ``final`` leaves over the ``longer`` horizons.
     In a machine that integrates such noise adds up over them by itself, and a disturbance likewise."""
-    split = over(longer, context.split)
+    split = as_long_as(longer, context.split)
     found, there = _fitted_over(split, final, context), replace(context, split=split)
     return found is not None and noisy_inputs(found, Accuracy.of(found, there), there) is not None
 
@@ -176,10 +176,10 @@ def lengthened(context: Context, longer: Longer) -> Context:
         f"over horizons of {longer.seconds:.2g} s the model leaves {longer.times:.1f} times what noise and "
         "simulation leave: the search goes on over these"
     )
-    return replace(context, split=over(longer, context.split))
+    return replace(context, split=as_long_as(longer, context.split))
 
 
-def over(longer: Longer, split: Split) -> Split:
+def as_long_as(longer: Longer, split: Split) -> Split:
     """``split`` in horizons as long as those of ``longer``."""
     return split.longer(round(longer.seconds / split.records[0].dt))
 

@@ -59,8 +59,8 @@ def sought(candidate: Candidate, model: Model, base: Refit, split: Split) -> lis
         if parameter.sought in GRIDS
         for start in _starts(candidate, parameter, model, base, split)
     ]
-    resonant = found and not sought_by(candidate, "play")
-    without_load = found if resonant else candidate.starts(model, base.values)
+    with_play = bool(sought_by(candidate, "play"))  # its half inertia begins with every width of the play
+    without_load = candidate.starts(model, base.values) if with_play or not found else found
     loaded = with_half_the_inertia(candidate, without_load, base, split)
     closed = with_closed_contact(candidate, model, base, split)
     return [*found, *loaded, *closed, *with_limit_exceeded(candidate, model, split)]
