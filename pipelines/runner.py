@@ -169,10 +169,16 @@ def _changed_by(
     before = folder_digest(folder)
     began = time.perf_counter()
     with replacing(folder, root) as new:
-        stage.run(Job(settings, root, new, folder, watcher, digest_of([str(folder.resolve()), made_from])))
+        stage.run(Job(settings, root, new, folder, watcher, _key(stage, made_from, root)))
         watcher.carry_on()  # on Ctrl-C IPOPT returns as if it had ended early
         write_receipt(new, stage.name, made_from, time.perf_counter() - began)
     return folder_digest(folder) != before
+
+
+def _key(stage: Stage, made_from: Fingerprint, root: Path) -> str:
+    """The digest of the run tree and of all that the results depend on, but for when the work is to end."""
+    config = {key: value for key, value in made_from["config"].items() if key not in stage.limits}
+    return digest_of([str(root.resolve()), stage.name, made_from | {"config": config}])
 
 
 def _made_from(stage: Stage, settings: Settings, root: Path) -> Fingerprint:

@@ -20,7 +20,7 @@ def cut_short(found: Trace) -> str:
         where = f"in step {len(found.steps)} and left {left} of {every} effects untried"
     return (
         f"The time limit of {found.time_limit:g} s ended the search {where}: the verdict holds for what was "
-        "tried by then. A larger trace.time_limit tries more. "
+        "tried by then. A larger trace.time_limit goes on from there. "
     )
 
 

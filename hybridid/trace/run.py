@@ -23,6 +23,7 @@ from hybridid.trace.cautions import cautions, marked_as_shown
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.constants import wrong_constants
 from hybridid.trace.context import Context
+from hybridid.trace.deadline import Deadline
 from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.doubted import in_doubt
@@ -69,7 +70,7 @@ def trace(
     pairs: int = PAIRS,
     revise: bool = False,
     recordings: bool | None = None,
-    time_limit: float | None = None,
+    time_limit: float | Deadline | None = None,
     mapper: Mapper = serial,
     report: Report = silent,
     say: Callable[[str], None] = unheard,
@@ -109,8 +110,12 @@ def trace(
     tried = sampled(tried, fitted[0].dt)
     where = None if ports is None else tuple(ports)
     over = None if variables is None else tuple(variables)
-    until = math.inf if time_limit is None else time.monotonic() + time_limit
-    asked = (where, mapper, report, say, laws, pairs, revise, over, until)
+    deadline = (
+        time_limit
+        if isinstance(time_limit, Deadline)
+        else Deadline(math.inf if time_limit is None else time_limit)
+    )
+    asked = (where, mapper, report, say, laws, pairs, revise, over, deadline)
     context = Context(split, tried, rules or Rules(), *asked)
     settings, samples = replace(settings or FitSettings(), method="gauss_newton"), split.horizon
     if recordings:
@@ -150,7 +155,7 @@ def trace(
     missing, failures = missing_efforts(models, split.records, context)
     evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
     traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
-    limit = time_limit if found.out_of_time else None
+    limit = deadline.seconds if found.out_of_time else None
     traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
     if apart:
         traced = replace(traced, disagreement=apart.said, own_values=apart.settings)

@@ -7,6 +7,7 @@ figures, the missing efforts as Parquet, and a proposed law as an effect file.
 from __future__ import annotations
 
 import json
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -20,8 +21,9 @@ from hybridid.records.store import load_record
 from hybridid.simulation.chosen import EXPLICIT
 from hybridid.simulation.stability import MOST
 from hybridid.trace.candidates import admissible
+from hybridid.trace.deadline import Deadline
 from hybridid.trace.horizon import horizon_for
-from hybridid.trace.mapper import Mapper, Report, unheard
+from hybridid.trace.mapper import Report, unheard
 from hybridid.trace.missing_efforts import Missing
 from hybridid.trace.result import Trace
 from hybridid.trace.split import automatic_horizon, divided
@@ -33,7 +35,7 @@ from pipelines.shared.drawing import drawn, fresh_garbage_alone
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import describe_model, fit_of, without_own
 from pipelines.shared.imports import code_digests
-from pipelines.shared.kept_results import kept_results
+from pipelines.shared.kept_results import Unfinished, kept_results
 from pipelines.shared.limits import check_processes
 from pipelines.shared.modelling import fit_settings, groupings_of, model_of, named_code, searched_model_of
 from pipelines.shared.one_step import check_one_step
@@ -62,9 +64,10 @@ FORMATS = ("svg",)
 PATIENCE = 300.0
 """Seconds after which a trace says how it can be ended."""
 LONG = (
-    "5 minutes so far; trace.time_limit=SECONDS ends a search in time. Interrupted (Ctrl-C), the same "
-    "command goes on where it was"
+    "5 minutes so far. Interrupted (Ctrl-C), the same command goes on where it was; with "
+    "trace.time_limit=SECONDS it ends after so long, and says what was found by then"
 )
+INTERRUPTED = "with trace.time_limit=60 the same command says in a minute or two what was found so far"
 FEWEST_FOR_PACE = 10
 """Results that tell how fast a stage is."""
 
@@ -88,10 +91,13 @@ def run(job: Job) -> None:
     groups = groupings_of(job.settings, model_of(job.settings))
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
         job.watcher.warn(line)
-    with kept_results(job.key, job.settings.lone.force, report.say) as keep:
-        # under a time limit the same command need not make the same calls again
-        kept = keep if request.time_limit is None else _unkept
-        found = traced(job.settings, request, fitted, held_out, report, estimate.values, kept, report.say)
+    deadline = Deadline(math.inf if request.time_limit is None else request.time_limit)
+    with kept_results(job.key, job.settings.lone.force, report.say, deadline) as keep:
+        try:
+            found = traced(job.settings, request, fitted, held_out, report, estimate.values, keep, report.say)
+        except KeyboardInterrupt:
+            report.say(INTERRUPTED)
+            raise
         found = replace(found, seconds=found.seconds + keep.before)
         for failure in found.shown.failures:
             job.watcher.warn(failure)
@@ -129,11 +135,6 @@ def _gives_enough(fitted: Sequence[Record], held_out: Sequence[Record], horizon:
     return True
 
 
-def _unkept(mapper: Mapper) -> Mapper:
-    """The mapper itself: an interrupted trace begins anew."""
-    return mapper
-
-
 def traced(
     settings: Settings,
     request: Request,
@@ -141,13 +142,13 @@ def traced(
     held_out: Sequence[Record],
     report: Report,
     start: Mapping[str, float] | None = None,
-    keep: Callable[[Mapper], Mapper] = _unkept,
+    keep: Unfinished | None = None,
     say: Callable[[str], None] = unheard,
 ) -> Trace:
     """What the model of ``settings`` lacks on these records, searched as ``request`` says.
 
-    The first refit starts at the parameters ``start`` (None: at the guesses). ``keep`` lets the mapper keep
-    its results, and ``say`` is told what each step decides.
+    The first refit starts at the parameters ``start`` (None: at the guesses). ``keep`` stores the results of
+    the refits, and has the deadline. ``say`` is told what each step decides.
     """
     from hybridid.trace.run import trace  # other commands need not wait for it
 
@@ -169,8 +170,8 @@ def traced(
             pairs=request.pairs,
             revise=request.revise,
             recordings=request.by_recording,
-            time_limit=request.time_limit,
-            mapper=keep(mapper),
+            time_limit=keep.deadline if keep else request.time_limit,
+            mapper=keep(mapper) if keep else mapper,
             report=report,
             say=say,
         )
@@ -326,4 +327,5 @@ TRACE = Stage(
     check_records=check_records,
     side_by_side=True,
     moves_nothing=("trace.processes",),
+    limits=("trace.time_limit",),
 )

@@ -11,6 +11,15 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
+from hybridid.effects.library import effect_named
+from hybridid.plain import plain
+from hybridid.records.store import load_record
+from hybridid.trace.deadline import Deadline
+from hybridid.trace.mapper import serial, silent
+from hybridid.trace.run import trace
+from pipelines.shared.fitted import load
+from pipelines.shared.kept_results import kept_results
+
 HIDDEN = 73.718  # N s/m: f_v of the worn screw, one way less the other
 FEW = (
     "trace.effects=[asymmetric_viscous, cubic_stiffness]",
@@ -98,28 +107,34 @@ def test_the_augmented_model_is_taken_up_as_any_other(traced, say, tree, quick, 
     assert all(row["r2"] > 0.9999 for row in rows if row["view"] == "horizon"), rows
 
 
-def test_a_notebook_gets_what_the_command_writes_even_after_an_interruption(traced, tree):
-    """The same records, model and start give the same numbers; only the seconds differ."""
-    from hybridid.effects.library import effect_named
-    from hybridid.plain import plain
-    from hybridid.records.store import load_record
-    from hybridid.trace.mapper import serial, silent
-    from hybridid.trace.run import trace
-    from pipelines.shared.fitted import load
-    from pipelines.shared.kept_results import kept_results
+class Denies(Deadline):
+    """Ends the search at its question number ``last``, by whatever clock."""
 
+    def __init__(self, last: int) -> None:
+        super().__init__(1e6)
+        self.asked, self.last = 0, last
+
+    def allows(self, seconds: float = 0.0) -> bool:
+        self.asked += 1
+        self.left_out |= self.asked >= self.last
+        return not self.left_out
+
+
+def test_a_notebook_gets_what_the_command_writes_even_if_it_goes_on(traced, tree):
+    """After a time limit that left something out, and an interruption, the same records, model and start give
+    the same numbers; only the seconds differ."""
     _, data = traced
     model, estimate = load(tree)
     first, second = (load_record(tree / f"preprocess/{name}.parquet") for name in RECORDS)
     tried = [effect_named(name) for name in ("asymmetric_viscous", "cubic_stiffness")]
     said = []
 
-    def once_more(report):
-        with kept_results("this test", False, said.append) as keep:
+    def once_more(report, deadline):
+        with kept_results("this test", False, said.append, deadline) as keep:
             return trace(
                 model, [first], [second],
                 horizon=0.5, effects=tried, variables=("velocity",), start=estimate.values,
-                mapper=keep(serial), report=report,
+                time_limit=deadline, mapper=keep(serial), report=report,
             )  # fmt: skip
 
     def interrupted(stage, done, of, what):
@@ -127,16 +142,15 @@ def test_a_notebook_gets_what_the_command_writes_even_after_an_interruption(trac
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        once_more(interrupted)
-    found = once_more(silent)
-    assert re.fullmatch(r"continues where it was interrupted: \d\d results are kept", said[0])
+        once_more(interrupted, Denies(3))
+    found = once_more(silent, Deadline())
+    assert re.fullmatch(r"continues where it ended: \d+ results are kept", said[0])
     written = {key: value for key, value in data.items() if key not in OF_THE_COMMAND}
     assert without_seconds(plain(found)) == without_seconds(written)
 
 
 def test_what_was_written_reads_back_as_it_was(traced, tree):
     """The terminal prints what it reads: nothing may be lost on the way."""
-    from hybridid.plain import plain
     from pipelines.shared.traced import trace_of
 
     _, data = traced

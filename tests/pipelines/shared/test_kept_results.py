@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from hybridid import private
-from hybridid.trace.mapper import serial
+from hybridid.trace.deadline import Deadline
+from hybridid.trace.mapper import Mapper, serial
 from pipelines.shared.kept_results import CLOCK, DAYS, kept_results
 from pipelines.shared.pool import mapper_of
 
@@ -71,6 +73,44 @@ def test_the_time_before_the_interruption_is_told(home):
     assert told[3] == 0.0
 
 
+def test_what_a_time_limit_left_out_is_all_that_is_computed_later(home):
+    """Within a call the order may differ: what has a name is known by it."""
+
+    def length(one: SimpleNamespace) -> int:
+        computed.append(one.name)
+        return len(one.name)
+
+    def lengths(mapper: Mapper, *names: str) -> list[int]:
+        return list(mapper(length, [(SimpleNamespace(name=name),) for name in names]))
+
+    computed: list[str] = []
+    over = Deadline(0.0)
+    with kept_results("key", False, print, over) as keep:
+        mapper = keep(serial)
+        lengths(mapper, "a/b", "ccc")
+        assert not over.allows()
+        lengths(mapper, "zz")
+    assert computed == ["a/b", "ccc", "zz"]
+    computed.clear()
+    with kept_results("key", False, print, Deadline(1e3)) as keep:
+        mapper = keep(serial)
+        assert lengths(mapper, "ccc", "a/b", "d") == [3, 3, 1]
+        assert lengths(mapper, "zz") == [2]
+    assert computed == ["d", "zz"]
+    assert list(home.iterdir()) == []
+
+
+def test_two_of_one_name_are_two(home):
+    given = [(SimpleNamespace(name="one"), 2), (SimpleNamespace(name="one"), 1), (None, 0)]
+    with pytest.raises(ZeroDivisionError), kept_results("key", False, print) as keep:
+        list(keep(serial)(_share, given))
+    assert sorted(f.name for f in (home / "key").glob("_*")) == ["_share-1-one-1", "_share-1-one-2"]
+
+
+def _share(of: object, parts: int) -> float:
+    return 1 / parts
+
+
 def test_a_clock_that_nobody_can_read_is_no_time(home):
     with pytest.raises(KeyboardInterrupt), kept_results("key", False, print) as keep:
         raise KeyboardInterrupt
@@ -82,7 +122,7 @@ def test_a_clock_that_nobody_can_read_is_no_time(home):
 def test_it_goes_on_where_it_was_and_leaves_nothing(interrupted, home):
     assert interrupted(-1) == [0, 1, 4, 9, 16, 25]
     assert interrupted.computed == [4, 5]
-    assert interrupted.said == ["continues where it was interrupted: 4 results are kept"]
+    assert interrupted.said == ["continues where it ended: 4 results are kept"]
     assert list(home.iterdir()) == []
 
 
@@ -94,8 +134,8 @@ def test_another_computation_takes_nothing(interrupted, changed):
 
 
 def test_only_what_is_whole_and_ones_own_is_taken(interrupted, home):
-    kept = sorted((home / "key").glob("[0-9]*"))
-    assert [file.name for file in kept] == ["1-square-0", "1-square-1", "1-square-2", "2-square-0"]
+    kept = sorted((home / "key").glob("square*"))
+    assert [file.name for file in kept] == ["square-1--1", "square-1--2", "square-1--3", "square-2--1"]
     kept[0].write_bytes(kept[0].read_bytes()[:-1])
     kept[1].write_bytes(kept[2].read_bytes())
     kept[2].chmod(0o666)
@@ -135,4 +175,4 @@ def test_processes_keep_their_results_themselves(home):
         kept_results("key", False, print) as keep,
     ):
         list(keep(mapper)(divmod, [(7, 2), (1, 0)]))
-    assert sorted(file.name for file in (home / "key").iterdir()) == [CLOCK, "1-divmod-0"]
+    assert sorted(file.name for file in (home / "key").iterdir()) == [CLOCK, "divmod-1--1"]

@@ -100,7 +100,7 @@ def test_a_long_trace_says_once_how_it_can_be_ended(monkeypatch, limited):
     for done in range(1, 9):
         report("step 1", done, 20, "carriage.dahl")
     assert len(said) == (not limited)
-    assert limited or "trace.time_limit=SECONDS ends a search in time" in said[0]
+    assert limited or "with trace.time_limit=SECONDS it ends after so long" in said[0]
 
 
 def recorded(seconds: float) -> Record:
