@@ -33,13 +33,13 @@ def main() -> None:
         code = dispatch(sys.argv[1:])
         sys.stdout.flush()
         interrupt.ignore_from_now()
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as raised:
         interrupt.ignore_from_now()
         asked = interrupt.last()
         code = asked.code
         with _terminal_may_be_gone():
             kept = "what was unfinished is discarded, the rest is kept: the same command goes on"
-            complain(f"{asked}; {kept}")
+            complain("; ".join([str(asked), kept, *getattr(raised, "__notes__", ())]))
     except BrokenPipeError:  # `hybridid effects | head`
         _silence(sys.stdout)
         code = 0

@@ -67,7 +67,7 @@ LONG = (
     "5 minutes so far. Interrupted (Ctrl-C), the same command goes on where it was; with "
     "trace.time_limit=SECONDS it ends after so long, and says what was found by then"
 )
-INTERRUPTED = "with trace.time_limit=60 the same command says in a minute or two what was found so far"
+INTERRUPTED = "with trace.time_limit=60 it says in a minute or two what was found so far"
 FEWEST_FOR_PACE = 10
 """Results that tell how fast a stage is."""
 
@@ -95,8 +95,8 @@ def run(job: Job) -> None:
     with kept_results(job.key, job.settings.lone.force, report.say, deadline) as keep:
         try:
             found = traced(job.settings, request, fitted, held_out, report, estimate.values, keep, report.say)
-        except KeyboardInterrupt:
-            report.say(INTERRUPTED)
+        except KeyboardInterrupt as asked_to_end:
+            asked_to_end.add_note(INTERRUPTED)
             raise
         found = replace(found, seconds=found.seconds + keep.before)
         for failure in found.shown.failures:
