@@ -22,7 +22,7 @@ from hybridid.trace.evidence import compare, holm
 from hybridid.trace.learned_effort import is_learned, with_learned_effort
 from hybridid.trace.numerics import Numerics
 from hybridid.trace.path import Path
-from hybridid.trace.promising_efforts import promising
+from hybridid.trace.promising_efforts import Place, promising
 from hybridid.trace.refit import FAILURES, LEAST_DECREASE, WITHOUT_STD, least_of, refit_if_hopeful
 from hybridid.trace.refitted import Refit
 from hybridid.trace.rules import Rules
@@ -122,18 +122,24 @@ def ceilings(
         for over in context.overs(port, base.model)
         if path.shows(port.name, over)
     ]
-    least = least_of(context.rules.worth)
     chosen = shown if promised is None else promising(shown, base, context, promised)
-    places = [(base, context.split, *place, least) for place in chosen]
+    return beside(base, shown, chosen, context, stage)
+
+
+def beside(
+    base: Refit, places: Sequence[Place], chosen: Sequence[Place], context: Context, stage: str
+) -> tuple[Ceiling, ...]:
+    """The ceilings at ``places`` (port and variable) beside ``base``, of which the ``chosen`` are fitted."""
+    least = least_of(context.rules.worth)
     found = context.each(
         stage,
         ceiling,
-        places,
+        [(base, context.split, *place, least) for place in chosen],
         lambda found: found.place,
         lambda _base, _split, _port, over, _least: over.variable in MEMORIES,
     )
     fitted = {(one.port, one.over): one for one in found}
-    every = [fitted.get(place) or _not_fitted(base, *place) for place in shown]
+    every = [fitted.get(place) or _not_fitted(base, *place) for place in places]
     adjusted = holm([one.p_alone for one in every])
     return tuple(replace(one, p_value=p) for one, p in zip(every, adjusted, strict=True))
 

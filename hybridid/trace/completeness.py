@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hybridid.trace.before_after import FittedModel, ScoreRow, Validation, scored
-from hybridid.trace.ceiling import Ceiling, ceiling, strongest
+from hybridid.trace.ceiling import Ceiling, beside, strongest
 from hybridid.trace.context import Context
+from hybridid.trace.promising_efforts import most_promising
 from hybridid.trace.rules import Rules
 from hybridid.trace.settled import Ceilings
 from hybridid.trace.verdict import Conclusion
@@ -48,14 +49,15 @@ class Completeness:
 
 
 def ceilings_of_each(found: Conclusion, context: Context) -> tuple[Ceilings, ...]:
-    """The learned efforts beside the declared model and, if anything was accepted, beside the last one."""
+    """The learned efforts beside the declared model and, if anything was accepted, beside the last one. If
+    the former served no decision, only the most promising ones are fitted."""
     if not found.accepted:
         return (found.ceilings,)
     if found.ceilings_before:
         return found.ceilings_before, found.ceilings
-    places = [(found.search.first, context.split, c.port, c.over) for c in found.ceilings]
-    before = context.each("learned effort beside the declared model", ceiling, places, lambda one: one.place)
-    return tuple(before), found.ceilings
+    first, every = found.search.first, [(one.port, one.over) for one in found.ceilings]
+    chosen = most_promising(every, first, context)
+    return beside(first, every, chosen, context, "learned effort beside the declared model"), found.ceilings
 
 
 def with_networks(

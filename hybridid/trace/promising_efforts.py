@@ -3,8 +3,9 @@
 What an effort could add to such a model is less than the noise. So little is linear in its amplitudes: one
 Gauss-Newton step from zero effort, of all parameters and initial states together, lowers the fitted cost by
 as much as a fit would. That needs one simulation, and a fit some fifty. The most promising ones are fitted
-whatever they promise: what they take from the held-out error is told. Where a time limit has passed and no
-name is to be doubted, these are all; far from the noise the order is a guess.
+whatever they promise: what they take from the held-out error is told. Far from the noise the order is a
+guess. It chooses where no name is to be doubted: after a time limit, and for what a report tells of the
+declared model.
 
 Source: Rao (1948), Large sample tests of statistical hypotheses, Proc. Camb. Phil. Soc. 44(1), 50-57.
 """
@@ -32,8 +33,21 @@ Place = tuple[str, Over]
 def promising(places: Sequence[Place], base: Refit, context: Context, least: float) -> list[Place]:
     """Those of ``places`` (port and variable) whose learned effort promises ``least``, a share of the fitted
     cost of ``base``, and the ``ALWAYS`` most promising ones, in the order of ``places``."""
+    return _chosen(places, _shares(places, base, context), least)
+
+
+def most_promising(places: Sequence[Place], base: Refit, context: Context) -> list[Place]:
+    """As ``promising``: those that promise at least half as much as the best one does."""
+    shares = _shares(places, base, context)
+    return _chosen(places, shares, max(filter(math.isfinite, shares), default=0.0) / 2)
+
+
+def _shares(places: Sequence[Place], base: Refit, context: Context) -> list[float]:
     given = [(base, context.split, *place) for place in places]
-    shares = context.each("learned effort, ranked", promised, given)
+    return context.each("learned effort, ranked", promised, given)
+
+
+def _chosen(places: Sequence[Place], shares: Sequence[float], least: float) -> list[Place]:
     ranked = sorted(range(len(places)), key=lambda k: -shares[k])
     return [place for k, place in enumerate(places) if shares[k] >= least or k in ranked[:ALWAYS]]
 

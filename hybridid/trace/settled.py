@@ -139,8 +139,8 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     None where the last model meets the noise on all horizons together: only its parameters are uncertain, and
     a learned effort could take what they err by. None where it meets the noise in more steps a sample than a
     trial is given: what it leaves is white, and each learned effort would take minutes to find nothing in it.
-    None where the time limit ended the first step: there is no name to be doubted. Where nothing is accepted,
-    those that promise something at the noise, and the most promising ones after a time limit.
+    None where the time limit ended the first step: there is no name to be doubted. Beside a last model at the
+    noise those that promise something, and after a time limit that accepted nothing the most promising ones.
     """
     if found.cut_within_a_step and not found.accepted:
         return ()
@@ -148,18 +148,22 @@ def learned_beside(model: Refit, found: Search, context: Context) -> Ceilings:
     if model is found.final and (sharp_alone or found.stopped == AT_FLOOR_TOGETHER):
         return ()
     known = (step.learned for step in found.steps if step.base is model and step.learned)
-    return next(known, ()) or ceilings(model, context, promised=_to_promise(found, context))
+    return next(known, ()) or ceilings(model, context, promised=_to_promise(model, found, context))
 
 
-def _to_promise(found: Search, context: Context) -> float | None:
-    """The share of the fitted cost that a learned effort must promise to be fitted; None for any. At the
-    noise it is half of what it would have to take: an RMSE that is lower by ``worth`` is a square that is
-    lower by twice that."""
-    if found.accepted:
-        return None
-    if context.out_of_time:
+def _to_promise(model: Refit, found: Search, context: Context) -> float | None:
+    """The share of the fitted cost that a learned effort beside ``model`` must promise to be fitted; None for
+    any. At the noise it is half of what it would have to take: to find something, an RMSE that is lower by
+    ``worth``, which is a square that is lower by twice that; or to accuse an accepted effect, its share of
+    what both take (``Rules.stands_in``)."""
+    if not found.accepted and context.out_of_time:
         return math.inf
-    return context.rules.worth if found.at_noise else None
+    if not found.at_noise or model is not found.final:
+        return None
+    rules, left = context.rules, model.score.loss**2
+    least = min((one.trial.taken for one in found.accepted), default=math.inf)
+    accuses = least * rules.stands_in / (1.0 - rules.stands_in)
+    return min(2.0 * rules.worth, accuses / left if left > 0 else math.inf) / 2.0
 
 
 def _error_left(final: Refit, context: Context) -> tuple[Accuracy, float]:

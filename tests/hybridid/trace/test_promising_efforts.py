@@ -8,9 +8,10 @@ from dataclasses import replace
 import pytest
 
 from hybridid.effects.over import Over
+from hybridid.trace import promising_efforts
 from hybridid.trace.ceiling import ceiling, ceilings, strongest
 from hybridid.trace.context import Context
-from hybridid.trace.promising_efforts import ALWAYS, promised, promising
+from hybridid.trace.promising_efforts import ALWAYS, most_promising, promised, promising
 from hybridid.trace.refit import refit
 
 PLACES = [("carriage", Over(one)) for one in ("velocity", "position", "time")] + [
@@ -54,6 +55,21 @@ def test_what_promises_little_is_not_fitted_but_for_the_best(make_model, split_o
     assert len(left_out) == len(found) - ALWAYS
     assert all(one.refit.ended_early and one.gain == 0.0 and one.p_value == 1.0 for one in left_out)
     assert strongest(found).fitted
+
+
+def test_the_most_promising_efforts_promise_half_of_the_best(make_model, split_of, monkeypatch):
+    """And as few as ``ALWAYS`` in any case. What cannot be simulated is among them, and is no measure."""
+    split = split_of()
+    base, context = refit(make_model(), split), Context(split)
+    monkeypatch.setattr(promising_efforts, "ALWAYS", 1)
+    for shares, chosen in {
+        (0.4, 0.1, 0.2, 0.0): [0, 2],
+        (0.4, math.inf, 0.1, 0.0): [0, 1],
+        (-0.2, -0.3, -0.1, -0.4): [2],
+    }.items():
+        by_place = dict(zip(PLACES, shares, strict=True))
+        monkeypatch.setattr(promising_efforts, "promised", lambda b, s, *place, of=by_place: of[place])
+        assert most_promising(PLACES, base, context) == [PLACES[k] for k in chosen]
 
 
 def test_what_cannot_be_simulated_is_fitted(slight, monkeypatch):

@@ -84,7 +84,22 @@ def test_few_learned_efforts_are_fitted_where_no_name_is_to_be_doubted(below, co
     named, nothing = below.search, replace(below.search, accepted=())
     late = replace(context, deadline=Deadline(0.0))
     at_noise, far = (replace(nothing, stopped=why) for why in (AT_FLOOR, NONE_PASSES))
-    assert settled._to_promise(named, late) is None, "a name is doubted as always"
-    assert settled._to_promise(far, context) is None
-    assert settled._to_promise(far, late) == np.inf
-    assert settled._to_promise(at_noise, context) == context.rules.worth
+    last = below.search.final
+    doubted = replace(named, stopped=NONE_PASSES)
+    assert settled._to_promise(last, doubted, late) is None, "a name is doubted as always"
+    assert settled._to_promise(last, far, context) is None
+    assert settled._to_promise(last, far, late) == np.inf
+    assert settled._to_promise(last, at_noise, context) == context.rules.worth
+
+
+def test_a_name_at_the_noise_is_doubted_by_efforts_that_could_accuse_it(below, context):
+    """One that took little is accused by little: with half the share that ``stands_in`` allows."""
+    found, rules = replace(below.search, stopped=AT_FLOOR), context.rules
+    last, (one,) = found.final, found.accepted
+    assert settled._to_promise(found.first, found, context) is None, "far from the noise any may tell"
+    assert settled._to_promise(last, found, context) == rules.worth
+    took = 0.1 * last.score.loss**2
+    little = replace(one, trial=SimpleNamespace(taken=took))
+    least = settled._to_promise(last, replace(found, accepted=(little,)), context)
+    both = took + 2 * least * last.score.loss**2
+    assert 2 * least * last.score.loss**2 == pytest.approx(rules.stands_in * both)
