@@ -98,11 +98,11 @@ def rivals(found: Trace) -> tuple[str, ...]:
 def told_apart(entry: AcceptedEffect, rules: Rules) -> str:
     """How far the members of a class are alike: which of them leave more error than the accepted one in the
     last model, by ``Rules.tie`` or more, and how much. Where most of what one leaves is its own misfit, it is
-    not alike; but no test has excluded it."""
+    not alike; but no test has excluded it. Where it is less, no test has shown that it is worse."""
     worse = [one for one in entry.class_members if one.more >= rules.tie]
     if not worse:
         return "these records cannot tell them apart"
-    how = "not excluded" if any(1.0 + one.more > MISFIT for one in worse) else "nearly alike"
+    how = "not excluded" if any(1.0 + one.more > MISFIT for one in worse) else "not significantly worse"
     return f"{how}: {listed([f'{one.name} leaves {share(one.more)} more error' for one in worse])}"
 
 

@@ -93,7 +93,7 @@ def _accepted(found: Trace, pictures: tuple[Picture, ...]) -> Section | None:
     if not found.accepted:
         return None
     header = (
-        "effect", "port", "estimate ± 95 %", "refitted to the held-out records", "gain", "p",
+        "effect", "port", "estimate ± 95 %", "refitted to the held-out records", "gain", "adjusted p",
         "cannot be told from", "step",
     )  # fmt: skip
     rows = tuple(
@@ -156,7 +156,7 @@ def _by_recording(found: Trace) -> Section | None:
         "parameter",
         "value ± 95 %",
         "gain",
-        "p",
+        "adjusted p",
         "in place of",
         "cannot be told from",
         "decision",
@@ -220,18 +220,23 @@ def _values(parameters: Mapping[str, float], names: Sequence[str]) -> tuple[str,
 
 
 def _parameters(found: Trace) -> Table:
-    before, after = found.estimates.before, found.estimates.after
+    """Those of the declared model and, if the trace changed it, of the last one."""
+    estimates = found.estimates
+    models = {BEFORE: estimates.before, AFTER: estimates.after}
+    if not (found.accepted or found.narrowed):
+        del models[AFTER]
     rows = []
-    for name in dict.fromkeys((*before, *after)):
-        either = before.get(name) or after[name]
-        cells = [_interval(estimates.get(name)) for estimates in (before, after)]
-        rows.append((name, *(text for cell in cells for text in cell), either.unit))
-    header = ("parameter", BEFORE, "95 % interval", AFTER, "95 % interval", "unit")
+    for name in dict.fromkeys(name for of in models.values() for name in of):
+        unit = next(of[name].unit for of in models.values() if name in of)
+        cells = [_interval(of.get(name)) for of in models.values()]
+        rows.append((name, *(text for cell in cells for text in cell), unit))
+    columns = tuple(title for model in models for title in (model, "95 % interval"))
+    header = ("parameter", *columns, "unit")
     notes = (
         "Intervals allow for autocorrelated residuals. They do not cover errors from physics still missing.",
     )
     title = f"Estimates from {listed(found.fitted_records)} ({found.provenance})"
-    return Table(title, header, tuple(rows), notes, words=(0, 5))
+    return Table(title, header, tuple(rows), notes, words=(0, len(header) - 1))
 
 
 def _interval(parameter: EstimatedValue | None) -> tuple[str, str]:
@@ -245,7 +250,7 @@ def _interval(parameter: EstimatedValue | None) -> tuple[str, str]:
 
 
 def _refused(found: Trace) -> tuple[Table, ...]:
-    header = ("effect", "port", "gain", "p", "decision", "reason")
+    header = ("effect", "port", "gain", "adjusted p", "decision", "reason")
     rows = tuple(
         (r.effect, r.port, share(r.gain), _p(r.gain, r.p_value), r.status, r.reason) for r in found.rejected
     )
@@ -267,7 +272,7 @@ def _tried(found: Trace) -> tuple[str, ...]:
 
 
 def _pairs(found: Trace) -> tuple[Table, ...]:
-    header = ("effects", "promise", "gain", "of each beside the other", "p", "decision", "reason")
+    header = ("effects", "promise", "gain", "of each beside the other", "adjusted p", "decision", "reason")
     rows = tuple(
         (
             listed(pair.effects), share(pair.promised), share(pair.gain),
@@ -283,7 +288,7 @@ def _pairs(found: Trace) -> tuple[Table, ...]:
 
 
 def _laws(found: Trace) -> tuple[Table, ...]:
-    header = ("law", "port", "gain", "p", "decision", "reason")
+    header = ("law", "port", "gain", "adjusted p", "decision", "reason")
     rows = tuple(
         (law.effect, law.port, share(law.gain), _p(law.gain, law.p_value), law.status, law.reason)
         for law in found.refused_laws[:MOST_LAWS]

@@ -87,7 +87,7 @@ def run(job: Job) -> None:
         seconds = horizon_for(model, estimate.values, fitted, held_out, asked.horizon)
         request, rate = replace(asked, horizon=seconds), growth(model, model.values(estimate.values), fitted)
     if line := _other_horizon(request.horizon, asked.horizon, fitted, held_out, rate):
-        job.watcher.warn(line)
+        report.say(line)
     groups = groupings_of(job.settings, model_of(job.settings))
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
         job.watcher.warn(line)
@@ -111,7 +111,7 @@ def _other_horizon(
     [1/s] is that at which an error of the model grows."""
     step = fitted[0].dt
     samples, wanted = round(horizon / step), round(usual / step)
-    said = f"trace.horizon: {horizon:.3g} s instead of {usual:g} s"
+    said = f"horizons of {horizon:.3g} s instead of {usual:g} s"
     all_the_same = f"trace.horizon={usual:g} asks for the {{}} ones all the same"
     if samples > wanted:
         why = "so that one shows the slowest dynamics of the fitted model"

@@ -48,7 +48,7 @@ def test_the_sentence_names_both_ports(nothing):
     [
         (-0.001, "these records cannot tell them apart"),
         (0.019, "these records cannot tell them apart"),
-        (0.06, "nearly alike: joint.coulomb leaves 6.0 % more error"),
+        (0.06, "not significantly worse: joint.coulomb leaves 6.0 % more error"),
         (1.04, "not excluded: joint.coulomb leaves 104.0 % more error"),
     ],
 )

@@ -104,10 +104,16 @@ def test_parameters_before_and_after(section):
     assert rows["cart.coulomb.f_c"] == ("–", "", "2", "1.9 to 2.1 (at bound)", "N")
 
 
+def test_of_a_model_that_the_trace_left_as_it_was_the_parameters_stand_once(section):
+    (table,) = section("Parameters", accepted=()).tables
+    assert table.header == ("parameter", "gray box", "95 % interval", "unit")
+    assert table.rows[0] == ("M", "10", "9 to 11", "kg")
+
+
 def test_refused_effects_keep_their_reason(section):
     (table,) = section("What was tried").tables
     assert column(table, "gain") == ["60.0 %", "diverges"]
-    assert column(table, "p")[1] == "–", "what takes nothing has no p-value to show"
+    assert column(table, "adjusted p")[1] == "–", "what takes nothing has no p-value to show"
     assert set(column(table, "reason")) == {"its reason"}
 
 

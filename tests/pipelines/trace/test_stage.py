@@ -37,12 +37,12 @@ def test_a_figure_that_cannot_be_drawn_costs_only_itself(monkeypatch, tmp_path):
         (0.28, ""),
         (
             0.264,
-            "trace.horizon: 0.264 s instead of 0.28 s, so that enough horizons can judge; trace.horizon=0.28 "
+            "horizons of 0.264 s instead of 0.28 s, so that enough horizons can judge; trace.horizon=0.28 "
             "asks for the longer ones all the same",
         ),
         (
             0.56,
-            "trace.horizon: 0.56 s instead of 0.28 s, so that one shows the slowest dynamics of the fitted "
+            "horizons of 0.56 s instead of 0.28 s, so that one shows the slowest dynamics of the fitted "
             "model; trace.horizon=0.28 asks for the shorter ones all the same",
         ),
     ],
