@@ -7,16 +7,16 @@ import time
 
 
 class Deadline:
-    """The end of a search, ``seconds`` from now (infinite: it has none).
+    """The end of a search, so many ``seconds`` from now (None or infinite: it has none).
 
     ``left_out`` is whether something was not begun because of it. Up to then a search does what one without
     an end does.
     """
 
-    def __init__(self, seconds: float = math.inf) -> None:
-        self.seconds = seconds
+    def __init__(self, seconds: float | None = None) -> None:
+        self.seconds = math.inf if seconds is None else seconds
         self.left_out = False
-        self._until = time.monotonic() + seconds
+        self._until = time.monotonic() + self.seconds
 
     @property
     def exists(self) -> bool:

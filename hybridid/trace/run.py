@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+from hybridid.advice.disagreement import Disagreement
 from hybridid.effects.effect import Effect
 from hybridid.effects.library import effect_named, library_for
 from hybridid.effects.sampled import sampled
@@ -16,17 +16,18 @@ from hybridid.model import Model
 from hybridid.records.record import Record
 from hybridid.settings.choices import AskedIntegrator
 from hybridid.simulation.chosen import AUTO, EXPLICIT, as_integrator
-from hybridid.trace.before_after import Validation, before_and_after
+from hybridid.trace.before_after import FittedModel, Validation, before_and_after
 from hybridid.trace.between_recordings import disagreeing, own_values_suffice
 from hybridid.trace.by_recording import by_recording, check_split
 from hybridid.trace.cautions import cautions, marked_as_shown
 from hybridid.trace.completeness import ceilings_of_each, with_networks
-from hybridid.trace.constants import wrong_constants
+from hybridid.trace.constants import WrongConstants, wrong_constants
 from hybridid.trace.context import Context
 from hybridid.trace.deadline import Deadline
 from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.doubted import in_doubt
+from hybridid.trace.entries import DifferingParameter
 from hybridid.trace.horizon import horizon_for
 from hybridid.trace.input_noise import NoiseLevel
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
@@ -106,64 +107,91 @@ def trace(
     seconds = horizon or horizon_for(model, start, fitted, others)
     split = divided(fitted, others, seconds)
     check_measured(split)
+    if recordings:
+        check_split(split)
     tried = library_for(model.channels) if effects is None else _known(effects, model)
     tried = sampled(tried, fitted[0].dt)
     where = None if ports is None else tuple(ports)
     over = None if variables is None else tuple(variables)
-    deadline = (
-        time_limit
-        if isinstance(time_limit, Deadline)
-        else Deadline(math.inf if time_limit is None else time_limit)
-    )
+    deadline = time_limit if isinstance(time_limit, Deadline) else Deadline(time_limit)
     asked = (where, mapper, report, say, laws, pairs, revise, over, deadline)
     context = Context(split, tried, rules or Rules(), *asked)
-    settings, samples = replace(settings or FitSettings(), method="gauss_newton"), split.horizon
-    if recordings:
-        check_split(split)
+    settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     if recordings is None:
-        as_long = replace(settings, horizon=samples)
-        context = replace(context, own_values=own_values_suffice(model, fitted, as_long, start))
-    may_lengthen = horizon is None if lengthen is None else lengthen
+        context = replace(context, own_values=own_values_suffice(model, fitted, settings, start))
     begun = [start] if start else []
     weights = _weights(model, context, begun, settings.integrator)
     if weights:
         fitted, others = with_noise(fitted, weights), with_noise(others, weights)
         context = replace(context, split=divided(fitted, others, seconds))
         context.say(weights_in_words(weights).strip())
+    may_lengthen = horizon is None if lengthen is None else lengthen
     found, context = concluded(model, context, begun, settings.integrator, may_lengthen)
-    split, settings = context.split, replace(settings, horizon=context.split.horizon)
-    seconds = seconds if split.horizon == samples else split.horizon * fitted[0].dt
     found = _of_one_decay(found, fitted, context)
     differ = by_recording(found.search, context) if recordings else ()
-    if found.verdict in OPEN and not found.accepted and any(one.status == PASSED for one in differ):
-        found = replace(found, verdict="unexplained")
+    if any(one.status == PASSED for one in differ):
+        found = _contradicted(found)
     constants = wrong_constants(found, context)
-    freed = {name for one in constants.in_place for name in one.instead}
-    if in_doubt(found, freed | {one.in_place_of for one in differ}, context):
-        found = replace(found, verdict="ambiguous")
-    found = replace(found, search=replace(found.search, accepted=as_told(found.search, context)))
-    settings = replace(settings, integrator=_solving(found.search.first.numerics.integrator))
+    found = _doubted(found, differ, constants, context)
+    if context.split.horizon != split.horizon:
+        seconds = context.split.horizon * fitted[0].dt
+    solving = _solving(found.search.first.numerics.integrator)
+    settings = replace(settings, integrator=solving, horizon=context.split.horizon)
     validation = Validation(fitted, others, settings, seconds, initial_state)
     models = before_and_after(found, validation, context)
     apart = None if recordings else disagreeing(models, validation)
-    if apart and found.verdict in NAMED:
-        found = replace(found, verdict="ambiguous")
-    elif apart and found.verdict in OPEN and not found.accepted:
-        found = replace(found, verdict="unexplained")
-    ceilings = ceilings_of_each(found, context)
-    networks = with_networks(models, ceilings, validation, context)
-    missing, failures = missing_efforts(models, split.records, context)
-    evidence = Evidence(split, found, tuple(models), ceilings, tuple(networks), missing, failures)
-    traced = summary(evidence, context.rules, validation, time.perf_counter() - began)
-    limit = deadline.seconds if found.out_of_time else None
-    traced = replace(traced, by_recording=differ, narrowed=narrowed(model, found.model), time_limit=limit)
+    found = _unless_apart(found, apart)
+    evidence = _evidence(found, models, validation, context)
+    traced = replace(
+        summary(evidence, context.rules, validation, time.perf_counter() - began),
+        by_recording=differ,
+        narrowed=narrowed(model, found.model),
+        finer=found.search.final.numerics.finer,
+        weights=weights,
+    )
+    traced = marked_as_shown(found.accepted, traced)
     if apart:
         traced = replace(traced, disagreement=apart.said, own_values=apart.settings)
-    traced = replace(traced, finer=found.search.final.numerics.finer, weights=weights)
-    traced = marked_as_shown(found.accepted, traced)
-    traced = replace(traced, stopped=OUT_OF_TIME) if found.out_of_time else traced
+    if found.out_of_time:
+        traced = replace(traced, time_limit=deadline.seconds, stopped=OUT_OF_TIME)
     beware = cautions(found, traced, fitted, constants, context)
     return replace(traced, sentence=sentence(traced), cautions=beware)
+
+
+def _doubted(
+    found: Conclusion, differ: Sequence[DifferingParameter], constants: WrongConstants, context: Context
+) -> Conclusion:
+    """``found``, in doubt where parameters that ``differ`` by recording or declared ``constants`` explain as
+    much, with the classes that are told."""
+    freed = {name for one in constants.in_place for name in one.instead}
+    if in_doubt(found, freed | {one.in_place_of for one in differ}, context):
+        found = replace(found, verdict="ambiguous")
+    return replace(found, search=replace(found.search, accepted=as_told(found.search, context)))
+
+
+def _unless_apart(found: Conclusion, apart: Disagreement | None) -> Conclusion:
+    """``found``; in doubt or contradicted where the recordings are ``apart``."""
+    if apart is None:
+        return found
+    return replace(found, verdict="ambiguous") if found.verdict in NAMED else _contradicted(found)
+
+
+def _contradicted(found: Conclusion) -> Conclusion:
+    """``found``, whose verdict a parameter that differs by recording contradicts, unless something was
+    accepted."""
+    open_still = found.verdict in OPEN and not found.accepted
+    return replace(found, verdict="unexplained") if open_still else found
+
+
+def _evidence(
+    found: Conclusion, models: Sequence[FittedModel], validation: Validation, context: Context
+) -> Evidence:
+    """All that a report shows of ``found``: the models before and after, and what learned efforts, networks
+    and missing efforts say beside them."""
+    ceilings = ceilings_of_each(found, context)
+    networks = with_networks(models, ceilings, validation, context)
+    missing, failures = missing_efforts(models, context.split.records, context)
+    return Evidence(context.split, found, tuple(models), ceilings, tuple(networks), missing, failures)
 
 
 def _weights(

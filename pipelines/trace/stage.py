@@ -7,7 +7,6 @@ figures, the missing efforts as Parquet, and a proposed law as an effect file.
 from __future__ import annotations
 
 import json
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -91,7 +90,7 @@ def run(job: Job) -> None:
     groups = groupings_of(job.settings, model_of(job.settings))
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
         job.watcher.warn(line)
-    deadline = Deadline(math.inf if request.time_limit is None else request.time_limit)
+    deadline = Deadline(request.time_limit)
     with kept_results(job.key, job.settings.lone.force, report.say, deadline) as keep:
         try:
             found = traced(job.settings, request, fitted, held_out, report, estimate.values, keep, report.say)
