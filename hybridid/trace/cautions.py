@@ -23,7 +23,7 @@ from hybridid.trace.between_recordings import between_recordings
 from hybridid.trace.constants import WrongConstants, constants_in_words
 from hybridid.trace.context import Context
 from hybridid.trace.decay_class import in_their_place
-from hybridid.trace.doubted import other_law_possible, revision_advised, simpler_possible
+from hybridid.trace.doubted import one_curve, other_law_possible, revision_advised, simpler_possible
 from hybridid.trace.drive_sides import drive_changes_on_one_side
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.form_shown import form_hardly_shown
@@ -76,7 +76,7 @@ def cautions(
     told = [] if traced.by_recording or traced.disagreement else between_recordings(found, context)
     told += [constants_in_words(constants), ends_at_bound(traced.estimate)]
     told += [revision_advised(found, context)]
-    told += [several_hystereses(found.accepted), one_impedance(found.accepted)]
+    told += [several_hystereses(found.accepted), one_impedance(found.accepted), one_curve(found, context)]
     told += [judged_the_other_way(found.search.first, context)]
     told += [drive_changes_on_one_side(found.model, context.split)]
     told += [within_half_a_sample(found.accepted, found.search.final, records[0].dt)]

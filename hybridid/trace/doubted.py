@@ -13,16 +13,18 @@ from collections.abc import Sequence, Set
 import numpy as np
 
 from hybridid.effects.composed import form_over, is_composed
-from hybridid.effects.over import Over
+from hybridid.effects.over import MEMORIES, Over
 from hybridid.model import Model
 from hybridid.naming import listed
 from hybridid.trace.ceiling import Ceiling
 from hybridid.trace.context import Context
 from hybridid.trace.hystereses import one_impedance, several_hystereses
-from hybridid.trace.law_curve import is_curve_over
+from hybridid.trace.law_curve import binned, is_curve_over
 from hybridid.trace.path import Path
 from hybridid.trace.refitted import Refit
+from hybridid.trace.shorter import seeks
 from hybridid.trace.split import Split
+from hybridid.trace.steps import Accepted
 from hybridid.trace.verdict import Conclusion
 
 CONSTANT = 0.1
@@ -79,11 +81,11 @@ def refuted_form(found: Conclusion, context: Context) -> list[str]:
 
 def in_doubt(found: Conclusion, instead: Set[str], context: Context) -> bool:
     """Whether a name is in doubt: it is one of those ``instead`` of which something else explains as much,
-    the records refute its form, or it stands for a part of a sum (``hybridid.trace.hystereses``). Proposed
-    laws are in doubt if something else explains as much as each."""
+    the records refute its form, or it stands for a part of a sum (``one_curve``, and
+    ``hybridid.trace.hystereses``). Proposed laws are in doubt if something else explains as much as each."""
     if found.verdict == "law_proposed":
         return {one.name for one in found.accepted if is_composed(one.trial.candidate.effect)} <= instead
-    a_sum = several_hystereses(found.accepted) or one_impedance(found.accepted)
+    a_sum = several_hystereses(found.accepted) or one_impedance(found.accepted) or one_curve(found, context)
     return found.verdict == "effect_found" and bool(instead or a_sum or refuted_form(found, context))
 
 
@@ -126,6 +128,40 @@ def simpler_possible(found: Conclusion, context: Context) -> str:
         f" {listed(list(beside))} and the declared {declared} are functions of one variable: whether others "
         f"with fewer parameters explain as much in their place, {REVISE} asks."
     )
+
+
+def one_curve(found: Conclusion, context: Context) -> str:
+    """That accepted effects are the parts of one curve, in words; empty where none are.
+
+    Effects at one port that are functions of one variable, all odd or all even, add up to one such function,
+    and that is what the records show. If one of them bends (a parameter beside its amplitude says where), the
+    sum has the freedom of a series, and meets many a law that no library holds.
+    """
+    places: dict[tuple[str, Over | None], list[Accepted]] = {}
+    for one in found.accepted:
+        candidate = one.trial.candidate
+        if not (seeks(candidate) or is_composed(candidate.effect)):
+            places.setdefault((candidate.port, form_over(candidate.effect)), []).append(one)
+    for (port, over), them in places.items():
+        if over is None or over.variable in MEMORIES or len(them) < 2:
+            continue
+        path = Path.of(found.search.final, context.split, context.split.fitted)
+        for odd in (True, False):
+            parts = [one for one in them if _is_odd(path, one.name, port, over) is odd]
+            if len(parts) > 1 and any(one.trial.free_parameters > 1 for one in parts):
+                return (
+                    f" Beware: {listed([one.name for one in parts])} are functions of one variable. The "
+                    "records show their sum; another law of that variable may have the same curve."
+                )
+    return ""
+
+
+def _is_odd(path: Path, name: str, port: str, over: Over) -> bool:
+    """Whether the effort of the term ``name`` is rather an odd function of its variable than an even one."""
+    seen = path.seen(port, over)
+    curve = binned(seen, path.effort_of(name, port), path.factor(port, over))
+    here, there = curve.over(seen), curve.over(-seen)
+    return bool(np.sum((here - there) ** 2) > np.sum((here + there) ** 2))
 
 
 def _remaining(found: Conclusion) -> list[Ceiling]:

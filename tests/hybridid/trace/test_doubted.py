@@ -15,6 +15,7 @@ from hybridid.trace.context import Context
 from hybridid.trace.doubted import (
     doubted,
     in_doubt,
+    one_curve,
     other_law_possible,
     refuted_form,
     revision_advised,
@@ -152,3 +153,33 @@ def test_a_name_or_a_law_is_in_doubt_where_something_else_explains_as_much(
     ended, context = ended_with(fitted, effect, remains=False)
     ended.verdict = verdict
     assert in_doubt(ended, instead, context) == doubt
+
+
+@pytest.mark.parametrize(
+    ("effects", "told"),
+    [
+        (("quadratic_drag", "stribeck"), True),
+        (("stribeck", "asymmetric_viscous"), False),  # odd and even: the records tell them apart
+        (("quadratic_drag", "viscous"), False),  # neither bends
+        (("stribeck", "position_damping"), False),  # another variable
+        (("stribeck", "detent"), False),
+        (("stribeck",), False),
+    ],
+)
+def test_two_functions_of_one_variable_are_parts_of_a_curve(make_model, split_of, effects, told):
+    """A sum that may bend at will is no evidence for each of its parts."""
+    split = split_of()
+    base = refit(make_model(("offset",)), split)
+    model, values, accepted = base.model, dict(base.values), []
+    for effect in effects:
+        candidate = Candidate(effect_named(effect), "carriage")
+        model = candidate.added_to(model)
+        values |= dict.fromkeys((p.name for p in model.free if p.name not in values), 1.0)
+        trial = SimpleNamespace(candidate=candidate, free_parameters=candidate.free_parameters)
+        accepted.append(SimpleNamespace(name=candidate.name, trial=trial))
+    search = SimpleNamespace(final=replace(base, model=model, values=values))
+    found = SimpleNamespace(accepted=accepted, search=search)
+    names = " and ".join(f"carriage.{effect}" for effect in effects)
+    said = one_curve(found, Context(split, ()))
+    assert said.startswith(f" Beware: {names} are functions of one variable. ") is told
+    assert bool(said) is told
