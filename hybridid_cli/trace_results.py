@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import RenderableType
@@ -113,35 +114,27 @@ def _accepted(found: Trace) -> RenderableType:
 
 
 def _before_after(found: Trace) -> RenderableType:
-    columns = (
-        "record", "output", "view", "network", "RMSE before", "after", "change", "R² before", "after", "data",
-    )  # fmt: skip
-    made = table("Before and after", columns, words=(0, 1, 2, 3, 9))
+    """The error on each record before and after; once, where nothing was added."""
+    both = ("RMSE before", "after", "change", "R² before", "after") if found.accepted else ("RMSE", "R²")
+    columns = ("record", "output", "view", "network", *both, "data")
+    title = "Before and after" if found.accepted else "The model's errors"
+    made = table(title, columns, words=(0, 1, 2, 3, len(columns) - 1))
     first, last = found.path[0].held_out_rmse, found.path[-1].held_out_rmse
     for name, floor in found.noise_floor.items():
-        made.add_row(
-            "horizons that judge",
-            name,
-            view(found.horizon),
-            NONE,
-            quantity(first[name], floor.unit),
-            quantity(last[name], floor.unit),
-            change(first[name], last[name]),
-            NONE,
-            NONE,
-            provenance(found.provenance),
-        )
+        where = ("horizons that judge", name, view(found.horizon), NONE)
+        errors = [quantity(one[name], floor.unit) for one in (first, last)]
+        cells = _cells(found, errors, change(first[name], last[name]), [NONE, NONE])
+        made.add_row(*where, *cells, provenance(found.provenance))
     for before, after in zip(found.before, found.after, strict=True):
-        made.add_row(
-            f"{before.record} ({before.role})",
-            before.output,
-            view(before.horizon),
-            "with" if before.network else NONE,
-            quantity(before.rmse, before.unit),
-            quantity(after.rmse, after.unit),
-            change(before.rmse, after.rmse),
-            r_squared(before.r2, UNKNOWN),
-            r_squared(after.r2, UNKNOWN),
-            provenance(before.provenance),
-        )
+        network = "with" if before.network else NONE
+        where = (f"{before.record} ({before.role})", before.output, view(before.horizon), network)
+        errors = [quantity(one.rmse, one.unit) for one in (before, after)]
+        r2 = [r_squared(one.r2, UNKNOWN) for one in (before, after)]
+        cells = _cells(found, errors, change(before.rmse, after.rmse), r2)
+        made.add_row(*where, *cells, provenance(before.provenance))
     return made
+
+
+def _cells(found: Trace, errors: Sequence[str], change_: str, r2: Sequence[str]) -> tuple[str, ...]:
+    """The ``errors`` and ``r2`` before and after with their change, or those of the one model."""
+    return (*errors, change_, *r2) if found.accepted else (errors[-1], r2[-1])

@@ -52,6 +52,14 @@ def test_the_terminal_prints_it(tree):
         assert part in text, part
 
 
+def test_the_errors_of_a_model_that_the_trace_left_as_it_was_stand_once(stored, tree):
+    assert "RMSE before" in rendered(trace_results(tree))
+    write_json(tree / TRACE, stored(accepted=()))
+    said = rendered(trace_results(tree))
+    assert "The model's errors" in said
+    assert "before" not in said[said.index("The model's errors") :].split("\n\n")[0]
+
+
 def test_the_terminal_repeats_what_the_fit_advises(tree):
     """But not how long the horizons of the fit should be: a trace has its own."""
     nothing, advice = np.zeros((0, 0)), Advice("decay", "amplitude and time go hand in hand")
