@@ -62,6 +62,7 @@ class Terminal:
     def show(self, text: str) -> None:
         """Print a result to stdout in one write, so that parallel processes do not mix their lines."""
         self._stop_bar()
+        self._doing = ""
         sys.stdout.write(f"{self._label}{text}\n" if self._label else f"{text}\n")
         sys.stdout.flush()
 

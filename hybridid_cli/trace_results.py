@@ -108,7 +108,7 @@ def _accepted(found: Trace) -> RenderableType:
             probability(entry.p_value),
             ", ".join(entry.others) or NONE,
             f"{sum(survived)} of {len(survived)} variations"
-            + (f"; {refuted} not counted: the records refute it" if refuted else ""),
+            + (f"; the records refute {counted(refuted, 'other')}" if refuted else ""),
         )
     return made
 

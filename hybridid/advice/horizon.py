@@ -67,7 +67,7 @@ def unsuitable_horizon(problem: Problem, estimate: Estimate) -> Iterator[Advice]
     if seconds > TOLERATED * longest:
         yield Advice("horizon", _said(problem, estimate, total, proposed))
         return
-    if seconds < float(f"{slowest:.2g}"):  # a horizon is proposed to two digits
+    if float(f"{seconds:.2g}") < float(f"{slowest:.2g}"):  # a horizon is proposed to two digits
         yield Advice("horizon", _too_short(problem, estimate, shortest, slowest))
 
 

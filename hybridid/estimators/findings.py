@@ -13,7 +13,7 @@ from hybridid.estimators.estimate import Estimate, EstimatedParameter, Left, Sol
 from hybridid.estimators.floor import Floor
 from hybridid.estimators.problem import Problem
 from hybridid.estimators.uncertainty import Uncertainty
-from hybridid.quantities import with_unit
+from hybridid.quantities import quantity, with_unit
 from hybridid.settings.fit import FitSettings
 from hybridid.simulation.stability import MOST, substeps_wanted
 
@@ -111,9 +111,11 @@ def _warnings(
             notes.append(f"{p.name} is not identifiable from these records")
     smeared = [p.name for p in parameters if np.isfinite(p.std) and abs(p.smoothing) > MOSTLY * p.std]
     if smeared:
+        widths = [p for p in problem.model.parameters if p.smooths]
+        over = " and ".join(f"{p.name} = {quantity(p.guess, p.unit)}" for p in widths)
         notes.append(
-            f"the error of {', '.join(smeared)} is mostly that of smoothing sign(v): where the machine "
-            "truly sticks, a smaller epsilon of its port says more"
+            f"the error of {', '.join(smeared)} is mostly that of smoothing sign(v) over {over}: where the "
+            "machine truly sticks, a smaller one says more"
         )
     used, integrator = problem.windows.substeps, problem.shooter.integrator
     needed = substeps_wanted(problem.model, solution.p, problem.records, integrator=integrator)

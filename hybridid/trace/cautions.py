@@ -27,7 +27,12 @@ from hybridid.trace.doubted import one_curve, other_law_possible, revision_advis
 from hybridid.trace.drive_sides import drive_changes_on_one_side
 from hybridid.trace.entries import AcceptedEffect
 from hybridid.trace.form_shown import form_hardly_shown
-from hybridid.trace.free_run import far_in_free_run, unstable, worse_in_free_run
+from hybridid.trace.free_run import (
+    adds_up_in_free_run,
+    far_in_free_run,
+    unstable,
+    worse_in_free_run,
+)
 from hybridid.trace.horizon_advice import (
     determining_parts_advised,
     few_samples,
@@ -119,13 +124,15 @@ def cautions(
 
 
 def _in_free_run(search: Search, traced: Trace, context: Context) -> str:
-    """That the free runs become worse, or say nothing since the machine is unstable. Where only what was
-    accepted makes it so, that is no excuse."""
+    """That the free runs become worse, or stay far from the noise, or say nothing since the machine is
+    unstable. Where only what was accepted makes it so, that is no excuse."""
     first, last = (
         growth(one.model, one.model.values(one.values), context.split.records)
         for one in (search.first, search.final)
     )
-    return unstable(traced, last) if first > 0 and last > 0 else worse_in_free_run(traced)
+    if first > 0 and last > 0:
+        return unstable(traced, last)
+    return worse_in_free_run(traced) or adds_up_in_free_run(traced)
 
 
 def _only_fitted(found: Conclusion, context: Context) -> str:

@@ -169,10 +169,16 @@ def _remaining(found: Conclusion) -> list[Ceiling]:
 
 
 def revision_advised(found: Conclusion, context: Context) -> str:
-    """That ``trace.revise`` may help, in words, where a declared effect may be the wrong law, or that the
-    time limit left it out; else empty."""
+    """That ``trace.revise`` may help, in words, where a declared effect may be the wrong law; that the time
+    limit left it out, or that it replaces nothing; else empty."""
     if found.unrevised:
         return " The time limit left out trace.revise: no declared effect was questioned."
+    questioned = [term.name for term in found.search.first.model.terms] if context.revise else []
+    if questioned and not found.replacements:
+        return (
+            f" trace.revise left out the declared {listed(questioned)} in turn: no other effects in the "
+            "place of one explain more, or as much with fewer parameters."
+        )
     if found.verdict != "unexplained" or context.revise:
         return ""
     declared = [term.name for term in found.search.final.model.terms]

@@ -56,6 +56,21 @@ def unstable(found: Trace, rate: float) -> str:
 def far_in_free_run(found: Trace, drift: Sequence[str]) -> str:
     """That the last model leaves far more in free run than over horizons, and than noise and simulation do;
     else empty. The outputs of ``drift`` follow what integrates or grows: their free runs tell little."""
+    worst = _farthest(found, drift)
+    return f"{worst} Longer horizons (trace.horizon) may show what is missing." if worst else ""
+
+
+def adds_up_in_free_run(found: Trace) -> str:
+    """That a model with what was accepted comes near the noise over horizons, and leaves far more in free
+    run; else empty."""
+    worst = _farthest(found) if found.accepted and found.times <= found.rules.far else ""
+    adds_up = "what parameters err by, and what another law than the one that is named does"
+    return f"{worst} In the long run it adds up {adds_up}." if worst else ""
+
+
+def _farthest(found: Trace, drift: Sequence[str] = ()) -> str:
+    """In which free run the last model leaves far more than over horizons, and than noise and simulation do,
+    in words; empty where it does in none. The outputs of ``drift`` do not count."""
     limits = {
         name: math.hypot(one.value, one.simulation)
         for name, one in found.noise_floor.items()
@@ -70,8 +85,7 @@ def far_in_free_run(found: Trace, drift: Sequence[str]) -> str:
         return ""
     return (
         f" Beware: in free run of {worst.record} the model leaves {quantity(worst.rmse, worst.unit, 3)} of "
-        f"{worst.output}, {times:.0f} times what noise and simulation do. Longer horizons (trace.horizon) "
-        "may show what is missing."
+        f"{worst.output}, {times:.0f} times what noise and simulation do."
     )
 
 

@@ -242,8 +242,9 @@ def _what_the_network_finds(found: Trace, check: Completeness) -> str:
             return f"That is less than {percent(found.rules.worth)}. But {refused}"
         unsolved = any(one.failure for one in found.ceilings.after)
         unseen = found.times > found.rules.far and not unsolved
+        less = f"That is less than {percent(found.rules.worth)}: " if check.gain > 0 else "So "
         more = "; what is missing is no function of these variables alone" if unseen else ""
-        return f"That is less than {percent(found.rules.worth)}: it finds nothing more worth having{more}"
+        return f"{less}it finds nothing more worth having{more}"
     if check.complete:
         level = percent(found.rules.alpha)
         return (

@@ -97,7 +97,8 @@ class Split:
         if min(len(self.fitted), len(self.held_out)) < FEWEST:
             raise ValueError(
                 f"trace needs at least {FEWEST} horizons to fit and {FEWEST} to hold out; {self.described} "
-                f"gives {len(self.fitted)} and {len(self.held_out)}: shorten trace.horizon or add a record"
+                f"gives {len(self.fitted)} and {len(self.held_out)}: shorten trace.horizon (auto chooses "
+                "one) or add a record"
             )
 
 

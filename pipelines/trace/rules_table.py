@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hybridid.naming import listed
+from hybridid.naming import counted, listed
 from hybridid.quantities import percent
 from hybridid.trace.cross_fitting import FEW
 from hybridid.trace.remarks import learned
@@ -40,6 +40,6 @@ def rules_table(traced: TraceFile) -> Table:
                                f"than {percent(rules.majority)} of the squared error that is left"),
         ("nothing missing", f"said only up to {rules.far:g} times the error of noise and simulation alone"),
         ("search ended", found.stopped),
-        ("took", f"{found.seconds:.0f} s on {traced.processes} processes"),
+        ("took", f"{found.seconds:.0f} s on {counted(traced.processes, 'process', 'es')}"),
     )  # fmt: skip
     return Table("Rules", ("", ""), rows, words=(0, 1))

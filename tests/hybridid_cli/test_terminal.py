@@ -19,6 +19,12 @@ def test_a_log_is_told_that_the_work_goes_on_until_it_ends(monkeypatch, capsys):
     assert first == "step 1: 3 of 9"
     assert set(more) == {"step 1: 3 of 9; still at work"}
     assert 2 <= len(more) <= 6
+    with Terminal() as shown:
+        shown.progress("report", "figures", None)
+        capsys.readouterr()
+        shown.show("done")
+        time.sleep(0.2)
+        assert capsys.readouterr().err == "", "the result is there"
     time.sleep(0.1)
     assert capsys.readouterr().err == ""
 

@@ -162,7 +162,8 @@ def test_a_machine_that_truly_sticks_is_covered_although_the_model_creeps(carria
     moved = np.array([p.smoothing for p in found.parameters])
     assert np.all(np.abs(error) <= 1.96 * np.array([p.std for p in found.parameters]))
     np.testing.assert_allclose(moved / error, 1.0, atol=0.4)
-    assert any("mostly that of smoothing sign(v)" in note for note in found.warnings)
+    said = "mostly that of smoothing sign(v) over carriage.epsilon = 100 µm/s: where"
+    assert any(said in note for note in found.warnings)
 
 
 def test_a_model_without_sign_is_not_smoothed(make_model, noisy):

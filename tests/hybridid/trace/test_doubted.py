@@ -94,11 +94,11 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
     base, split = fitted
     found = ceiling(base, split, "carriage", Over("velocity"))
 
-    def told(verdict="unexplained", remains=(f"at {found.place}",), unrevised=False, **asked):
+    def told(verdict="unexplained", remains=(f"at {found.place}",), unrevised=False, better=(), **asked):
         search = SimpleNamespace(first=base, final=base)
         ended = SimpleNamespace(
             verdict=verdict, search=search, ceilings=[found], remains=remains, accepted=(),
-            unrevised=unrevised,
+            unrevised=unrevised, replacements=better,
         )  # fmt: skip
         return revision_advised(ended, Context(split, (), **asked))
 
@@ -106,7 +106,15 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
         " What is declared over that variable (carriage.viscous and carriage.coulomb) may be the wrong law: "
         "trace.revise=true seeks others in its place."
     )
-    assert told(revise=True) == told("law_proposed") == ""
+    assert (
+        told(revise=True)
+        == told("effect_found", revise=True)
+        == (
+            " trace.revise left out the declared carriage.viscous, carriage.coulomb and carriage.offset in turn: "
+            "no other effects in the place of one explain more, or as much with fewer parameters."
+        )
+    )
+    assert told(revise=True, better=("one",)) == told("law_proposed") == ""
     assert told("undecided", unrevised=True, revise=True) == (
         " The time limit left out trace.revise: no declared effect was questioned."
     )

@@ -10,7 +10,7 @@ import pytest
 from hybridid.trace.before_after import ScoreRow
 from hybridid.trace.cautions import _in_free_run
 from hybridid.trace.entries import Floor
-from hybridid.trace.free_run import far_in_free_run, unstable, worse_in_free_run
+from hybridid.trace.free_run import adds_up_in_free_run, far_in_free_run, unstable, worse_in_free_run
 from hybridid.trace.rules import Rules
 
 
@@ -59,6 +59,22 @@ def test_a_free_run_that_leaves_far_more_than_the_horizons_is_told():
         " Beware: in free run of first the model leaves 20 mm of position, 20 times what noise and "
         "simulation do. Longer horizons (trace.horizon) may show what is missing."
     )
+
+
+def adding_up(free, horizons=1.0, accepted=("coulomb",)):
+    floor = {"position": Floor(0.001, "m", 0.0, 5.0)}
+    ended = {"accepted": accepted, "after": (row(free),), "noise_floor": floor, "times": horizons}
+    return adds_up_in_free_run(SimpleNamespace(**ended, rules=Rules()))
+
+
+def test_what_was_named_at_the_noise_and_adds_up_in_free_run_is_told():
+    assert adding_up(0.004) == (
+        " Beware: in free run of first the model leaves 4 mm of position, 4 times what noise and simulation "
+        "do. In the long run it adds up what parameters err by, and what another law than the one that is "
+        "named does."
+    )
+    assert adding_up(0.002) == adding_up(0.004, accepted=()) == ""
+    assert adding_up(0.1, horizons=3.1) == "", "that more is missing is told already"
 
 
 @pytest.mark.parametrize("told", [far(0.005), far(0.02, horizons=8.0), far(0.02, drift=["position"])])

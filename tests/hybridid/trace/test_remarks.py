@@ -34,6 +34,7 @@ from hybridid.trace.result import Estimates, LearnedGains
             True,
             "That is less than 5 %: it finds nothing more worth having",
         ),
+        (-0.02, 1.0, True, "takes nothing from the held-out error. So it finds nothing more worth having"),
         (0.431, 0.0005, False, "That gain does not survive other ways of solving the equations"),
     ],
 )
