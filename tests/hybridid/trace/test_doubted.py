@@ -110,8 +110,8 @@ def test_it_is_told_where_nothing_explains_the_errors_and_a_revision_was_not_ask
         told(revise=True)
         == told("effect_found", revise=True)
         == (
-            " trace.revise left out the declared carriage.viscous, carriage.coulomb and carriage.offset in turn: "
-            "no other effects in the place of one explain more, or as much with fewer parameters."
+            " trace.revise left out the declared carriage.viscous, carriage.coulomb and carriage.offset in "
+            "turn: no other effects in the place of one explain more, or as much with fewer parameters."
         )
     )
     assert told(revise=True, better=("one",)) == told("law_proposed") == ""
