@@ -176,9 +176,8 @@ def _changed_by(
 
 
 def _key(stage: Stage, made_from: Fingerprint, root: Path) -> str:
-    """The digest of the run tree and of all that the results depend on, but for when the work is to end."""
-    config = {key: value for key, value in made_from["config"].items() if key not in stage.limits}
-    return digest_of([str(root.resolve()), stage.name, made_from | {"config": config}])
+    """The digest of the run tree, of the code and of the files that the stage reads."""
+    return digest_of([str(root.resolve()), stage.name, made_from["inputs"], made_from["code"]])
 
 
 def _made_from(stage: Stage, settings: Settings, root: Path) -> Fingerprint:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,7 +18,6 @@ from hybridid.effects.over import Over, overs_for
 from hybridid.effects.variable import Variable
 from hybridid.model import Model
 from hybridid.trace.candidates import Candidate, admissible
-from hybridid.trace.deadline import Deadline
 from hybridid.trace.mapper import Mapper, Report, serial, silent, unheard
 from hybridid.trace.noise import Noise
 from hybridid.trace.refitted import Refit
@@ -47,9 +47,9 @@ class Context:
     where no effect explains what a learned effort finds, laws are composed. ``pairs``: so many pairs of
     effects are refitted where no single effect explains it. ``revise``: each declared effect is left out in
     turn, and others are sought in its place. Learned efforts, and the laws that follow them, depend on
-    ``variables`` (None: all that a port has). From the ``deadline`` on nothing further begins. No model of
-    more than ``most_free`` free parameters is tried. Where parameters with values of their own for each
-    recording leave no more than noise (``own_values``), only one effect may do as well.
+    ``variables`` (None: all that a port has). From ``until`` on (s, as ``time.monotonic``) nothing further
+    begins. No model of more than ``most_free`` free parameters is tried. Where parameters with values of
+    their own for each recording leave no more than noise (``own_values``), only one effect may do as well.
     """
 
     split: Split
@@ -63,18 +63,18 @@ class Context:
     pairs: int = PAIRS
     revise: bool = False
     variables: tuple[Variable, ...] | None = None
-    deadline: Deadline = field(default_factory=Deadline)
+    until: float = math.inf
     most_free: float = math.inf
     own_values: bool = False
 
     @property
     def out_of_time(self) -> bool:
         """Whether nothing further is to be begun."""
-        return not self.deadline.allows()
+        return not self.has_time_for(0.0)
 
     def has_time_for(self, seconds: float) -> bool:
         """Whether what takes so long would end before nothing further is to be begun."""
-        return self.deadline.allows(seconds)
+        return time.monotonic() + seconds < self.until
 
     @cached_property
     def noise(self) -> Noise:
@@ -136,7 +136,7 @@ class Context:
         Where ``always`` is given, a time limit may leave out the last ones: they begin in the order given, so
         many of them in any time, the others while there is time.
         """
-        limited = always is not None and self.deadline.exists
+        limited = always is not None and math.isfinite(self.until)
         every = range(len(arguments))
         order = every if limited else sorted(every, key=lambda k: -slow(*arguments[k]))
         begun = (arguments[k] for k in order if not limited or k < (always or 0) or not self.out_of_time)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -23,7 +24,6 @@ from hybridid.trace.cautions import cautions, marked_as_shown
 from hybridid.trace.completeness import ceilings_of_each, with_networks
 from hybridid.trace.constants import WrongConstants, wrong_constants
 from hybridid.trace.context import Context
-from hybridid.trace.deadline import Deadline
 from hybridid.trace.decay_class import with_decay_classes
 from hybridid.trace.declared_starts import declared_starts
 from hybridid.trace.doubted import in_doubt
@@ -71,7 +71,7 @@ def trace(
     pairs: int = PAIRS,
     revise: bool = False,
     recordings: bool | None = None,
-    time_limit: float | Deadline | None = None,
+    time_limit: float | None = None,
     mapper: Mapper = serial,
     report: Report = silent,
     say: Callable[[str], None] = unheard,
@@ -113,8 +113,8 @@ def trace(
     tried = sampled(tried, fitted[0].dt)
     where = None if ports is None else tuple(ports)
     over = None if variables is None else tuple(variables)
-    deadline = time_limit if isinstance(time_limit, Deadline) else Deadline(time_limit)
-    asked = (where, mapper, report, say, laws, pairs, revise, over, deadline)
+    until = math.inf if time_limit is None else time.monotonic() + time_limit
+    asked = (where, mapper, report, say, laws, pairs, revise, over, until)
     context = Context(split, tried, rules or Rules(), *asked)
     settings = replace(settings or FitSettings(), method="gauss_newton", horizon=split.horizon)
     if recordings is None:
@@ -153,7 +153,7 @@ def trace(
     if apart:
         traced = replace(traced, disagreement=apart.said, own_values=apart.settings)
     if found.out_of_time:
-        traced = replace(traced, time_limit=deadline.seconds, stopped=OUT_OF_TIME)
+        traced = replace(traced, time_limit=time_limit, stopped=OUT_OF_TIME)
     beware = cautions(found, traced, fitted, constants, context)
     return replace(traced, sentence=sentence(traced), cautions=beware)
 

@@ -22,7 +22,6 @@ from hybridid.trace.promise import promised_alone
 from hybridid.trace.refit import least_of
 from hybridid.trace.refitted import Refit
 from hybridid.trace.sensitivity import seen
-from hybridid.trace.split import Split
 from hybridid.trace.trial import Trial, attempt, gone_on
 from hybridid.trace.valley import has_valley
 
@@ -38,7 +37,7 @@ cost changes little, so what leaves far more error than the best trial will not 
 def trials_of(base: Refit, context: Context, stage: str) -> tuple[list[Trial], tuple[str, ...]]:
     """A trial of every candidate beside ``base``, and the names of those that the time limit left out."""
     candidates = context.candidates(base.model)
-    if not context.deadline.exists:
+    if math.isinf(context.until):
         given = _given(candidates, base, context)
         trials = context.each(stage, attempt, given, MostSoFar(), lambda one, *_: -one.inner_states)
         return _from_other_starts(trials, base, context, stage), ()
@@ -112,13 +111,8 @@ def _most_promising_first(candidates: Sequence[Candidate], base: Refit, context:
     """Those without inner states come first: their trials take a fraction of the time. What no time was left
     to rank promises nothing."""
     quick_first = sorted(candidates, key=lambda one: one.inner_states)
-    given = [(one, base, context.split) for one in quick_first]
-    ranked = context.each("effects, ranked", promise_beside, given, always=0)
-    promises = ranked + [0.0] * (len(given) - len(ranked))
+    given = [(one, None, base, context.split, True) for one in quick_first]
+    shown = context.each("effects, ranked", seen, given, lambda one: one.candidate.name, always=0)
+    promises = [promised_alone(one) for one in shown] + [0.0] * (len(given) - len(shown))
     order = sorted(range(len(given)), key=lambda k: (quick_first[k].inner_states, -promises[k]))
     return [quick_first[k] for k in order]
-
-
-def promise_beside(candidate: Candidate, base: Refit, split: Split) -> float:
-    """The share of the squared residual of ``base`` that ``candidate`` promises to take."""
-    return promised_alone(seen(candidate, None, base, split, searched=True))

@@ -1,80 +1,80 @@
-"""Results of a long computation, stored while it runs, so that it can continue after an interruption.
+"""Results of the parts of long computations, stored for a week, so that no part is computed twice.
 
-A deterministic computation that passes all its work to a mapper calls it with each function in the same order
-each time. So the ``key`` of all inputs of the computation, the function, the number of the call and the name
-of what it is called with identify a result. Until a time limit leaves something out, a computation with one
-does the same, in another order within a call. What follows is neither stored nor taken. The process that
-computes a result writes it at once. The files lie in the user's private cache and end with a
-checksum (``hybridid.private``), because unpickling a file from elsewhere could run code.
+A computation passes its work to a mapper, as functions with arguments. The function and the content of its
+arguments identify a result (``content_digest``), and the ``key`` of a folder says by which code, and for
+which run. So a computation goes on where it was interrupted or a time limit ended it, and another one about
+the same records takes what they have in common. The process that computes a result writes it at once. The
+files lie in the user's private cache and end with a checksum (``hybridid.private``), because unpickling a
+file from elsewhere could run code.
 """
 
 from __future__ import annotations
 
+import os
 import pickle
 import shutil
 import time
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from hybridid.private import cache_folder, content_of_sealed, exposed, sealed
-from hybridid.trace.deadline import Deadline
 from hybridid.trace.mapper import Mapper
+from pipelines.shared.content_digest import content_digest
 from pipelines.shared.tree import write_bytes
 
 CLOCK = ".seconds"
 """The file that tells how long an interrupted computation took."""
 DAYS = 7
 """Results that were not used for so many days are removed."""
+MOST = 2 * 10**9
+"""Bytes of all results together; those that were not used for longest are removed first."""
 
 
 @dataclass(frozen=True)
-class Unfinished:
-    """A computation whose results are stored in ``folder``; ``before`` are the seconds that it took until it
-    was interrupted, or a time limit ended it."""
+class KeptResults:
+    """A mapper's results are stored in ``folder``. ``before`` are the seconds that the computation took until
+    it was interrupted."""
 
     folder: Path
     before: float
-    deadline: Deadline
 
     def __call__(self, mapper: Mapper) -> Mapper:
-        """A mapper that stores its results until the ``deadline`` has left something out."""
-        return _Keeping(mapper, self)
+        """A mapper that stores its results."""
+
+        def keeping(function: Callable[..., object], arguments: Iterable[tuple[Any, ...]]) -> Iterable[Any]:
+            given = ((_name_of(function, one), *one) for one in arguments)
+            return mapper(_Kept(function, self.folder), given)
+
+        return keeping
 
 
 @contextmanager
-def kept_results(
-    key: str, anew: bool, say: Callable[[str], None], deadline: Deadline | None = None
-) -> Iterator[Unfinished]:
-    """Yields the computation ``key``, which makes a mapper store its results.
-
-    The results are removed at the end. They stay after an exception, and if the ``deadline`` has left
-    something out. The next computation with this ``key`` uses them, unless ``anew`` is set.
-    """
-    began, deadline = time.monotonic(), deadline or Deadline()
-    home = cache_folder("unfinished")
+def kept_results(key: str, anew: bool, say: Callable[[str], None]) -> Iterator[KeptResults]:
+    """Yields what makes a mapper store its results, and take those that are stored under this ``key``
+    already, unless ``anew`` is set."""
+    began = time.monotonic()
+    home = cache_folder("results")
     _prune(home)
     folder = home / key
     if anew or (folder.is_dir() and exposed(folder)):  # somebody else may have put results there
         shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(mode=0o700, exist_ok=True)
-    if found := sum(1 for file in folder.iterdir() if not file.name.startswith(".")):
-        say(f"continues where it ended: {found} results are kept")
+    os.utime(folder)
     clock = folder / CLOCK
-    before, done = _seconds_in(clock), False
+    before = _seconds_in(clock)
+    if found := sum(1 for file in folder.iterdir() if not file.name.startswith(".")):
+        said = "goes on where it was interrupted" if before else "takes what an earlier one has in common"
+        say(f"{said}: {found} results are kept")
     try:
-        yield Unfinished(folder, before, deadline)
-        done = not deadline.left_out
-    finally:
-        if done:
-            shutil.rmtree(folder, ignore_errors=True)
-        else:
-            with suppress(OSError):
-                write_bytes(clock, str(before + time.monotonic() - began).encode(), 0o600)
+        yield KeptResults(folder, before)
+    except BaseException:
+        with suppress(OSError):
+            write_bytes(clock, str(before + time.monotonic() - began).encode(), 0o600)
+        raise
+    clock.unlink(missing_ok=True)
 
 
 def _seconds_in(file: Path) -> float:
@@ -83,33 +83,6 @@ def _seconds_in(file: Path) -> float:
         return float(file.read_text())
     except (OSError, ValueError):
         return 0.0
-
-
-class _Keeping:
-    """A mapper whose results are kept in the folder of ``unfinished``."""
-
-    def __init__(self, mapper: Mapper, unfinished: Unfinished) -> None:
-        self._mapper, self._unfinished = mapper, unfinished
-        self._calls: Counter[str] = Counter()
-
-    def __call__(
-        self, function: Callable[..., object], arguments: Iterable[tuple[Any, ...]]
-    ) -> Iterable[Any]:
-        if self._unfinished.deadline.left_out:
-            return self._mapper(function, arguments)
-        name = _name(function)
-        self._calls[name] += 1
-        kept = _Kept(function, self._unfinished.folder)
-        return self._mapper(kept, _each_named(f"{name}-{self._calls[name]}", arguments))
-
-
-def _each_named(call: str, arguments: Iterable[tuple[Any, ...]]) -> Iterator[tuple[Any, ...]]:
-    """Each of ``arguments`` behind a name of its own: that of its first one, if it has one, and a number."""
-    named: Counter[str] = Counter()
-    for one in arguments:
-        own = quote(str(getattr(one[0], "name", "")) if one else "", safe="")
-        named[own] += 1
-        yield f"{call}-{own}-{named[own]}", *one
 
 
 @dataclass(frozen=True)
@@ -121,7 +94,7 @@ class _Kept:
 
     @property
     def __name__(self) -> str:
-        return _name(self.function)
+        return str(getattr(self.function, "__name__", type(self.function).__name__))
 
     def __call__(self, name: str, *given: Any) -> Any:
         file = self.folder / name
@@ -135,13 +108,17 @@ class _Kept:
         return result
 
 
-def _name(function: Callable[..., Any]) -> str:
-    return getattr(function, "__name__", type(function).__name__)
+def _name_of(function: Callable[..., Any], given: tuple[Any, ...]) -> str:
+    """Of the file that keeps the result of ``function`` for the arguments ``given``."""
+    where = (getattr(function, "__module__", ""), getattr(function, "__qualname__", ""))
+    return f"{where[1].rpartition('.')[2]}-{content_digest((*where, given))}"
 
 
 def _prune(home: Path) -> None:
-    last = time.time() - 86400 * DAYS
-    for folder in home.iterdir():
-        with suppress(OSError):  # another process may remove it at the same time
-            if folder.stat().st_mtime < last:
+    """Remove the results of ``home`` that were not used for long, or for which there is no room."""
+    last, room = time.time() - 86400 * DAYS, MOST
+    with suppress(OSError):  # another process may remove one at the same time
+        for folder in sorted(home.iterdir(), key=lambda one: one.stat().st_mtime, reverse=True):
+            room -= sum(entry.stat().st_size for entry in os.scandir(folder))
+            if folder.stat().st_mtime < last or room < 0:
                 shutil.rmtree(folder, ignore_errors=True)

@@ -15,8 +15,8 @@ from pipelines.shared.watch import Watcher
 class Job:
     """One run of a stage: reads stage folders under ``tree``, writes into ``folder``.
 
-    ``results`` is the path that ``folder`` gets when all is written. ``key`` is the digest of ``tree``
-    and of all that the results depend on, but for how early the work is to end.
+    ``results`` is the path that ``folder`` gets when all is written. ``key`` is the digest of ``tree``,
+    of the code that the stage runs and of the files that it reads, whatever is asked of it.
     """
 
     settings: Settings
@@ -38,7 +38,6 @@ class Stage:
     its earlier result removed. Its code is the module or package ``pipelines.<name>`` and all that this
     imports. ``side_by_side``: its results with other values of ``keys`` stay beside the new ones.
     ``moves_nothing`` are keys among these that change no number, such as how many processes share the work.
-    ``limits`` are those that only say when its work is to end: with another value it can go on from there.
     """
 
     name: str
@@ -51,7 +50,6 @@ class Stage:
     asked: Callable[[Settings], bool] = lambda settings: True
     side_by_side: bool = False
     moves_nothing: tuple[str, ...] = ()
-    limits: tuple[str, ...] = ()
 
     def options(self, settings: Settings) -> dict[str, Any]:
         """The part of the config that its results depend on, as flat dotted keys."""

@@ -20,7 +20,6 @@ from hybridid.records.store import load_record
 from hybridid.simulation.chosen import EXPLICIT
 from hybridid.simulation.stability import MOST
 from hybridid.trace.candidates import admissible
-from hybridid.trace.deadline import Deadline
 from hybridid.trace.horizon import horizon_for
 from hybridid.trace.mapper import Report, unheard
 from hybridid.trace.missing_efforts import Missing
@@ -34,7 +33,7 @@ from pipelines.shared.drawing import drawn, fresh_garbage_alone
 from pipelines.shared.errors import ConfigError
 from pipelines.shared.fitted import describe_model, fit_of, without_own
 from pipelines.shared.imports import code_digests
-from pipelines.shared.kept_results import Unfinished, kept_results
+from pipelines.shared.kept_results import KeptResults, kept_results
 from pipelines.shared.limits import check_processes
 from pipelines.shared.modelling import fit_settings, groupings_of, model_of, named_code, searched_model_of
 from pipelines.shared.one_step import check_one_step
@@ -90,8 +89,7 @@ def run(job: Job) -> None:
     groups = groupings_of(job.settings, model_of(job.settings))
     for line in (line for one in held_out for line in without_own(groups, one.name, estimate)):
         job.watcher.warn(line)
-    deadline = Deadline(request.time_limit)
-    with kept_results(job.key, job.settings.lone.force, report.say, deadline) as keep:
+    with kept_results(job.key, job.settings.lone.force, report.say) as keep:
         try:
             found = traced(job.settings, request, fitted, held_out, report, estimate.values, keep, report.say)
         except KeyboardInterrupt as asked_to_end:
@@ -141,13 +139,13 @@ def traced(
     held_out: Sequence[Record],
     report: Report,
     start: Mapping[str, float] | None = None,
-    keep: Unfinished | None = None,
+    keep: KeptResults | None = None,
     say: Callable[[str], None] = unheard,
 ) -> Trace:
     """What the model of ``settings`` lacks on these records, searched as ``request`` says.
 
     The first refit starts at the parameters ``start`` (None: at the guesses). ``keep`` stores the results of
-    the refits, and has the deadline. ``say`` is told what each step decides.
+    the refits. ``say`` is told what each step decides.
     """
     from hybridid.trace.run import trace  # other commands need not wait for it
 
@@ -169,7 +167,7 @@ def traced(
             pairs=request.pairs,
             revise=request.revise,
             recordings=request.by_recording,
-            time_limit=keep.deadline if keep else request.time_limit,
+            time_limit=request.time_limit,
             mapper=keep(mapper) if keep else mapper,
             report=report,
             say=say,
@@ -326,5 +324,4 @@ TRACE = Stage(
     check_records=check_records,
     side_by_side=True,
     moves_nothing=("trace.processes",),
-    limits=("trace.time_limit",),
 )

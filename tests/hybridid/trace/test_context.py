@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
+
 from hybridid.trace.context import Context
-from hybridid.trace.deadline import Deadline
 
 
 def test_slow_refits_begin_first_and_results_keep_their_order(split_of):
@@ -30,9 +31,9 @@ def test_in_the_order_given_where_nothing_tells_what_is_slow(split_of):
 
 def test_a_time_limit_leaves_out_the_last_ones_that_may_be_left_out(split_of):
     given = [("a",), ("b",), ("c",)]
-    late = Context(split_of(), deadline=Deadline(0.0))
+    late = Context(split_of(), until=time.monotonic())
     assert late.each("step 1", str.upper, given, str, lambda name: ord(name), always=2) == ["A", "B"]
     assert late.each("pairs", str.upper, given, str, always=0) == []
     assert late.each("in place of", str.upper, given, str) == ["A", "B", "C"], "none may be left out"
-    early = Context(split_of(), deadline=Deadline(1e3))
+    early = Context(split_of(), until=time.monotonic() + 1e3)
     assert early.each("pairs", str.upper, given, str, always=0) == ["A", "B", "C"]

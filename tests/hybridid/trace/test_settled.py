@@ -12,7 +12,6 @@ from hybridid.effects.library import effect_named
 from hybridid.simulation.stability import MOST
 from hybridid.trace import settled
 from hybridid.trace.context import Context
-from hybridid.trace.deadline import Deadline
 from hybridid.trace.rules import Rules
 from hybridid.trace.settled import Settled
 from hybridid.trace.steps import AT_FLOOR, NONE_PASSES
@@ -82,7 +81,7 @@ def test_a_model_at_the_noise_in_many_steps_is_not_held_against_learned_efforts(
 
 def test_few_learned_efforts_are_fitted_where_no_name_is_to_be_doubted(below, context):
     named, nothing = below.search, replace(below.search, accepted=())
-    late = replace(context, deadline=Deadline(0.0))
+    late = replace(context, until=0.0)
     at_noise, far = (replace(nothing, stopped=why) for why in (AT_FLOOR, NONE_PASSES))
     last = below.search.final
     doubted = replace(named, stopped=NONE_PASSES)

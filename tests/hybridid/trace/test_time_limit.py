@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from itertools import count
 from types import SimpleNamespace
@@ -11,7 +12,6 @@ import pytest
 from hybridid.effects.library import effect_named
 from hybridid.trace import search, tried
 from hybridid.trace.context import Context
-from hybridid.trace.deadline import Deadline
 from hybridid.trace.run import trace
 from hybridid.trace.steps import OUT_OF_TIME
 from hybridid.trace.trial import PASSED
@@ -19,12 +19,14 @@ from hybridid.trace.verdict import conclude
 
 DF_V = 75.0
 TRIED = tuple(map(effect_named, ("coulomb", "offset", "asymmetric_viscous")))
+OVER = time.monotonic()
+"""A time that is over."""
 
 
 @pytest.fixture(scope="module")
 def context(split_of):
     """A search that has no time left when it begins."""
-    return Context(split_of(df_v=DF_V), TRIED, variables=("velocity",), deadline=Deadline(0.0))
+    return Context(split_of(df_v=DF_V), TRIED, variables=("velocity",), until=OVER)
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +78,7 @@ def test_a_step_that_left_out_an_effect_gives_no_name(cut):
 def test_no_step_begins_that_would_end_too_late(make_model, context, monkeypatch):
     hours = count(step=3600.0)
     monkeypatch.setattr(search, "time", SimpleNamespace(monotonic=lambda: next(hours)))
-    found = conclude(make_model(("viscous", "offset")), replace(context, deadline=Deadline(1800.0)))
+    found = conclude(make_model(("viscous", "offset")), replace(context, until=time.monotonic() + 1800.0))
     assert [one.name for one in found.accepted] == ["carriage.coulomb"]
     assert found.search.stopped == OUT_OF_TIME
     assert [step.family for step in found.search.steps] == [0]

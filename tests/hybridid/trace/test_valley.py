@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
 
 import pytest
@@ -14,7 +15,6 @@ from hybridid.effects.library import effect_named
 from hybridid.trace import sensitivity
 from hybridid.trace.candidates import Candidate
 from hybridid.trace.context import Context
-from hybridid.trace.deadline import Deadline
 from hybridid.trace.evidence import compare
 from hybridid.trace.limit_starts import PARTS, with_limit_exceeded
 from hybridid.trace.refit import CONTINUATION, refit
@@ -96,7 +96,7 @@ def test_no_other_trial_goes_on(behind_a_play, why):
         "it takes too little": [trial_of(near, base)],
         "no time is left": [trial_of(wrong, base)],
     }[why]
-    context = Context(split, deadline=Deadline(0.0 if why == "no time is left" else math.inf))
+    context = Context(split, until=time.monotonic() - 1 if why == "no time is left" else math.inf)
     assert along_valleys(trials, base, context, "step 1") == trials
 
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import os
 import time
-from types import SimpleNamespace
 
 import pytest
 
 from hybridid import private
-from hybridid.trace.deadline import Deadline
-from hybridid.trace.mapper import Mapper, serial
-from pipelines.shared.kept_results import CLOCK, DAYS, kept_results
+from hybridid.trace.mapper import serial
+from pipelines.shared.kept_results import CLOCK, DAYS, _name_of, kept_results
 from pipelines.shared.pool import mapper_of
 
 
@@ -19,7 +17,7 @@ from pipelines.shared.pool import mapper_of
 def home(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     private.cache_folder.cache_clear()
-    yield tmp_path / "hybridid" / "unfinished"
+    yield tmp_path / "hybridid" / "results"
     private.cache_folder.cache_clear()
 
 
@@ -73,44 +71,6 @@ def test_the_time_before_the_interruption_is_told(home):
     assert told[3] == 0.0
 
 
-def test_what_a_time_limit_left_out_is_all_that_is_computed_later(home):
-    """Within a call the order may differ: what has a name is known by it."""
-
-    def length(one: SimpleNamespace) -> int:
-        computed.append(one.name)
-        return len(one.name)
-
-    def lengths(mapper: Mapper, *names: str) -> list[int]:
-        return list(mapper(length, [(SimpleNamespace(name=name),) for name in names]))
-
-    computed: list[str] = []
-    over = Deadline(0.0)
-    with kept_results("key", False, print, over) as keep:
-        mapper = keep(serial)
-        lengths(mapper, "a/b", "ccc")
-        assert not over.allows()
-        lengths(mapper, "zz")
-    assert computed == ["a/b", "ccc", "zz"]
-    computed.clear()
-    with kept_results("key", False, print, Deadline(1e3)) as keep:
-        mapper = keep(serial)
-        assert lengths(mapper, "ccc", "a/b", "d") == [3, 3, 1]
-        assert lengths(mapper, "zz") == [2]
-    assert computed == ["d", "zz"]
-    assert list(home.iterdir()) == []
-
-
-def test_two_of_one_name_are_two(home):
-    given = [(SimpleNamespace(name="one"), 2), (SimpleNamespace(name="one"), 1), (None, 0)]
-    with pytest.raises(ZeroDivisionError), kept_results("key", False, print) as keep:
-        list(keep(serial)(_share, given))
-    assert sorted(f.name for f in (home / "key").glob("_*")) == ["_share-1-one-1", "_share-1-one-2"]
-
-
-def _share(of: object, parts: int) -> float:
-    return 1 / parts
-
-
 def test_a_clock_that_nobody_can_read_is_no_time(home):
     with pytest.raises(KeyboardInterrupt), kept_results("key", False, print) as keep:
         raise KeyboardInterrupt
@@ -119,11 +79,20 @@ def test_a_clock_that_nobody_can_read_is_no_time(home):
         assert keep.before == 0.0
 
 
-def test_it_goes_on_where_it_was_and_leaves_nothing(interrupted, home):
+def test_it_goes_on_where_it_was_interrupted(interrupted):
     assert interrupted(-1) == [0, 1, 4, 9, 16, 25]
     assert interrupted.computed == [4, 5]
-    assert interrupted.said == ["continues where it ended: 4 results are kept"]
-    assert list(home.iterdir()) == []
+    assert interrupted.said == ["goes on where it was interrupted: 4 results are kept"]
+
+
+def test_another_one_with_that_key_takes_what_they_have_in_common(interrupted):
+    """Whatever the order of their calls."""
+    interrupted(-1)
+    interrupted.computed.clear()
+    with kept_results("key", False, interrupted.said.append) as keep:
+        assert list(keep(serial)(interrupted.square, [(k,) for k in (7, 5, 0)])) == [49, 25, 0]
+    assert interrupted.computed == [7]
+    assert interrupted.said[-1] == "takes what an earlier one has in common: 6 results are kept"
 
 
 @pytest.mark.parametrize("changed", [{"key": "another"}, {"anew": True}])
@@ -134,8 +103,7 @@ def test_another_computation_takes_nothing(interrupted, changed):
 
 
 def test_only_what_is_whole_and_ones_own_is_taken(interrupted, home):
-    kept = sorted((home / "key").glob("square*"))
-    assert [file.name for file in kept] == ["square-1--1", "square-1--2", "square-1--3", "square-2--1"]
+    kept = [home / "key" / _name_of(interrupted.square, (k,)) for k in range(3)]
     kept[0].write_bytes(kept[0].read_bytes()[:-1])
     kept[1].write_bytes(kept[2].read_bytes())
     kept[2].chmod(0o666)
@@ -159,6 +127,17 @@ def test_what_nobody_asked_for_in_a_week_is_removed(interrupted, home):
         assert not (home / "key").exists()
 
 
+def test_what_was_not_used_for_longest_makes_room(interrupted, home, monkeypatch):
+    with kept_results("newer", False, print) as keep:
+        list(keep(serial)(divmod, [(7, 2)]))
+    os.utime(home / "key", (time.time() - 60, time.time() - 60))
+    size = sum(file.stat().st_size for file in (home / "newer").iterdir())
+    monkeypatch.setattr("pipelines.shared.kept_results.MOST", size)
+    with kept_results("other", False, print):
+        assert (home / "newer").exists()
+        assert not (home / "key").exists()
+
+
 def test_a_full_disk_costs_the_copies_alone(interrupted, monkeypatch):
     def full(*given):
         raise OSError(28, "No space left on device")
@@ -175,4 +154,7 @@ def test_processes_keep_their_results_themselves(home):
         kept_results("key", False, print) as keep,
     ):
         list(keep(mapper)(divmod, [(7, 2), (1, 0)]))
-    assert sorted(file.name for file in (home / "key").iterdir()) == [CLOCK, "divmod-1--1"]
+    assert sorted(file.name for file in (home / "key").iterdir()) == [
+        CLOCK,
+        _name_of(divmod, (7, 2)),
+    ]
