@@ -78,6 +78,7 @@ def cautions(
 ) -> tuple[str, ...]:
     """What speaks against taking the trace of the fitted ``records`` at its word, one by one; ``constants``
     are those that were declared and may be wrong."""
+    drift = _drifting(found, context)
     told = [] if traced.by_recording or traced.disagreement else between_recordings(found, context)
     told += [constants_in_words(constants), ends_at_bound(traced.estimate)]
     told += [revision_advised(found, context)]
@@ -98,7 +99,7 @@ def cautions(
         advised = determining_parts_advised if traced.vague else parts_of_all_advised
         told += [_only_fitted(found, context), advised(context.split)]
     if found.verdict in ("undecided", "nothing_missing") and not (cut or traced.longer):
-        told += [far_in_free_run(traced, _drifting(found, context))]
+        told += [far_in_free_run(traced, drift)]
     if found.verdict == "nothing_missing":
         told += [_hidden_by_the_simulation(traced, found.model)]
     if found.verdict == "nothing_missing" or found.accepted:
@@ -119,11 +120,11 @@ def cautions(
         told += [in_their_place(found.search), depends_on_the_member(found.accepted, traced)]
     told += [_beware(unequal_outputs(records))]
     told += [weights_in_words(traced.weights)]
-    told += [found.other_hold, _in_free_run(found.search, traced, context)]
+    told += [found.other_hold, _in_free_run(found.search, traced, drift, context)]
     return tuple(caution for one in told if one for caution in _EACH.split(one.strip()))
 
 
-def _in_free_run(search: Search, traced: Trace, context: Context) -> str:
+def _in_free_run(search: Search, traced: Trace, drift: Sequence[str], context: Context) -> str:
     """That the free runs become worse, or stay far from the noise, or say nothing since the machine is
     unstable. Where only what was accepted makes it so, that is no excuse."""
     first, last = (
@@ -132,7 +133,7 @@ def _in_free_run(search: Search, traced: Trace, context: Context) -> str:
     )
     if first > 0 and last > 0:
         return unstable(traced, last)
-    return worse_in_free_run(traced) or adds_up_in_free_run(traced)
+    return worse_in_free_run(traced) or adds_up_in_free_run(traced, drift)
 
 
 def _only_fitted(found: Conclusion, context: Context) -> str:

@@ -60,15 +60,15 @@ def far_in_free_run(found: Trace, drift: Sequence[str]) -> str:
     return f"{worst} Longer horizons (trace.horizon) may show what is missing." if worst else ""
 
 
-def adds_up_in_free_run(found: Trace) -> str:
+def adds_up_in_free_run(found: Trace, drift: Sequence[str]) -> str:
     """That a model with what was accepted comes near the noise over horizons, and leaves far more in free
-    run; else empty."""
-    worst = _farthest(found) if found.accepted and found.times <= found.rules.far else ""
+    run; else empty. In outputs of ``drift`` the slightest error of a parameter adds up."""
+    worst = _farthest(found, drift) if found.accepted and found.times <= found.rules.far else ""
     adds_up = "what parameters err by, and what another law than the one that is named does"
     return f"{worst} In the long run it adds up {adds_up}." if worst else ""
 
 
-def _farthest(found: Trace, drift: Sequence[str] = ()) -> str:
+def _farthest(found: Trace, drift: Sequence[str]) -> str:
     """In which free run the last model leaves far more than over horizons, and than noise and simulation do,
     in words; empty where it does in none. The outputs of ``drift`` do not count."""
     limits = {

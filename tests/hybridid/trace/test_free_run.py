@@ -61,10 +61,10 @@ def test_a_free_run_that_leaves_far_more_than_the_horizons_is_told():
     )
 
 
-def adding_up(free, horizons=1.0, accepted=("coulomb",)):
+def adding_up(free, horizons=1.0, accepted=("coulomb",), drift=()):
     floor = {"position": Floor(0.001, "m", 0.0, 5.0)}
     ended = {"accepted": accepted, "after": (row(free),), "noise_floor": floor, "times": horizons}
-    return adds_up_in_free_run(SimpleNamespace(**ended, rules=Rules()))
+    return adds_up_in_free_run(SimpleNamespace(**ended, rules=Rules()), drift)
 
 
 def test_what_was_named_at_the_noise_and_adds_up_in_free_run_is_told():
@@ -75,6 +75,7 @@ def test_what_was_named_at_the_noise_and_adds_up_in_free_run_is_told():
     )
     assert adding_up(0.002) == adding_up(0.004, accepted=()) == ""
     assert adding_up(0.1, horizons=3.1) == "", "that more is missing is told already"
+    assert adding_up(0.004, drift=["position"]) == "", "what it integrates drifts"
 
 
 @pytest.mark.parametrize("told", [far(0.005), far(0.02, horizons=8.0), far(0.02, drift=["position"])])
@@ -103,6 +104,6 @@ def test_what_only_an_accepted_effect_makes_unstable_is_no_excuse(monkeypatch, b
         accepted=("viscous",), before=(row(0.002),), after=(row(3.0, r2=-170.0),), rules=Rules()
     )
     context = SimpleNamespace(split=SimpleNamespace(records=()))
-    said = _in_free_run(SimpleNamespace(first=first, final=final), traced, context)
+    said = _in_free_run(SimpleNamespace(first=first, final=final), traced, (), context)
     assert ("its free runs say nothing" in said) is excused
     assert ("the error of position grows from 2 mm to 3 m" in said) is not excused
