@@ -8,6 +8,8 @@ PYTHONS := $(or $(PYTHON),python3.11 python3.12 python3.13 python3 python)
 USABLE := import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))
 # in CI, Python compiles what it imports; pip would compile all that the libraries hold
 PIP_FLAGS := --disable-pip-version-check $(if $(CI),--quiet --no-compile)
+# else each process of the tests compiles all that it imports
+unexport PYTHONDONTWRITEBYTECODE
 TESTS ?= tests
 # one more than there are cores: tests that wait for a process or a server leave theirs idle
 JOBS ?= $(shell expr 1 + $$(getconf _NPROCESSORS_ONLN || echo 1))
