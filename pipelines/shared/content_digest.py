@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 LENGTH = 16
-"""Hexadecimal digits of a digest: by chance two of a million calls share one with a probability of 1e-8."""
+"""Hexadecimal digits of a digest: that two of a million calls share one has a probability of 3e-8."""
 
 
 def content_digest(content: Any) -> str:

@@ -66,6 +66,7 @@ LONG = (
     "trace.time_limit=SECONDS it ends after so long, and says what was found by then"
 )
 INTERRUPTED = "with trace.time_limit=60 it says in a minute or two what was found so far"
+"""What is said of the same command when a trace is interrupted."""
 FEWEST_FOR_PACE = 10
 """Results that tell how fast a stage is."""
 
