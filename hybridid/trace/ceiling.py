@@ -123,11 +123,11 @@ def ceilings(
         if path.shows(port.name, over)
     ]
     chosen = shown if promised is None else promising(shown, base, context, promised)
-    return beside(base, shown, chosen, context, stage)
+    return ceilings_at(shown, chosen, base, context, stage)
 
 
-def beside(
-    base: Refit, places: Sequence[Place], chosen: Sequence[Place], context: Context, stage: str
+def ceilings_at(
+    places: Sequence[Place], chosen: Sequence[Place], base: Refit, context: Context, stage: str
 ) -> tuple[Ceiling, ...]:
     """The ceilings at ``places`` (port and variable) beside ``base``, of which the ``chosen`` are fitted."""
     least = least_of(context.rules.worth)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hybridid.trace.before_after import FittedModel, ScoreRow, Validation, scored
-from hybridid.trace.ceiling import Ceiling, beside, strongest
+from hybridid.trace.ceiling import Ceiling, ceilings_at, strongest
 from hybridid.trace.context import Context
 from hybridid.trace.promising_efforts import most_promising
 from hybridid.trace.rules import Rules
@@ -57,7 +57,8 @@ def ceilings_of_each(found: Conclusion, context: Context) -> tuple[Ceilings, ...
         return found.ceilings_before, found.ceilings
     first, every = found.search.first, [(one.port, one.over) for one in found.ceilings]
     chosen = most_promising(every, first, context)
-    return beside(first, every, chosen, context, "learned effort beside the declared model"), found.ceilings
+    stage = "learned effort beside the declared model"
+    return ceilings_at(every, chosen, first, context, stage), found.ceilings
 
 
 def with_networks(

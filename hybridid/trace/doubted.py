@@ -146,8 +146,8 @@ def one_curve(found: Conclusion, context: Context) -> str:
         if over is None or over.variable in MEMORIES or len(them) < 2:
             continue
         path = Path.of(found.search.final, context.split, context.split.fitted)
-        for odd in (True, False):
-            parts = [one for one in them if _is_odd(path, one.name, port, over) is odd]
+        odd = [one for one in them if _is_odd(path, one.name, port, over)]
+        for parts in (odd, [one for one in them if one not in odd]):
             if len(parts) > 1 and any(one.trial.free_parameters > 1 for one in parts):
                 return (
                     f" Beware: {listed([one.name for one in parts])} are functions of one variable. The "

@@ -64,8 +64,8 @@ def adds_up_in_free_run(found: Trace, drift: Sequence[str]) -> str:
     """That a model with what was accepted comes near the noise over horizons, and leaves far more in free
     run; else empty. In outputs of ``drift`` the slightest error of a parameter adds up."""
     worst = _farthest(found, drift) if found.accepted and found.times <= found.rules.far else ""
-    adds_up = "what parameters err by, and what another law than the one that is named does"
-    return f"{worst} In the long run it adds up {adds_up}." if worst else ""
+    two = "the errors of the parameters, and the difference between the named law and the true one"
+    return f"{worst} Over a long run two things add up: {two}." if worst else ""
 
 
 def _farthest(found: Trace, drift: Sequence[str]) -> str:

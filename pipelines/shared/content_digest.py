@@ -37,6 +37,7 @@ def _parts(content: Any) -> Iterator[bytes]:
     if isinstance(content, (set, frozenset)):
         content = sorted(content, key=repr)
     if isinstance(content, (list, tuple)):
+        yield str(len(content)).encode()  # where it ends
         for one in content:
             yield from _parts(one)
     elif isinstance(content, np.ndarray):

@@ -66,8 +66,8 @@ def kept_results(key: str, anew: bool, say: Callable[[str], None]) -> Iterator[K
     clock = folder / CLOCK
     before = _seconds_in(clock)
     if found := sum(1 for file in folder.iterdir() if not file.name.startswith(".")):
-        said = "goes on where it was interrupted" if before else "takes what an earlier one has in common"
-        say(f"{said}: {found} results are kept")
+        kept = f"{found} results are kept"
+        say(f"goes on where it was interrupted: {kept}" if before else f"{kept}: none is computed again")
     try:
         yield KeptResults(folder, before)
     except BaseException:

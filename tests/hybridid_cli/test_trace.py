@@ -130,7 +130,7 @@ def test_a_notebook_gets_what_the_command_writes_even_if_it_goes_on(traced, tree
     with pytest.raises(KeyboardInterrupt):
         once_more(interrupted, 1e-3)
     found = once_more(silent, None)
-    assert re.fullmatch(r"goes on where it was interrupted: \d+ results are kept", said[0])
+    assert re.fullmatch(r"goes on where it was interrupted: \d{2,} results are kept", said[0])
     written = {key: value for key, value in data.items() if key not in OF_THE_COMMAND}
     assert without_seconds(plain(found)) == without_seconds(written)
 

@@ -70,8 +70,8 @@ def adding_up(free, horizons=1.0, accepted=("coulomb",), drift=()):
 def test_what_was_named_at_the_noise_and_adds_up_in_free_run_is_told():
     assert adding_up(0.004) == (
         " Beware: in free run of first the model leaves 4 mm of position, 4 times what noise and simulation "
-        "do. In the long run it adds up what parameters err by, and what another law than the one that is "
-        "named does."
+        "do. Over a long run two things add up: the errors of the parameters, and the difference between the "
+        "named law and the true one."
     )
     assert adding_up(0.002) == adding_up(0.004, accepted=()) == ""
     assert adding_up(0.1, horizons=3.1) == "", "that more is missing is told already"

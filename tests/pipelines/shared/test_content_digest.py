@@ -54,6 +54,11 @@ def test_what_holds_something_else_has_another_digest(other):
     assert content_digest(other) != content_digest(FOUND)
 
 
+def test_what_is_grouped_in_another_way_has_another_digest():
+    grouped = (((1,), 2), ((1, 2),), (1, 2), (1, (2,)), ({1: 2},))
+    assert len({content_digest(each) for each in grouped}) == len(grouped)
+
+
 def test_effects_differ_by_their_laws_and_numbers():
     one, other = (Candidate(effect_named(name), "carriage") for name in ("coulomb", "viscous"))
     finer = replace(one.effect, parameters=(replace(one.effect.parameters[0], guess=0.7),))

@@ -92,7 +92,7 @@ def test_another_one_with_that_key_takes_what_they_have_in_common(interrupted):
     with kept_results("key", False, interrupted.said.append) as keep:
         assert list(keep(serial)(interrupted.square, [(k,) for k in (7, 5, 0)])) == [49, 25, 0]
     assert interrupted.computed == [7]
-    assert interrupted.said[-1] == "takes what an earlier one has in common: 6 results are kept"
+    assert interrupted.said[-1] == "6 results are kept: none is computed again"
 
 
 @pytest.mark.parametrize("changed", [{"key": "another"}, {"anew": True}])
