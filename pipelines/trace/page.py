@@ -220,11 +220,10 @@ def _values(parameters: Mapping[str, float], names: Sequence[str]) -> tuple[str,
 
 
 def _parameters(found: Trace) -> Table:
-    """Those of the declared model and, if the trace changed it, of the last one."""
-    estimates = found.estimates
-    models = {BEFORE: estimates.before, AFTER: estimates.after}
-    if not (found.accepted or found.narrowed):
-        del models[AFTER]
+    """Those of the declared model and, if something was added to it, of the last one."""
+    models = {BEFORE: found.estimates.before}
+    if found.accepted:
+        models[AFTER] = found.estimates.after
     rows = []
     for name in dict.fromkeys(name for of in models.values() for name in of):
         unit = next(of[name].unit for of in models.values() if name in of)
