@@ -54,6 +54,7 @@ FORMS: Mapping[str, str] = {
     "signed_square_of_velocity": "quadratic_drag",
     "stribeck_of_velocity": "stribeck",
     "peak_of_velocity": "eddy_brake",
+    "square_beyond_gap_of_velocity": "centrifugal_brake",
     "proportional_of_position": "linear_stiffness",
     "shifted_of_position": "preloaded_spring",
     "cube_of_position": "cubic_stiffness",

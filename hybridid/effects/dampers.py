@@ -1,10 +1,10 @@
-"""Dampers whose force is no straight line over the velocity, or whose coefficient depends on position."""
+"""Dampers and brakes whose force is no straight line over the velocity, or depends on position."""
 
 from __future__ import annotations
 
 import casadi as ca
 
-from hybridid.effects.dimension import DAMPING, EFFORT, VELOCITY, Dimension
+from hybridid.effects.dimension import DAMPING, DRAG, EFFORT, VELOCITY, VELOCITY_SQUARED, Dimension
 from hybridid.effects.effect import Effect, EffectParameter, Local
 from hybridid.effects.smooth import dead_zone
 
@@ -40,6 +40,49 @@ EDDY_BRAKE = Effect(
     separating_experiment=(
         "constant-velocity runs from a tenth to ten times the critical velocity, with the magnet on and off:"
         " the effort rises in proportion, and falls again"
+    ),
+)
+
+CENTRIFUGAL_BRAKE = Effect(
+    id="centrifugal_brake",
+    kind="effort",
+    title="centrifugal brake",
+    equation="F = k (v² - v_0²) sign(v) where |v| > v_0, else 0",
+    law=lambda at: at.p.k * dead_zone(at.velocity * at.speed, at.p.v_0**2, at.p.width),
+    parameters=(
+        EffectParameter(
+            "k", DRAG, "braking effort over the square of the velocity", guess=0.1, lower=0.0, nests=True
+        ),
+        EffectParameter(
+            "v_0",
+            VELOCITY,
+            "velocity at which the shoes touch",
+            guess=0.5,
+            lower=0.02,
+            upper=10.0,
+            starts=(0.1, 2.0),
+        ),
+        EffectParameter(
+            "width",
+            VELOCITY_SQUARED,
+            "rounding of the velocity squared where the shoes touch",
+            guess=1e-3,
+            lower=0.0,
+            fixed=True,
+        ),
+    ),
+    source=(
+        "shoes that springs hold until their centrifugal force exceeds the preload: Khurmi, Gupta (2005), A "
+        "Textbook of Machine Design, 14th ed., ch. 24 (centrifugal clutch)"
+    ),
+    pattern=(
+        "nothing up to one speed, alike in both directions, and steeper than in proportion beyond it; "
+        "quadratic drag acts at every speed"
+    ),
+    look_alikes=("quadratic_drag", "viscous", "blow_off_valve"),
+    separating_experiment=(
+        "coasting from the highest speed allowed: the deceleration falls with the speed squared, and changes "
+        "no more below the speed at which the shoes lift off"
     ),
 )
 

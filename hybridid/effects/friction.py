@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from hybridid.effects.dimension import DAMPING, EFFORT, VELOCITY, Dimension
+from hybridid.effects.dimension import DAMPING, DRAG, EFFORT, VELOCITY
 from hybridid.effects.effect import Effect, EffectParameter
-
-DRAG = Dimension(effort=1, position=-2, time=2)
 
 _ARMSTRONG = "Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), Automatica 30(7), 1083-1138"
 
@@ -144,7 +142,7 @@ QUADRATIC_DRAG = Effect(
     ),
     source="Batchelor (1967), An Introduction to Fluid Dynamics, sec. 5.11",
     pattern="odd in velocity and growing with its square",
-    look_alikes=("viscous", "coulomb", "stribeck", "eddy_brake", "back_emf_limit"),
+    look_alikes=("viscous", "coulomb", "stribeck", "eddy_brake", "centrifugal_brake", "back_emf_limit"),
     separating_experiment=(
         "constant-velocity runs up to the highest speed allowed: effort over speed squared is a straight "
         "line there, where viscous friction is left behind"

@@ -59,6 +59,7 @@ EFFECTS: tuple[Effect, ...] = (
     varying_friction.WARMING_FRICTION,
     varying_friction.ASYMMETRIC_DAMPER,
     dampers.EDDY_BRAKE,
+    dampers.CENTRIFUGAL_BRAKE,
     dampers.POSITION_DAMPING,
     dampers.BLOW_OFF_VALVE,
     disturbance.COGGING,

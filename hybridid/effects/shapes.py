@@ -7,7 +7,8 @@ Control Systems, ch. 3 (orifices); Johnson (1985), Contact Mechanics, ch. 4, and
 Roller Bearing Engineering (powers: 3/2 of the depth of a contact, 2/3 of the speed of a bearing); Wouterse
 (1991), IEE Proc. B 138(4) (eddy-current brake); Isermann (2005), Mechatronic Systems, ch. 6 (limits,
 backlash, saturation); Fung (1993), Biomechanics, ch. 7 (a stiffness that grows with the force); Tustin
-(1947), J. IEE 94(2A), 143-151 (friction that falls with exp(-|v|/s)).
+(1947), J. IEE 94(2A), 143-151 (friction that falls with exp(-|v|/s));
+Khurmi, Gupta (2005), A Textbook of Machine Design, ch. 24 (centrifugal clutch: square beyond a gap).
 """
 
 from __future__ import annotations
@@ -145,6 +146,11 @@ SHAPES = (
     Shape(
         "beyond_gap", "k ({x} - clip({x}, -s, s))", 1, {"s": "width"},
         lambda at, p: p.k * (at.x - ca.fmin(ca.fmax(at.x, -p.s), p.s)), ("velocity", *PLACES, *EFFORTS),
+    ),
+    Shape(
+        "square_beyond_gap", "k ({x} |{x}| - clip({x} |{x}|, -s², s²))", 2, {"s": "width"},
+        lambda at, p: p.k * (at.x * at.size - ca.fmin(ca.fmax(at.x * at.size, -(p.s**2)), p.s**2)),
+        ("velocity",),
     ),
     Shape(
         "saturating", "k tanh({x}/s)", 0, {"s": "width"}, lambda at, p: p.k * ca.tanh(at.x / p.s),

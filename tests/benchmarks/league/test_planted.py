@@ -162,6 +162,7 @@ def test_every_effect_of_the_library_that_a_rig_can_hide_is_hidden():
         "thermal_radiation",
         "falling_supply",
         "cyclic_inertia",
+        "centrifugal_brake",
         "detent",
         "back_emf_limit",
         "varying_force_factor",

@@ -51,6 +51,7 @@ PROMISED = [
     "eddy_brake",
     "position_damping",
     "blow_off_valve",
+    "centrifugal_brake",
     "varying_inertia",
     "cyclic_inertia",
     "overflow",
@@ -217,7 +218,7 @@ def test_a_fit_can_leave_zero_amplitude(bench, effect):
         seen["position"] = 0.017
     if effect.id == "friction_beyond_gap":
         seen["position"] = 0.5
-    if effect.id == "blow_off_valve":
+    if effect.id in ("blow_off_valve", "centrifugal_brake"):
         seen["velocity"] = -2.0
     slopes = at_port.slopes(z=[0.3] * len(effect.states), p=zero, **seen)[0]
     offset = at_port.n_seen + len(effect.states)
@@ -265,6 +266,7 @@ def test_shape_parameters_that_many_valleys_await_have_several_starts():
         "load_stribeck": "v_s",
         "eddy_brake": "v_c",
         "blow_off_valve": "v_b",
+        "centrifugal_brake": "v_0",
         "warming_friction": "tau",
         "friction_behind_play": "g",
     }

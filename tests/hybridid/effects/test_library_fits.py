@@ -32,6 +32,7 @@ PLANTED = {
     "wheel_lift_off": {"d": 0.01},
     "input_saturation": {"inverse_limit": 1 / 60},
     "blow_off_valve": {"dc": 100.0, "v_b": 0.03},
+    "centrifugal_brake": {"k": 2000.0, "v_0": 0.03},
     "varying_inertia": {"m_1": 150.0, "m_2": 3000.0},
     "detent": {"F_d": 5.0, "q_0": 0.01, "w": 0.005},
     "friction_beyond_gap": {"f_c": 5.0, "g": 0.01},

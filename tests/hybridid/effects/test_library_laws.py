@@ -54,7 +54,7 @@ LOADED = ("load_friction", "load_stribeck", "two_sided_load_friction", "input_sc
 ODD_IN_VELOCITY = (
     *("viscous", "coulomb", "stribeck", "quadratic_drag", "position_friction", "friction_drift"),
     *("friction_beyond_gap", "cyclic_friction"),
-    *("eddy_brake", "position_damping", "blow_off_valve"),
+    *("eddy_brake", "position_damping", "blow_off_valve", "centrifugal_brake"),
     *LOADED,
 )
 CARRIED = {"drive": 2.0, "load": 3.5, "level": 0.7}

@@ -57,6 +57,13 @@ def test_damping_changes_with_position_and_beyond_the_blow_off(bench):
     assert valve.law(velocity=-0.5) == pytest.approx(30 * 0.3, rel=1e-4)
 
 
+def test_a_centrifugal_brake_acts_from_the_speed_at_which_its_shoes_touch(bench):
+    brake = bench("centrifugal_brake", k=30.0, v_0=0.2)
+    assert brake.law(velocity=0.15) == pytest.approx(0.0, abs=1e-3)
+    assert brake.law(velocity=0.5) == pytest.approx(30 * (0.5**2 - 0.2**2), rel=1e-3)
+    assert brake.law(velocity=-0.5) == pytest.approx(-30 * (0.5**2 - 0.2**2), rel=1e-3)
+
+
 def test_warmth_is_the_mean_speed_of_late(bench):
     """Up at constant speed, down in a pause, both with tau."""
     b, tau, v = 3.0, 0.5, 0.4

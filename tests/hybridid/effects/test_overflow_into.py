@@ -16,12 +16,12 @@ from hybridid.effects.effect import Effect, EffectParameter
 from hybridid.effects.library import effect_named
 from hybridid.model import compose
 from hybridid.trace.candidates import Candidate, admissible
-from hybridid.trace.judgement import undetermined
-from hybridid.trace.refit import refit
-from hybridid.trace.refitted import Refit
+from hybridid.trace.horizons.split import Split
+from hybridid.trace.refits.refit import refit
+from hybridid.trace.refits.refitted import Refit
 from hybridid.trace.rules import Rules
-from hybridid.trace.split import Split
-from hybridid.trace.trial import Trial, attempt
+from hybridid.trace.trials.judgement import undetermined
+from hybridid.trace.trials.trial import Trial, attempt
 
 INTO = "upper+lower.overflow_into"
 
